@@ -16,7 +16,7 @@ from calibsolver.formats import ExportSource, mrcal, reading
 from calibsolver.formats.grid import grid
 from infra.web_build.operation_texts import EXAMPLE_FILE
 from tests.helpers.data import data_dir, external_data
-from tests.helpers.service.client import TOKEN, Answer, Client, Truth
+from tests.helpers.service.client import BRIEF, TOKEN, Answer, Client, Truth
 
 NEED_CORNERS = {"corners-vnl"}
 
@@ -127,7 +127,7 @@ def test_corners_alone_are_no_camera(client: Client) -> None:
 @pytest.mark.parametrize("form", ["photonvision", "mrcal", "corners-vnl"])
 def test_exported_corners_come_back(client: Client, form: str, seed: int) -> None:
     """Round trips: a capture, a file of its corners, a session of them without a complaint."""
-    state = Truth(seed=20 + seed).calibrate(client)
+    state = Truth(seed=20 + seed).calibrate(client, **BRIEF)
     where = f"/v1/calibrations/{state['calibration_id']}"
     content = client.call("GET", where, token=TOKEN, query=f"format={form}").body.decode()
     if form == "mrcal":

@@ -10,13 +10,13 @@ from calibdb.errors import ConflictError, UnavailableError
 from calibdb.http import call as calls
 from calibdb.http.call import Call
 from infra.local import LocalStack
-from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
+from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.rigs import RigTruth
 
 
 @pytest.fixture(scope="module")
 def calibration(stack: LocalStack) -> str:
-    found: str = Truth(seed=1).calibrate(Client(stack))["calibration_id"]
+    found: str = Truth(seed=1).calibrate(Client(stack), **BRIEF)["calibration_id"]
     return found
 
 

@@ -1,10 +1,14 @@
 """A killed server loses nothing that it has acknowledged, and what it keeps is consistent."""
 
+import logging
+import signal
 import stat
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import redirect_stderr
 from dataclasses import dataclass, field
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +17,9 @@ import httpx
 import pytest
 
 from infra.local import LocalStack
+from infra.local.process import main
+from infra.local.server import PortInUseError
+from tests.helpers.service.client import Client
 from tests.helpers.stack.processes import LocalProcess
 
 TOKEN = {"authorization": "Bearer cdb_dev_local"}
@@ -54,14 +61,13 @@ def write_until_cut_off(url: str, ledger: Ledger, worker: int) -> None:
                 ledger.cut_off += 1
 
 
-def dangling_pointers(data_dir: Path) -> tuple[int, list[str]]:
+def dangling_pointers(stack: LocalStack) -> tuple[int, list[str]]:
     """Number of running sessions in the index, and those that point to no object."""
-    with LocalStack(data_dir) as stack:
-        table, bucket = stack.environment["TABLE_NAME"], stack.environment["BUCKET_NAME"]
-        pages = boto3.client("dynamodb").get_paginator("scan").paginate(TableName=table)
-        items = [item for page in pages for item in page["Items"]]
-        listed = boto3.client("s3").get_paginator("list_objects_v2").paginate(Bucket=bucket)
-        objects = {entry["Key"] for page in listed for entry in page.get("Contents", [])}
+    table, bucket = stack.environment["TABLE_NAME"], stack.environment["BUCKET_NAME"]
+    pages = boto3.client("dynamodb").get_paginator("scan").paginate(TableName=table)
+    items = [item for page in pages for item in page["Items"]]
+    listed = boto3.client("s3").get_paginator("list_objects_v2").paginate(Bucket=bucket)
+    objects = {entry["Key"] for page in listed for entry in page.get("Contents", [])}
     pointers = [
         f"sessions/{item['pk']['S'].removeprefix('SESSION#')}/{item['version']['N']}.json"
         for item in items
@@ -70,57 +76,132 @@ def dangling_pointers(data_dir: Path) -> tuple[int, list[str]]:
     return len(pointers), [pointer for pointer in pointers if pointer not in objects]
 
 
-def test_kill_while_writing_loses_no_acknowledged_write(tmp_path: Path) -> None:
-    data_dir = tmp_path / "data"
+def rotate_until_cut_off(url: str, acknowledged: dict[str, Any], *, used: bool) -> None:
+    with httpx.Client(base_url=url, timeout=60) as client:
+        made = client.post("/v1/tokens", json={"origins": ["http://localhost"]}).raise_for_status().json()
+        acknowledged |= {"token": made["token"], "managing": made["management_token"], "secrets": 1}
+        managing = {"authorization": f"Bearer {made['management_token']}"}
+        acknowledged["expires"] = made["expires"]
+        if used:
+            headers = {"authorization": f"Bearer {made['token']}"}
+            client.get("/v1/usage", headers=headers).raise_for_status()
+            acknowledged["expires"] = None
+        try:
+            for number in range(1_000):
+                rotated = client.post("/v1/tokens/self/rotate", headers=managing, json={"grace_s": 600})
+                acknowledged["token"] = rotated.raise_for_status().json()["token"]
+                acknowledged["secrets"] += 1
+                named = client.patch("/v1/tokens/self", headers=managing, json={"name": f"{number}"})
+                acknowledged["name"] = named.raise_for_status().json()["name"]
+        except httpx.TransportError:
+            acknowledged["cut off"] = True
+
+
+@dataclass
+class Killed:
+    """Folder of a server that was killed, and what clients had heard from it."""
+
+    data_dir: Path
+    ledger: Ledger
+    tokens: list[dict[str, Any]]
+
+
+def are_enough(tokens: list[dict[str, Any]]) -> bool:
+    """Whether every token was rotated and named, and all of them often."""
+    return all("name" in token for token in tokens) and sum(token["secrets"] for token in tokens) >= 24
+
+
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory: pytest.TempPathFactory) -> Killed:
+    """Kill a server while clients write sessions and tokens."""
+    data_dir = tmp_path_factory.mktemp("killed") / "data"
     ledger = Ledger()
-    with LocalProcess(data_dir) as server, ThreadPoolExecutor(4) as pool:
+    tokens: list[dict[str, Any]] = [{} for _ in range(4)]
+    with LocalProcess(data_dir) as server, ThreadPoolExecutor(8) as pool:
         workers = [pool.submit(write_until_cut_off, server.url, ledger, worker) for worker in range(4)]
-        while ledger.acknowledged < 150:
+        workers += [
+            pool.submit(rotate_until_cut_off, server.url, token, used=n % 2 == 0)
+            for n, token in enumerate(tokens)
+        ]
+        while ledger.acknowledged < 60 or not are_enough(tokens):
             time.sleep(0.005)
             for worker in workers:
                 assert not worker.done(), worker.result()
         server.kill()
         for worker in workers:
             worker.result(120)
+    return Killed(data_dir, ledger, tokens)
+
+
+def test_kill_while_writing_loses_no_acknowledged_write(killed: Killed) -> None:
+    ledger = killed.ledger
     assert ledger.cut_off == 4, "every client was in the middle of something"
-    assert ledger.acknowledged >= 150
-    assert len(ledger.forgotten) >= 15
+    assert ledger.acknowledged >= 60
+    assert len(ledger.forgotten) >= 6
 
-    with LocalProcess(data_dir) as server, httpx.Client(base_url=server.url) as client:
+    with LocalStack(killed.data_dir) as stack:
         for session, state in ledger.started.items():
-            found = client.get("/v1/session", headers={"authorization": f"Bearer {session}"})
+            found = Client(stack, session).call("GET", "/v1/session")
             if session in ledger.forgotten:
-                assert found.status_code == 404
-            elif session not in ledger.doubtful or found.status_code != 404:
-                assert (found.status_code, found.json()) == (200, state)
-        assert server.stop() == 0
-
-    running, dangling = dangling_pointers(data_dir)
+                assert found.status == 404
+            elif session not in ledger.doubtful or found.status != 404:
+                assert (found.status, found.json) == (200, state)
+        running, dangling = dangling_pointers(stack)
     assert running >= len(ledger.started) - len(ledger.doubtful)
     assert dangling == []
+
+
+def test_acknowledged_secrets_open_after_a_kill(killed: Killed) -> None:
+    assert all(token["cut off"] for token in killed.tokens)
+    with LocalStack(killed.data_dir) as stack:
+        client = Client(stack)
+        for token in killed.tokens:
+            managing = token["managing"]
+            facts = client.call("GET", "/v1/tokens/self", token=managing).json
+            assert facts["expires"] == token["expires"], "of an unused token alone"
+            assert sum(day["lookups"] for day in facts["use"]["days"]) == (token["expires"] is None)
+            assert client.call("GET", "/v1/usage", token=token["token"]).status == 200
+            assert int(facts["name"]) in {int(token["name"]), int(token["name"]) + 1}
+            assert client.call("DELETE", "/v1/tokens/self", token=managing).status == 204
+        refused = [
+            client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}, token="") for _ in range(2)
+        ]
+        assert [answer.status for answer in refused] == [201, 429]  # the day's five were counted
+
+
+def refusal(data_dir: Path) -> str:
+    """Words of `python -m infra.local` where it does not start."""
+    with pytest.MonkeyPatch.context() as patch, redirect_stderr(StringIO()) as said:
+        patch.setenv("DATA_DIR", str(data_dir))
+        patch.setenv("PORT", "0")
+        patch.setattr(logging.getLogger("infra"), "level", logging.INFO)  # what it sets passes
+        patch.setattr(signal, "signal", lambda *_: None)
+        assert main() == 1
+    return said.getvalue()
 
 
 def test_restart_keeps_sessions_and_excludes_a_second_process(tmp_path: Path) -> None:
     data_dir = tmp_path / "data"
     with LocalProcess(data_dir) as first, httpx.Client(base_url=first.url) as client:
         session = client.post("/v1/auth", headers=TOKEN).json()["session_id"]
-        port = first.url.rpartition(":")[2]
-        with pytest.raises(RuntimeError, match=r"journal\.sqlite is in use by another process"):
-            LocalProcess(data_dir).__enter__()
-        with pytest.raises(RuntimeError, match=f"port {port} cannot be used"):
-            LocalProcess(tmp_path / "other", {"PORT": port}).__enter__()
-        assert first.stop() == 0
-    assert stat.S_IMODE((data_dir / "secrets.json").stat().st_mode) == 0o600
-    secrets = (data_dir / "secrets.json").read_text()
-    with LocalProcess(data_dir) as second:
         credential = {"authorization": f"Bearer {session}"}
         body = {"camera": "C", "platform": "Linux", "img_size": [640, 480]}
-        assert httpx.post(f"{second.url}/v1/session", headers=credential, json=body).status_code == 201
-        assert second.stop() == 0  # a request is logged after it is answered
-        log = second.log.read_text()
+        started = client.post("/v1/session", headers=credential, json=body)
+        assert started.status_code == 201
+        port = first.url.rpartition(":")[2]
+        assert "journal.sqlite is in use by another process" in refusal(data_dir)
+        with pytest.raises(PortInUseError, match=f"port {port} cannot be used"):
+            LocalStack(port=int(port)).__enter__()
+        assert first.stop() == 0  # a request is logged after it is answered
+        log = first.log.read_text()
+    assert stat.S_IMODE((data_dir / "secrets.json").stat().st_mode) == 0o600
+    secrets = (data_dir / "secrets.json").read_text()
     assert "cdb_dev_local" not in log
+    assert session not in log
     assert not [secret for secret in secrets.split('"') if len(secret) >= 32 and secret in log]
     assert "POST /v1/session 201" in log
+    with LocalStack(data_dir) as second:
+        assert Client(second, session).state() == started.json()
 
 
 def test_full_disk_refuses_writes_and_serves_reads(tmp_path: Path) -> None:
@@ -144,8 +225,8 @@ def test_full_disk_refuses_writes_and_serves_reads(tmp_path: Path) -> None:
         for session, state in kept.items():
             found = client.get("/v1/session", headers={"authorization": f"Bearer {session}"})
             assert (found.status_code, found.json()) == (200, state)
-    with LocalProcess(data_dir) as server, httpx.Client(base_url=server.url) as client:
+    with LocalStack(data_dir) as stack:
         for session, state in kept.items():
-            found = client.get("/v1/session", headers={"authorization": f"Bearer {session}"})
-            assert (found.status_code, found.json()) == (200, state)
-    assert dangling_pointers(data_dir) == (len(kept), [])
+            found = Client(stack, session).call("GET", "/v1/session")
+            assert (found.status, found.json) == (200, state)
+        assert dangling_pointers(stack) == (len(kept), [])

@@ -1,6 +1,6 @@
 """Random histories, cut off at any time: the edge answers byte for byte as a lookup does, or not.
 
-`CALIBDB_HISTORIES` random histories (4 unless told otherwise), half of them cut off by a crash.
+`CALIBDB_HISTORIES` random histories (4 shorter ones unless told otherwise), half of them cut off by a crash.
 """
 
 import os
@@ -13,7 +13,7 @@ from tests.helpers.service.edge import aliases, differences, killed_after, let_l
 from tests.helpers.service.histories import QUESTIONS, History, history
 
 HISTORIES = int(os.environ.get("CALIBDB_HISTORIES", "4"))
-STEPS = 10
+STEPS = 10 if HISTORIES > 4 else 6
 MAX_STEPS = 60
 """Steps after which a history without a single answer at the edge would prove nothing."""
 

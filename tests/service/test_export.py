@@ -10,12 +10,12 @@ from calibdb.schema import FORMATS
 from calibsolver import Camera, formats
 from calibsolver.formats.reading import read
 from infra.local import LocalStack
-from tests.helpers.service.client import TOKEN, Client, Truth
+from tests.helpers.service.client import BRIEF, TOKEN, Client, Truth
 
 
 @pytest.fixture(scope="module")
 def calibration(stack: LocalStack) -> str:
-    name: str = Truth(seed=3).calibrate(Client(stack))["calibration_id"]
+    name: str = Truth(seed=3).calibrate(Client(stack), **BRIEF)["calibration_id"]
     return name
 
 

@@ -20,7 +20,7 @@ from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store, clients
 from infra.local import LocalStack
-from tests.helpers.service.client import TOKEN, Answer, Client, Truth
+from tests.helpers.service.client import BRIEF, TOKEN, Answer, Client, Truth
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
 from tests.helpers.stack import faults
 
@@ -59,7 +59,7 @@ class Stubborn(Client):
 
 def capture(client: Client, truth: Truth, camera: str) -> tuple[Any, dict[int, int]]:
     """Run a capture; return its last state, and how many points each acknowledged view has."""
-    assert client.open(camera=camera, platform=PLATFORM).status == 201
+    assert client.open(camera=camera, platform=PLATFORM, **BRIEF).status == 201
     acknowledged: dict[int, int] = {}
     for _ in range(12):
         pose = client.pose().json

@@ -11,7 +11,7 @@ from infra.local import LocalStack
 from infra.ops import withdrawal
 from infra.ops.__main__ import main
 from infra.ops.context import OpsContext
-from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
+from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth, until
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
 
 
@@ -38,7 +38,7 @@ def test_forgetting_covers_revoked_tokens(
         store(stack).refit.now(asked(mode_of(others)))
         before = stored(stack)
         client = Client(stack, api_token=token)
-        Truth().calibrate(client)
+        Truth().calibrate(client, **BRIEF)
         until(lambda: client.lookup(redirect=False).json["reason"] == "too_few")
         assert client.open(camera="Never finished").status == 201
         assert client.view(client.pose().json["index"], *Truth().see(client.pose().json)).json["accepted"]
@@ -95,7 +95,7 @@ def test_receipt_of_the_browser_forgets_the_contributor(
     monkeypatch.setenv("DATA_DIR", str(folder))
     with LocalStack(folder) as stack:
         client = Client(stack)
-        mine = Truth().calibrate(client)["calibration_id"]
+        mine = Truth().calibrate(client, **BRIEF)["calibration_id"]
         receipt = client.session_id
         others = calibration("Another's camera Z77", 0)
         store(stack).calibrations.publish(others)

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -25,10 +26,27 @@ import sys, time
 sys.path[:0] = {paths}
 start = time.process_time()
 import app
-took = time.process_time() - start
-import json
-print(json.dumps([took, callable(app.handler), sorted(sys.modules), sorted(sys.path)]))
+print(time.process_time() - start)
 """
+#: the modules of each function in a fork of its own, made when what they share is loaded
+FORKING = """
+import importlib, json, os, sys
+sys.path[:0] = {layers}
+for name in {shared}:
+    importlib.import_module(name)
+for folder in {folders}:
+    sys.stdout.flush()
+    child = os.fork()
+    if not child:
+        sys.path.insert(0, folder)
+        import app
+        print(json.dumps([callable(app.handler), sorted(sys.modules), sorted(sys.path)]), flush=True)
+        os._exit(0)
+    if os.waitpid(child, 0)[1]:
+        sys.exit(folder)
+"""
+#: where compiled modules are kept: isolated, an interpreter does not hear of it from the environment
+COMPILED = ("-X", f"pycache_prefix={sys.pycache_prefix}") if sys.pycache_prefix else ()
 #: what answers anything needs: requests, schemas, storage; idna where an address is written in Unicode
 SERVED = {
     *("annotated_types", "anyio", "botocore", "calibdb", "dateutil", "idna", "itsdangerous", "jmespath"),
@@ -36,6 +54,9 @@ SERVED = {
     "urllib3",
 }
 COMPUTED = SERVED | {"calibsolver", "cv2", "numpy"}
+#: of our own code, with what it needs: what takes long to load and nearly all functions use
+SHARED = ("calibdb.http.application", "calibdb.service")
+SHARED_COMPUTED = (*SHARED, "calibsolver.fitting")
 #: parts of what is used that only tests, pages, other protocols or other functions have a use for
 UNUSED = (
     *("boto3", "numpy.f2py", "numpy.testing", "pydantic.v1", "starlette.staticfiles"),
@@ -53,9 +74,8 @@ ELSEWHERE = {
 
 @dataclass(frozen=True)
 class Imported:
-    """CPU seconds of an import, and all modules that are loaded after it."""
+    """State that an import left: all modules that are loaded after it, and the path."""
 
-    took: float
     callable: bool
     modules: frozenset[str]
     path: tuple[str, ...]
@@ -111,22 +131,36 @@ def layers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return link_layers(tmp_path_factory.mktemp("layers"))
 
 
-def imported(function: str, layers: dict[str, Path]) -> Imported:
+def run(script: str) -> list[Any]:
+    """Run a script by an interpreter without site-packages; return what its lines of JSON say."""
+    command = [sys.executable, "-I", "-S", *COMPILED, "-c", script]
+    done = subprocess.run(command, capture_output=True, check=False, text=True)
+    assert done.returncode == 0, done.stderr
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def import_time(function: str, layers: dict[str, Path]) -> float:
+    """CPU seconds that the import of a handler takes in an interpreter of its own."""
     paths = [str(ROOT / "functions" / function), *(str(layers[layer]) for layer in deployed()[function])]
-    run = subprocess.run(
-        [sys.executable, "-I", "-S", "-c", SCRIPT.format(paths=paths)],
-        capture_output=True,
-        check=False,
-        text=True,
-    )
-    assert run.returncode == 0, (function, run.stderr)
-    took, is_callable, modules, path = json.loads(run.stdout)
-    return Imported(took, is_callable, frozenset(modules), tuple(path))
+    (took,) = run(SCRIPT.format(paths=paths))
+    return float(took)
 
 
 @pytest.fixture(scope="module")
 def all_imported(layers: dict[str, Path]) -> dict[str, Imported]:
-    return {function: imported(function, layers) for function in deployed()}
+    found: dict[str, Imported] = {}
+    alike: dict[tuple[tuple[str, ...], bool], list[str]] = {}
+    for function, needed in deployed().items():
+        alike.setdefault((needed, function in ELSEWHERE), []).append(function)
+    for (needed, computing), functions in alike.items():
+        script = FORKING.format(
+            layers=[str(layers[layer]) for layer in needed],
+            shared=SHARED_COMPUTED if computing else SHARED,
+            folders=[str(ROOT / "functions" / function) for function in functions],
+        )
+        for function, (is_callable, modules, path) in zip(functions, run(script), strict=True):
+            found[function] = Imported(is_callable, frozenset(modules), tuple(path))
+    return found
 
 
 def test_every_handler_loads_with_its_own_layers_alone(all_imported: dict[str, Imported]) -> None:

@@ -1,6 +1,6 @@
 """kill -9 while captures end: afterwards all of a calibration is there or nothing, and a retry completes it.
 
-`CALIBDB_KILLS` says at how many moments; 6 unless told otherwise.
+`CALIBDB_KILLS` says at how many moments; 3 unless told otherwise.
 """
 
 import os
@@ -9,7 +9,7 @@ import threading
 import time
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor, wait
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +21,15 @@ from calibdb import schema
 from infra.local import LocalStack
 from infra.local.invokes import INVOKE
 from infra.ops.__main__ import main
-from tests.helpers.service.client import CAMERA, Client, Truth, until
+from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth, until
 from tests.helpers.service.published import store
 from tests.helpers.stack.processes import LocalProcess
 
-AT_ONCE = 6  # captures that end when the server is killed: each is cut off at a moment of its own
-KILLS = max(1, int(os.environ.get("CALIBDB_KILLS", "6")) // AT_ONCE)
+MOMENTS = int(os.environ.get("CALIBDB_KILLS", "3"))
+AT_ONCE = min(
+    6, MOMENTS
+)  # captures that end when the server is killed: each is cut off at a moment of its own
+KILLS = MOMENTS // AT_ONCE
 TOKEN = {"authorization": "Bearer cdb_dev_local"}
 Views = list[dict[str, Any]]
 
@@ -36,7 +39,7 @@ def capture() -> Views:
     views: Views = []
     with LocalStack() as stack:
         client, truth = Client(stack), Truth(seed=3)
-        client.open()
+        client.open(**BRIEF)
         while True:
             pose = client.pose().json
             ids, points = truth.see(pose)
@@ -50,7 +53,7 @@ def capture() -> Views:
 def begin(client: httpx.Client, views: Views, camera: str) -> str:
     """A session that lacks its last view."""
     session = str(client.post("/v1/auth", headers=TOKEN).json()["session_id"])
-    assert send(client, session, "/v1/session", {**CAMERA, "camera": camera}).status_code == 201
+    assert send(client, session, "/v1/session", {**CAMERA, **BRIEF, "camera": camera}).status_code == 201
     for view in views[:-1]:
         answer = send(client, session, "/v1/session/views", view)
         assert answer.json()["accepted"], answer.text
@@ -118,10 +121,13 @@ def test_kill_while_finishing_is_completed_by_a_retry(
             assert main(["reindex"]) == 0
             files, indexed, behind = at_rest(data_dir)
             assert files == indexed == behind, "in the bucket, in the index, in the consensus: all or nothing"
-        with (
-            LocalProcess(data_dir) as server,
-            httpx.Client(base_url=server.url, timeout=60) as client,
-        ):
+        with ExitStack() as opened:
+            if number < KILLS:
+                server = opened.enter_context(LocalProcess(data_dir))
+                url = server.url
+            else:  # it is killed no more
+                url = opened.enter_context(opened.enter_context(LocalStack(data_dir)).serve())
+            client = opened.enter_context(httpx.Client(base_url=url, timeout=60))
             for session in cut:
                 headers = {"authorization": f"Bearer {session}"}
                 state = client.get("/v1/session", headers=headers).json()

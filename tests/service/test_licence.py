@@ -6,7 +6,7 @@ import boto3
 import pytest
 
 from calibdb.schema import CalibrationDocument, SessionDocument
-from tests.helpers.service.client import CAMERA, Client, Truth
+from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
 from tests.helpers.service.published import calibration, store
 
 CONSENT = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
@@ -29,7 +29,7 @@ def test_consent_to_something_else_is_refused(client: Client, said: dict[str, An
 
 
 def test_licence_is_stored_with_session_calibration_and_export(client: Client) -> None:
-    ended = Truth(seed=3).calibrate(client, camera="Licensed Z1", **CONSENT)
+    ended = Truth(seed=3).calibrate(client, camera="Licensed Z1", **BRIEF, **CONSENT)
     assert {name: ended[name] for name in CONSENT} == CONSENT
     bucket = client.stack.environment["BUCKET_NAME"]
     prefix = f"sessions/{session_of(client, 'Licensed Z1')}/"

@@ -16,7 +16,7 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
 from tests.helpers.data import available, corner_set
-from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
+from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth, until
 from tests.helpers.service.storage_calls import storage_calls
 
 
@@ -198,7 +198,7 @@ def test_concurrent_captures_all_count(stack: LocalStack) -> None:
     """Every capture asks for the consensus; whichever computation comes last, it considered all of them."""
 
     def run(seed: int) -> Any:
-        return Truth(seed=seed).calibrate(Client(stack), camera="Camera of six at once")
+        return Truth(seed=seed).calibrate(Client(stack), camera="Camera of six at once", **BRIEF)
 
     with ThreadPoolExecutor(6) as pool:
         states = list(pool.map(run, range(6)))
@@ -212,7 +212,7 @@ def test_without_agreement_there_is_no_answer(stack: LocalStack) -> None:
     """Five captures under one label with lenses of five focal lengths: nothing to rely on."""
     for n in range(5):
         truth = Truth(fx=700.0 + 150 * n, fy=700.0 + 150 * n, seed=n)
-        state = truth.calibrate(Client(stack), camera="One label, five lenses")
+        state = truth.calibrate(Client(stack), camera="One label, five lenses", **BRIEF)
         published(stack, state["calibration_id"], n + 1)
     answer = Client(stack).lookup(camera="One label, five lenses")
     assert (answer.status, answer.json["reason"]) == (307, "disagree")

@@ -9,7 +9,7 @@ import pytest
 from calibdb.http.metrics import UNITS, document
 from infra.local import LocalStack
 from tests.helpers.data import ROOT
-from tests.helpers.service.client import CAMERA, Client, Truth
+from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
 
 PLATFORM = "X11; Linux x86_64"
 
@@ -34,7 +34,7 @@ def test_a_capture_and_lookups(
 ) -> None:
     monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
     client = Client(stack)
-    state = Truth(seed=3).calibrate(client, camera="Counted")
+    state = Truth(seed=3).calibrate(client, camera="Counted", **BRIEF)
     assert client.lookup(camera="Never seen", redirect=False).status == 404
     assert client.lookup(camera="Never seen").status == 307
     lines = counted(capsys)

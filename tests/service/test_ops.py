@@ -15,7 +15,7 @@ import pytest
 from calibdb.schema import DISTORTION_MODELS
 from infra.local import LocalStack
 from infra.ops.__main__ import main
-from tests.helpers.service.client import Client, Truth, until
+from tests.helpers.service.client import BRIEF, Client, Truth, until
 from tests.helpers.service.index_items import items, remove
 from tests.helpers.service.published import asked, calibration, mode_of, store
 
@@ -26,7 +26,7 @@ def data_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("ops") / "data"
     with LocalStack(folder) as stack:
         for seed in range(3):
-            Truth(seed=seed).calibrate(Client(stack))
+            Truth(seed=seed).calibrate(Client(stack), **BRIEF)
     return folder
 
 
@@ -261,12 +261,12 @@ def test_forgotten_contributor_leaves_nothing(
     assert main(["token", "create", "--plan", "development"]) == 0
     other = capsys.readouterr().out.strip()
     with LocalStack(tmp_path / "data") as stack:
-        Truth(seed=1).calibrate(Client(stack))
+        Truth(seed=1).calibrate(Client(stack), **BRIEF)
         until(lambda: totals(stack) == {1})
     with LocalStack(tmp_path / "data") as stack:  # all that was queued is done
         before = items(stack)
         kept = objects(stack)
-        Truth(seed=2).calibrate(Client(stack, api_token=other))
+        Truth(seed=2).calibrate(Client(stack, api_token=other), **BRIEF)
         until(lambda: totals(stack) == {2})
     assert main(["contributor", "forget", "--address", "192.0.2.77"]) == 1
     assert "nothing came from there" in capsys.readouterr().err

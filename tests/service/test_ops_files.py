@@ -19,7 +19,7 @@ from infra.local import LocalStack
 from infra.ops.__main__ import main
 from tests.helpers.data import data_dir as external_dir
 from tests.helpers.data import external_data
-from tests.helpers.service.client import Client, Truth, until
+from tests.helpers.service.client import BRIEF, Client, Truth, until
 from tests.helpers.service.published import calibration
 
 LABEL = "Anna's iPhone Camera"
@@ -33,8 +33,8 @@ def data_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with LocalStack(folder) as stack:
         client = Client(stack)
         for seed in range(5):
-            Truth(seed=seed).calibrate(client, licence="CC0-1.0")
-        Truth(seed=9).calibrate(client, camera=LABEL, platform=PLATFORM, licence="CC0-1.0")
+            Truth(seed=seed).calibrate(client, licence="CC0-1.0", **BRIEF)
+        Truth(seed=9).calibrate(client, camera=LABEL, platform=PLATFORM, licence="CC0-1.0", **BRIEF)
         until(lambda: client.lookup().status == 200)
     return folder
 

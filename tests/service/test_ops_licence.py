@@ -10,7 +10,7 @@ from calibdb.schema import VoteDocument
 from calibsolver import formats
 from infra.local import LocalStack
 from infra.ops.__main__ import main
-from tests.helpers.service.client import CAMERA, Client, Truth, until
+from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth, until
 from tests.helpers.service.published import held, store
 from tests.helpers.solver.export_sources import subject
 
@@ -29,7 +29,7 @@ def test_what_was_given_without_counts_and_stays_out_of_dumps(
     with LocalStack(tmp_path / "data") as stack:
         client = Client(stack)
         given = [
-            Truth(seed=seed).calibrate(client, **(CONSENT if seed < 2 else {}))["calibration_id"]
+            Truth(seed=seed).calibrate(client, **BRIEF, **(CONSENT if seed < 2 else {}))["calibration_id"]
             for seed in range(5)
         ]
         found = until(lambda: (a := client.lookup(redirect=False)).status == 200 and a)

@@ -53,6 +53,7 @@ class Captured:
 
     result: CaptureResult
     recording: Recording
+    camera: VirtualCamera
     threads: int
 
 
@@ -64,7 +65,7 @@ def captured(stack: LocalStack) -> Captured:
     how: dict[str, Any] = {"label": LABEL, "platform": PLATFORM, "clock": camera.clock}
     with stack.serve(), Client(stack.url, TOKEN, cache=False) as client:
         result = client.calibrate(camera, licence="CC0-1.0", show=Listener(camera), keep=kept.append, **how)
-        return Captured(result, kept[-1], threading.active_count() - threads)
+        return Captured(result, kept[-1], camera, threading.active_count() - threads)
 
 
 def test_service_guides_by_words_in_at_most_eight_views(served: str, captured: Captured) -> None:
@@ -182,7 +183,9 @@ async def _async_capture(url: str, camera: VirtualCamera, listener: Listener, be
 
 
 def test_asynchronous_twin_resumes_a_capture(served: str, captured: Captured) -> None:
+    # The board is where it was for the last view, which is wanted again.
     camera = VirtualCamera(seed=2)
+    camera.place, camera.rotation = captured.camera.place, captured.camera.rotation
     begun = replace(captured.recording, views=captured.recording.views[:-1])
     result, ticks = asyncio.run(_async_capture(served, camera, Listener(camera), begun))
     assert result.used <= 8

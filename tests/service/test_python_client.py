@@ -16,8 +16,8 @@ from calibdb_client.cli import main
 from calibdb_client.key import CameraKey
 from infra.local import LocalStack
 from tests.helpers import board_pictures
+from tests.helpers.service.client import BRIEF, Truth, until
 from tests.helpers.service.client import Client as Raw
-from tests.helpers.service.client import Truth, until
 
 LABEL, PLATFORM, SIZE = "HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64", (1280, 720)
 KEY = CameraKey(LABEL, PLATFORM, SIZE)
@@ -30,7 +30,7 @@ EXAMPLES = Path(__file__).parents[2] / "clients/python/examples"
 def known(stack: LocalStack) -> dict[str, Any]:
     """The lookup of a camera that five captures calibrated."""
     for seed in range(5):
-        Truth(seed=seed).calibrate(Raw(stack), camera=LABEL)
+        Truth(seed=seed).calibrate(Raw(stack), camera=LABEL, **BRIEF)
     found = until(
         lambda: (answer := Raw(stack).lookup(camera=LABEL, redirect=False)).status == 200 and answer
     )

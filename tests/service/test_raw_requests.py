@@ -16,7 +16,7 @@ import pytest
 
 from infra.local import LocalStack, server
 from infra.local.protocol import TimedProtocol
-from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
+from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.rigs import RigTruth
 
 CASES = 2 * int(os.environ.get("CASES", "150"))
@@ -69,7 +69,7 @@ VALUES = (
 def sent_to(stack: LocalStack) -> Iterator[tuple[str, dict[str, str], str]]:
     """Address of the server, ids that there are, and a session id."""
     client = Client(stack)
-    calibration = Truth().calibrate(client)["calibration_id"]
+    calibration = Truth().calibrate(client, **BRIEF)["calibration_id"]
     rig = RigTruth(stack).open()
     rig.moment("m0")
     ids = {"id": calibration, "key": calibration.rpartition("-")[0], "rig": rig.rig_id}

@@ -6,13 +6,13 @@ from typing import Any
 
 import boto3
 import pytest
-from moto import mock_aws
 
 from calibdb.errors import UnavailableError
 from infra.local import LocalStack
 from infra.local.intrinsics import parse
 from infra.ops.__main__ import main
 from infra.ops.replica import ReplicatedObjects
+from tests.helpers.aws import account
 from tests.helpers.data import ROOT
 from tests.helpers.service.client import Client
 from tests.helpers.service.published import asked, calibration, mode_of, store
@@ -72,7 +72,7 @@ def test_everything_that_cannot_be_computed_again_is_replicated() -> None:
 @pytest.fixture
 def replicated() -> Iterator[tuple[Any, Any]]:
     """Buckets in two regions, as template.yaml and replica.yaml make them; moto copies nothing."""
-    with mock_aws():
+    with account():
         here, there = (boto3.client("s3", region_name=region) for region in (HERE, THERE))
         here.create_bucket(Bucket="keypoints")
         there.create_bucket(Bucket="replica", CreateBucketConfiguration={"LocationConstraint": THERE})

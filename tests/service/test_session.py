@@ -10,7 +10,7 @@ import pytest
 from calibdb.errors import UnavailableError
 from calibdb.store import Store
 from infra.local import LocalStack
-from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
+from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth, until
 from tests.helpers.service.stores import override_store, with_methods
 
 
@@ -21,7 +21,7 @@ def objects(stack: LocalStack, prefix: str) -> list[str]:
 
 @pytest.fixture
 def converged(client: Client) -> Client:
-    Truth().calibrate(client)
+    Truth().calibrate(client, **BRIEF)
     return client
 
 
@@ -145,7 +145,7 @@ def test_repeat_completes_a_failed_publication(client: Client, noun: str, verb: 
 
 
 def test_restarted_session_is_another_calibration(client: Client) -> None:
-    first = Truth().calibrate(client)
+    first = Truth().calibrate(client, **BRIEF)
     assert client.call("DELETE", "/v1/session").status == 204
     assert client.call("POST", "/v1/session", CAMERA).json["views"] == []
     truth = Truth(seed=1)

@@ -11,13 +11,13 @@ from typing import Any
 
 import boto3
 import pytest
-from moto import mock_aws
 
 from calibdb.access.tokens import SessionIds, Ticket
 from infra.deploy import aws, layers, package, rehearsal, steps
 from infra.deploy.__main__ import main
 from infra.deploy.site import FOREVER, Upload, uploads
 from infra.local.pages import media_type
+from tests.helpers.aws import account
 from tests.helpers.sam import complete, parsed
 
 ROOT = Path(__file__).parents[2]
@@ -34,7 +34,7 @@ def cloud(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
         monkeypatch.setenv(name, "test")
     monkeypatch.setenv("AWS_DEFAULT_REGION", "us-east-1")
-    with mock_aws():
+    with account():
         yield
 
 

@@ -2,15 +2,11 @@
 
 import functools
 import json
-import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
-import httpx
 import pytest
 from botocore.awsrequest import AWSPreparedRequest
 
@@ -22,7 +18,6 @@ from infra.local.intercept import Service as Storage
 from infra.local.intercept import wrapping
 from infra.local.storage import Answer as Stored
 from tests.helpers.service.client import CAMERA, EDGE, Answer, Client
-from tests.helpers.stack.processes import LocalProcess
 
 SITE = "https://example.org"
 WRITES = {"PutItem", "UpdateItem", "DeleteItem", "PutObject"}
@@ -162,54 +157,3 @@ def test_killed_while_a_token_is_made_leaves_none_half_made(stack: LocalStack) -
         answer = client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}, token="")
         assert answer.status == 201
         assert client.call("GET", "/v1/usage", token=answer.json["token"]).status == 200
-
-
-def rotate_until_cut_off(url: str, acknowledged: dict[str, Any], *, used: bool) -> None:
-    with httpx.Client(base_url=url, timeout=60) as client:
-        made = client.post("/v1/tokens", json={"origins": ["http://localhost"]}).raise_for_status().json()
-        acknowledged |= {"token": made["token"], "managing": made["management_token"], "secrets": 1}
-        managing = {"authorization": f"Bearer {made['management_token']}"}
-        acknowledged["expires"] = made["expires"]
-        if used:
-            headers = {"authorization": f"Bearer {made['token']}"}
-            client.get("/v1/usage", headers=headers).raise_for_status()
-            acknowledged["expires"] = None
-        try:
-            for number in range(50):
-                rotated = client.post("/v1/tokens/self/rotate", headers=managing, json={"grace_s": 600})
-                acknowledged["token"] = rotated.raise_for_status().json()["token"]
-                acknowledged["secrets"] += 1
-                named = client.patch("/v1/tokens/self", headers=managing, json={"name": f"{number}"})
-                acknowledged["name"] = named.raise_for_status().json()["name"]
-        except httpx.TransportError:
-            acknowledged["cut off"] = True
-
-
-def test_acknowledged_secrets_open_after_a_kill(tmp_path: Path) -> None:
-    data_dir = tmp_path / "data"
-    tokens: list[dict[str, Any]] = [{} for _ in range(4)]
-    with LocalProcess(data_dir) as server, ThreadPoolExecutor(4) as pool:
-        workers = [
-            pool.submit(rotate_until_cut_off, server.url, token, used=n % 2 == 0)
-            for n, token in enumerate(tokens)
-        ]
-        while sum(token.get("secrets", 0) for token in tokens) < 40:
-            time.sleep(0.005)
-            for worker in workers:
-                assert not worker.done(), worker.result()
-        server.kill()
-        for worker in workers:
-            worker.result(60)
-    assert all(token["cut off"] for token in tokens)
-    with LocalProcess(data_dir) as server, httpx.Client(base_url=server.url, timeout=60) as client:
-        for token in tokens:
-            managing = {"authorization": f"Bearer {token['managing']}"}
-            facts = client.get("/v1/tokens/self", headers=managing).raise_for_status().json()
-            assert facts["expires"] == token["expires"], "of an unused token alone"
-            assert sum(day["lookups"] for day in facts["use"]["days"]) == (token["expires"] is None)
-            opened = client.get("/v1/usage", headers={"authorization": f"Bearer {token['token']}"})
-            assert opened.status_code == 200, opened.text
-            assert int(facts["name"]) in {int(token["name"]), int(token["name"]) + 1}
-            assert client.delete("/v1/tokens/self", headers=managing).status_code == 204
-        refused = [client.post("/v1/tokens", json={"origins": ["http://localhost"]}) for _ in range(2)]
-        assert [answer.status_code for answer in refused] == [201, 429]  # the day's five were counted

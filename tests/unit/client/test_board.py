@@ -5,7 +5,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import pypdf
 import pytest
 
 from calibdb_client import Board, UsageError
@@ -26,6 +25,8 @@ def test_board_is_black_where_opencv_draws_it() -> None:
 
 
 def test_sheet_has_its_size_and_says_what_the_board_is() -> None:
+    import pypdf  # which every worker would load, to collect the tests
+
     page = pypdf.PdfReader(io.BytesIO(pdf(Board(), "a4", 25))).pages[0]
     assert [round(float(each) / 72 * 25.4, 2) for each in page.mediabox[2:]] == [297.0, 210.0]
     assert "9 x 6 squares of 25 mm" in page.extract_text()

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import boto3
 import pytest
-from moto import mock_aws
 
 from calibdb import __version__
 from infra.deploy import aws
@@ -16,6 +15,7 @@ from infra.local.pages import headers
 from infra.release.changelog import is_released
 from infra.web_build import sdk
 from infra.web_build.sdk import ROOT, sdk_files, sdk_version
+from tests.helpers.aws import account
 
 WEB = ROOT / "web"
 VERSION = sdk_version(WEB)
@@ -85,7 +85,7 @@ def test_deployment_keeps_old_versions_and_never_changes_one(monkeypatch: pytest
     versioned = [file for file in uploads(WEB, {"token": "t"}) if file.key.startswith(f"sdk/{VERSION}/")]
     assert all(file.is_versioned and "immutable" in file.cache_control for file in versioned)
     old = Upload("sdk/0.0.9/calibdb.js", b"old", "text/javascript", "x", is_versioned=True)
-    with mock_aws():
+    with account():
         s3 = boto3.client("s3", "us-east-1")
         s3.create_bucket(Bucket="web")
         for _ in range(2):

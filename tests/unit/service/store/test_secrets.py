@@ -1,5 +1,7 @@
 """Secrets come from the parameter store, are remembered, and outlive its absence."""
 
+import heapq
+import itertools
 import random
 import threading
 from collections.abc import Sequence
@@ -70,33 +72,32 @@ GATEWAY_S = 25.0  # s that are left of the gateway's 30 once a function has been
 
 
 class Simulation:
-    """Threads on a clock of its own: it goes on when all of them sleep."""
+    """Threads on a clock of its own: when all of them sleep it goes on, to the first that wakes up."""
 
     def __init__(self, threads: int) -> None:
         self.now = 0.0
         self._awake = threads
-        self._until: list[float] = []
-        self._turn = threading.Condition()
+        self._until: list[tuple[float, int, threading.Event]] = []
+        self._number = itertools.count()
+        self._turn = threading.Lock()
 
     def sleep(self, seconds: float) -> None:
+        alarm = threading.Event()  # one each: who sleeps on is not woken
         with self._turn:
-            end = self.now + seconds
-            self._until.append(end)
-            self._awake -= 1
+            heapq.heappush(self._until, (self.now + seconds, next(self._number), alarm))
             self._advance()
-            self._turn.wait_for(lambda: self.now >= end)
+        alarm.wait()
 
     def leave(self) -> None:
         with self._turn:
-            self._awake -= 1
             self._advance()
 
     def _advance(self) -> None:
+        self._awake -= 1
         if not self._awake and self._until:
-            self.now = min(self._until)
-            self._awake = sum(end <= self.now for end in self._until)
-            self._until = [end for end in self._until if end > self.now]
-            self._turn.notify_all()
+            self.now, _, alarm = heapq.heappop(self._until)
+            self._awake = 1
+            alarm.set()
 
 
 class Limited(Ssm):
