@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from calibdb import schema
+from calibsolver.consensus import fit_memory
 from infra.local import LocalStack
 from infra.measure.cost import Meter
 from tests.bench.table import Row, p50
@@ -51,6 +52,7 @@ def computed_on_the_fly(stack: LocalStack, client: Client) -> Iterator[Row]:
         for _ in range(5):
             (known,) = (c for c in at_rest.consensuses.at(mode) if c.distortion_model == model)
             at_rest.consensuses.drop(known)
+            fit_memory.forget()
             start, begun = time.perf_counter(), time.process_time()
             answer = client.lookup(camera=camera, platform=PLATFORM, distortion_model=model)
             times.append((time.perf_counter() - start) * 1e3)

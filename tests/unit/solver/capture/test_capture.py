@@ -160,7 +160,9 @@ def test_noiseless_first_view_does_not_make_others_outliers(width: float) -> Non
 
 
 @pytest.mark.parametrize("model", models.NAMES)
-@pytest.mark.parametrize("tilt", [0, 2, 5, 10, 20])
+@pytest.mark.parametrize(
+    "tilt", [0, 5, 20, *(pytest.param(tilt, marks=pytest.mark.thorough) for tilt in (2, 10))]
+)
 def test_first_view_is_never_an_outlier(model: str, tilt: int) -> None:
     # Facing the camera it tells little: `no_information` then, never an outlier for want of a fit.
     c, rng = Capture(BOARD, SIZE, model), np.random.default_rng(tilt)

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pytest
 
 from calibsolver import Board
 from calibsolver.guidance import FixedPlan
@@ -38,8 +39,9 @@ def test_skipped_pose_is_followed_by_the_next() -> None:
     assert plan.next_pose([], None, [plan.poses[0]]) is plan.poses[1]
 
 
-def test_fixed_plan_error_after_four_and_six_views() -> None:
-    """Every camera, one capture each, 0.2 px of noise: mean projection error after 4 and 6 views."""
+@pytest.mark.parametrize("every", [2, pytest.param(1, marks=pytest.mark.thorough)])
+def test_fixed_plan_error_after_four_and_six_views(every: int) -> None:
+    """Every camera or every other, one capture each, 0.2 px of noise: mean error after 4 and 6 views."""
     sessions = [
         synthetic.run(
             camera,
@@ -47,7 +49,7 @@ def test_fixed_plan_error_after_four_and_six_views() -> None:
             views=6,
             guide=FixedPlan(Board(), camera.img_size),
         )
-        for i, camera in enumerate(synthetic.rectilinear_cameras())
+        for i, camera in list(enumerate(synthetic.rectilinear_cameras()))[::every]
     ]
     assert np.median([s.mean[3] for s in sessions]) <= 0.22
     assert np.median([s.mean[5] for s in sessions]) <= 0.15

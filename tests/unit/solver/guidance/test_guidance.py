@@ -12,12 +12,13 @@ from tests.helpers.solver import populations, synthetic
 from tests.helpers.solver.peers import Comfortable
 
 
-@pytest.fixture(scope="module")
-def rectilinear() -> list[synthetic.Session]:
+@pytest.fixture(scope="module", params=[2, pytest.param(5, marks=pytest.mark.thorough)])
+def rectilinear(request: pytest.FixtureRequest) -> list[synthetic.Session]:
+    """So many captures with every camera."""
     return [
         synthetic.run(camera, np.random.default_rng(100 * i + seed), views=5)
         for i, camera in enumerate(synthetic.rectilinear_cameras())
-        for seed in range(5)
+        for seed in range(request.param)
     ]
 
 
@@ -27,7 +28,7 @@ def at(sessions: list[synthetic.Session], views: int) -> np.ndarray:
 
 
 def test_projection_error_after_three_to_five_views(rectilinear: list[synthetic.Session]) -> None:
-    """The bounds of `make bench DOCS=guidance`, for half of its captures."""
+    """The bounds of `make bench DOCS=guidance`, for a fifth of its captures."""
     assert all(len(session.views) == 5 for session in rectilinear)
     assert (at(rectilinear, 3) <= (0.20, 0.40)).all()
     assert (at(rectilinear, 4) <= (0.16, 0.36)).all()
@@ -49,11 +50,12 @@ def test_capture_stops_after_four_views(rectilinear: list[synthetic.Session]) ->
     assert sum(s.attempts for s in rectilinear) <= 1.1 * sum(len(s.views) for s in rectilinear)
 
 
-def test_fisheye_reaches_target_in_four_views() -> None:
+@pytest.mark.parametrize("captures", [1, pytest.param(4, marks=pytest.mark.thorough)])
+def test_fisheye_reaches_target_in_four_views(captures: int) -> None:
     sessions = [
         synthetic.run(camera, np.random.default_rng(100 * i + seed), views=4)
         for i, camera in enumerate(synthetic.fisheye_cameras())
-        for seed in range(4)
+        for seed in range(captures)
     ]
     assert (at(sessions, 4) <= (0.12, 0.31)).all()
 
@@ -168,7 +170,9 @@ def test_hints_have_at_most_six_words() -> None:
     assert all(len(text.split()) <= 6 for text in TEXTS.values())
 
 
-@pytest.mark.parametrize("img_size", [(720, 1280), (1080, 1920), (480, 640)])
+@pytest.mark.parametrize(
+    "img_size", [(720, 1280), pytest.param((1080, 1920), marks=pytest.mark.thorough), (480, 640)]
+)
 def test_portrait_capture_stops_after_five_views(img_size: tuple[int, int]) -> None:
     # The default board is wide: it is asked for on its side, or its long side would never fill the picture.
     focal = 0.8 * max(img_size)
@@ -224,13 +228,15 @@ def test_comfortable_poses_reach_a_quarter_pixel() -> None:
     assert (at(sessions, 4) <= (0.25, 0.55)).all()
 
 
+@pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("model", ["rational", "omnidirectional"])
-def test_capture_stops_for_every_model(model: str) -> None:
+def test_capture_stops_for_every_model(model: str, every: int) -> None:
+    """The first and the last of the cameras, or all."""
     cameras = {
         "rational": populations.rational_cameras(4),
         "omnidirectional": populations.omnidirectional_cameras(4),
     }[model]
-    for i, camera in enumerate(cameras):
+    for i, camera in list(enumerate(cameras))[::every]:
         session = synthetic.run(camera, np.random.default_rng(i), views=8)
         assert session.stopped is not None
         assert session.mean[session.stopped - 1] < 0.6
