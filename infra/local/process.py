@@ -7,7 +7,6 @@ import logging
 import os
 import signal
 import sys
-import threading
 from pathlib import Path
 
 from infra.local.intrinsics import TemplateError
@@ -16,19 +15,16 @@ from infra.local.secrets import SecretsError
 from infra.local.server import PortInUseError
 from infra.local.stack import DEVELOPMENT_TOKEN, LocalStack
 
+_STOPPING = {signal.SIGINT, signal.SIGTERM}
+
 
 def main() -> int:
     """Run the stack; return the exit status."""
     logging.basicConfig(format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
     logging.getLogger("infra").setLevel(logging.INFO)
-    stop = threading.Event()
-
-    def ask(number: int, _: object) -> None:
-        stop.set()
-        signal.signal(number, signal.SIG_DFL)  # who asks twice does not want to wait
-
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, ask)
+    # Blocked before there is another thread, which would inherit it otherwise: a signal that the kernel gives
+    # to another thread does not wake a main thread that waits in Python, and its handler would never run.
+    signal.pthread_sigmask(signal.SIG_BLOCK, _STOPPING)
     try:
         port = _port(os.environ.get("PORT") or "8000")
         stack = LocalStack(
@@ -46,12 +42,19 @@ def main() -> int:
             with stack.serve() as url:
                 print(f"calibDB is at {url}/")
                 print(f"API token, for this machine only: {DEVELOPMENT_TOKEN}", flush=True)
-                stop.wait()
+                signal.sigwait(_STOPPING)
+                _end_at_once_when_asked_again()
                 print("stopping: requests and computations under way are finished", flush=True)
     except (JournalError, PortInUseError, SecretsError, TemplateError, ValueError) as error:
         print(f"calibDB cannot start: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def _end_at_once_when_asked_again() -> None:
+    for number in _STOPPING:
+        signal.signal(number, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOPPING)
 
 
 def _port(text: str) -> int:

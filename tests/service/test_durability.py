@@ -1,8 +1,11 @@
 """A killed server loses nothing that it has acknowledged, and what it keeps is consistent."""
 
 import logging
+import re
 import signal
+import socket
 import stat
+import subprocess
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -175,7 +178,7 @@ def refusal(data_dir: Path) -> str:
         patch.setenv("DATA_DIR", str(data_dir))
         patch.setenv("PORT", "0")
         patch.setattr(logging.getLogger("infra"), "level", logging.INFO)  # what it sets passes
-        patch.setattr(signal, "signal", lambda *_: None)
+        patch.setattr(signal, "pthread_sigmask", lambda *_: None)
         assert main() == 1
     return said.getvalue()
 
@@ -202,6 +205,37 @@ def test_restart_keeps_sessions_and_excludes_a_second_process(tmp_path: Path) ->
     assert "POST /v1/session 201" in log
     with LocalStack(data_dir) as second:
         assert Client(second, session).state() == started.json()
+
+
+def test_no_thread_but_the_one_that_waits_takes_a_signal(tmp_path: Path) -> None:
+    with LocalProcess(tmp_path / "data") as server:
+        server_id = server.process.pid
+        blocked = {
+            int(thread.name): int(found[1], 16)
+            for thread in Path(f"/proc/{server_id}/task").iterdir()
+            if (found := re.search(r"SigBlk:\s*(\w+)", (thread / "status").read_text()))
+        }
+        assert server_id in blocked
+        assert len(blocked) >= 2
+        asked = 1 << (signal.SIGTERM - 1) | 1 << (signal.SIGINT - 1)
+        assert all(mask & asked == asked for thread, mask in blocked.items() if thread != server_id)
+        assert server.stop() == 0
+
+
+def test_who_asks_twice_does_not_wait(tmp_path: Path) -> None:
+    with LocalProcess(tmp_path / "data") as server:
+        address = ("127.0.0.1", int(server.url.rpartition(":")[2]))
+        with socket.create_connection(address) as slow:
+            # Its body does not come: a stack waits 30 s for it.
+            slow.sendall(b"POST /v1/auth HTTP/1.1\r\nhost: localhost\r\ncontent-length: 9\r\n\r\n{")
+            time.sleep(0.5)
+            server.process.send_signal(signal.SIGINT)
+            assert server.process.stdout
+            assert any("stopping" in line for line in server.process.stdout)
+            with pytest.raises(subprocess.TimeoutExpired):
+                server.process.wait(1)
+            server.process.send_signal(signal.SIGINT)
+            assert server.process.wait(5) == -signal.SIGINT
 
 
 def test_full_disk_refuses_writes_and_serves_reads(tmp_path: Path) -> None:
