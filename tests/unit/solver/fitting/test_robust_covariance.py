@@ -1,10 +1,13 @@
 """The cluster-robust covariance: one formula from one view to many, with what is systematic in the views."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from calibsolver import Camera, View, fit
 from calibsolver.fitting.effect_likelihood import EffectLikelihood, trust
+from tests.bench.honesty import ratios_if_true
 from tests.helpers.data import corner_views
 from tests.helpers.solver import hands, populations, synthetic
 
@@ -21,6 +24,20 @@ def test_covariance_is_positive_definite_from_one_view_on(count: int) -> None:
     scale = np.sqrt(np.diag(c.covariance))
     assert np.linalg.eigvalsh(c.covariance / np.outer(scale, scale)).min() > 0
     assert c.inflation >= 1
+
+
+def test_differences_drawn_from_true_bars_of_one_direction_are_a_normal_number() -> None:
+    """Ratios of true bars, as `make bench DOCS=honesty` draws them."""
+    c = fit(views(6), CAMERA.img_size)
+    one = replace(c, covariance=np.diag([1.0, *[0.0] * (len(c.covariance) - 1)]))
+    none = replace(c, covariance=np.zeros_like(c.covariance))
+    drawn = np.concatenate([ratios_if_true(one, none, np.random.default_rng(i)) for i in range(200)])
+    assert np.quantile(drawn, [0.5, 0.9]) == pytest.approx([0.674, 1.645], rel=0.03)
+    both = np.concatenate([ratios_if_true(one, one, np.random.default_rng(i)) for i in range(200)])
+    assert np.quantile(both, [0.5, 0.9]) == pytest.approx([0.674, 1.645], rel=0.03)
+    all_of_them = np.concatenate([ratios_if_true(c, c, np.random.default_rng(i)) for i in range(200)])
+    assert np.mean(all_of_them**2) == pytest.approx(1, rel=0.03)
+    assert 0.674 < np.median(all_of_them) < 1
 
 
 def test_white_noise_is_hardly_inflated() -> None:
