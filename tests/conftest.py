@@ -5,6 +5,7 @@ import os
 
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
 
@@ -37,6 +38,9 @@ settings.register_profile(
     "calibdb", deadline=None, derandomize=not THOROUGH, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("calibdb")
+if not THOROUGH:
+    # Hypothesis draws constants of the modules that are loaded: the order of tests would choose the examples.
+    providers._get_local_constants = lambda: providers._local_constants  # stays empty
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
