@@ -49,7 +49,8 @@ def test_forgetting_covers_revoked_tokens(
     assert main(["token", "revoke", token.split("_")[1]]) == 0
     capsys.readouterr()
     with LocalStack(folder) as stack:
-        assert sum(sk.startswith("SHARE#") and sk.count("#") == 2 for _, sk in stored(stack)[1]) == 1
+        shares = sum(sk.startswith("SHARE#") and sk.count("#") == 2 for _, sk in stored(stack)[1])
+        assert shares in (1, 2), "two where an hour began meanwhile"
     assert main(["contributor", "forget", "--address", "127.0.0.1"]) == 0
     assert "removed 1 calibrations, 2 sessions, 1 votes" in capsys.readouterr().out
     with LocalStack(folder) as stack:

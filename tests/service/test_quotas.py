@@ -1,6 +1,7 @@
 """Plans, as a caller meets them: 429 with the seconds to wait, and only for the token that is used up."""
 
 import functools
+import zlib
 from collections.abc import Iterator
 
 import boto3
@@ -13,6 +14,7 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, Answer, Client
+from tests.helpers.service.strangers import Time
 
 SMALL = Plan(Allowance(3, 4, 5, 6), Allowance(3, 4, 5, 6))
 
@@ -23,7 +25,7 @@ def small_plan() -> Iterator[None]:
 
     @functools.cache
     def make(settings: Settings) -> Service:
-        return Service.build(settings, Store.of(settings), plans=PLANS | {"small": SMALL})
+        return Service.build(settings, Store.of(settings), Time(), plans=PLANS | {"small": SMALL})
 
     with Service.override(make):
         yield
@@ -37,7 +39,7 @@ def store(stack: LocalStack) -> Store:
 @pytest.fixture
 def token(store: Store, request: pytest.FixtureRequest) -> str:
     """A token of the small plan, of its own for each test."""
-    name = str(abs(hash(request.node.name)))
+    name = str(zlib.crc32(request.node.name.encode()))
     store.tokens.create(ApiToken(name, secret_hash("x"), plan="small"))
     return f"cdb_{name}_x"
 

@@ -1,20 +1,31 @@
 """Bad input to rigs: each is a problem that names the field, and changes nothing."""
 
+import functools
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
+from calibdb.service import Service
+from calibdb.settings import Settings
+from calibdb.store import Store
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, EDGE, TOKEN, Answer, Client
 from tests.helpers.service.rigs import RigTruth
+from tests.helpers.service.strangers import Time
 
 WRONG = "no rig can be joined by this code; codes last 15 minutes: ask for a new one"
 
 
 @pytest.fixture(scope="module")
 def stack() -> Iterator[LocalStack]:
-    with LocalStack(environment={"EDGE_SECRETS": EDGE}) as stack:
+    """A stack whose clock stands: guesses are counted anew in each quarter of an hour."""
+
+    @functools.cache
+    def make(settings: Settings) -> Service:
+        return Service.build(settings, Store.of(settings), Time())
+
+    with Service.override(make), LocalStack(environment={"EDGE_SECRETS": EDGE}) as stack:
         yield stack
 
 

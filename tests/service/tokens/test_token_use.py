@@ -26,7 +26,7 @@ def test_use_is_shown_by_hour_and_day(client: Client, clock: Time) -> None:
     assert sum(hour["lookups"] for hour in use["hours"]) == 1
 
 
-def test_limits_are_told_in_headers_and_by_the_usage_call(client: Client) -> None:
+def test_limits_are_told_in_headers_and_by_the_usage_call(client: Client, clock: Time) -> None:
     made = make(client, "http://localhost")
     left = []
     for _ in range(3):
@@ -43,7 +43,7 @@ def test_limits_are_told_in_headers_and_by_the_usage_call(client: Client) -> Non
     assert usage.json["limits"] == made["limits"]
     assert usage.json["used"] == {"sessions": 1, "views": 0, "poses": 0, "lookups": 5}
     assert usage.json["used_here"]["sessions"] == 1
-    assert 0 < usage.json["resets_at"] - time.time() <= 3600
+    assert 0 < usage.json["resets_at"] - clock() <= 3600
     assert "ratelimit" not in client.call("GET", "/healthz", token="").headers
 
 
@@ -83,13 +83,13 @@ def test_one_ipv6_line_is_one_source(client: Client) -> None:
     assert last.call("POST", "/v1/tokens", {"origins": [SITE]}, token="").status == 429
 
 
-def test_management_is_bounded(client: Client, site: dict[str, str]) -> None:
+def test_management_is_bounded(client: Client, clock: Time, site: dict[str, str]) -> None:
     made = make(client, SITE)
     assert not site
     statuses = [manage(client, "POST", made, "/verify").status for _ in range(MAX_PROOF_CALLS + 1)]
     assert statuses == [200] * MAX_PROOF_CALLS + [429]
     used = MAX_MANAGEMENT_CALLS - len(statuses) - 2
-    published.store(client.stack).quotas.add(made["id"], "management", int(time.time()), used)
+    published.store(client.stack).quotas.add(made["id"], "management", int(clock()), used)
     others = [manage(client, "PATCH", made, body={"name": "x"}).status for _ in range(4)]
     assert others == [200, 200, 429, 429]
     assert ask(client, made["token"]).status == 200

@@ -2,6 +2,7 @@
 
 import functools
 import json
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -132,7 +133,9 @@ def test_killed_before_any_write_and_asked_again(
 ) -> None:
     number = 0
     while True:
-        owner = Owner(Client(stack, address=f"198.18.{hash(action + method) % 200}.{number}"))
+        owner = Owner(
+            Client(stack, address=f"198.18.{zlib.crc32((action + method).encode()) % 200}.{number}")
+        )
         line = f"calibdb-site-verification={owner.made['id']}"
         monkeypatch.setattr("calibdb.proof.fetch.read_proof", lambda _, line=line: line)
         with killed_at(number) as process:
