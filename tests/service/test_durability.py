@@ -185,7 +185,7 @@ def refusal(data_dir: Path) -> str:
 
 def test_restart_keeps_sessions_and_excludes_a_second_process(tmp_path: Path) -> None:
     data_dir = tmp_path / "data"
-    with LocalProcess(data_dir) as first, httpx.Client(base_url=first.url) as client:
+    with LocalProcess(data_dir) as first, httpx.Client(base_url=first.url, timeout=60) as client:
         session = client.post("/v1/auth", headers=TOKEN).json()["session_id"]
         credential = {"authorization": f"Bearer {session}"}
         body = {"camera": "C", "platform": "Linux", "img_size": [640, 480]}
@@ -227,8 +227,9 @@ def test_who_asks_twice_does_not_wait(tmp_path: Path) -> None:
         address = ("127.0.0.1", int(server.url.rpartition(":")[2]))
         with socket.create_connection(address) as slow:
             # Its body does not come: a stack waits 30 s for it.
-            slow.sendall(b"POST /v1/auth HTTP/1.1\r\nhost: localhost\r\ncontent-length: 9\r\n\r\n{")
-            time.sleep(0.5)
+            head = b"host: localhost\r\ncontent-length: 9\r\nexpect: 100-continue\r\n"
+            slow.sendall(b"POST /v1/auth HTTP/1.1\r\n" + head + b"\r\n")
+            assert slow.recv(64).startswith(b"HTTP/1.1 100"), "it waits for the body"
             server.process.send_signal(signal.SIGINT)
             assert server.process.stdout
             assert any("stopping" in line for line in server.process.stdout)
@@ -243,7 +244,10 @@ def test_full_disk_refuses_writes_and_serves_reads(tmp_path: Path) -> None:
     kept: dict[str, Any] = {}
     refused = 0
     # No file may grow beyond this: the operating system refuses the journal as a full disk would.
-    with LocalProcess(data_dir, file_limit=300_000) as server, httpx.Client(base_url=server.url) as client:
+    with (
+        LocalProcess(data_dir, file_limit=300_000) as server,
+        httpx.Client(base_url=server.url, timeout=60) as client,
+    ):
         while refused < 3:
             session = client.post("/v1/auth", headers=TOKEN).json()["session_id"]
             credential = {"authorization": f"Bearer {session}"}

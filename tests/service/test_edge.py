@@ -51,7 +51,7 @@ def test_every_stored_model_has_an_object_for_everybody(known: LocalStack) -> No
     assert not [wrong for wrong in differences(known, SEEN) if "never asked" not in wrong]
     name = next(iter(SEEN))
     assert LABEL.split()[0].lower() not in name
-    with known.serve() as url, httpx.Client(base_url=url) as client:
+    with known.serve() as url, httpx.Client(base_url=url, timeout=60) as client:
         # As a browser asks from another site, without permission asked first.
         found = client.get(f"/{name}", headers={"origin": "https://page.example", "cookie": "a=b"})
         assert (found.status_code, found.content) == (200, objects(known)[name])

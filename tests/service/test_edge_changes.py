@@ -148,7 +148,7 @@ def test_off_means_no_objects() -> None:
         assert Client(stack, api_token=TOKEN).lookup(camera=LABEL, platform=PLATFORM).status == 200
         assert objects(stack) == {}
         with stack.serve() as url:
-            assert httpx.get(f"{url}/config.json").json()["edge_answers"] == "off"
+            assert httpx.get(f"{url}/config.json", timeout=60).json()["edge_answers"] == "off"
 
 
 def test_refit_that_runs_out_of_time_stores_whole_models_and_goes_on_from_there() -> None:

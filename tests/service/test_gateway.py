@@ -292,7 +292,7 @@ def test_endless_body_is_refused(stack: LocalStack) -> None:
 
     with stack.serve() as url:
         origin = {"origin": "https://page.example"}
-        response = httpx.post(f"{url}/v1/echo", content=chunks(), headers=origin)
+        response = httpx.post(f"{url}/v1/echo", content=chunks(), headers=origin, timeout=60)
     assert (response.status_code, response.json()) == (413, {"message": "Request Entity Too Large"})
     assert response.headers["access-control-allow-origin"] in ("*", "https://page.example")
 

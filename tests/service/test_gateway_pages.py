@@ -66,7 +66,7 @@ def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LocalStack]:
 
 @pytest.fixture(scope="module")
 def client(stack: LocalStack) -> Iterator[httpx.Client]:
-    with stack.serve() as url, httpx.Client(base_url=url) as connected:
+    with stack.serve() as url, httpx.Client(base_url=url, timeout=60) as connected:
         yield connected
 
 
@@ -186,7 +186,9 @@ def test_answers_are_not_held_back_by_nagle(stack: LocalStack, monkeypatch: pyte
     monkeypatch.setattr(H11Protocol, "connection_made", watch)
     listener = bind(0)
     with serving(GatewayApp(stack.gateway, stack.workers, Path(), {}), listener):
-        assert httpx.get(f"http://127.0.0.1:{listener.getsockname()[1]}/v1/echo").status_code == 200
+        assert (
+            httpx.get(f"http://127.0.0.1:{listener.getsockname()[1]}/v1/echo", timeout=60).status_code == 200
+        )
     assert seen == [1]
 
 

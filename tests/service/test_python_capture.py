@@ -33,12 +33,17 @@ TOKEN = "cdb_dev_local"
 LABEL, PLATFORM = "USB2.0 HD UVC WebCam (13d3:5a01)", "X11; Linux x86_64"
 
 
+@pytest.fixture(scope="module")
+def site(stack: LocalStack) -> Iterator[str]:
+    with stack.serve() as url:
+        yield url
+
+
 @pytest.fixture
-def served(stack: LocalStack, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    monkeypatch.setenv("CALIBDB_URL", stack.url)
+def served(site: str, monkeypatch: pytest.MonkeyPatch) -> str:
+    monkeypatch.setenv("CALIBDB_URL", site)
     monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
-    with stack.serve():
-        yield stack.url
+    return site
 
 
 def wait_for_consensus(stack: LocalStack, label: str, platform: str) -> None:
@@ -58,12 +63,12 @@ class Captured:
 
 
 @pytest.fixture(scope="module")
-def captured(stack: LocalStack) -> Captured:
+def captured(site: str) -> Captured:
     camera = VirtualCamera(seed=2)
     kept: list[Recording] = []
     threads = threading.active_count()
     how: dict[str, Any] = {"label": LABEL, "platform": PLATFORM, "clock": camera.clock}
-    with stack.serve(), Client(stack.url, TOKEN, cache=False) as client:
+    with Client(site, TOKEN, cache=False) as client:
         result = client.calibrate(camera, licence="CC0-1.0", show=Listener(camera), keep=kept.append, **how)
         return Captured(result, kept[-1], camera, threading.active_count() - threads)
 

@@ -38,14 +38,19 @@ def known(stack: LocalStack) -> dict[str, Any]:
     return record
 
 
+@pytest.fixture(scope="module")
+def site(stack: LocalStack) -> Iterator[str]:
+    with stack.serve() as url:
+        yield url
+
+
 @pytest.fixture
-def served(stack: LocalStack, known: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+def served(site: str, known: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> str:
     """Address of the stack, which the command takes from the environment."""
     assert known["reliable"]
-    monkeypatch.setenv("CALIBDB_URL", stack.url)
+    monkeypatch.setenv("CALIBDB_URL", site)
     monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
-    with stack.serve():
-        yield stack.url
+    return site
 
 
 def test_three_lines_look_a_camera_up(served: str, known: dict[str, Any]) -> None:

@@ -59,7 +59,7 @@ def rig(stack: LocalStack) -> RigTruth:
     return truth
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def url(stack: LocalStack, rig: RigTruth) -> Iterator[str]:
     assert rig.rig_id
     with stack.serve() as url:

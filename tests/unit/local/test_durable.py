@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from botocore.exceptions import ClientError
 from moto.dynamodb.models import dynamodb_backends
-from moto.dynamodb.models.table import Table
+from moto.dynamodb.models.dynamo_type import DynamoType
 
 from infra.local.intrinsics import ACCOUNT, REGION
 from infra.local.journal import Journal
@@ -96,7 +96,7 @@ def test_nobody_sees_a_write_before_it_is_durable(tmp_path: Path) -> None:
 
 def get_in_memory(pk: str) -> Any:
     table = dynamodb_backends[ACCOUNT][REGION].tables[TABLE]
-    return next((item for item in Table.all_items(table) if item.hash_key.value == pk), None)
+    return table.items.get(DynamoType({"S": pk}))  # one look: writers insert meanwhile
 
 
 def test_waiting_writes_share_one_sync(tmp_path: Path) -> None:

@@ -154,7 +154,7 @@ def test_an_accepted_call_survives_a_crash(
         for number in range(3):
             assert invoke({"n": number}, "Event")["StatusCode"] == 202
     assert calls() == []
-    with LocalStack(tmp_path / "data", template=template):
+    with LocalStack(tmp_path / "data", template=template, shutdown_grace_s=600.0):
         pass  # delivered at the start, done before the end
     assert sorted(event["n"] for event, _ in calls()) == [0, 1, 2]
     with LocalStack(tmp_path / "data", template=template):
@@ -191,7 +191,7 @@ def test_a_long_queue_does_not_keep_the_stack_from_stopping(
         for number in range(60):
             invoke({"n": number, "after": str(gate)}, "Event")
     assert len(calls()) < 60
-    with LocalStack(data, template=template, shutdown_grace_s=30.0):
+    with LocalStack(data, template=template, shutdown_grace_s=600.0):
         pass
     assert sorted(event["n"] for event, _ in calls()) == list(range(60))
 
