@@ -4,7 +4,15 @@ import re
 
 from playwright.sync_api import BrowserContext, Page, expect
 
-from tests.helpers.browser.interruptions import ENDLESS, HIDE, UNPLUG, UNSIZED, views, wait_for_views
+from tests.helpers.browser.interruptions import (
+    ENDLESS,
+    HIDE,
+    PATIENT,
+    UNPLUG,
+    UNSIZED,
+    views,
+    wait_for_views,
+)
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.scenes import CAMERA
 from tests.helpers.browser.viewfinder import expect_all_in_reach
@@ -46,6 +54,7 @@ PLUG = """(there) => {
 
 
 def test_language_sizes_keys_and_popovers_in_the_middle_of_a_capture(page: Page) -> None:
+    page.add_init_script(PATIENT)
     listen(page)
     page.goto(f"{UNSIZED}&target_error=0.01&camera=Another+one&lang=en")
     hear(page, "another", "Expected: Another one. Open now: calibDB virtual camera")

@@ -22,7 +22,9 @@ WATCH = """async (frames) => {
 
   const progress = [];
   const detector = await Detector.open(DEFAULT_BOARD, (part) => progress.push(part));
-  const one = async (full) => detector.detect(await createImageBitmap(picture), { full });
+  const patient = { timeout: 120_000 };
+  const one = async (full, image = picture) =>
+    detector.detect(await createImageBitmap(image), { full, ...patient });
   const full = await one(true);
   const memory = [];
   const elapsed = [];
@@ -31,7 +33,7 @@ WATCH = """async (frames) => {
     memory.push(seen.memory);
     elapsed.push(seen.elapsed);
   }
-  const empty = await detector.detect(await createImageBitmap(new ImageData(...size)));
+  const empty = await one(false, new ImageData(...size));
   detector.close();
   return { truth, full, progress, memory, elapsed, empty };
 }"""

@@ -40,7 +40,8 @@ WATCH = """async (faults) => {
     for (let time = 1000; time < 16000 && !state.trouble; time += 250) {
       const probe = nextProbe(state, time);
       if (!found.has(probe)) {
-        found.set(probe, await detector.detect(await createImageBitmap(picture), { probe }));
+        const frame = await createImageBitmap(picture);
+        found.set(probe, await detector.detect(frame, { probe, timeout: 120_000 }));
       }
       state = diagnose(state, found.get(probe), 0, time);
     }

@@ -19,7 +19,7 @@ from infra.web_build.rig_vectors import RIGS_PATH
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.truth import Truth
-from tests.helpers.browser.waiting import TIMEOUT_S, address
+from tests.helpers.browser.waiting import TIMEOUT_S, address, until
 from tests.helpers.documents import SITE, blocks
 
 from .conftest import CHROMIUM, ROOT, chromium_path, close
@@ -188,6 +188,8 @@ def test_pinned_sdk_runs_as_it_was_published_or_not_at_all(
         )
     with serving(tmp_path) as address:
         page.goto(address, wait_until="networkidle")
+        if not tampered:
+            until(page, lambda: page.evaluate("globalThis.found"))
         assert page.evaluate("globalThis.found") == (None if tampered else "function")
     close(context)
 

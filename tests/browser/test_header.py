@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
-from tests.helpers.browser.waiting import TIMEOUT_S, address
+from tests.helpers.browser.waiting import TIMEOUT_S, address, passing
 
 from .conftest import close
 
@@ -80,8 +80,8 @@ def test_the_menu_works_by_keyboard_within_a_small_window(page: Page) -> None:
 def test_code_is_copied_without_the_button(page: Page) -> None:
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.goto("/")
-    page.locator(".code .copy").first.click()
-    expect(page.locator(".code .copy").first).to_have_text("Copied")
+    with passing(page, ".code .copy", "Copied"):
+        page.locator(".code .copy").first.click()
     copied = page.evaluate("navigator.clipboard.readText()")
     assert copied == page.locator(".code code").first.inner_text().strip()
     assert "lookup" in copied

@@ -10,7 +10,9 @@ from tests.helpers.browser.interruptions import (
     ENDLESS,
     FOCUS,
     FULL,
+    HIDE,
     KILL,
+    PATIENT,
     STORED_VIEWS,
     TURN,
     UNPLUG_WITH_A_VIEW,
@@ -59,7 +61,7 @@ def test_neither_haste_nor_a_killed_detector_nor_a_lost_camera_loses_views(conte
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
     page.locator("#stop").dblclick()  # in haste, which counts once
-    page.locator("#stop", has_text="Stop?").wait_for()
+    hear(page, "stop", r"^Stop\?$")
     hear(page, "notice", r"^Press again to stop and lose \d views?\.$")
     expect(page.locator("#controls")).to_be_visible()
     picture(page, "capture-stop", ["hand"])
@@ -130,11 +132,14 @@ def test_without_the_service_the_capture_goes_on_and_survives_a_reload(context: 
     # A hand that is quick may have shown enough views meanwhile.
     expect(page.locator("#away")).to_contain_text(re.compile("No connection. (Continue|Enough views)"))
 
+    page.evaluate(HIDE, True)  # no view comes between two presses
+
     def is_refused() -> bool:  # what was taken meanwhile is taken back, before
         page.locator("#undo:enabled").click()
         return any("only once calibDB is back" in said for said in heard(page, "notice"))
 
     until(page, is_refused)
+    page.evaluate(HIDE, False)
     page.locator("#counts", has_text="of 8 saved here").wait_for()
     page.unroute("**/v1/**")
     page.locator("#away").wait_for(state="hidden")
@@ -206,7 +211,7 @@ def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(
 
 def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: BrowserContext) -> None:
     page = context.new_page()
-    page.add_init_script(FOCUS)
+    page.add_init_script(FOCUS + PATIENT)
     begun, sent = sessions(page), sent_views(page)
     listen(page)
     page.goto(ENDLESS)

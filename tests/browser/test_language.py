@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from tests.helpers.browser.scenes import no_network, unreadable
-from tests.helpers.browser.waiting import TIMEOUT_S
+from tests.helpers.browser.waiting import TIMEOUT_S, until
 
 from .conftest import close
 
@@ -108,6 +108,7 @@ def test_no_frame_of_english_is_painted_for_who_reads_another_language(
     page.wait_for_url(f"**/{language}{there}**")
     page.wait_for_load_state("networkidle")
     page.locator("#language[data-in-place]").wait_for()
+    until(page, lambda: painted and len(set(shown) & own) > 3)
     close(context)
     assert painted == [language], f"{path}: documents of which something was painted"
     assert len(set(shown) & own) > 3, "the frames were looked at"

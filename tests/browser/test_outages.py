@@ -9,6 +9,7 @@ from playwright.sync_api import BrowserContext, Route
 
 from tests.helpers.browser.interruptions import (
     ENDLESS,
+    ENDURING,
     STORED_VIEWS,
     WRITTEN,
     sent_views,
@@ -46,7 +47,7 @@ COLD += """
 )
 def test_two_seconds_timeout_for_every_outage(context: BrowserContext, outage: str) -> None:
     page = context.new_page()
-    page.add_init_script(WRITTEN + (COLD if outage == "silent" else ""))
+    page.add_init_script(WRITTEN + (ENDURING + COLD if outage == "silent" else ""))
     sent = sent_views(page)
     held: list[Route] = []
     back: list[str] = []

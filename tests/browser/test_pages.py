@@ -10,6 +10,7 @@ from tests.helpers.browser.interruptions import (
     ENDLESS,
     HIDE,
     HIDE_WITH_TARGET,
+    PATIENT,
     UNPLUG,
     VIRTUAL,
     done,
@@ -110,6 +111,7 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
 
 @pytest.mark.parametrize("seconds", [2, pytest.param(60, marks=pytest.mark.thorough)])
 def test_a_hidden_capture_waits_and_is_led_by_keyboard(page: Page, seconds: int) -> None:
+    page.add_init_script(PATIENT)
     listen(page)
     page.goto(ENDLESS)
     page.locator("#undo:enabled").wait_for()
@@ -133,6 +135,7 @@ def test_the_focus_goes_where_the_page_goes(page: Page) -> None:
     def focused(where: str) -> None:
         page.locator(f"#{where}:focus").wait_for()
 
+    page.add_init_script(PATIENT)
     page.goto(f"{VIRTUAL}&target_error=0.01&error=4")
     focused("instruction")
     page.locator("#undo:enabled").wait_for()

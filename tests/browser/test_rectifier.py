@@ -15,6 +15,7 @@ from playwright.sync_api import Page
 from calibsolver import Camera
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.photographs import textured_board
+from tests.helpers.browser.waiting import TIMEOUT_S
 
 from .conftest import CHROMIUM, chromium_path
 
@@ -186,6 +187,7 @@ def test_two_hundred_leave_nothing_behind(playwright: Any, stack: str, tmp_path:
     context = playwright.chromium.launch_persistent_context(
         tmp_path, executable_path=chromium_path(), args=CHROMIUM, service_workers="block"
     )
+    context.set_default_timeout(1000 * TIMEOUT_S)
     page = context.pages[0]
     warnings: list[str] = []
     page.on("console", lambda message: warnings.append(message.text))

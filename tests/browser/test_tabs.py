@@ -4,7 +4,6 @@ import pytest
 from playwright.sync_api import BrowserContext, expect
 
 from tests.helpers.browser.interruptions import ENDLESS, sessions, views, wait_for_views
-from tests.helpers.browser.waiting import until
 
 ACQUIRE = """async (busy) => {
   const held = window.held = new AbortController();
@@ -13,6 +12,13 @@ ACQUIRE = """async (busy) => {
   for (const start = performance.now(); performance.now() - start < busy;);
   return isAcquired;
 }"""
+
+WITHDRAW = f"""async () => {{
+  const late = ({ACQUIRE})(0);
+  while (!(await navigator.locks.query()).pending.length) await new Promise((done) => setTimeout(done));
+  window.held.abort();
+  return [late];
+}}"""
 
 
 def test_a_capture_is_one_tabs_and_a_busy_tab_is_not_told_otherwise(
@@ -24,9 +30,7 @@ def test_a_capture_is_one_tabs_and_a_busy_tab_is_not_told_otherwise(
     assert first.evaluate(ACQUIRE, 2_000) is True, "longer than another tab would be waited for"
     assert second.evaluate(ACQUIRE, 0) is False
     # Who is gone before it is his turn does not keep the others out.
-    late = second.evaluate_handle(f"() => [({ACQUIRE})(0)]")
-    until(second, lambda: second.evaluate("async () => (await navigator.locks.query()).pending.length"))
-    second.evaluate("window.held.abort()")
+    late = second.evaluate_handle(WITHDRAW)
     first.evaluate("window.held.abort()")
     late.evaluate("async ([isAcquired]) => await isAcquired")
     assert first.evaluate(ACQUIRE, 0) is True

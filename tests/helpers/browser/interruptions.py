@@ -39,6 +39,20 @@ FOCUS = """
     if (focusMode === "manual") Object.assign(this.getSettings(), { focusMode, focusDistance: 0.4 });
   };
 """
+# A page that waits longer for answers, as long as the machine needs: an outage is not what is tested.
+PATIENT = """
+  {
+    const wait = window.setTimeout;
+    window.setTimeout = (call, ms, ...more) => wait(call, [2_000, 5_000].includes(ms) ? 60_000 : ms, ...more);
+  }
+"""
+# A page whose requests end by themselves only after two minutes.
+ENDURING = """
+  {
+    const limit = AbortSignal.timeout.bind(AbortSignal);
+    AbortSignal.timeout = (ms) => limit(12 * ms);
+  }
+"""
 # As soon as it has a view: the service may end the capture with the next ones.
 UNPLUG_WITH_A_VIEW = f"""() => new Promise((done) => {{
   const button = document.getElementById("undo");
@@ -125,8 +139,8 @@ def wait_for_views(page: Page, count: int) -> None:
 
 def stop(page: Page) -> None:
     """End a capture that has views: that is asked for twice within five seconds."""
-    page.locator("#stop").click()
-    page.locator("#stop").evaluate("(button) => button.click()")  # at once
+    expect(page.locator("#stop")).to_be_enabled()
+    page.locator("#stop").evaluate("(button) => { button.click(); button.click(); }")
     page.locator("#welcome:not([hidden])").wait_for()
 
 

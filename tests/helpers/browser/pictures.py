@@ -8,6 +8,7 @@ from playwright.sync_api import Page, ViewportSize
 
 from ...browser.conftest import OUTPUT, ROOT
 from ...conftest import THOROUGH
+from .waiting import TIMEOUT_S
 
 AXE = ROOT / "node_modules" / "axe-core" / "axe.min.js"
 SIZES: dict[str, ViewportSize] = {
@@ -47,7 +48,7 @@ SMALL = """([finger, inline]) => {
 }"""
 
 
-def remaining(page: Page, faults: Callable[[], T], seconds: float = 5.0) -> T:
+def remaining(page: Page, faults: Callable[[], T], seconds: float = TIMEOUT_S) -> T:
     """Faults of a page that are still there once changes have come to an end, or after so many seconds."""
     end = time.monotonic() + seconds
     while (found := faults()) and time.monotonic() < end:

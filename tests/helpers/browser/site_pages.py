@@ -11,6 +11,7 @@ from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
 from .pictures import SETTLED
 from .specimens import answer, camera, cameras, result
+from .waiting import TIMEOUT_S
 
 PAGES = {
     "landing": "",
@@ -170,7 +171,7 @@ def shifts(page: Page) -> list[tuple[float, list[str]]]:
     return found
 
 
-def faults(page: Page, width: int, seconds: float = 5.0) -> list[str]:
+def faults(page: Page, width: int, seconds: float = TIMEOUT_S) -> list[str]:
     """List what is wrong with the page in a window of that width, once it has come to rest."""
     page.set_viewport_size(SIZES[width])
     end = time.monotonic() + seconds

@@ -2,8 +2,8 @@
 
 import re
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from typing import TypeVar
 
 from playwright.sync_api import Page
@@ -16,7 +16,8 @@ TIMEOUT_S = 120.0
 _LISTEN = """
   window.said = {};
   document.addEventListener("DOMContentLoaded", () => {
-    for (const id of ["another", "away", "instruction", "notice", "opening", "opening-text", "said"]) {
+    const places = ["another", "away", "instruction", "notice", "opening", "opening-text", "said", "stop"];
+    for (const id of places) {
       const place = document.getElementById(id);
       const said = window.said[id] = [];
       const write = () => place.closest("[hidden]") || said.push(place.textContent);
@@ -25,6 +26,16 @@ _LISTEN = """
     }
   });
 """
+
+# Whether a text was in one of the places, be it for a moment only.
+_PASSING = """([places, text]) => {
+  window.passed = false;
+  new MutationObserver((_, observer) => {
+    if (![...document.querySelectorAll(places)].some((place) => place.textContent.includes(text))) return;
+    window.passed = true;
+    observer.disconnect();
+  }).observe(document.body, { subtree: true, childList: true, characterData: true });
+}"""
 
 T = TypeVar("T")
 
@@ -81,3 +92,11 @@ def hear(page: Page, where: str, words: str) -> None:
     the observer of `listen` writes every text down. Texts that stay are waited for by `expect`.
     """
     until(page, lambda: any(re.search(words, text) for text in heard(page, where)))
+
+
+@contextmanager
+def passing(page: Page, places: str, text: str) -> Iterator[None]:
+    """Wait until what is done in the block has shown a text in one of the places, be it for a moment only."""
+    page.evaluate(_PASSING, [places, text])
+    yield
+    until(page, lambda: page.evaluate("window.passed"))
