@@ -17,7 +17,7 @@ from tests.browser.test_detector import WATCH
 from tests.browser.test_kept_files import HOST, kept
 from tests.browser.test_rectifier import calibration
 from tests.helpers.browser.fake_camera import camera
-from tests.helpers.browser.firefox import in_firefox
+from tests.helpers.browser.firefox import firefox
 from tests.helpers.browser.frame_rate import RECTIFIED_AT_RATE, first_detection, median_pace
 
 FRAMES = 2_000
@@ -41,7 +41,8 @@ def rows() -> Iterator[Row]:
         second_visit = statistics.median(first_detection(visitor) for _ in range(3))
         browser.close()
         argument = json.dumps([calibration("rectilinear"), RATE])
-        in_other = in_firefox(f"{url}/board/", f"() => ({RECTIFIED_AT_RATE})({argument})")
+        with firefox() as in_firefox:
+            in_other = in_firefox(f"{url}/board/", f"() => ({RECTIFIED_AT_RATE})({argument})")
         with tempfile.TemporaryDirectory() as folder, camera(playwright, url, Path(folder), rate=30) as page:
             pace = median_pace(page)
     memory = np.array(seen["memory"])

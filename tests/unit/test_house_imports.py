@@ -1,6 +1,7 @@
 """Import rules: packages of both layers point one way, and no modules import in a circle."""
 
 import ast
+import importlib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -167,3 +168,10 @@ def test_service_packages_import_one_way() -> None:
 def test_layer_has_its_packages_and_values_alone(root: Path, packages: set[str], values: set[str]) -> None:
     assert {path.parent.name for path in root.glob("*/__init__.py")} == packages
     assert {path.stem for path in root.glob("*.py")} - {"__init__"} == values
+
+
+def test_benchmarks_and_scripts_beside_the_tests_can_be_imported() -> None:
+    """Neither pytest nor mypy looks at them, and nobody runs them often."""
+    files = [*(ROOT / "tests/bench").glob("*.py"), ROOT / "tests/browser/screenshots.py"]
+    for name in sorted(f"tests.{path.parent.name}.{path.stem}" for path in files if path.stem[0] != "_"):
+        importlib.import_module(name)
