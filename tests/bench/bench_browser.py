@@ -5,12 +5,15 @@ import shutil
 import statistics
 import tempfile
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from playwright.sync_api import sync_playwright
 
-from infra.local import LocalStack
+from calibdb.settings import Settings
+from calibdb.store import Store
+from infra.local import DEVELOPMENT_TOKEN, LocalStack
 from tests.bench.table import Row
 from tests.browser.conftest import CHROMIUM
 from tests.browser.test_detector import WATCH
@@ -29,13 +32,17 @@ def rows() -> Iterator[Row]:
     if path is None:
         return
     with LocalStack() as stack, stack.serve() as url, sync_playwright() as playwright:
+        visited = url.replace("127.0.0.1", HOST)  # where pages keep their files
+        _, token_id, _ = DEVELOPMENT_TOKEN.split("_")
+        tokens = Store.of(Settings.from_environment(stack.environment)).tokens
+        tokens.update(token_id, lambda token: replace(token, origins=(*token.origins, visited)))
         browser = playwright.chromium.launch(executable_path=path, args=CHROMIUM)
         page = browser.new_page(base_url=url, service_workers="block")
         first = statistics.median([first_detection(page) for _ in range(4)][1:])
         page.goto("/board/")
         seen = page.evaluate(WATCH, FRAMES)
         rectified = page.evaluate(RECTIFIED_AT_RATE, [calibration("rectilinear"), RATE])
-        visitor = browser.new_page(base_url=url.replace("127.0.0.1", HOST))
+        visitor = browser.new_page(base_url=visited)
         visitor.goto("/calibrate/")
         kept(visitor, name="opencv.wasm")
         second_visit = statistics.median(first_detection(visitor) for _ in range(3))
