@@ -10,10 +10,11 @@ from .errors import CalibrationError, DeadlineError
 from .fitting.calibration import Calibration
 from .fitting.fit import fit
 from .fitting.uncertainty import Uncertainty
+from .locate import BoardPose, locate
 from .view import View
 
 if TYPE_CHECKING:
-    from . import capture, consensus, fitting, formats, guidance, models, quality, rig
+    from . import capture, consensus, fitting, formats, guidance, models, plots, quality, rig
 
 __version__ = "0.1.0"
 FIT_VERSION = "0.1.0"
@@ -22,6 +23,7 @@ FIT_VERSION = "0.1.0"
 __all__ = [
     "FIT_VERSION",
     "Board",
+    "BoardPose",
     "Calibration",
     "CalibrationError",
     "Camera",
@@ -34,7 +36,9 @@ __all__ = [
     "fitting",
     "formats",
     "guidance",
+    "locate",
     "models",
+    "plots",
     "quality",
     "rig",
 ]

@@ -22,7 +22,9 @@ DICTIONARIES = {
 }
 
 
-KINDS = ("charuco", "chessboard", "aprilgrid")
+KINDS = ("charuco", "chessboard", "aprilgrid", "circles", "asymmetric_circles")
+CIRCLES = ("circles", "asymmetric_circles")
+"""Kinds of boards of circles; `marker_ratio` is a circle's diameter / the unit."""
 
 
 @dataclass(frozen=True)
@@ -35,10 +37,14 @@ class Board:
     An AprilGrid is numbered as Kalibr numbers it: tags row by row from the lower left one, id = 4 * tag +
     corner, corners anticlockwise from the lower left of the tag. Corner 0 is the origin, so that y <= 0.
 
+    A grid of circles has its circles as corners, row by row from the upper left, circle 0 at (1, 1). The unit
+    is the distance between rows. In an asymmetric grid, as OpenCV has it, the circles of a row are two units
+    apart, and odd rows are shifted by one.
+
     Attributes
     ----------
     squares
-        (columns, rows), 3 to 64 each; of an AprilGrid its tags, 1 to 64 each.
+        (columns, rows), 3 to 64 each; of an AprilGrid its tags, 1 to 64 each, of circles 2 to 64 each.
     marker_ratio
         Side of a marker / side of a square, inside (0, 1).
     dictionary
@@ -70,7 +76,9 @@ class Board:
         object.__setattr__(self, "squares", (w, h))
         if self.kind not in KINDS:
             raise ValueError(f"a board is one of {', '.join(KINDS)}, not {self.kind!r}")
-        least, what = (1, "tags") if self.kind == "aprilgrid" else (3, "squares")
+        least, what = {"aprilgrid": (1, "tags"), **dict.fromkeys(CIRCLES, (2, "circles"))}.get(
+            self.kind, (3, "squares")
+        )
         if not (least <= w <= 64 and least <= h <= 64):
             raise ValueError(f"a board has {least} to 64 {what} a side, not {w} x {h}")
         if not 0.1 <= self.marker_ratio <= 0.95:
@@ -86,9 +94,12 @@ class Board:
                 raise ValueError(f"tag_spacing must lie in 0.05 to 2 on this board, not {self.tag_spacing}")
             if w * h < 2:
                 raise ValueError("one tag is no board: its four corners do not fix a camera")
-        markers = {"charuco": w * h // 2, "chessboard": 0, "aprilgrid": w * h}[self.kind]
+        markers = {"charuco": w * h // 2, "aprilgrid": w * h}.get(self.kind, 0)
         if markers > DICTIONARIES[self.dictionary]:
-            raise ValueError(f"{w} x {h} {what} need {markers} markers, {self.dictionary} has fewer")
+            raise ValueError(
+                f"{w} x {h} {what} need {markers} markers, {self.dictionary} has fewer: "
+                "choose a larger dictionary"
+            )
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "Board":
@@ -108,6 +119,9 @@ class Board:
         if self.kind == "aprilgrid":
             w, h = (n + (n - 1) * self.tag_spacing for n in self.squares)
             return w, h
+        if self.kind in CIRCLES:
+            right, bottom = self.points[:, :2].max(axis=0).tolist()
+            return right + 1, bottom + 1
         return self.squares
 
     @property
@@ -118,17 +132,21 @@ class Board:
     @property
     def has_markers(self) -> bool:
         """Whether a part of the board says which part it is: a chessboard is found whole only."""
-        return self.kind != "chessboard"
+        return self.kind in ("charuco", "aprilgrid")
 
     @property
     def is_half_turn_symmetric(self) -> bool:
         """Whether it looks the same after half a turn: good for intrinsics, not where a pose is shared."""
-        return self.kind == "chessboard" and sum(self.squares) % 2 == 0
+        if self.kind == "asymmetric_circles":
+            return self.squares[1] % 2 == 1
+        return self.kind == "circles" or (self.kind == "chessboard" and sum(self.squares) % 2 == 0)
 
     @cached_property
     def lattice(self) -> IntArray:
         """Ids of the corners in rows and columns, (rows, columns), from the top left as the board is seen."""
         w, h = self.squares
+        if self.kind in CIRCLES:
+            return np.arange(w * h).reshape(h, w)
         if self.kind != "aprilgrid":
             return np.arange((w - 1) * (h - 1)).reshape(h - 1, w - 1)
         tags = 4 * np.arange(w * h).reshape(h, w)[::-1]
@@ -144,6 +162,11 @@ class Board:
             x = column * (1 + self.tag_spacing) + np.isin(corner, (1, 2))
             y = row * (1 + self.tag_spacing) + np.isin(corner, (2, 3))
             return frozen(np.stack([x, -y, np.zeros(len(x))], axis=1))
+        if self.kind in CIRCLES:
+            row, column = np.divmod(np.arange(self.corner_count), self.squares[0])
+            if self.kind == "asymmetric_circles":
+                column = 2 * column + row % 2
+            return frozen(np.stack([column + 1, row + 1, np.zeros(len(row))], axis=1))
         row, column = np.divmod(np.arange(self.corner_count), self.squares[0] - 1)
         return frozen(np.stack([column + 1, row + 1, np.zeros(self.corner_count)], axis=1))
 

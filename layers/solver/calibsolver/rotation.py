@@ -4,31 +4,27 @@ import numpy as np
 
 from .arrays import Array
 
-SKEW_PLACES = np.array([0, 2, 1, 2, 0, 0, 1, 0, 0])
-SKEW_SIGNS = np.array([0.0, -1, 1, 1, 0, -1, -1, 1, 0])
-"""Coordinate of a vector, and its sign, at each place of its cross-product matrix, row by row."""
-MIN_ANGLE_RAD = 1e-4
-"""Angle below which the series is exact to 1e-17 and the quotients of Rodrigues' formula are 0/0."""
+MIN_HALF_ANGLE_RAD = 1e-150
+"""Lower bound of the half angle, so that sin(half) / half is 1 instead of 0/0."""
+CROSS = np.array([[0.0, 0, 0, 0, 0, -1, 0, 1, 0], [0, 0, 1, 0, 0, 0, -1, 0, 0], [0, -1, 0, 1, 0, 0, 0, 0, 0]])
+"""Matrix (3, 9) from a vector to its cross-product matrix, row by row."""
 
 
 def skew(v: Array) -> Array:
     """Cross-product matrices: (..., 3) -> (..., 3, 3) with ``skew(v) @ w == cross(v, w)``."""
-    m: Array = (np.take(v, SKEW_PLACES, axis=-1) * SKEW_SIGNS).reshape(*v.shape[:-1], 3, 3)
+    m: Array = (v @ CROSS).reshape(*v.shape[:-1], 3, 3)
     return m
 
 
 def matrix(rvec: Array) -> Array:
     """Rotation matrices of rotation vectors (..., 3) -> (..., 3, 3), Rodrigues' formula."""
-    angle2 = np.add.reduce(rvec * rvec, axis=-1)[..., None, None]
-    angle = np.sqrt(angle2)
-    small = angle < MIN_ANGLE_RAD
-    a, b = 1 - angle2 / 6, 0.5 - angle2 / 24
-    if not small.all():
-        safe = np.where(small, 1.0, angle)
-        a = np.where(small, a, np.sin(safe) / safe)
-        b = np.where(small, b, (1 - np.cos(safe)) / (safe * safe))
-    k = skew(rvec)
-    rotation: Array = np.eye(3) + a * k + b * (k @ k)
+    # With c, s the cosine and sine of half the angle and u = 2 s axis: (2 c^2 - 1) 1 + c [u]x + u u' / 2.
+    half = np.maximum(np.sqrt(np.add.reduce(rvec * rvec, axis=-1, keepdims=True)) / 2, MIN_HALF_ANGLE_RAD)
+    u, c = rvec * (np.sin(half) / half), np.cos(half)
+    rotation: Array = u[..., :, None] * (u / 2)[..., None, :]
+    flat = rotation.reshape(*rvec.shape[:-1], 9)
+    flat += (c * u) @ CROSS
+    flat[..., ::4] += 2 * c * c - 1
     return rotation
 
 

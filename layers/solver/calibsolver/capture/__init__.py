@@ -6,19 +6,21 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .advice import Advice
     from .decision import Estimate, Exclusion, ViewDecision, exclusions
-    from .rules import MAX_VIEWS, Capture
+    from .ending import MAX_VIEWS, History
+    from .rules import Capture
 
 _MODULES = {
     "Advice": "advice",
     "Capture": "rules",
     "Estimate": "decision",
     "Exclusion": "decision",
-    "MAX_VIEWS": "rules",
+    "History": "ending",
+    "MAX_VIEWS": "ending",
     "ViewDecision": "decision",
     "exclusions": "decision",
 }
 
-__all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "Exclusion", "ViewDecision", "exclusions"]
+__all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "Exclusion", "History", "ViewDecision", "exclusions"]
 
 
 def __getattr__(name: str) -> Any:

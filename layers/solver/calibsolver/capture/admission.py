@@ -9,7 +9,7 @@ from ..fitting.observations import Observations
 from ..fitting.validation import MIN_POINTS, check, handedness
 from ..view import View
 
-Reason = Literal["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]
+Reason = Literal["too_few_points", "degenerate", "mirrored", "outlier", "duplicate", "no_information"]
 
 MIN_EXTENT_WIDTHS = 0.005
 """Standard deviation of the points across their narrower direction / image width; below, they are a line."""

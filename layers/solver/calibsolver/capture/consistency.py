@@ -171,7 +171,7 @@ class Consistency:
         return None
 
     def is_same_pose(self, one: View, other: View) -> bool:
-        """Whether two views show the board in one pose."""
+        """True if two views show the board in one pose."""
         if one.object_points.shape == other.object_points.shape and np.array_equal(
             one.object_points, other.object_points
         ):

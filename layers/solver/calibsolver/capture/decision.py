@@ -6,12 +6,14 @@ from typing import Any, Literal
 
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
+from ..fitting.coverage import Coverage
 from ..fitting.uncertainty import Uncertainty
 from ..guidance.hints import Hint
 from ..quality.systematic import probable_cause
 from ..view import View
 from .admission import Reason
 from .advice import Advice
+from .ending import EndReason, History
 
 
 @dataclass(frozen=True)
@@ -64,23 +66,33 @@ class Estimate:
     progress
         0 to 1; 1 where converged. It follows the predicted error and the number of views, so it grows with
         every view that brings information; it may fall with one that shows more noise than was seen before.
-    converged
-        Whether the capture ends here: four views are in and the predicted rms is below the target, and the
-        last view was as far off as predicted; or so many views are in that more would not help.
+    end
+        Reason why the capture ends here; None: it continues. ``target``: four views are in, the predicted rms
+        is below the target, and the last view was as far off as predicted; ``plateau``: the error has stopped
+        falling although the views are held at their targets; ``limit``: fifteen views are in;
+        ``nothing_new``: only duplicates are shown; ``asked``: the user ended it.
     excluded
         Exclusions by index of the view.
     advice, suggested_model
         Advice to the user; the model that explains the views where this one is too simple.
+    coverage
+        Part of the image that the board has shown, and the error there; None without a calibration.
     """
 
     calibration: Calibration | None
     view_errors: tuple[float | None, ...]
     uncertainty: Uncertainty | None
     progress: float
-    converged: bool
+    end: EndReason | None = None
     excluded: Mapping[int, Exclusion] = field(default_factory=dict)
     advice: tuple[Advice, ...] = ()
     suggested_model: str | None = None
+    coverage: Coverage | None = None
+
+    @property
+    def converged(self) -> bool:
+        """True if the capture ends here."""
+        return self.end is not None
 
     def with_cause(self, views: Sequence[View]) -> "Estimate":
         """Add the probable cause of systematic residuals to the advice, first, if it is noticeable.
@@ -116,6 +128,8 @@ class ViewDecision:
         Whether the view is accepted; if so `estimate` counts it.
     reason, hint
         Of a refused view: why it was refused, and how to do better.
+    on_target
+        True if an accepted view was held at its target; None if there was no target.
     quarantine
         Whether a refused view is worth keeping: it contradicts the others, and it may be they that are wrong.
     seed_rejected
@@ -126,5 +140,13 @@ class ViewDecision:
     reason: Reason | None
     estimate: Estimate | None
     hint: Hint | None = None
+    on_target: bool | None = None
     quarantine: bool = False
     seed_rejected: bool = False
+
+    def after(self, history: History) -> History:
+        """History of the capture after this decision, given the `history` before it."""
+        if self.estimate is None:
+            return replace(history, duplicates=history.duplicates + (self.reason == "duplicate"))
+        u = self.estimate.uncertainty
+        return History((*history.stated, u.rms if u else None), (*history.on_target, bool(self.on_target)))

@@ -12,6 +12,7 @@ from ..board import Board
 from ..camera import Camera
 from ..errors import undetermined
 from ..fitting.calibration import Calibration
+from ..fitting.coverage import Coverage
 from ..fitting.resection import reprojection_score
 from ..fitting.uncertainty import Uncertainty
 from ..guidance import GUIDES, MIN_NOISE_WIDTHS, IntrinsicsPosterior, PoseSelection
@@ -21,29 +22,27 @@ from ..quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
 from ..view import View
 from .admission import Reason, rejection_reason
 from .advice import LIMIT_REACHED, describe_disagreement, find_better_model
-from .consistency import MAX_OUTVOTED_VIEWS, Consistency
+from .consistency import Consistency
 from .decision import (
     EXCLUDED_MINORITY,
-    EXCLUDED_OUTLIER,
     REFUSAL_HINTS,
     Estimate,
     Exclusion,
     ViewDecision,
 )
+from .ending import MAX_VIEWS, MIN_VIEWS, NO_HISTORY, EndReason, History
+from .exclusion import exclude_outliers, resolve_conflict
 from .seed import is_posed, is_usable
 
-MIN_VIEWS = 4
-"""Views before a capture may converge: fewer can agree by chance."""
-MAX_VIEWS = 15
-"""Views after which a capture ends with the accuracy that was reached."""
 MAX_POINTS = 20_000
 """Points of all views with which it ends likewise: where the whole board would be one view too many."""
 MAX_DETECTOR_NOISE_WIDTHS = 0.75 / 1280
 """Noise of a corner's coordinate / image width; no detector has more in a picture that shows markers."""
-MAX_CONFLICT_S, MAX_ADVICE_S = 1.0, 1.0
-"""Time for the views that conflict with others, and for another model, where the time is limited."""
+MAX_ADVICE_S = 1.0
+"""Time to find another model, if the time is limited."""
+MAX_RUNNING_PROGRESS = 0.95
 MIN_GAIN_SHARE = 0.2
-"""Share of the gain predicted for the target that a view must bring."""
+"""Share of the gain predicted for the target from which a view counts as held at the target."""
 
 
 class Capture:
@@ -124,29 +123,57 @@ class Capture:
             return self._initial_camera
         return estimate.calibration.camera
 
-    def estimate(self, views: Sequence[View], excluded: Mapping[int, Exclusion] | None = None) -> Estimate:
-        """Fit the views that are not `excluded`; where that fails the estimate has no calibration."""
+    def estimate(
+        self,
+        views: Sequence[View],
+        excluded: Mapping[int, Exclusion] | None = None,
+        history: History = NO_HISTORY,
+    ) -> Estimate:
+        """Fit the views that are not `excluded`; where that fails the estimate has no calibration.
+
+        `history`: course of the capture up to the last of the views.
+        """
         excluded = excluded or {}
         active = [i for i in range(len(views)) if i not in excluded]
         calibration = self.consistency.fit([views[i] for i in active])
         if calibration is None:
-            return Estimate(None, (None,) * len(views), None, 0.0, False, excluded)
+            return Estimate(None, (None,) * len(views), None, 0.0, None, excluded)
         errors: list[float | None] = [None] * len(views)
         for i, error in zip(active, calibration.view_errors, strict=True):
             errors[i] = float(error)
         for i in excluded:
             errors[i] = self._resection_error(calibration.camera, views[i])
         u = self._uncertainty(calibration)
-        on_target = u.rms < self.target_error
-        if isinstance(self.guide, PoseSelection):
-            on_target = self.guide.is_done([views[i] for i in active])
-        full = len(active) >= MAX_VIEWS or sum(map(len, views)) + len(self.board.points) > MAX_POINTS
-        converged = ((on_target and len(active) >= MIN_VIEWS) or full) and not self.recorded
         span = np.log(self._initial_rms / self.target_error)
         near = float(np.clip(np.log(self._initial_rms / max(u.rms, 1e-9)) / span, 0, 1)) if span > 0 else 1.0
-        progress = 1.0 if converged else min(0.95 * near, len(active) / MIN_VIEWS, 0.95)
-        advice = (LIMIT_REACHED,) if full and not (on_target or self.recorded) else ()
-        return Estimate(calibration, tuple(errors), u, progress, converged, excluded, advice)
+        progress = max(min(0.95 * near, len(active) / MIN_VIEWS), len(active) / MAX_VIEWS)
+        progress = min(progress, MAX_RUNNING_PROGRESS)
+        coverage = Coverage.of(calibration, [views[i] for i in active])
+        coverage = replace(coverage, rms=coverage.rms * self._noise_factor(calibration))
+        estimate = Estimate(calibration, tuple(errors), u, progress, excluded=excluded, coverage=coverage)
+        end = self._end_reason(views, estimate, history)
+        if end is None:
+            return estimate
+        advice = (LIMIT_REACHED,) if end == "limit" else ()
+        return replace(estimate, progress=1.0, end=end, advice=advice)
+
+    def _end_reason(
+        self, views: Sequence[View], estimate: Estimate, history: History, *, is_predicted: bool = True
+    ) -> EndReason | None:
+        """Reason to end with this estimate; `is_predicted`: the last view was as far off as predicted."""
+        if self.recorded or estimate.uncertainty is None:
+            return None
+        active = [view for i, view in enumerate(views) if i not in estimate.excluded]
+        stated = estimate.uncertainty.rms
+        is_plateau = history.has_plateau(stated, len(active))
+        done = stated < self.target_error
+        if isinstance(self.guide, PoseSelection):
+            done, is_plateau = self.guide.is_done(active), False
+        if done and is_predicted and len(active) >= MIN_VIEWS:
+            return "target"
+        if len(active) >= MAX_VIEWS or sum(map(len, views)) + len(self.board.points) > MAX_POINTS:
+            return "limit"
+        return "plateau" if is_plateau else None
 
     @undetermined()
     def reconcile(self, views: Sequence[View], excluded: Mapping[int, Exclusion]) -> Estimate:
@@ -158,7 +185,7 @@ class Capture:
             if i not in keep and self.consistency.is_consistent([views[k] for k in keep], views[i]):
                 keep.append(i)
         left_out = {i: excluded.get(i, EXCLUDED_MINORITY) for i in range(len(views)) if i not in keep}
-        return self.estimate(views, self._drop_outliers(views, left_out)).with_cause(views)
+        return self.estimate(views, exclude_outliers(self.consistency, views, left_out)).with_cause(views)
 
     def next_target(
         self,
@@ -188,18 +215,20 @@ class Capture:
         view: View,
         excluded: Mapping[int, Exclusion] | None = None,
         quarantined: Sequence[View] = (),
+        history: History = NO_HISTORY,
     ) -> ViewDecision:
-        """Decide whether `view` joins the accepted `views`.
+        """Decide whether `view` joins the accepted `views`: it must agree with them and not duplicate one.
 
         Parameters
         ----------
         target
-            The open target pose, of whose gain a view must bring a share; None for a recorded view: nothing
-            was asked of it, and it counts if it agrees with the others.
+            The open target pose; None for a recorded view, which has none.
         excluded
             Exclusions of accepted views, by index.
         quarantined
             Refused views that were kept (`ViewDecision.quarantine`).
+        history
+            Course of the capture so far.
         """
         excluded = dict(excluded or {})
         reason = rejection_reason(view, self.img_size)
@@ -210,7 +239,7 @@ class Capture:
             first = None if target is None else fresh.next_target([], fresh.estimate([]))
             return replace(fresh.judge([], first, view), seed_rejected=True)
         with np.errstate(all="ignore"):  # hostile numbers end in a refusal, not in a warning
-            return self._decide(list(views), target, view, excluded, quarantined)
+            return self._decide(list(views), target, view, excluded, quarantined, history)
 
     def _decide(
         self,
@@ -219,6 +248,7 @@ class Capture:
         view: View,
         excluded: dict[int, Exclusion],
         quarantined: Sequence[View],
+        history: History,
     ) -> ViewDecision:
         active = [i for i in range(len(views)) if i not in excluded]
         others = [views[i] for i in active]
@@ -228,58 +258,25 @@ class Capture:
             return self._refuse("outlier", view, target)
         all_views, excluded_before = [*views, view], dict(excluded)
         if not self.consistency.is_consistent(others, view):
-            resolve = partial(self._resolve_conflict, views, active, view, excluded, quarantined)
-            resolved = deadline.compute_within(MAX_CONFLICT_S, resolve, None)
+            resolved = resolve_conflict(self.consistency, views, view, excluded, quarantined)
             if resolved is None:
                 quarantine = bool(others) and self.consistency.is_consistent([], view)
                 return replace(self._refuse("outlier", view, target), quarantine=quarantine)
             excluded = resolved
-        elif not self._is_informative(target, view, gain):
-            return self._refuse("no_information", view, target, before)
-        left_out = self._drop_outliers(all_views, excluded)
-        estimate = self.estimate(all_views, left_out)
+        elif target is not None and (refusal := self._redundancy(target, others, view)):
+            return self._refuse(refusal, view, target, before)
+        on_target = (
+            None
+            if target is None
+            else isinstance(self.guide, PoseSelection) or gain >= MIN_GAIN_SHARE * target.gain
+        )
+        left_out = exclude_outliers(self.consistency, all_views, excluded)
+        history = history.with_view(bool(on_target))
+        estimate = self.estimate(all_views, left_out, history)
         if estimate.calibration is None or len(views) in left_out:
             return self._refuse("outlier", view, target)
-        checked = self._check_prediction(all_views, estimate, before, excluded_before)
-        return ViewDecision(True, None, checked.with_cause(all_views))
-
-    def _resolve_conflict(
-        self,
-        views: Sequence[View],
-        active: Sequence[int],
-        view: View,
-        excluded: Mapping[int, Exclusion],
-        quarantined: Sequence[View],
-    ) -> dict[int, Exclusion] | None:
-        """Find the exclusions that let `view` stay; None where it is `view` that is wrong."""
-        if not active or not self.consistency.is_consistent([], view):
-            return None
-        wrong = self.consistency.find_conflicting_view([views[i] for i in active], view)
-        if wrong is not None:
-            return {**excluded, active[wrong]: EXCLUDED_OUTLIER}
-        outvoted = min(len(active), MAX_OUTVOTED_VIEWS)
-        group = self.consistency.find_consistent_views(view, [*quarantined, *views], outvoted)
-        if len(group) <= outvoted:
-            return None
-        members = {id(member) for member in group}
-        return {
-            i: excluded.get(i, EXCLUDED_MINORITY) for i, other in enumerate(views) if id(other) not in members
-        }
-
-    def _drop_outliers(
-        self, views: Sequence[View], excluded: Mapping[int, Exclusion]
-    ) -> dict[int, Exclusion]:
-        """Add to `excluded` the views that are not consistent with the others."""
-        result = dict(excluded)
-        while True:
-            active = [i for i in range(len(views)) if i not in result]
-            kept = [views[i] for i in active]
-            wrong = deadline.compute_within(
-                MAX_CONFLICT_S, partial(self.consistency.find_outlier_view, kept), None
-            )
-            if wrong is None:
-                return result
-            result[active[wrong]] = EXCLUDED_OUTLIER
+        checked = self._check_prediction(all_views, estimate, before, excluded_before, history)
+        return ViewDecision(True, None, checked.with_cause(all_views), on_target=on_target)
 
     def _check_prediction(
         self,
@@ -287,8 +284,9 @@ class Capture:
         estimate: Estimate,
         before: Calibration | None,
         excluded_before: Mapping[int, Exclusion],
+        history: History,
     ) -> Estimate:
-        """Compare the error of the last view with the predicted one: where they differ the capture goes on.
+        """Compare the error of the last view with the predicted one: if they differ, the capture continues.
 
         Then, and where views are newly excluded, and where the corners are far noisier than any detector's,
         the model may be too simple: others are tried.
@@ -309,26 +307,27 @@ class Capture:
         better = deadline.compute_within(MAX_ADVICE_S, partial(find_better_model, views, calibration), None)
         advice = (*estimate.advice, *describe_disagreement(ratio if disagrees else None, better))
         estimate = replace(estimate, advice=advice, suggested_model=better)
-        if not disagrees or count >= MAX_VIEWS:
+        if not disagrees or estimate.end != "target":
             return estimate
-        return replace(estimate, converged=False, progress=min(estimate.progress, 0.95))
+        end = self._end_reason(views, estimate, history, is_predicted=False)
+        return replace(estimate, end=end, progress=estimate.progress if end else MAX_RUNNING_PROGRESS)
 
-    def _is_informative(self, target: TargetPose | None, view: View, gain: float) -> bool:
-        """Whether a consistent view brings enough of what was predicted for the target, if there is one."""
-        if target is None:
-            return True
-        if isinstance(self.guide, PoseSelection):
-            return self.guide.is_reached(target, view)
-        return gain >= MIN_GAIN_SHARE * target.gain
+    def _redundancy(self, target: TargetPose, others: Sequence[View], view: View) -> Reason | None:
+        """Reason to refuse a live view that agrees with the `others`; None if it is accepted."""
+        if isinstance(self.guide, PoseSelection):  # the published method accepts views that reach its target
+            return None if self.guide.is_reached(target, view) else "no_information"
+        return "duplicate" if any(self.consistency.is_same_pose(view, other) for other in others) else None
 
     def _uncertainty(self, calibration: Calibration) -> Uncertainty:
         """Predicted error of the calibration, px.
 
         Residuals smaller than any detector's are chance, or copies of one view: they count as its noise.
         """
-        u = calibration.uncertainty()
-        factor = max(1.0, MIN_NOISE_WIDTHS * self.img_size[0] / max(calibration.noise, 1e-12))
+        u, factor = calibration.uncertainty(), self._noise_factor(calibration)
         return Uncertainty(u.rms * factor, u.max * factor)
+
+    def _noise_factor(self, calibration: Calibration) -> float:
+        return max(1.0, MIN_NOISE_WIDTHS * self.img_size[0] / max(calibration.noise, 1e-12))
 
     def _resection_error(self, camera: Camera, view: View) -> float | None:
         """Rms of the view with its pose alone fitted, px; None where it has no pose."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..errors import CalibrationError
+from ..fitting.coverage import Coverage, record_covered, uncertainty_members
 from ..guidance.target import TargetPose
 from ..quality.board_flatness import shaped_fit
 from ..view import View
@@ -25,12 +26,16 @@ def parse_targets(records: Sequence[Mapping[str, Any]]) -> tuple[TargetPose, ...
 
 def estimate_record(estimate: Estimate) -> dict[str, Any]:
     """Return an estimate as plain values."""
-    fit, uncertainty = estimate.calibration, estimate.uncertainty
+    fit, uncertainty, coverage = estimate.calibration, estimate.uncertainty, estimate.coverage
+    stated = None
+    if uncertainty and coverage:
+        stated = {"rms": uncertainty.rms, "max": uncertainty.max, **uncertainty_members(coverage)}
     return {
-        "fit": fit.record() if fit else None,
-        "uncertainty": {"rms": uncertainty.rms, "max": uncertainty.max} if uncertainty else None,
+        "fit": record_covered(fit, coverage) if fit and coverage else None,
+        "uncertainty": stated,
         "progress": estimate.progress,
         "converged": estimate.converged,
+        "end": estimate.end,
         "advice": [{"code": advice.code, "text": advice.text} for advice in estimate.advice],
         "suggested_model": estimate.suggested_model,
     }
@@ -65,7 +70,7 @@ def end(estimate: Estimate, views: Sequence[View], indices: Sequence[int]) -> Ou
     fit = None
     if board.used and board.shape is not None:
         used = [board.shape.apply(view) for view in used]
-        fit = board.calibration.record()
+        fit = record_covered(board.calibration, Coverage.of(board.calibration, used))
     return Outcome(fit, report.describe(board.calibration, used, indices, board=board))
 
 
@@ -77,7 +82,7 @@ def finish(record: Mapping[str, Any]) -> dict[str, Any]:
     """
     rules, views, excluded = parse(record)
     found = rules.estimate(views, excluded).with_cause(views)
-    found = replace(found, progress=1.0, converged=True)
+    found = replace(found, progress=1.0, end="asked")
     indices = [view["index"] for i, view in enumerate(record["views"]) if i not in found.excluded]
     outcome = end(found, views, indices)
     if outcome is None:

@@ -1,206 +1,241 @@
-"""Clustering of calibrations by projection difference: a forward search.
+"""Agreement of calibrations of one camera: whether each is what the others predict.
 
-Two calibrations are compared by their rays of the same pixels. A rotation of the camera frame is no
-difference: it cannot be measured, and every pose absorbs it.
+A calibration agrees with others if two ratios are small. `d` is the difference of its intrinsics from those
+that the others give, `S` the information of its own corners, and `C` the sum of the covariances of both and
+of the difference between two specimens:
+
+* predictive ratio, d' S d / trace(S C): the squared reprojection error that the others' camera adds to its
+  corners (poses fitted again, to second order) over its expectation;
+* distance ratio, d' C^-1 d / p: the mean square standardised difference.
+
+The first finds cameras that the corners contradict, however vague both are. The second finds small
+differences of precise calibrations, relative to the spread of the specimens that the other members show. The
+camera of the others is a random-effects mean with Huber weights (DerSimonian & Laird 1986; Huber 1964). It
+needs intrinsics and covariances only. A calibration of few or poor views agrees with everything, and weighs
+next to nothing.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .. import models, rotation
-from ..arrays import Array, IntArray, Mask
+from ..arrays import Array, IntArray, Mask, symmetric_inverse, whitening
 from ..camera import Camera, pixel_grid
 from ..fitting.calibration import Calibration
+from ..fitting.uncertainty import image_error_metric, projection_jacobian_rotation_free
 
 COMPARISON_GRID = (12, 9)
 """Columns and rows of pixels at which two calibrations are compared."""
 MIN_SHARED_IMAGE = 0.5
 """Share of the image for which two calibrations must both have rays."""
-MEMBER_SIGMAS = 3.0
-"""Standard deviations from the others up to which a calibration belongs to them."""
-SMALL_SAMPLE_INFLATION = 14.0
-"""Inflation of the variance among m members: the factor is 1 + (SMALL_SAMPLE_INFLATION / (m - 1))^2."""
-SPECIMEN_VARIANCE_RATIO = 4.0
-"""Variance / variance that noise explains, from which specimens or sessions clearly differ."""
+MAX_PREDICTIVE_RATIO = 6.0
+"""Predictive ratio up to which a calibration agrees."""
+MAX_DISTANCE_RATIO = 5.0
+"""Distance ratio up to which a calibration agrees if specimens differ by SPECIMEN_SPREAD_WIDTHS."""
+MAX_NEIGHBOUR_DISAGREEMENT = 0.5
+"""Disagreement of two calibrations up to which a group may start from both, so that none is a bridge."""
+MAX_MEMBER_DISAGREEMENT = 1.25
+"""Disagreement above which a member of a group is dropped; calibrations join it up to 1."""
 SPECIMEN_SPREAD_WIDTHS = 0.00083
-"""Prior standard deviation between specimens, rms over the image / image width: 0.25 % of the focal length,
-where calibrations of real specimens of one product differ by 0.1 to 0.4 %."""
-SPECIMEN_SPREAD_MEMBERS = 2.0
-"""Degrees of freedom that this prior is worth."""
-MIN_BIMODAL_SIZE = 8
-"""Calibrations from which a sample is tested for two modes."""
-MAX_UNCERTAINTY_RATIO = 2.0
-"""Uncertainty / median uncertainty that a calibration is granted: vague ones do not agree with everything."""
+"""Standard deviation of the difference of two specimens, rms over the image / image width."""
+SPECIMEN_DIRECTIONS = 3
+"""Directions of the intrinsics in which specimens differ: focal length and principal point."""
+SPREAD_MEMBERS, MAX_SPREAD_RATIO = 2.0, 6.0
+"""Members that SPECIMEN_SPREAD_WIDTHS is worth; largest variance / its square that a group may show."""
+MAX_PULL_SIGMAS = 1.5
+"""Standardised distance of a contributor from the mean beyond which it pulls no harder."""
+MIN_IMAGE_SHARE = 1e-4
+"""Share by which every parameter moves the image at least: no direction is exempt."""
+MAX_MEAN_ITERATIONS = 20
+MAX_ROUNDS = 12
+"""Rounds in which a group takes in and drops calibrations."""
+MAX_STARTS = 4
+"""Neighbourhoods from which a group is searched, the heaviest first."""
 
 
 @dataclass(frozen=True, eq=False)
-class Projections:
-    """Projections of calibrations of one image size, sampled on a grid of pixels.
+class Estimates:
+    """Intrinsics as calibrations of one camera state them, with covariance and information.
 
     Attributes
     ----------
-    cameras
-        Cameras of the c calibrations.
-    rays
-        (c, n, 3) unit rays of the pixels, camera frame; 0 where a camera has none.
-    scale
-        (c, n) local magnification, px per radian; 0 where a camera has no ray.
-    defined
-        (c, n) whether a camera has a ray.
-    mse
-        (c,) mean square error over the image that each calibration predicts of itself, px^2.
+    y
+        (c, p) intrinsics less the reference's, each over the change that moves the image by 1 px rms.
+    covariance, information
+        (c, p, p) of `y`; the information at unit noise, px^-2.
+    specimens
+        (p, p) covariance of the difference of two specimens.
+    owner
+        (c,) number of the contributor of each calibration; those of one contributor show one specimen.
     """
 
-    cameras: tuple[Camera, ...]
-    rays: Array
-    scale: Array
-    defined: Mask
-    mse: Array
+    y: Array
+    covariance: Array
+    information: Array
+    specimens: Array
+    owner: IntArray
 
     @classmethod
-    def of(cls, calibrations: Sequence[Calibration]) -> "Projections":
-        """Sample calibrations."""
-        mse = np.array([c.uncertainty(COMPARISON_GRID).rms for c in calibrations]) ** 2
-        return cls.of_cameras([c.camera for c in calibrations], mse)
+    def of(cls, calibrations: Sequence[Calibration], owner: IntArray, reference: Camera) -> "Estimates":
+        """Scale the intrinsics of calibrations of one model and image size about a reference camera."""
+        model, k, size = models.get(reference.model), reference.intrinsics, reference.img_size
+        metric = image_error_metric(projection_jacobian_rotation_free(model, k, size, COMPARISON_GRID))
+        scale = 1 / np.sqrt(np.maximum(np.diagonal(metric), 1e-300))
+        metric = metric * scale[:, None] * scale + MIN_IMAGE_SHARE * np.eye(len(k))
+        specimens = symmetric_inverse(metric) * (SPECIMEN_SPREAD_WIDTHS * size[0]) ** 2 / len(k)
+        y = np.array([(c.camera.intrinsics - k) / scale for c in calibrations])
+        covariance = np.array([c.covariance / scale[:, None] / scale for c in calibrations])
+        unit = np.array([c.information * c.noise**2 * scale[:, None] * scale for c in calibrations])
+        return cls(y, covariance, unit, specimens, owner)
 
-    @classmethod
-    def of_cameras(cls, cameras: Sequence[Camera], mse: Array | None = None) -> "Projections":
-        """Sample cameras; without `mse` (c,) they are exact."""
-        q = pixel_grid(cameras[0].img_size, COMPARISON_GRID).reshape(2, -1)
-        rays, scale = [], []
-        for c in cameras:
-            model, k = models.get(c.model), c.intrinsics
-            v = model.unproject(k, q)
-            with np.errstate(all="ignore"):
-                _, _, by_p = model.jacobian(k, v)
-                # Area magnification px^2 per steradian: the Jacobian is 0 along the ray.
-                g = np.einsum("ian,ibn->nab", by_p, by_p)
-                scale.append(np.sqrt(np.sqrt(np.maximum(np.linalg.det(g), 0))))
-            rays.append(v.T)
-        v, px = np.stack(rays), np.stack(scale)
-        defined = np.isfinite(v[:, :, 0]) & np.isfinite(px)
-        return cls(
-            tuple(cameras),
-            np.where(defined[:, :, None], v, 0.0),
-            np.where(defined, px, 0.0),
-            defined,
-            np.zeros(len(v)) if mse is None else mse,
-        )
+    def disagreement(self, members: IntArray) -> Array:
+        """Disagreement (c,) of all calibrations with the `members` (indices) of other contributors.
 
-    def __len__(self) -> int:
-        return len(self.cameras)
-
-    def subset(self, indices: Sequence[int] | IntArray) -> "Projections":
-        """Projections of some of the calibrations."""
-        chosen = np.asarray(indices, dtype=np.intp)
-        out = Projections(
-            tuple(self.cameras[i] for i in chosen),
-            self.rays[chosen],
-            self.scale[chosen],
-            self.defined[chosen],
-            self.mse[chosen],
-        )
-        if "differences" in self.__dict__:
-            out.__dict__["differences"] = self.differences[np.ix_(chosen, chosen)]
-        return out
-
-    @cached_property
-    def differences(self) -> Array:
-        """Differences (c, c) between projections, px rms over the image.
-
-        The rays of the same pixels are aligned by the best rotation (Kabsch 1976); the difference is the
-        remaining angle times the local magnification. Infinite where two share less than half of the image.
+        Up to 1 a calibration agrees. Where the members have one contributor, each calibration counts as one.
+        Infinite where there is no other.
         """
-        v, px, defined = self.rays, self.scale, self.defined
-        both = defined[:, None, :] & defined[None, :, :]
-        count = both.sum(axis=2)
-        m = np.einsum("anb,cnd->acbd", v, v)
-        r = rotation.nearest(m)  # v_a ~ r v_c
-        out = np.empty((len(v), len(v)))
-        for a in range(len(v)):
-            aligned = np.einsum("cij,cnj->cni", r[a], v)
-            angle2 = np.sum((v[a] - aligned) ** 2, axis=2)
-            square = angle2 * (px[a] * px) * both[a]
-            out[a] = np.sqrt(square.sum(axis=1) / np.maximum(count[a], 1))
-        out[count < MIN_SHARED_IMAGE * v.shape[1]] = np.inf
-        np.fill_diagonal(out, 0.0)
+        numbers, part = np.unique(self.owner[members], return_inverse=True)
+        if len(numbers) == 1 < len(members):
+            return replace(self, owner=np.arange(len(self.y))).disagreement(members)
+        y, precision = self._by_contributor(members, part, len(numbers))
+        weights = self._huber_weights(y, precision)
+        weighed = weights[:, None, None] * precision
+        pulls = np.einsum("cpq,cq->cp", weighed, y)
+        # Without the contributor of each calibration
+        place = np.searchsorted(numbers, self.owner).clip(0, len(numbers) - 1)
+        own = numbers[place] == self.owner
+        total = weighed.sum(axis=0) - own[:, None, None] * weighed[place]
+        pull = pulls.sum(axis=0) - own[:, None] * pulls[place]
+        alone = own & (len(numbers) == 1)
+        total[alone] = np.eye(total.shape[1])
+        others = symmetric_inverse(total)
+        ratio, distance = self._ratios(np.einsum("cpq,cq->cp", others, pull), others)
+        spread = self._spread_ratios(distance, members)
+        out = np.maximum(ratio / MAX_PREDICTIVE_RATIO, distance / (MAX_DISTANCE_RATIO * spread))
+        return np.where(alone, np.inf, out)
+
+    def pairwise(self) -> Array:
+        """Disagreement (c, c) of each calibration (row) with each other one (column)."""
+        columns = []
+        for y, covariance in zip(self.y, self.covariance, strict=True):
+            ratio, distance = self._ratios(np.broadcast_to(y, self.y.shape), covariance)
+            columns.append(np.maximum(ratio / MAX_PREDICTIVE_RATIO, distance / MAX_DISTANCE_RATIO))
+        return np.stack(columns, axis=1)
+
+    def _ratios(self, y: Array, covariance: Array) -> tuple[Array, Array]:
+        """Predictive and distance ratios (c,) under cameras `y` (c, p) of a `covariance` ((c,) p, p)."""
+        d = y - self.y
+        total = self.covariance + covariance + self.specimens
+        increase = np.einsum("cp,cpq,cq->c", d, self.information, d)
+        expected = np.sum(self.information * total, axis=(1, 2))
+        distance = np.sum(np.einsum("cpq,cp->cq", whitening(total), d) ** 2, axis=1) / d.shape[1]
+        return increase / np.maximum(expected, 1e-300), distance
+
+    def _spread_ratios(self, distance: Array, members: IntArray) -> Array:
+        """Variance (c,) between the other members' specimens / that of SPECIMEN_SPREAD_WIDTHS, at least 1.
+
+        `distance` (c,): distance ratios, from which the share that noise explains is taken off. Each
+        contributor counts once, and the median decides: a distant minority is not a spread.
+        """
+        size = self.y.shape[1]
+        share = (
+            np.sum(symmetric_inverse(self.covariance + self.specimens) * self.specimens, axis=(1, 2)) / size
+        )
+        excess = np.clip((distance - (1 - share)) * size / SPECIMEN_DIRECTIONS, 0, MAX_SPREAD_RATIO * share)
+        numbers, part = np.unique(self.owner[members], return_inverse=True)
+        count = np.bincount(part)
+        excess = np.bincount(part, excess[members]) / count
+        share = np.bincount(part, share[members]) / count
+        out = np.empty(len(self.y))
+        for owner in np.unique(self.owner):
+            other = numbers != owner
+            total = other.sum()
+            middle = np.median(excess[other]) if total else 0.0
+            ratio = (SPREAD_MEMBERS + total * middle) / (SPREAD_MEMBERS + share[other].sum())
+            out[self.owner == owner] = np.clip(ratio, 1, MAX_SPREAD_RATIO)
         return out
 
-    @property
-    def medoid(self) -> int:
-        """Index of the calibration that lies closest to all the others."""
-        return int(np.argmin(self.differences.sum(axis=1)))
+    def _by_contributor(self, members: IntArray, part: IntArray, count: int) -> tuple[Array, Array]:
+        """Mean (n, p) of each contributor and its precision (n, p, p) as an estimate of the product."""
+        claim = symmetric_inverse(self.covariance[members])
+        size = self.y.shape[1]
+        information, pull = np.zeros((count, size, size)), np.zeros((count, size))
+        np.add.at(information, part, claim)
+        np.add.at(pull, part, np.einsum("cpq,cq->cp", claim, self.y[members]))
+        covariance = symmetric_inverse(information)
+        y = np.einsum("npq,nq->np", covariance, pull)
+        return y, symmetric_inverse(covariance + self.specimens / 2)
 
-    @property
-    def bounded_mse(self) -> Array:
-        """`mse` (c,), bounded by the median's."""
-        bounded: Array = np.minimum(self.mse, MAX_UNCERTAINTY_RATIO**2 * np.median(self.mse))
-        return bounded
+    def _huber_weights(self, y: Array, precision: Array) -> Array:
+        """Huber weights (n,) of contributors about their robust mean."""
+        weights = np.ones(len(y))
+        for _ in range(MAX_MEAN_ITERATIONS):
+            weighed = weights[:, None, None] * precision
+            pull = np.einsum("npq,nq->p", weighed, y)
+            away = y - symmetric_inverse(weighed.sum(axis=0)) @ pull
+            distance = np.sqrt(np.einsum("np,npq,nq->n", away, precision, away) / y.shape[1])
+            before, weights = weights, np.minimum(1.0, MAX_PULL_SIGMAS / np.maximum(distance, 1e-12))
+            if np.abs(weights - before).max() < 1e-3:
+                break
+        return weights
 
 
-def compare(calibrations: Sequence[Calibration]) -> Array:
-    """Differences (c, c) between the projections of calibrations of one image size (see `Projections`)."""
-    return Projections.of_cameras([c.camera for c in calibrations]).differences
+def split_into_groups(estimates: Estimates, weights: Array) -> list[list[int]]:
+    """Split calibrations into groups in which each agrees with the others, the heaviest first.
 
-
-def difference(one: Camera, other: Camera) -> float:
-    """Difference between the projections of two cameras, px rms over the image, as `compare` measures it."""
-    return float(Projections.of_cameras([one, other]).differences[0, 1])
-
-
-def displacement_fields(projections: Projections, reference: int) -> Array:
-    """Displacements (c, n) of projections from those of one of the calibrations, px.
-
-    Both coordinates of all pixels of a grid in one row, over the root of the number of pixels: the length of
-    the difference of two rows is the rms difference of two calibrations. The rotation of the camera frame
-    that makes it least is removed from every row.
+    `weights` (c,): weights of the calibrations in sizes.
     """
-    v, defined = projections.rays, projections.defined
-    shared = defined.all(axis=0).mean() >= MIN_SHARED_IMAGE
-    common = defined.mean(axis=0) >= 1 - 1e-9 if shared else defined[reference]
-    v = v[:, common]
-    base = projections.cameras[reference]
-    model, k = models.get(base.model), base.intrinsics
-    _, _, by_p = model.jacobian(k, v[reference].T)
-    b = by_p.transpose(2, 1, 0)  # (n, 2, 3)
-    r = rotation.nearest(np.einsum("nb,cnd->cbd", v[reference], v))
-    displacement = np.einsum("cij,cnj->cni", r, v) - v[reference]
-    x = np.einsum("nij,cnj->cni", b, displacement).reshape(len(v), -1)
-    by_rotation = np.cross(v[reference][:, None, :], b).reshape(-1, 3)  # b . (w x v) = w . (v x b)
-    q, _ = np.linalg.qr(by_rotation)
-    out: Array = (x - (x @ q) @ q.T) / np.sqrt(max(int(common.sum()), 1))
-    return out
+    pairwise = estimates.pairwise()
+    agree = np.maximum(pairwise, pairwise.T) <= MAX_NEIGHBOUR_DISAGREEMENT
+    left, groups = np.arange(len(weights)), []
+    while left.size:
+        group = _largest_group(estimates, left, agree, weights)
+        groups.append([int(i) for i in group])
+        left = np.setdiff1d(left, group)
+    return sorted(groups, key=lambda group: -_total(weights[group]))
 
 
-def split_into_groups(
-    projections: Projections, limit: float, harmless: float, weights: Array | None = None
-) -> list[list[int]]:
-    """Split calibrations into groups that agree, largest first; of equals the tightest first.
+def _largest_group(estimates: Estimates, among: IntArray, agree: Mask, weights: Array) -> IntArray:
+    """Heaviest group among calibrations (indices), the one that agrees best of equals."""
+    near = agree[np.ix_(among, among)] | np.eye(len(among), dtype=bool)
+    sizes = np.round(near @ weights[among], 9)
+    starts: dict[tuple[int, ...], None] = {}
+    for i in np.argsort(-sizes, kind="stable"):
+        if len(starts) >= MAX_STARTS:
+            break
+        starts[tuple(among[near[i]].tolist())] = None
+    candidates = [settle(estimates, np.array(start, dtype=np.int64), among) for start in starts]
+    return max(candidates, key=lambda group: (_total(weights[group]), -_discord(estimates, group)))
 
-    Parameters
-    ----------
-    limit
-        px rms over the image: calibrations that differ by more agree only if noise explains it. Those that
-        differ by less must pass the `forward_search`.
-    harmless
-        px rms over the image below which every difference is accepted.
-    weights
-        (c,) weights of the calibrations in sizes and majorities; None: equal ones.
+
+def settle(estimates: Estimates, start: IntArray, among: IntArray) -> IntArray:
+    """Let a group take in and drop calibrations `among` all (indices) until each agrees with the others.
+
+    Where that never comes to rest, those that agree least are dropped one by one.
     """
-    differences, own = projections.differences, projections.bounded_mse
-    weights = np.ones(len(projections)) if weights is None else weights
-    bound = np.sqrt(limit**2 + MEMBER_SIGMAS**2 * (own[:, None] + own))
-    left, found = list(range(len(projections))), []
-    while left:
-        d = differences[np.ix_(left, left)]
-        near = [left[i] for i in largest_neighbourhood(d < bound[np.ix_(left, left)], d, weights[left])]
-        group = forward_search(projections.subset(near), limit, harmless, weights[near])
-        found.append([near[i] for i in group])
-        left = [i for i in left if i not in found[-1]]
-    return sorted(found, key=lambda group: -_total(weights[group]))
+    group = start
+    for _ in range(MAX_ROUNDS):
+        away = estimates.disagreement(group)[among]
+        following = among[away <= np.where(np.isin(among, group), MAX_MEMBER_DISAGREEMENT, 1)]
+        if np.array_equal(following, group):
+            return group
+        if following.size < 2:
+            break
+        group = following
+    while len(group) > 1:
+        away = estimates.disagreement(group)[group]
+        worst = int(np.argmax(away))
+        if away[worst] <= MAX_MEMBER_DISAGREEMENT:
+            break
+        group = np.delete(group, worst)
+    return group
+
+
+def _discord(estimates: Estimates, group: IntArray) -> float:
+    """Mean disagreement of a group's members; 0 of a single one."""
+    return float(np.mean(estimates.disagreement(group)[group])) if len(group) > 1 else 0.0
 
 
 def _total(weights: Array) -> float:
@@ -208,106 +243,49 @@ def _total(weights: Array) -> float:
     return round(float(weights.sum()), 9)
 
 
-def largest_neighbourhood(agree: Mask, differences: Array, weights: Array) -> list[int]:
-    """Find the calibration that agrees with most, the tightest of equals: indices of those it agrees with."""
-    counts = np.round(agree @ weights, 9)
-    near = np.where(agree, differences, 0.0).sum(axis=1)
-    center = min(range(len(counts)), key=lambda i: (-float(counts[i]), float(near[i])))
-    return [int(i) for i in np.flatnonzero(agree[center])]
+def compare(calibrations: Sequence[Calibration]) -> Array:
+    """Compute the differences (c, c) between the projections of calibrations, as `differences` does."""
+    return differences([c.camera for c in calibrations])
 
 
-def forward_search(
-    projections: Projections, limit: float, harmless: float, weights: Array | None = None
-) -> list[int]:
-    """Find the calibrations that belong to the densest majority: their indices.
+def difference(one: Camera, other: Camera) -> float:
+    """Difference between the projections of two cameras, px rms over the image."""
+    return float(differences([one, other])[0, 1])
 
-    A forward search (Atkinson & Riani 2000). It starts with the densest half, of m members. Of the others the
-    one with the least squared distance d2 from the mean of the members joins as long as d2 is explained: by
-    the noise of the corners, known from the fits, and by the differences of specimens or sessions, estimated
-    as the members' variance beyond their noise. That estimate is inflated for few members, and is at most
-    `limit`^2. So a minority with another result of its own stays outside, however near, if there is a gap.
-    Where noise is larger than the gap and bridges it, large samples are tested for two modes at the end.
 
-    Parameters
-    ----------
-    limit, harmless, weights
-        As of `split_into_groups`; the weights (c,) decide what half and majority are.
+def differences(cameras: Sequence[Camera]) -> Array:
+    """Compute the differences (c, c) between projections of cameras of one image size, px rms over the image.
+
+    The rays of the same pixels are aligned by the best rotation (Kabsch 1976): every pose absorbs a rotation.
+    The difference is the remaining angle times the local magnification. Infinite where two cameras share less
+    than half of the image.
     """
-    count = len(projections)
-    if count < 3:
-        return list(range(count))
-    weights = np.ones(count) if weights is None else weights
-    x = displacement_fields(projections, projections.medoid)
-    members = grow(projections, x, densest_half(x, weights), limit, harmless, weights)
-    while (
-        len(members) >= MIN_BIMODAL_SIZE
-        and (part := _split_bimodal(x[members], harmless, weights[members])) is not None
-    ):
-        members = members[part]
-    return sorted(int(i) for i in members)
+    q = pixel_grid(cameras[0].img_size, COMPARISON_GRID).reshape(2, -1)
+    sampled = [_rays(camera, q) for camera in cameras]
+    rays, magnification = (np.stack(parts) for parts in zip(*sampled, strict=True))
+    defined = magnification > 0
+    both = defined[:, None, :] & defined[None, :, :]
+    count = both.sum(axis=2)
+    r = rotation.nearest(np.einsum("anb,cnd->acbd", rays, rays))  # ray of a ~ r @ ray of c
+    out = np.empty((len(cameras), len(cameras)))
+    for a in range(len(cameras)):
+        aligned = np.einsum("cij,cnj->cni", r[a], rays)
+        angle2 = np.sum((rays[a] - aligned) ** 2, axis=2)
+        square = angle2 * magnification[a] ** 2 * both[a]
+        out[a] = np.sqrt(square.sum(axis=1) / np.maximum(count[a], 1))
+    out[count < MIN_SHARED_IMAGE * q.shape[1]] = np.inf
+    np.fill_diagonal(out, 0.0)
+    return out
 
 
-def grow(
-    projections: Projections, x: Array, members: IntArray, limit: float, harmless: float, weights: Array
-) -> IntArray:
-    """Let all calibrations join `members` (indices) that belong to them, the nearest first: their indices.
-
-    The last step of a `forward_search`, whose parameters the others are; `x` (c, n) are displacement fields.
-    """
-    count, own = len(projections), projections.bounded_mse
-    prior2 = (SPECIMEN_SPREAD_WIDTHS * projections.cameras[0].img_size[0]) ** 2
-    while len(members) < count:
-        m = len(members)
-        d2 = np.sum((x - np.average(x[members], axis=0, weights=weights[members])) ** 2, axis=1)
-        outside = np.setdiff1d(np.arange(count), members)
-        nearest = outside[np.argmin(d2[outside])]
-        noise2 = float(np.mean(own[members]))
-        variance = float(np.sum(d2[members])) / max(m - 1, 1)
-        # Where noise alone may explain the variance, it is not inflated: few members are no excuse then.
-        specimens_differ = variance > SPECIMEN_VARIANCE_RATIO * noise2
-        inflation = 1 + ((SMALL_SAMPLE_INFLATION / max(m - 1, 1)) ** 2 if specimens_differ else 0.0)
-        beyond_noise = max(variance - noise2, 0.0) * inflation
-        degrees = SPECIMEN_SPREAD_MEMBERS + m - 1
-        shrunk = (SPECIMEN_SPREAD_MEMBERS * prior2 + (m - 1) * beyond_noise) / degrees
-        between = min(MEMBER_SIGMAS**2 * max(beyond_noise, shrunk), limit**2)
-        explained = MEMBER_SIGMAS**2 * (own[nearest] + noise2 / m) + between * (1 + 1 / m)
-        if d2[nearest] > max(explained, harmless**2):
-            break
-        members = np.append(members, nearest)
-    return members
-
-
-def _split_bimodal(x: Array, harmless: float, weights: Array) -> IntArray | None:
-    """Find the larger of two modes of the rows (c, n): its indices; None where the rows have one mode.
-
-    The measure is, along the first principal component, the distance of the two means over the standard
-    deviation within (Ashman et al. 1994). Of normally distributed rows one in a hundred sets exceeds the
-    threshold. Modes less than `harmless` px apart are one.
-    """
-    centered = x - x.mean(axis=0)
-    along = centered @ np.linalg.svd(centered, full_matrices=False)[2][0]
-    order = np.argsort(along)
-    sorted_along, count = along[order], len(along)
-    best, split = 0.0, 0
-    for size in range(2, count - 1):
-        low, high = sorted_along[:size], sorted_along[size:]
-        within = float(np.sqrt((np.var(low) * len(low) + np.var(high) * len(high)) / (count - 2)))
-        separation = float(high.mean() - low.mean()) / max(within, 1e-12)
-        if separation > best and separation * within > harmless:
-            best, split = separation, size
-    if best < 3.2 + 28 / count:
-        return None
-    low, high = order[:split], order[split:]
-    side: IntArray = low if _total(weights[low]) >= _total(weights[high]) else high
-    return side
-
-
-def densest_half(x: Array, weights: Array) -> IntArray:
-    """Find the rows with most of the weight that lie closest together around one of them: their indices."""
-    d = np.linalg.norm(x[:, None] - x[None], axis=2)
-    order = np.argsort(d, axis=1)
-    total = np.cumsum(weights[order], axis=1)
-    last = np.argmax(total > total[:, -1:] / 2 + 1e-9, axis=1)
-    center = np.argmin(np.take_along_axis(d, np.take_along_axis(order, last[:, None], axis=1), axis=1)[:, 0])
-    chosen: IntArray = order[center, : last[center] + 1]
-    return chosen
+def _rays(camera: Camera, q: Array) -> tuple[Array, Array]:
+    """Compute unit rays (n, 3) of pixels and magnification (n,), px per radian; 0 where there is no ray."""
+    model, k = models.get(camera.model), camera.intrinsics
+    v = model.unproject(k, q)
+    with np.errstate(all="ignore"):
+        _, _, by_p = model.jacobian(k, v)
+        # Area magnification px^2 per steradian: the Jacobian is 0 along the ray.
+        g = np.einsum("ian,ibn->nab", by_p, by_p)
+        magnification = np.sqrt(np.sqrt(np.maximum(np.linalg.det(g), 0)))
+    defined = np.isfinite(v[0]) & np.isfinite(magnification)
+    return np.where(defined, v, 0.0).T, np.where(defined, magnification, 0.0)

@@ -255,6 +255,12 @@ class Contributions:
         out: Array = noise * self.scale[:, None] * self.scale
         return out
 
+    def majority_spread(self, members: Sequence[int]) -> float:
+        """Compute the standard deviation, px rms, of the majority of specimens nearest to the location."""
+        away = np.sort(self.length(self.locate(members).deviations))
+        majority = away[: len(away) // 2 + 1]
+        return float(np.sqrt(np.sum(majority**2) / max(len(majority) - 1, 1)))
+
     def leave_out_influence(
         self, group: Sequence[int], regroup: Callable[[IntArray], IntArray]
     ) -> tuple[float, float]:

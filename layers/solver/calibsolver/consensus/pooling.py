@@ -12,17 +12,20 @@ import numpy as np
 from ..arrays import Array, IntArray
 from ..errors import CalibrationError, undetermined
 from ..fitting.calibration import Calibration
+from ..fitting.coverage import Coverage
 from ..fitting.validation import check, degenerate_views, pack
 from ..view import View
-from .agreement import Projections, compare, densest_half, displacement_fields, grow, split_into_groups
+from .agreement import Estimates, compare, settle, split_into_groups
 from .fit_memory import fit_once
 from .location import Contributions, FittedMember, Member
 from .pooled_fit import cross_validate_contributors, cross_validate_views, fit_location, fit_views
 
 __all__ = ["Consensus", "Member", "Rule", "pool"]
 
-UnreliableReason = Literal["too_few", "disagree", "few_contributors"]
+UnreliableReason = Literal["too_few", "disagree", "few_contributors", "imprecise"]
 
+MAX_STATED_WIDTHS = 1.5 / 1280
+"""Error / image width that a reliable consensus states at most, where its boards have been."""
 MIN_INFLUENCE_LIMIT_WIDTHS = 0.5 / 1280
 """Shift of the answer / image width that two contributors may cause, however much they differ."""
 MAX_INFLUENCE_WIDTHS = 1 / 1280
@@ -45,16 +48,6 @@ class Rule:
         Share of all calibrations that this group holds. Where contributors are told apart (`min_contributors`
         of 2 or more) each of them weighs the same, however many calibrations are theirs, in majorities and
         in this share; and nobody has more calibrations in the pooled fit than half of the others have.
-    max_focal_spread
-        Standard deviation of fx / fx, and of fy / fy, within the group.
-    max_center_spread
-        Standard deviation of cx / width, and of cy / height.
-    max_projection_spread
-        Two calibrations agree where their projections differ by less than this, rms over the image after
-        the best rotation / image width; and by no more than those around them (`agreement.forward_search`).
-    max_harmless_spread
-        Differences below this are accepted: two fifths of the members, all off by it, would move the
-        pooled projections by less than half a pixel of 1,280.
     max_unexplained
         A member's views, its poses fitted to the others' intrinsics, may have an rms above that of its own
         fit by this / image width.
@@ -63,10 +56,6 @@ class Rule:
     min_calibrations: int = 5
     min_contributors: int = 1
     min_share: float = 0.6
-    max_focal_spread: float = 0.05
-    max_center_spread: float = 0.02
-    max_projection_spread: float = 0.01
-    max_harmless_spread: float = 0.0006
     max_unexplained: float = 0.004
 
 
@@ -78,6 +67,8 @@ class Consensus:
     ----------
     calibration
         One set of intrinsics fitted to all views of the group.
+    coverage
+        Part of the image that the group's boards have shown, and the error stated there.
     members
         Ids of the group, in the order given.
     contributors
@@ -105,6 +96,7 @@ class Consensus:
     """
 
     calibration: Calibration
+    coverage: Coverage
     members: tuple[str, ...]
     contributors: int
     reliable: bool
@@ -138,7 +130,7 @@ def pool(
             dropped[member.id], failure = error.code, error
     if not fits:
         raise failure
-    agreement = _Agreement(fits, img_size, rule)
+    agreement = _Agreement(fits, rule)
     indices = agreement.groups[0]
     group = [fits[i] for i in indices]
     shares = _weights(group, rule)
@@ -151,13 +143,15 @@ def pool(
         pooled = fit_views(group, img_size, model)
         errors = cross_validate_views(group, pooled.camera) if len(group) > 1 else np.empty(0)
         is_stable = rule.min_contributors < 2
+    coverage = Coverage.of(pooled, [view for f in group for view in f.member.views])
     any_number = replace(rule, min_calibrations=1)
     reason, remaining = (
-        unreliable_reason(group, errors, members, img_size, r, is_stable=is_stable)
+        unreliable_reason(group, errors, members, coverage, img_size, r, is_stable=is_stable)
         for r in (rule, any_number)
     )
     return Consensus(
         calibration=pooled,
+        coverage=coverage,
         members=tuple(f.member.id for f in group),
         contributors=count_contributors(group),
         reliable=reason is None,
@@ -203,24 +197,28 @@ def locate_contributors(
     errors = cross_validate_contributors(indices, contributions)
     one, two = contributions.leave_out_influence(indices, agreement.regroup)
     contributors = len({f.member.contributor for f in group})
-    return pooled, errors, max(one, two) <= max_influence(contributors, agreement.majority_spread, width)
+    spread = contributions.majority_spread(indices)
+    return pooled, errors, max(one, two) <= max_influence(contributors, spread, width)
 
 
 class _Agreement:
     """Agreement of the members of one camera under a rule."""
 
-    def __init__(self, fits: Sequence[FittedMember], img_size: tuple[int, int], rule: Rule) -> None:
+    def __init__(self, fits: Sequence[FittedMember], rule: Rule) -> None:
         self.fits = fits
         self.rule = rule
-        self.limits = rule.max_projection_spread * img_size[0], rule.max_harmless_spread * img_size[0]
-        self.projections = Projections.of([f.calibration for f in fits])
-        self.groups = self._split(np.arange(len(fits)))
+        calibrations = [f.calibration for f in fits]
+        names = [f.member.contributor if rule.min_contributors > 1 else f.member.id for f in fits]
+        numbers = {name: i for i, name in enumerate(dict.fromkeys(names))}
+        owner = np.array([numbers[name] for name in names], dtype=np.int64)
+        self.estimates = Estimates.of(calibrations, owner, calibrations[medoid(calibrations)].camera)
+        self.groups = split_into_groups(self.estimates, _weights(fits, rule))
 
     @cached_property
     def reference(self) -> int:
         """Index of the member in the middle of the largest group."""
         group = self.groups[0]
-        return group[self.projections.subset(group).medoid]
+        return group[medoid([self.fits[i].calibration for i in group])]
 
     @cached_property
     def contributions(self) -> Contributions:
@@ -238,38 +236,22 @@ class _Agreement:
         pooled = fit_views([self.fits[i] for i in group], camera.img_size, camera.model)
         return Contributions(self.fits, pooled.camera).relinearize(group)
 
-    @cached_property
-    def displacements(self) -> Array:
-        """Displacement fields (c, n) from the middle of the largest group."""
-        return displacement_fields(self.projections, self.reference)
-
-    @property
-    def majority_spread(self) -> float:
-        """Standard deviation, px rms, of the densest majority of the largest group's contributors."""
-        group = np.asarray(self.groups[0])
-        owner = self.contributions.owner[group]
-        x = np.stack([self.displacements[group[owner == one]].mean(axis=0) for one in np.unique(owner)])
-        members = x[densest_half(x, np.ones(len(x)))]
-        square = np.sum((members - members.mean(axis=0)) ** 2) / max(len(members) - 1, 1)
-        return float(np.sqrt(square))
-
     def regroup(self, indices: IntArray) -> IntArray:
-        """Group among some of the members: what is left of the largest group, and whoever belongs to it."""
-        left = np.flatnonzero(np.isin(indices, self.groups[0]))
-        weights = _weights([self.fits[i] for i in indices], self.rule)
-        part, x = self.projections.subset(indices), self.displacements[indices]
-        return np.sort(indices[grow(part, x, left, *self.limits, weights)])
+        """Group among some members (indices): those of the largest group, and others that agree with them."""
+        remaining = np.intersect1d(indices, self.groups[0])
+        return settle(self.estimates, remaining, indices) if remaining.size else remaining
 
-    def _split(self, indices: IntArray) -> list[list[int]]:
-        weights = _weights([self.fits[i] for i in indices], self.rule)
-        groups = split_into_groups(self.projections.subset(indices), *self.limits, weights)
-        return [[int(indices[i]) for i in part] for part in groups]
+
+def medoid(calibrations: Sequence[Calibration]) -> int:
+    """Index of the calibration whose projections lie closest to those of all the others."""
+    return int(np.argmin(np.minimum(compare(calibrations), 1e9).sum(axis=1)))
 
 
 def unreliable_reason(
     group: Sequence[FittedMember],
     errors: Array,
     members: Sequence[Member],
+    coverage: Coverage,
     img_size: tuple[int, int],
     rule: Rule,
     *,
@@ -281,6 +263,8 @@ def unreliable_reason(
     ----------
     errors
         (m,) px rms of the group's members, each held out; empty where the group is one member.
+    coverage
+        Part of the image that the group has shown.
     is_stable
         Whether no two contributors move the answer by more than allowed.
     """
@@ -293,10 +277,10 @@ def unreliable_reason(
     own = np.array([f.calibration.avg_reprojection_error for f in group])
     if len(group) > 1 and (errors > own + rule.max_unexplained * img_size[0]).any():
         return "disagree"
-    if not is_spread_within(group, img_size, rule):
-        return "disagree"
     if count_contributors(group) < rule.min_contributors:
         return "few_contributors"
+    if not coverage.rms <= MAX_STATED_WIDTHS * img_size[0]:
+        return "imprecise"
     return None if is_stable else "disagree"
 
 
@@ -334,13 +318,3 @@ def rms_spread(pooled: Calibration, group: Sequence[FittedMember], weights: Arra
     """Weighted root mean square of the differences of the members' projections from the pooled ones, px."""
     away = compare([pooled, *(f.calibration for f in group)])[0, 1:]
     return float(np.sqrt(np.average(away**2, weights=weights)))
-
-
-def is_spread_within(group: Sequence[FittedMember], img_size: tuple[int, int], rule: Rule) -> bool:
-    """Whether focal lengths, px per radian at the axis, and principal points vary no more than allowed."""
-    cameras = [f.calibration.camera for f in group]
-    k = np.stack([[*camera.focal, *camera.intrinsics[2:4]] for camera in cameras])
-    std = k.std(axis=0)
-    focal = std[:2] / k[:, :2].mean(axis=0)
-    center = std[2:] / np.asarray(img_size)
-    return bool((focal < rule.max_focal_spread).all() and (center < rule.max_center_spread).all())

@@ -11,7 +11,7 @@ from ..camera import Camera
 from ..view import View
 from . import outliers, plausibility, validation
 from .levenberg_marquardt import Problem, robust_sigma
-from .multistart import MultiStart
+from .multistart import MultiStart, refit_without_gross_outliers
 from .validation import check, degenerate_views, pack
 
 
@@ -54,7 +54,7 @@ def approximate(
     problem = Problem(models.get(model), obs, img_size)
     mask = obs.mask & ~mirrored[kept][order.views][:, None]
     with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
-        state = MultiStart(problem, mask, start).run()
+        state = refit_without_gross_outliers(problem, MultiStart(problem, mask, start).run(), mask)
         good = outliers.inlier_mask(state, mask, mask, outliers.GROSS_OUTLIER_SIGMAS, img_size)
         plausibility.check_result(problem, state, good, robust=True)
     poses = np.full((len(views), 6), np.nan)

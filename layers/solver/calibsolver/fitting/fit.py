@@ -42,6 +42,8 @@ MAX_RIM_RMS_RATIO = 4.0
 points cut were wrong."""
 MAX_REJECTIONS = 6
 """Rounds of outlier rejection."""
+REJECTION = Options(tolerance=1e-5, one_step=True)
+"""Fits that only distinguish outliers."""
 FREE = Options(with_prior=False, iterations=400, tolerance=1e-15)
 """Least squares alone may wind through long valleys."""
 
@@ -161,44 +163,45 @@ class _Fit:
         return replace(found, covariance=focal_profile.covariance_of_optima(self.problem, state, good, found))
 
     def _settle(self, state: State) -> tuple[State, Mask]:
-        """From near an optimum to it, and the points (v, n) that took part, in three stages.
+        """Optimum from a state near it, and the points (v, n) that took part, in three stages.
 
-        Gross outliers are removed; the others are tested against fits that never saw these; then the points
-        that hardly spoil the fit are taken back.
+        Gross outliers are removed. The other points are tested against fits that exclude them. Points that
+        hardly spoil the fit are taken back.
         """
-        inliers = outliers.inlier_mask(
-            state, self.mask, self.mask, outliers.GROSS_OUTLIER_SIGMAS, self.problem.img_size
-        )
+        state, inliers = outliers.reject_gross(self.problem, state, self.mask)
         if self._concentrate_at_rim(inliers, self.mask):
             # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
             all_points = self._refit_all_points(state, self.multistart.unit_weights)
             if self._is_close(all_points, self.mask, state, inliers, MAX_RIM_RMS_RATIO):
                 return all_points, self.mask
-        state, good = self._reject_outliers(state, inliers)
-        if good.any() and not np.array_equal(inliers, good):
-            state, good = self._readmit_tails(state, good, inliers)
-        return state, good
+        if not inliers.any():  # refused later
+            return state, inliers
+        with_tails = self.problem.solve(state, outliers.unit_weights(inliers), Options())
+        state, good = self._reject_outliers(with_tails, inliers)
+        if state is with_tails or not good.any():
+            return state, good
+        ratio = MAX_RIM_RMS_RATIO if self._concentrate_at_rim(good, inliers) else MAX_TAIL_RMS_RATIO
+        if not with_tails.converged:  # from nearer, it may
+            with_tails = self.problem.solve(state, outliers.unit_weights(inliers), Options())
+        if self._is_close(with_tails, inliers, state, good, ratio):
+            return with_tails, inliers  # what was rejected are tails of the noise
+        return self.problem.solve(state, outliers.unit_weights(good), Options()), good
 
     def _reject_outliers(self, state: State, inliers: Mask) -> tuple[State, Mask]:
-        """Fit by least squares and reject outliers in turn, from the mask `inliers` (v, n) on."""
-        good = inliers
-        for _ in range(MAX_REJECTIONS):
-            if not good.any():
-                return state, good  # refused later
-            state = self.problem.solve(state, outliers.unit_weights(good), Options())
-            previous, good = (
-                good,
-                outliers.inlier_mask(state, self.mask, good, outliers.OUTLIER_SIGMAS, self.problem.img_size),
-            )
-            if np.array_equal(previous, good):
-                return state, good
-        return state, previous  # where a point or two change sides every time, either is as good
+        """Reject outliers and refit in turn, beginning with the fit to `inliers` (v, n).
 
-    def _readmit_tails(self, state: State, good: Mask, inliers: Mask) -> tuple[State, Mask]:
-        """Take all `inliers` (v, n), not `good` ones alone, where the others are tails of the noise."""
-        ratio = MAX_RIM_RMS_RATIO if self._concentrate_at_rim(good, inliers) else MAX_TAIL_RMS_RATIO
-        tails = self.problem.solve(state, outliers.unit_weights(inliers), Options())
-        return (tails, inliers) if self._is_close(tails, inliers, state, good, ratio) else (state, good)
+        The refits are only as precise as the masks need. Without outliers the result is `state` itself.
+        """
+        previous = inliers
+        for _ in range(MAX_REJECTIONS - 1):
+            good = outliers.inlier_mask(
+                state, self.mask, previous, outliers.OUTLIER_SIGMAS, self.problem.img_size
+            )
+            if not good.any() or np.array_equal(previous, good):
+                return state, good
+            state = self.problem.solve(state, outliers.unit_weights(good), REJECTION)
+            previous = good
+        return state, previous  # where a point or two change sides every time, either is as good
 
     def _concentrate_at_rim(self, good: Mask, among: Mask) -> bool:
         return outliers.outliers_concentrate_at_rim(good, among, self.problem.obs, self.problem.img_size)
@@ -210,9 +213,7 @@ class _Fit:
 
     def _refit_all_points(self, state: State, weights: Array) -> State:
         """Least squares over points of weight (v, n), begun anew from the intrinsics of `state`."""
-        first = initial_guess.with_robust_poses(
-            self.model, self.problem.obs, initial_guess.at(self.model, self.problem.obs, state.k)
-        )
+        first = initial_guess.with_robust_poses(self.model, self.problem.obs, state.k)
         state = self.problem.solve(self.problem.at(first.k, first.poses), weights, TOWARDS_OPTIMUM)
         return self.problem.solve(state, weights, Options())
 
@@ -253,12 +254,12 @@ class _Fit:
         effects = systematic_effects.displacements(rows[self.model.size : -1], poses, obs.points, row)
         if good.all():
             return robust_covariance.Evidence.of(rows, effects, poses, labels)
-        evidence = robust_covariance.Evidence.of(rows * good, effects * good, poses, labels)
+        evidence = robust_covariance.Evidence.of(rows, effects, poses, labels, used=good)
         limit = outliers.OUTLIER_SIGMAS * sigma
         seen = systematic_effects.explained_points(rows, effects, good, mask, sigma, limit)
         if np.array_equal(seen, good):
             return evidence
-        more = robust_covariance.Evidence.of(rows * seen, effects * seen, poses, labels, evidence.metric)
+        more = robust_covariance.Evidence.of(rows, effects, poses, labels, evidence.metric, seen)
         return replace(evidence, of_effects=more.gram)
 
     def _is_observable(self, state: State) -> bool:

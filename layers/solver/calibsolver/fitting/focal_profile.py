@@ -11,7 +11,6 @@ from ..arrays import Array, Mask, frozen, symmetric_inverse
 from . import outliers, plausibility
 from .calibration import Calibration
 from .levenberg_marquardt import Options, Problem, State
-from .multistart import TOWARDS_OPTIMUM
 from .normal_equations import Poses
 
 STEP = float(np.log(2)) / 2
@@ -19,6 +18,10 @@ STEP = float(np.log(2)) / 2
 MAX_STEP_DEVIATIONS = 10.0
 """Standard deviations of the logarithm that the step makes at most: where the views tell it better, the
 profile has one minimum."""
+HELD = Options(robust=True, tolerance=1e-2, damping=1e-6, one_step=True)
+"""Into the valley, at a given focal length."""
+ALONG_VALLEY = Options(tolerance=1e-5, damping=1e-5, one_step=True, patient=True)
+"""Along the valley, until it is clear if this is another optimum."""
 MIN_DETERMINING_VIEWS = 3
 """Views that determine all intrinsics (Zhang 2000): with fewer the prior decides."""
 
@@ -46,6 +49,9 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
     moments = covariance.copy()
     for step in (-STEP, STEP):
         other = optimum_beside(problem, state, good, step)
+        if abs(gradient @ (other.k - state.k)) < deviation / 2:
+            continue  # the same optimum
+        other = problem.solve(other, outliers.unit_weights(good), Options())
         change = other.k - state.k
         # Within a deviation it is the same optimum, or no other that would matter.
         if is_taken(problem, other, good) and abs(gradient @ change) > deviation:
@@ -57,7 +63,7 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
 
 
 def optimum_beside(problem: Problem, state: State, good: Mask, step: float) -> State:
-    """Fit the good points (v, n) from where the focal length was held a step (of its logarithm) away."""
+    """Fit the good points (v, n), approximately, from where the log focal length was held a step away."""
     factor = float(np.exp(step))
     k, weights = state.k.copy(), outliers.unit_weights(good)
     k[:2] *= factor
@@ -65,8 +71,8 @@ def optimum_beside(problem: Problem, state: State, good: Mask, step: float) -> S
     # All directions but the one in which the focal length grows.
     basis = np.linalg.svd(log_focal_gradient(problem, state)[None])[2][1:].T
     held = Problem(problem.model, problem.obs, problem.img_size, basis)
-    best = held.solve(held.at(k, poses), weights, TOWARDS_OPTIMUM)
-    return problem.solve(problem.at(best.k, best.poses), weights, Options())
+    best = held.solve(held.at(k, poses), weights, HELD)
+    return problem.solve(problem.at(best.k, best.poses), weights, ALONG_VALLEY)
 
 
 def is_taken(problem: Problem, other: State, good: Mask) -> bool:

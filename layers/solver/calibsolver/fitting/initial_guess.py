@@ -110,12 +110,12 @@ def from_vanishing_points(model: Model, obs: Observations, img_size: tuple[int, 
         yield Start(k, homographies.with_focal_scale(factor).poses(obs.points[:, 2, 0]), weights=weights)
 
 
-def with_robust_poses(model: Model, obs: Observations, first: Start) -> Start:
-    """Replace the poses of a start by those of the inliers of each view."""
+def with_robust_poses(model: Model, obs: Observations, k: Array) -> Start:
+    """Start from intrinsics k (p,) and the poses of the inliers of each view."""
     homographies, weights = robust_homography.fit_homographies_lmeds(
-        obs.points, unproject_observations(model, obs, first.k), obs.mask
+        obs.points, unproject_observations(model, obs, k), obs.mask
     )
-    return Start(first.k, homographies.poses(obs.points[:, 2, 0]), first.error, weights)
+    return Start(k, homographies.poses(obs.points[:, 2, 0]), weights=weights)
 
 
 def unproject_observations(model: Model, obs: Observations, k: Array) -> Array:

@@ -14,7 +14,7 @@ from .. import deadline
 from ..arrays import Array, Mask
 from ..models import Model
 from . import normal_equations, prior
-from .normal_equations import POSE_SIZE, Poses, System
+from .normal_equations import POSE_SIZE, Elimination, Poses, System
 from .observations import Observations
 
 RAYLEIGH_MEDIAN = 1.1774100225154747
@@ -31,6 +31,8 @@ EXTRAPOLATE_BELOW = 1e-3
 then known without another linearization."""
 NEGLIGIBLE_DECREASE = 1e-5
 """Decrease of the cost, in squares of sigma, a three-hundredth of a standard deviation from the optimum."""
+UNDAMPED = 1e-8
+"""Damping up to which a step counts as a Gauss-Newton step."""
 MIN_GAIN_RATIO = 0.25
 """Gain ratio (actual / predicted decrease) below which the damping is raised."""
 MIN_DAMPING, MIN_RAISED_DAMPING, MAX_DAMPING = 1e-12, 1e-8, 1e8
@@ -54,6 +56,10 @@ class Options:
     """Stop when a Gauss-Newton step predicts a smaller relative decrease of the cost than this."""
     damping: float = 1e-8
     """Of the first step: hardly any where the optimum is near."""
+    one_step: bool = False
+    """Also stop when actual and predicted decrease of an undamped step differ by less than the tolerance."""
+    patient: bool = False
+    """Lower the damping to its geometric mean with the last rejected damping: for curved valleys."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,6 +172,7 @@ class LeastSquares(ABC):
         counted = weights > 0.5
         tolerance_abs = self.obs.count * (ROUNDOFF * self.width) ** 2
         predicted = sigma = previous_predicted = np.inf
+        refused = 0.0
         for iteration in range(options.iterations):
             deadline.check()
             sigma = max(robust_sigma(state, counted), sigma_floor)
@@ -179,17 +186,26 @@ class LeastSquares(ABC):
             while True:
                 if damping > MAX_DAMPING:
                     return state
-                da, dp, predicted = system.step(damping)
+                da, dp, predicted, elimination = system.step(damping)
                 if not predicted > tolerance:
                     return replace(state, converged=bool(np.isfinite(predicted)))
                 if accelerated:
-                    da, dp = self._geodesic_acceleration(state, system, irls_weights, da, dp, damping)
+                    da, dp = self._geodesic_acceleration(state, system, irls_weights, da, dp, elimination)
                 moved = self._take_step(state, da, dp)
                 actual = -np.inf if moved is None else cost - objective.of(moved)[0]
+                used = damping
                 accepted, damping = assess_step(damping, actual, predicted)
                 if moved is not None and accepted:
                     break
-            if not accelerated and is_last_step(predicted, previous_predicted, cost, tolerance):
+                refused = used
+            if options.patient and damping < used:
+                damping = max(damping, float(np.sqrt(used * refused)))
+                refused *= 0.1
+            if not accelerated and (
+                is_last_step(predicted, previous_predicted, cost, tolerance)
+                # The error of the quadratic model bounds what the next step can gain.
+                or (options.one_step and used <= UNDAMPED and abs(actual - predicted) < tolerance)
+            ):
                 return replace(moved, converged=True)
             state, previous_predicted = moved, predicted
         visible = max(sigma, NOISE_FLOOR * self.width)
@@ -206,7 +222,7 @@ class LeastSquares(ABC):
         return self.at(k, state.poses.retract(dp)) if self.is_feasible(k) else None
 
     def _geodesic_acceleration(
-        self, state: State, system: System, weights: Array | None, da: Array, dp: Array, damping: float
+        self, state: State, system: System, weights: Array | None, da: Array, dp: Array, at: Elimination
     ) -> tuple[Array, Array]:
         """Add the geodesic acceleration to steps (a,) and (v, 6): along a curve instead of a straight line.
 
@@ -226,7 +242,7 @@ class LeastSquares(ABC):
             return da, dp
         g_c = rows[:size].reshape(size, -1) @ weighted.reshape(-1)
         g_p = np.einsum("iavn,avn->vi", rows[size:-1], weighted)
-        acceleration_c, acceleration_p = system.solve_with_gradient(g_c, g_p, damping)
+        acceleration_c, acceleration_p = system.solve_with_gradient(g_c, g_p, at)
         length, longest = system.length(acceleration_c, acceleration_p), system.length(da, dp)
         if not length <= 2 * MAX_ACCELERATION_RATIO * longest:
             return da, dp

@@ -17,7 +17,7 @@ from .normal_equations import Poses
 
 MAX_TRUSTED_RMS_WIDTHS = 0.002
 """Trimmed rms / image width above which other starts are tried."""
-TOWARDS_OPTIMUM = Options(robust=True, tolerance=1e-3, damping=1e-6)
+TOWARDS_OPTIMUM = Options(robust=True, tolerance=1e-3, damping=1e-6, one_step=True, patient=True)
 """The way to near the optimum is always robust: one bad view must not turn the first steps."""
 MAX_PRIOR_Z = 3.0
 """Sigmas of the prior by which aspect and principal point may differ before other starts are tried, too."""
@@ -25,6 +25,10 @@ MAX_REINITIALIZATIONS = 3
 """Times that poses of views which fit badly are reinitialized, at most."""
 INLIER_MEDIANS = 5.0
 """Median errors of its view within which a point is an inlier."""
+SAME_OPTIMUM = 0.02
+"""Relative difference of focal length, principal point (in widths) and rms within which optima are equal."""
+MAX_DIRECT_VIEWS = 24
+"""Views up to which the likeliest start is followed with all of them at once, without a trial on some."""
 MAX_SWEEP_STARTS = 4
 """Starts of the focal sweep that are followed at most."""
 
@@ -55,14 +59,20 @@ class MultiStart:
         trial_views = initial_guess.subsample_views(obs, self.mask)
         if trial_views is None:
             return self.rank_optima(problem, self.unit_weights, self.mask)[0]
+        if obs.view_count <= MAX_DIRECT_VIEWS and self.model.start_families == 1:
+            first = next(self.starts(problem), None)
+            begun = None if first is None else self.follow(problem, first, self.unit_weights, self.mask)
+            if begun is not None and self.is_clear(problem, begun, self.mask):
+                return begun
         trial = Problem(problem.model, obs.subset(trial_views), problem.img_size)
         found = self.rank_optima(trial, self.unit_weights[trial_views], self.mask[trial_views])
         # Where a few views leave it open which camera it is, all of them decide.
         states = []
-        for k in [state.k for state in found[: 1 if self.within_prior(found[0]) else 2]]:
-            first = initial_guess.with_robust_poses(
-                problem.model, obs, initial_guess.at(problem.model, obs, k)
-            )
+        followed = found[:1] if self.within_prior(found[0]) else found[:2]
+        if len(followed) > 1 and self.is_same(found[0], found[1], self.mask[trial_views]):
+            followed = followed[:1]
+        for k in [state.k for state in followed]:
+            first = initial_guess.with_robust_poses(problem.model, obs, k)
             state = problem.at(first.k, first.poses)
             # Intrinsics are approximately known, so gross outliers can be excluded already.
             near = (
@@ -75,25 +85,25 @@ class MultiStart:
         return outliers.rank_states(states, problem, self.mask)[0]
 
     def rank_optima(self, trial: Problem, weights: Array, mask: Mask) -> list[State]:
-        """Rank the optima that the starts lead to, the best first; stop at one within the prior."""
+        """Rank the optima that the starts lead to, the best first.
+
+        The search stops at an optimum within the prior, or when a second start leads to the best one. The
+        `known` camera does not count as one of the two: the result must not depend on it.
+        """
         found: list[State] = []
+        repeats = 2 if self.known is None else 3
         for first in self.starts(trial):
-            deadline.check()
-            state = trial.at(first.k, first.poses)
-            good = mask if first.weights is None else mask & (first.weights > 0)
-            if not (state.is_finite and good.any()):
+            state = self.follow(trial, first, weights, mask)
+            if state is None:
                 continue
-            state = trial.solve(state, outliers.unit_weights(good), TOWARDS_OPTIMUM)
-            state = reinitialize_outlying_poses(trial, state, weights, mask)
-            if not state.is_finite:
-                continue
+            state = refit_without_gross_outliers(trial, state, mask)
+            best = min(found, key=lambda other: outliers.trimmed_rms(other, mask), default=None)
             found.append(state)
+            again = best is not None and len(found) >= repeats and self.is_same(state, best, mask)
             if (
                 len(found) >= self.model.start_families
-                and self.within_prior(state)
-                and outliers.trimmed_rms(state, mask) < MAX_TRUSTED_RMS_WIDTHS * self.problem.img_size[0]
-                and plausibility.share_outside_domain(trial, state, mask)
-                <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
+                and (self.within_prior(state) or again)
+                and self.is_close(trial, state, mask)
             ):
                 break
         if not found:
@@ -107,7 +117,38 @@ class MultiStart:
             yield initial_guess.at(model, obs, initial_guess.convert_intrinsics(model, self.known))
         yield from initial_guess.from_vanishing_points(model, obs, size)
         for start in initial_guess.focal_sweep(model, obs, size)[:MAX_SWEEP_STARTS]:
-            yield initial_guess.with_robust_poses(model, obs, start)
+            yield initial_guess.with_robust_poses(model, obs, start.k)
+
+    def follow(
+        self, problem: Problem, first: initial_guess.Start, weights: Array, mask: Mask
+    ) -> State | None:
+        """Solve from a start to near the optimum; None if it diverges."""
+        deadline.check()
+        state = problem.at(first.k, first.poses)
+        good = mask if first.weights is None else mask & (first.weights > 0)
+        if not (state.is_finite and good.any()):
+            return None
+        state = problem.solve(state, outliers.unit_weights(good), TOWARDS_OPTIMUM)
+        state = reinitialize_outlying_poses(problem, state, weights, mask)
+        return state if state.is_finite else None
+
+    def is_close(self, problem: Problem, state: State, mask: Mask) -> bool:
+        """Return True if an optimum explains most points (v, n), all within the model's domain."""
+        return (
+            outliers.trimmed_rms(state, mask) < MAX_TRUSTED_RMS_WIDTHS * self.problem.img_size[0]
+            and plausibility.share_outside_domain(problem, state, mask)
+            <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
+        )
+
+    def is_clear(self, problem: Problem, state: State, mask: Mask) -> bool:
+        """Return True if an optimum explains the views, and the camera is like others: it is the one."""
+        return self.within_prior(state) and self.is_close(problem, state, mask)
+
+    def is_same(self, one: State, other: State, mask: Mask) -> bool:
+        """Return True if two starts led towards the same optimum."""
+        change = np.abs(one.k[:4] - other.k[:4]) / (*other.k[:2], *(2 * [self.problem.img_size[0]]))
+        quotient = outliers.trimmed_rms(one, mask) / outliers.trimmed_rms(other, mask)
+        return bool(change.max() < SAME_OPTIMUM and abs(quotient - 1) < SAME_OPTIMUM)
 
     def within_prior(self, state: State) -> bool:
         """Whether the camera is like others; a strange one may be a local minimum beside the right one."""
@@ -138,7 +179,7 @@ def reinitialize_outlying_poses(problem: Problem, state: State, weights: Array, 
         near = square <= INLIER_MEDIANS**2 * middle[:, None]
         weights[bad[better]] = (near & mask[bad])[better]
         state = problem.solve(problem.at(state.k, all_poses), weights, TOWARDS_OPTIMUM)
-    return refit_without_gross_outliers(problem, state, mask)
+    return state
 
 
 def refit_without_gross_outliers(problem: Problem, state: State, mask: Mask) -> State:

@@ -20,7 +20,6 @@ from ..models import Model
 
 POSE_SIZE = 6
 """Unknowns of a pose."""
-EYE = np.eye(POSE_SIZE)
 RIDGE = 1e-15
 """Relative ridge of the poses' Gram matrices, which rounding alone may make singular."""
 
@@ -74,14 +73,14 @@ def linearize(model: Model, k: Array, poses: Poses, points: Array, extra_rows: i
 
     Rows first: each is one plane in memory, which is what the arithmetic on them wants.
     """
-    rotated = poses.r @ points
-    p = rotated + poses.t[:, :, None]
-    size = model.size
-    rows = np.empty((size + 6 + extra_rows, 2, len(p), p.shape[2]))
+    views, n, size = len(poses.r), points.shape[-1], model.size
+    rotated = np.empty((3, views, n))
+    np.matmul(poses.r, points, out=rotated.transpose(1, 0, 2))
+    rows = np.empty((size + 6 + extra_rows, 2, views, n))
     by_p = rows[size + 3 : size + 6]
-    q = model.fill_jacobian(k, p.transpose(1, 0, 2), rows[:size], by_p)
+    q = model.fill_jacobian(k, rotated + poses.t.T[:, :, None], rows[:size], by_p)
     # d(exp(w) Y)/dw = w x Y, and b . (w x Y) = w . (Y x b)
-    x, y, z = rotated[:, 0], rotated[:, 1], rotated[:, 2]
+    x, y, z = rotated
     bx, by, bz = by_p
     turn = rows[size : size + 3]
     np.multiply(y, bz, out=turn[0])
@@ -98,6 +97,16 @@ def gram_matrices(rows: Array) -> Array:
     across, down = rows[:, 0].transpose(1, 0, 2), rows[:, 1].transpose(1, 0, 2)
     h: Array = across @ across.transpose(0, 2, 1)
     h += down @ down.transpose(0, 2, 1)
+    return h
+
+
+def weighted_gram_matrices(rows: Array, factors: Array) -> Array:
+    """Gram matrices (v, m, m) of rows (m, 2, v, n) times factors (v, n) of their points."""
+    size, _, views, n = rows.shape
+    weighted = np.empty((views, size, 2, n))
+    np.multiply(rows.transpose(2, 0, 1, 3), factors[:, None, None], out=weighted)
+    flat = weighted.reshape(views, size, 2 * n)
+    h: Array = flat @ flat.transpose(0, 2, 1)
     return h
 
 
@@ -136,8 +145,10 @@ def eliminate_poses(h_pp: Array, h_pc: Array, damping: float | Array) -> Array:
 
     Blocks (v, 6, 6) and (v, 6, m) of scaled unknowns; damping is one number, or (v,) one for each view.
     """
-    eye = EYE if h_pp.shape[-1] == POSE_SIZE else np.eye(h_pp.shape[-1])
-    return solve_or_nan(h_pp + np.reshape(damping, (-1, 1, 1)) * eye, h_pc)
+    lifted = h_pp.copy()
+    diagonal = lifted.reshape(len(lifted), -1)[:, :: h_pp.shape[-1] + 1]
+    diagonal += damping if isinstance(damping, float) else damping[:, None]
+    return solve_or_nan(lifted, h_pc)
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,6 +217,25 @@ def reduced_information(rows: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+class Elimination:
+    """Factors of the poses' elimination at one damping, reusable for other gradients.
+
+    Attributes
+    ----------
+    lift
+        Addend of the diagonals: one number, or (v,), one for each view.
+    solved
+        (v, 6, a) H_pp^-1 H_pc.
+    complement
+        (a, a) Schur complement of the poses.
+    """
+
+    lift: float | Array
+    solved: Array
+    complement: Array
+
+
+@dataclass(frozen=True, eq=False)
 class System:
     """Damped normal equations of one linearization, solved by the Schur complement of the poses.
 
@@ -245,72 +275,67 @@ class System:
             Information (a, a) and half gradient (a,) that are added to the intrinsics'.
         """
         size = len(rows) - POSE_SIZE - 1
-        h = gram_matrices(rows if weights is None else rows * np.sqrt(weights))
-        total = h[:, :size].sum(axis=0)
+        h = gram_matrices(rows) if weights is None else weighted_gram_matrices(rows, np.sqrt(weights))
+        total = np.add.reduce(h[:, :size], axis=0)
         h_cc, g_c = total[:, :size], total[:, -1]
         if prior is not None:
             h_cc, g_c = h_cc + prior[0], g_c + prior[1]
         scale_c = 1 / np.sqrt(h_cc.diagonal() + 1e-200)
-        diagonal = np.diagonal(h, axis1=1, axis2=2)[:, size:-1]
-        scale_p = 1 / np.sqrt(diagonal + 1e-13 * diagonal.max(axis=1, keepdims=True) + 1e-200)
-        h_pp = h[:, size:-1, size:-1] * scale_p[:, :, None] * scale_p[:, None, :]
+        diagonal = h.reshape(len(h), -1)[:, size * (len(rows) + 1) : -1 : len(rows) + 1]
+        ridge = 1e-13 * np.maximum.reduce(diagonal, axis=1, keepdims=True) + 1e-200
+        scale_p = 1 / np.sqrt(diagonal + ridge)
+        low = h[:, size:-1] * scale_p[:, :, None]
+        h_pp = low[:, :, size:-1] * scale_p[:, None, :]
         h_pc = np.empty((len(h_pp), POSE_SIZE, size + 1))
-        np.multiply(h[:, size:-1, :size], scale_c, out=h_pc[:, :, :size])
-        h_pc[:, :, size] = h[:, size:-1, -1]
-        h_pc *= scale_p[:, :, None]
+        np.multiply(low[:, :, :size], scale_c, out=h_pc[:, :, :size])
+        h_pc[:, :, size] = low[:, :, -1]
         return cls(h_cc * scale_c[:, None] * scale_c, g_c * scale_c, h_pp, h_pc, scale_c, scale_p)
 
-    def step(self, damping: float) -> tuple[Array, Array, float]:
+    def step(self, damping: float) -> tuple[Array, Array, float, Elimination]:
         """Solve for the steps of intrinsics (a,) and poses (v, 6), and the decrease that they predict."""
-        dc, dp = self._solve(self.g_c, self.h_pc, damping)
+        dc, dp, elimination = self._solve(damping)
         predicted = -float(self.g_c @ dc) - float(np.vdot(self.h_pc[:, :, -1], dp))
-        return dc * self.scale_c, dp * self.scale_p, predicted
+        return dc * self.scale_c, dp * self.scale_p, predicted, elimination
 
     def pose_steps(self, damping: Array) -> tuple[Array, Array]:
         """Solve for the steps (v, 6) of poses whose intrinsics are held constant, each with its damping (v,).
 
         Also returns the decreases (v,) that they predict.
         """
-        _, dp = self._solve(self.g_c, self.h_pc, damping)
+        _, dp, _ = self._solve(damping)
         return dp * self.scale_p, -np.einsum("vi,vi->v", self.h_pc[:, :, -1], dp)
 
-    def solve_with_gradient(self, g_c: Array, g_p: Array, damping: float) -> tuple[Array, Array]:
-        """Solve for the steps (a,) and (v, 6) down another gradient, (a,) and (v, 6)."""
-        h_pc = self.h_pc.copy()
-        h_pc[:, :, -1] = g_p * self.scale_p
-        dc, dp = self._solve(g_c * self.scale_c, h_pc, damping)
+    def solve_with_gradient(self, g_c: Array, g_p: Array, at: Elimination) -> tuple[Array, Array]:
+        """Solve for the steps (a,) and (v, 6) down another gradient, (a,) and (v, 6), at the same damping."""
+        size = len(self.h_cc)
+        y = eliminate_poses(self.h_pp, (g_p * self.scale_p)[:, :, None], at.lift)
+        reduced = g_c * self.scale_c - self.h_pc[:, :, :size].reshape(-1, size).T @ y.reshape(-1)
+        dc: Array = np.negative(solve_or_nan(at.complement, reduced))
+        dp: Array = np.negative(y[:, :, 0] + at.solved @ dc)
         return dc * self.scale_c, dp * self.scale_p
 
     def length(self, dc: Array, dp: Array) -> float:
         """Length of a step in the scaled unknowns."""
         return float(np.hypot(np.linalg.norm(dc / self.scale_c), np.linalg.norm(dp / self.scale_p)))
 
-    def _solve(self, g_c: Array, h_pc: Array, damping: float | Array) -> tuple[Array, Array]:
+    def _solve(self, damping: float | Array) -> tuple[Array, Array, Elimination]:
         """Solve (H + damping I) x = -g for the scaled steps (a,) and (v, 6).
 
         The poses are eliminated first: the Schur complement (a, a) of their blocks gives the intrinsics, and
-        substituting these gives the poses.
-
-        Parameters
-        ----------
-        g_c
-            (a,) half gradient of the scaled intrinsics.
-        h_pc
-            (v, 6, a + 1), as the attribute: the last column is the half gradient of the scaled poses.
-        damping
-            One number, or (v,) one for each view where no intrinsics are free.
+        substituting these gives the poses. The damping is one number, or (v,) one for each view where no
+        intrinsics are free.
         """
-        size = len(self.h_cc)
+        size, h_pc = len(self.h_cc), self.h_pc
         lift = damping + 1e-14
         solved = eliminate_poses(self.h_pp, h_pc, lift)
         if not size:
-            return np.zeros(0), np.negative(solved[:, :, 0])
+            return np.zeros(0), np.negative(solved[:, :, 0]), Elimination(lift, solved[:, :, :0], self.h_cc)
         removed = h_pc[:, :, :size].reshape(-1, size).T @ solved.reshape(-1, size + 1)
         complement = self.h_cc - removed[:, :size]
         complement.flat[:: size + 1] += lift
-        dc: Array = np.negative(solve_or_nan(complement, g_c - removed[:, size]))
+        dc: Array = np.negative(solve_or_nan(complement, self.g_c - removed[:, size]))
         dp: Array = np.negative(solved[:, :, size] + solved[:, :, :size] @ dc)
-        return dc, dp
+        return dc, dp, Elimination(lift, solved[:, :, :size], complement)
 
 
 def solve_or_nan(a: Array, b: Array) -> Array:

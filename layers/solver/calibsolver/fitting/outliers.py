@@ -1,12 +1,13 @@
 """Outlier rejection: the inlier mask of points, and whole views that fit nowhere."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from ..arrays import Array, IntArray, Mask
 from . import levenberg_marquardt, plausibility
-from .levenberg_marquardt import Problem, State
+from .levenberg_marquardt import Options, Problem, State
 from .observations import Observations
 from .robust_homography import medians
 from .validation import MIN_POINTS
@@ -28,6 +29,34 @@ MIN_INLIER_SHARE = 0.5
 """Share of its points that a view keeps at least: with fewer it contradicts the others as a whole."""
 MAX_COUNTED_SIGMAS = 6.0
 """Sigmas beyond which it does not matter any more how far away a point is, when fits are compared."""
+MAX_GROSS_REJECTIONS = 4
+"""Rounds of gross outlier rejection: a model that is too simple would lose point after point."""
+ROBUST_OPTIMUM = Options(robust=True, tolerance=1e-6, one_step=True)
+"""Tight: no mask may depend on where the solver happens to stop."""
+GROSS_REJECTION = Options(tolerance=1e-6, one_step=True)
+"""Fits that only distinguish gross outliers."""
+
+
+def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mask]:
+    """Fit without gross outliers, from a state near the optimum, and its inlier mask (v, n).
+
+    The first mask is that of the robust optimum over the points `mask` of all views that are near now. Every
+    other is that of the least-squares fit to the one before, until two are equal.
+    """
+
+    def inliers() -> Mask:
+        return inlier_mask(state, mask, mask, GROSS_OUTLIER_SIGMAS, problem.img_size)
+
+    # A view of wrong corners would turn a pose, and then the camera.
+    weights = unit_weights(mask & inliers().any(axis=1, keepdims=True))
+    state = problem.solve(state, weights, ROBUST_OPTIMUM)
+    good, previous = inliers(), mask
+    for _ in range(MAX_GROSS_REJECTIONS):
+        if not good.any() or np.array_equal(good, previous):
+            break
+        state = problem.solve(state, unit_weights(good), GROSS_REJECTION)
+        previous, good = good, inliers()
+    return state, good
 
 
 def inlier_mask(state: State, mask: Mask, among: Mask, sigmas: float, img_size: tuple[int, int]) -> Mask:
@@ -51,7 +80,8 @@ def near_points(state: State, mask: Mask, among: Mask, sigmas: float, width: int
     # Real residuals have longer tails than the median promises; what is kept says how long.
     for _ in range(3):
         near = state.square[(state.square <= (sigmas * sigma) ** 2) & mask]
-        sigma = max(sigma, float(np.sqrt(np.mean(near) / 2)))
+        if near.size:
+            sigma = max(sigma, math.sqrt(float(near.sum()) / near.size / 2))
     good: Mask = (state.square <= (sigmas * sigma) ** 2) & mask
     return good
 

@@ -31,6 +31,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .. import rotation
 from ..arrays import Array, IntArray, Mask, dot, whitening
 from . import normal_equations
 from .effect_likelihood import EffectLikelihood, trust
@@ -54,8 +55,6 @@ MAX_BLOCK_NUMBERS = 2**15
 """Numbers of a Jacobian that are worked on at once."""
 MAX_BLOCK_ROWS = 1024
 """Rows of the matrix of distances that are computed at once."""
-CROSS = np.array([[0.0, 0, 0, 0, 0, -1, 0, 1, 0], [0, 0, 1, 0, 0, 0, -1, 0, 0], [0, -1, 0, 1, 0, 0, 0, 0, 0]])
-"""Matrix that makes of a vector t that of the cross product, t x b, row by row."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,13 +80,19 @@ class Evidence:
 
     @classmethod
     def of(
-        cls, rows: Array, effects: Array, poses: Poses, labels: IntArray, metric: Array | None = None
+        cls,
+        rows: Array,
+        effects: Array,
+        poses: Poses,
+        labels: IntArray,
+        metric: Array | None = None,
+        used: Mask | None = None,
     ) -> "Evidence":
         """Gather the evidence of rows (p + 7, 2, v, n), poses and the cluster (v,) of each view.
 
-        The last row holds the residuals, px; points that do not count have rows of 0, and `effects`
-        (EFFECTS_SIZE, 2, v, n) of 0. A `metric` (p, p) takes the place of the one at the corners seen, which
-        is that of one camera.
+        The last row holds the residuals, px, `effects` (EFFECTS_SIZE, 2, v, n) their derivatives; of points
+        `used` (v, n), or all. A `metric` (p, p) takes the place of the one at the corners seen, which is
+        that of one camera.
         """
         size, views = len(rows) - POSE_SIZE - 1, len(labels)
         gram = np.empty((views, size + EFFECTS_SIZE + 1, size + EFFECTS_SIZE + 1))
@@ -95,8 +100,10 @@ class Evidence:
         # In blocks: what does not fit a cache, and memory that is mapped anew, costs several times as much.
         step = max(1, MAX_BLOCK_NUMBERS // (gram.shape[1] * rows[0, :, 0].size))
         for block in (slice(first, first + step) for first in range(0, views, step)):
-            part = rows[:, :, block]
-            projection = Projection.of((part[:size], effects[:, :, block], part[-1:], part[size:-1]))
+            part, moved = rows[:, :, block], effects[:, :, block]
+            if used is not None and not used[block].all():
+                part, moved = part * used[block], moved * used[block]
+            projection = Projection.of((part[:size], moved, part[-1:], part[size:-1]))
             np.matmul(projection.left, projection.left.transpose(0, 2, 1), out=gram[block])
             if metric is None:
                 turned += _turned_gram(projection, gram[block, :size, :size], poses.t[block])
@@ -122,7 +129,7 @@ def _turned_gram(projection: Projection, left: Array, t: Array) -> Array:
     size = left.shape[1]
     by_pose = projection.by_pose[:, :, :size]
     # The pose turns about the board's origin; about the camera's centre adds t x b.
-    cross = (t @ CROSS).reshape(-1, 3, 3)
+    cross = rotation.skew(t)
     by_turn = by_pose[:, :3] + cross @ by_pose[:, 3:]
     turn = projection.pose_gram[:, :3] + cross @ projection.pose_gram[:, 3:]
     out = np.empty((size + 3, size + 3))

@@ -72,6 +72,13 @@ def explained_points(
     sigma, limit
         px, noise of a coordinate, and distance from the prediction up to which a point is explained.
     """
+    cut = (among & ~good).any(axis=1)
+    if not cut.all():  # only views that lost points have any to regain
+        explained = good.copy()
+        if cut.any():
+            part = rows[:, :, cut], effects[:, :, cut], good[cut], among[cut]
+            explained[cut] = explained_points(*part, sigma, limit)
+        return explained
     design = np.concatenate([rows[-POSE_SIZE - 1 : -1], effects, rows[-1:]]).transpose(2, 0, 1, 3)
     flat, fitted = (
         each.reshape(len(each), len(each[0]), -1) for each in (design, design * good[:, None, None])
@@ -84,5 +91,4 @@ def explained_points(
     found = solve_or_nan(normal, products[:, :-1, -1:])
     left = flat[:, -1] - (found.transpose(0, 2, 1) @ flat[:, :-1])[:, 0]
     square = np.sum(left.reshape(len(flat), 2, -1) ** 2, axis=1)
-    explained: Mask = good | (among & (square < limit**2))
-    return explained
+    return np.asarray(good | (among & (square < limit**2)))

@@ -9,9 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Mask
 from ..camera import pixel_grid
 from ..models import Model
+
+MIN_STRETCH = 0.2
+"""Radial magnification / that on the axis, below which a small change of the coefficients ends the domain.
+Real corners have 0.34 at least (a fisheye lens, 93 degrees)."""
+ANGLE_STEPS = 256
 
 
 @dataclass(frozen=True)
@@ -23,17 +28,21 @@ class Uncertainty:
 
 
 def projection_jacobian_rotation_free(
-    model: Model, k: Array, img_size: tuple[int, int], grid: tuple[int, int]
+    model: Model, k: Array, img_size: tuple[int, int], grid: tuple[int, int], among: Mask | None = None
 ) -> Array:
     """Compute the derivative (n, 2, p) of projection by intrinsics over a grid, best rotation removed.
 
-    Rows are NaN where the pixel has no ray (outside the model's one-to-one domain). n = columns * rows.
+    Rows are NaN where the pixel has no ray: outside the model's one-to-one domain, or beyond
+    `determined_half_angle`; and those that are not `among` (n,) the pixels. n = columns * rows.
     """
     v = model.unproject(k, pixel_grid(img_size, grid).reshape(2, -1))
     out = np.full((v.shape[1], 2, model.size), np.nan)
     with np.errstate(all="ignore"):  # at the very edge of the domain a derivative may have no bound
         _, by_k, by_p = model.jacobian(k, v)
     seen = np.isfinite(by_k).all(axis=(0, 1)) & np.isfinite(by_p).all(axis=(0, 1))
+    angle = np.arctan2(np.hypot(v[0], v[1]), v[2])
+    seen &= angle < determined_half_angle(model, k, float(angle[seen].max(initial=0.0)))
+    seen &= True if among is None else among
     if not seen.any():
         return out
     v = v[:, seen]
@@ -44,6 +53,22 @@ def projection_jacobian_rotation_free(
     removed = np.linalg.lstsq(flat, flat_d, rcond=None)[0]
     out[seen] = (flat_d - flat @ removed).reshape(d.shape)
     return out
+
+
+def determined_half_angle(model: Model, k: Array, largest: float) -> float:
+    """Angle from the axis, up to the `largest`, at which the radial magnification falls below MIN_STRETCH.
+
+    Infinite if it does not. There the domain ends in some fits of a lens and not in others: counted in the
+    latter only, its rim would let the error jump from one view to the next.
+    """
+    angle = np.linspace(0, largest, ANGLE_STEPS)
+    ray = np.stack([np.sin(angle), np.zeros_like(angle), np.cos(angle)])
+    with np.errstate(all="ignore"):
+        _, _, by_p = model.jacobian(k, ray)
+    along = np.stack([np.cos(angle), np.zeros_like(angle), -np.sin(angle)])
+    stretch = np.hypot(*np.einsum("ian,in->an", by_p, along))
+    low = stretch < MIN_STRETCH * stretch[0]
+    return float(angle[np.argmax(low)]) if low.any() else np.inf
 
 
 def image_error_metric(d: Array) -> Array:

@@ -4,7 +4,9 @@ import struct
 
 import numpy as np
 
-from .base import Conversion, ExportSource, ModelConstraint
+from . import text
+from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
+from .coefficients import camera_from_opencv
 from .format import Format
 
 
@@ -27,3 +29,35 @@ class ArToolKit(Format):
         p = np.concatenate([k, np.zeros((3, 1))], axis=1)
         parameters = [*c.distortion[:4], k[0, 0], k[1, 1], k[0, 2], k[1, 2], 1.0]
         return struct.pack(">2i12d9d", *c.img_size, *p.ravel(), *parameters)
+
+
+_HEAD = struct.Struct(">2i12d")
+FACTORS = {_HEAD.size + 8 * count: count for count in (4, 5, 6, 9, 17)}
+"""Numbers of distortion factors by the length of a file, versions 1 to 5."""
+
+
+def is_parameters(raw: bytes) -> bool:
+    """True if bytes are a camera_para.dat: by their length, and a size of a picture in front."""
+    if len(raw) not in FACTORS:
+        return False
+    w, h = (int(side) for side in struct.unpack_from(">2i", raw))
+    return 16 <= w <= 65_536 and 16 <= h <= 65_536
+
+
+def read(raw: bytes) -> ImportedFile:
+    """Read a camera_para.dat of version 4 or 5; CalibrationError ``malformed``.
+
+    Source: ARToolKit 5, `lib/SRC/AR/param.c`: the factors of version 4 are k1 k2 p1 p2 fx fy x0 y0 s, those
+    of version 5 k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 fx fy x0 y0 s.
+    """
+    count = FACTORS[len(raw)]
+    w, h, *_ = _HEAD.unpack_from(raw)
+    factors = text.floats(list(struct.unpack_from(f">{count}d", raw, _HEAD.size)), "factors", count, count)
+    if count not in (9, 17):
+        raise text.refuse(
+            "a camera_para.dat of versions 1 to 3, whose distortion is not OpenCV's: calibrate again with a "
+            "newer ARToolKit"
+        )
+    fx, fy, cx, cy = factors[-5:-1]
+    matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]])
+    return ImportedFile(camera_from_opencv(matrix, factors[:-5], (w, h), fisheye=False))

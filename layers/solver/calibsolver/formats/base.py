@@ -128,6 +128,9 @@ class ImportedFile:
         The camera's name in the file, or "".
     cameras
         Names of all cameras in the file, in the order of their numbers, where there are several.
+    error
+        px, largest distance between the projections by the file's camera and by this one: of a model that
+        calibsolver does not have.
     """
 
     camera: Camera | None
@@ -135,3 +138,4 @@ class ImportedFile:
     img_size: tuple[int, int] | None = None
     name: str = ""
     cameras: tuple[str, ...] = ()
+    error: float = 0.0

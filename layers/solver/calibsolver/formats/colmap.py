@@ -22,9 +22,10 @@ MODELS = {
     "OPENCV_FISHEYE": ("fx fy cx cy k1 k2 k3 k4", True),
 }
 """Parameters of the models that are known here, and whether they are of the angle."""
-_LINE = re.compile(
-    r"^[ \t]*\d+[ \t]+([A-Z][A-Z_]{2,40})[ \t]+(\d+)[ \t]+(\d+)[ \t]+([-+.eE\d \t]+)$", re.MULTILINE
-)
+MAX_LINE_LENGTH = 1000
+"""Characters of a line that describes a camera."""
+_LINE = re.compile(r"\d{1,9} ([A-Z][A-Z_]{2,40}) (\d{1,9}) (\d{1,9})((?: [-+.eE\d]+)+)", re.ASCII)
+"""Such a line, one blank between its words."""
 
 
 class Colmap(Format):
@@ -56,9 +57,11 @@ class Colmap(Format):
 
 def lines_of_cameras(content: str) -> list[dict[str, object]]:
     """Return the cameras of a cameras.txt, for `read`; none where it is no such file."""
+    lines = (" ".join(line.split()) for line in content.splitlines() if len(line) <= MAX_LINE_LENGTH)
     return [
-        {"colmap_model": model, "size": [int(w), int(h)], "params": params.split()}
-        for model, w, h, params in _LINE.findall(content)
+        {"colmap_model": match[1], "size": [int(match[2]), int(match[3])], "params": match[4].split()}
+        for match in map(_LINE.fullmatch, lines)
+        if match
     ]
 
 

@@ -165,7 +165,8 @@ def share_behind(camera: Camera) -> float:
         return 0.0
     w, h = camera.img_size
     rays = camera.unproject(_lattice((-0.5, w - 0.5), (-0.5, h - 0.5), IMAGE_ERROR_GRID))
-    return float((rays[np.isfinite(rays).all(axis=1), 2] <= 0).mean())
+    seen = rays[np.isfinite(rays).all(axis=1), 2]
+    return float((seen <= 0).mean()) if len(seen) else 0.0
 
 
 def _lattice(x: Sequence[float], y: Sequence[float], count: tuple[int, int]) -> Array:

@@ -3,11 +3,12 @@
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 from typing import Any
 
 from ..errors import CalibrationError
-from . import agisoft, colmap, generic, gyroflow, kalibr, opensfm, photonvision, text
+from . import agisoft, colmap, generic, gyroflow, kalibr, lensfun, meshroom, opensfm, photonvision, text
 from .base import ImportedFile
 from .members import Members, image_size, normalise
 from .reader_options import ReaderOptions
@@ -17,6 +18,10 @@ MAX_DEPTH = 8
 """Levels of members in which cameras are looked for."""
 MAX_CAMERAS = 200
 """Of one file."""
+FILE_SUFFIXES = (".yaml", ".yml", ".xml", ".json", ".ini", ".txt")
+"""Ends of the names of calibration files."""
+MAX_PATH_LENGTH = 300
+"""Characters of a string that may be the path of another file."""
 
 
 @dataclass(frozen=True)
@@ -38,11 +43,9 @@ class FoundCamera:
 def cameras(data: object) -> list[FoundCamera]:
     """Return the cameras of a parsed file in its order; `cam0`, `cam1` … in that of their numbers."""
     found = list(islice(_walk(data, (), (), 0), MAX_CAMERAS))
-    numbers = [re.fullmatch(r"cam(?:era)?_?(\d+)", each.name) for each in found]
-    if all(numbers):
-        order = sorted(range(len(found)), key=lambda i: int(found[i].name.lstrip("camer_")))
-        found = [found[i] for i in order]
-    return found
+    numbers = [re.fullmatch(r"cam(?:era)?_?(\d{1,9})", each.name) for each in found]
+    order = sorted((int(match[1]), i) for i, match in enumerate(numbers) if match)
+    return [found[i] for _, i in order] if len(order) == len(found) else found
 
 
 def _walk(
@@ -63,6 +66,10 @@ def _walk(
     reader = _reader(data, members)
     sides = _sides(members)
     around = (*around, members)
+    if lensfun.is_lens(members):
+        for part in lensfun.distortions(data):
+            yield FoundCamera(lensfun.lens_name(data, part), partial(_lensfun, data, part))
+        return
     if reader is not None:
         yield FoundCamera(name, lambda _: reader(data))
     elif len(sides) > 1 or (sides and not generic.is_camera(members)):
@@ -73,6 +80,10 @@ def _walk(
     else:
         for key, value in _nest_dotted_names(data).items():
             yield from _walk(value, (*path, key), around, 0)
+
+
+def _lensfun(data: Mapping[Any, Any], part: Mapping[Any, Any], options: ReaderOptions) -> ImportedFile:
+    return lensfun.read(data, part, options.img_size)
 
 
 def _generic(
@@ -99,6 +110,10 @@ def _reader(data: Mapping[Any, Any], members: Members) -> Callable[[Any], Import
         return kalibr.read
     if agisoft.is_calibration(members):
         return agisoft.read
+    if agisoft.is_sensor(members):
+        return agisoft.read_sensor
+    if meshroom.is_intrinsic(members):
+        return meshroom.read
     return None
 
 
@@ -195,14 +210,11 @@ def describe_unknown(data: object) -> CalibrationError:
         return text.refuse(
             "the file holds the settings of a calibration program (its board), not a calibration"
         )
-    strings = [(str(k), v) for k, v in _leaves(flat) if isinstance(v, str)]
+    strings = [(k, v) for k, v in _leaves(flat) if isinstance(v, str) and len(v) <= MAX_PATH_LENGTH]
     for key, value in strings:
-        if re.search(r"[\w-]+\.(?:ya?ml|xml|json|ini|txt)$", value.strip()) and re.search(
-            "cam|intrin|calib", key + value, re.I
-        ):
-            return text.refuse(
-                f"the file holds no camera; it names another one: {value.strip()[:100]} ({key[:40]})"
-            )
+        path, place = value.strip(), (key + value).lower()
+        if path.endswith(FILE_SUFFIXES) and any(word in place for word in ("cam", "intrin", "calib")):
+            return text.refuse(f"the file holds no camera; it names another one: {path[:100]} ({key[:40]})")
     told = ", ".join(str(key)[:30] for key in list(flat)[:6])
     return text.refuse(
         "the file is of no kind that is known here: it has no camera matrix, nor focal lengths and a centre"

@@ -13,6 +13,7 @@ from ..arrays import Array
 from . import text
 from .base import ImportedFile
 from .coefficients import camera_from_opencv, make_camera, pad_coefficients
+from .foreign_models import closest_camera, named_rays
 from .members import Members, image_size
 from .model_names import stated_model
 from .reader_options import ReaderOptions
@@ -53,17 +54,20 @@ def read(
     if "radialdistortion" in members and ("intrinsicmatrix" in members or "principalpoint" in members):
         matrix[:2, 2] -= 1  # MATLAB's: pixels are counted from 1
         size = _matlab_size(members) or size
+    name = flat.get("cameraname", "name", "camera", "label")
+    name = name if isinstance(name, str) else ""
+    if (rays_of := named_rays(flat, matrix)) is not None:
+        return closest_camera(rays_of, size, name)
     d, named = _distortion(members, flat)
     model = stated_model(flat, distorted=bool(np.any(d)) or any(named.values())) or options.model or None
     if xi is None and "xi" in flat:
         xi = float(text.floats(_data(flat.get("xi")), "xi", 1, 1)[0])
     _check_focal(matrix, size)
     matrix = _without_skew(matrix, size)
-    name = flat.get("cameraname", "name", "camera", "label")
     camera = _camera(
         matrix, _order_coefficients(named, model, d), size, "omnidirectional" if xi is not None else model, xi
     )
-    return ImportedFile(camera, name=name if isinstance(name, str) else "")
+    return ImportedFile(camera, name=name)
 
 
 def _camera(matrix: Array, d: Array, size: tuple[int, int], model: str | None, xi: float | None) -> Any:

@@ -6,6 +6,7 @@ from ..errors import CalibrationError
 from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import make_camera, pad_coefficients
+from .foreign_models import closest_camera, rays_of_kind
 from .format import Format
 
 INTRINSICS_COUNTS = {"pinhole": 4, "omni": 5}
@@ -67,6 +68,8 @@ def read(cam: object) -> ImportedFile:
     fx, fy, cx, cy = values[-4:]
     matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]])
     size = (text.count(w, "resolution"), text.count(h, "resolution"))
+    if kind in ("ds", "eucm") and len(values) == 6 and not d.any():
+        return closest_camera(rays_of_kind(kind, matrix, *values[:2].tolist()), size)
     if model in ("", "none") and not d.any():
         model, d = "radtan", np.zeros(4)
     if len(values) == INTRINSICS_COUNTS.get(kind) and len(d) == 4:

@@ -2,6 +2,8 @@
 
 import math
 import re
+from collections.abc import Callable, Mapping
+from typing import Any
 from xml.sax.saxutils import escape
 
 import numpy as np
@@ -9,9 +11,12 @@ import numpy as np
 from ..arrays import Array
 from ..camera import Camera
 from ..errors import CalibrationError
-from .base import Conversion, ExportSource, ModelConstraint
+from . import text
+from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .convert import ERROR_MARGIN, convert_in_image, samples
+from .foreign_models import closest_camera, radial_corrected
 from .format import Format
+from .members import Members
 
 DIAGONAL = math.hypot(36, 24)
 """mm: the frame to which crop factors refer. Ours is 1: only the ratio of frame and focal length is known."""
@@ -130,3 +135,68 @@ def _away(camera: Camera, radial: Camera) -> tuple[float, float]:
     away = np.linalg.norm(k[:2, 2] + side * distorted[:, None] - q[seen], axis=1)
     known = np.isfinite(rays).all(axis=1).sum()
     return float(away.max(initial=0.0)) * (1 + ERROR_MARGIN), float(seen.sum() / max(known, 1))
+
+
+def is_lens(members: Members) -> bool:
+    """True if a mapping is a lens of a database, with what was measured of it."""
+    calibration = members.get("calibration")
+    return isinstance(calibration, Mapping) and "distortion" in calibration
+
+
+def distortions(data: Mapping[Any, Any]) -> list[Mapping[Any, Any]]:
+    """Return the distortions of a lens, one a focal length."""
+    measured = data["calibration"]["distortion"]
+    return [
+        each for each in (measured if isinstance(measured, list) else [measured]) if isinstance(each, Mapping)
+    ]
+
+
+def lens_name(data: Mapping[Any, Any], measured: Mapping[Any, Any]) -> str:
+    """Return maker, model and focal length of a lens's distortion."""
+    parts = [data.get("maker"), data.get("model"), f"{measured.get('focal')} mm"]
+    words = (each[0] if isinstance(each, list) and each else each for each in parts)
+    return " ".join(str(each) for each in words if isinstance(each, str))
+
+
+def read(
+    data: Mapping[Any, Any], measured: Mapping[Any, Any], img_size: tuple[int, int] | None
+) -> ImportedFile:
+    """Read a distortion of a lens: the closest camera for a picture; CalibrationError ``malformed``.
+
+    Source: Lensfun's manual, "Lens distortion models". Radii are in units of half the smaller side; the
+    distorted one is a function of the corrected one. Focal length and crop factor say how large the unit is.
+    """
+    if img_size is None:
+        raise text.refuse("a lens database knows no pictures: give their size (--img-size 6000x4000)")
+    kind = data.get("type", "rectilinear")
+    if kind not in ("rectilinear", ""):
+        raise text.refuse(f"Lensfun's {str(kind)[:40]} lenses are not supported, rectilinear ones are")
+    values, model = Members(measured), str(measured.get("model"))
+
+    def value(name: str, default: float | None = None) -> float:
+        held = values.get(name)
+        return float(text.floats(default if held is None else held, name, 1, 1)[0])
+
+    distort: Callable[[Array], Array]
+    if model == "ptlens":
+        a, b, c = value("a", 0.0), value("b", 0.0), value("c", 0.0)
+        distort = lambda r: a * r**4 + b * r**3 + c * r**2 + (1 - a - b - c) * r  # noqa: E731
+    elif model == "poly3":
+        k1 = value("k1", 0.0)
+        distort = lambda r: k1 * r**3 + (1 - k1) * r  # noqa: E731
+    elif model == "poly5":
+        k1, k2 = value("k1", 0.0), value("k2", 0.0)
+        distort = lambda r: k2 * r**5 + k1 * r**3 + r  # noqa: E731
+    else:
+        raise text.refuse(f"Lensfun's model {model[:40]!r} is not supported; ptlens, poly3 and poly5 are")
+    lens = Members(data)
+    crop = float(text.floats(lens.get("cropfactor") or 1.0, "cropfactor", 1, 1)[0])
+    w, h = img_size
+    focal, unit = value("focal"), (min(w, h) - 1) / 2
+    if not (focal > 0 and crop > 0):
+        raise text.refuse("focal length and crop factor must be positive")
+    f = focal / (DIAGONAL / crop) * math.hypot(w - 1, h - 1) / unit
+    shift = lens.get("center") if isinstance(lens.get("center"), Mapping) else {}
+    x, y = (float(text.floats(shift.get(axis, 0.0), axis, 1, 1)[0]) for axis in ("x", "y"))
+    centre = ((w - 1) / 2 + x * unit, (h - 1) / 2 + y * unit)
+    return closest_camera(radial_corrected(distort, unit, f, centre), img_size, lens_name(data, measured))

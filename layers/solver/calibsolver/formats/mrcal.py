@@ -162,7 +162,7 @@ def read(content: str) -> ImportedFile:
         data = ast.literal_eval(
             "\n".join(line for line in content.splitlines() if not line.lstrip().startswith("#"))
         )
-    except (ValueError, SyntaxError, MemoryError, RecursionError) as error:
+    except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError) as error:
         raise text.refuse(f"the file is no Python dictionary: {type(error).__name__}") from None
     if isinstance(data, dict):  # what versions up to 1 called them
         data = {OLD_NAMES.get(key, key): value for key, value in data.items() if isinstance(key, str)}
@@ -192,7 +192,9 @@ def _views(packed: bytes, number: int) -> tuple[View, ...]:
             seen = arrays["observations_board"]
             indices = arrays["indices_frame_camintrinsics_camextrinsics"]
             spacing = float(arrays["calibration_object_spacing"])
-    except (ValueError, KeyError, OSError, zipfile.BadZipFile, EOFError, TypeError) as error:
+    except CalibrationError:
+        raise
+    except Exception as error:  # noqa: BLE001 - parsers of ZIP, deflate and Python raise a dozen types
         raise text.refuse(f"optimization_inputs cannot be read: {type(error).__name__}") from None
     if seen.ndim != 4 or seen.shape[3] != 3 or indices.shape != (len(seen), 3) or not math.isfinite(spacing):
         raise text.refuse("optimization_inputs have arrays of a wrong shape")

@@ -54,10 +54,12 @@ class PhotonVision(Format):
                 source.views, resection.reprojection_score(conversion.camera, source.views).poses, strict=True
             )
         ):
+            is_posed = bool(np.isfinite(rt).all())  # points on a line may have no pose
+            rt = rt if is_posed else np.array([0, 0, 0, 0, 0, 1.0])
             r = rotation.matrix(rt[None, :3])[0]
             # the bare formula: a corner may lie just beyond where the model is one-to-one
             seen = model.project(conversion.camera.intrinsics, r @ view.object_points.T + rt[3:, None]).T
-            residuals = seen - view.image_points
+            residuals = seen - view.image_points if is_posed else np.zeros_like(view.image_points)
             found.append(
                 {
                     "locationInObjectSpace": [_point(p) for p in view.object_points],
@@ -68,7 +70,7 @@ class PhotonVision(Format):
                         "rotation": {"quaternion": _quaternion(rt[:3])},
                     },
                     "cornersUsed": [True] * len(view),
-                    "snapshotName": f"view{i}",
+                    "snapshotName": f"{source.name}, view {i}",
                     "snapshotDataLocation": "",
                 }
             )

@@ -40,7 +40,7 @@ def ros_ini(content: str) -> list[dict[str, Any]]:
             if section == "image":
                 size = {}
             elif section != "externals":
-                found.append({"camera_name": section, "image": size})
+                found.append({"camera_name": section, "image": size, "numbers": {}})
             continue
         numbers = text.number_list(line)
         if numbers is None:
@@ -48,9 +48,9 @@ def ros_ini(content: str) -> list[dict[str, Any]]:
         elif section == "image" and key in ("width", "height"):
             size[key] = numbers[0]
         elif found and section == found[-1]["camera_name"] and key:
-            found[-1].setdefault(key, []).extend(numbers)
+            found[-1]["numbers"].setdefault(key, []).extend(numbers)
     for camera in found:
-        camera.update(camera.pop("image"))
+        camera.update({**camera.pop("numbers"), **camera.pop("image"), "camera_name": camera["camera_name"]})
         camera.pop("projection", None)  # of the rectified picture
         camera.pop("rectification", None)
     return [camera for camera in found if "camera matrix" in camera]
@@ -63,7 +63,8 @@ def assignments(content: str) -> dict[str, Any]:
     for raw in content.splitlines()[:MAX_LINES]:
         line = raw.strip()
         if heading := re.fullmatch(r"\[([^\[\]]{1,80})\]", line):
-            here = found.setdefault(heading[1].strip(), {})
+            section = found.setdefault(heading[1].strip(), {})
+            here = section if isinstance(section, dict) else {}
             continue
         match = re.match(r"([A-Za-z_][\w.\- ]{0,59}?)\s*=\s*(.*)$", line)
         if not match:

@@ -44,19 +44,29 @@ def fit_to_rays(camera: Camera, constraint: ModelConstraint) -> Camera:
 
     Raises CalibrationError ``not_representable`` where none comes of it.
     """
+    rays, q = sampled_rays(camera, models.get(constraint.model).max_angle)
+    return fit_samples(rays, q, camera.img_size, constraint, camera)
+
+
+def fit_samples(
+    rays: Array, q: Array, img_size: tuple[int, int], constraint: ModelConstraint, near: Camera | None = None
+) -> Camera:
+    """Fit the camera of a constraint to unit rays (3, n) and their pixels (2, n); `near` may be near.
+
+    Raises CalibrationError ``not_representable`` where none comes of it.
+    """
     model = models.get(constraint.model)
-    rays, q = sampled_rays(camera, model.max_angle)
     seen = Observations(rays[None], q[None], np.ones((1, q.shape[1]), dtype=bool))
     basis = free_directions(model, constraint)
-    problem = _RayProblem(model, seen, camera.img_size, basis)
-    own = camera.model == model.name
-    starts = [camera.intrinsics] if own else _starts(model, camera, rays, q)
+    problem = _RayProblem(model, seen, img_size, basis)
+    own = near is not None and near.model == model.name
+    starts = [near.intrinsics] if near is not None and own else _starts(model, img_size, rays, q)
     with np.errstate(all="ignore"):  # a step too far is tested before it is taken
         found = [_descend(problem, basis @ np.linalg.lstsq(basis, k, rcond=None)[0]) for k in starts]
-    square, k = min(found, key=lambda one: one[0])
+    square, k = min(found, key=lambda one: one[0], default=(np.inf, np.zeros(model.size)))
     if not np.isfinite(square):
         raise CalibrationError("not_representable", "the fit of the simpler model ran away")
-    return Camera.from_intrinsics(model.name, k, camera.img_size)
+    return Camera.from_intrinsics(model.name, k, img_size)
 
 
 def free_directions(model: Model, constraint: ModelConstraint) -> Array:
@@ -73,10 +83,10 @@ def free_directions(model: Model, constraint: ModelConstraint) -> Array:
     return free
 
 
-def _starts(model: Model, camera: Camera, rays: Array, q: Array) -> list[Array]:
+def _starts(model: Model, img_size: tuple[int, int], rays: Array, q: Array) -> list[Array]:
     """Return the best intrinsics (p,) with each of the model's initial coefficients; focal lengths follow."""
     found = []
-    initial = [model.start(1.0, camera.img_size), *model.initial_intrinsics(camera.img_size)]
+    initial = [model.start(1.0, img_size), *model.initial_intrinsics(img_size)]
     for d in {tuple(k[4:].tolist()) for k in initial}:
         with np.errstate(all="ignore"):
             u = model.distort(np.array(d), rays)

@@ -4,7 +4,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from . import colmap, document, mrcal, native, numpy_archive, plain_text, storage_xml, text
+from . import (
+    artoolkit,
+    colmap,
+    document,
+    mrcal,
+    native,
+    numpy_archive,
+    ocamcalib,
+    plain_text,
+    storage_xml,
+    text,
+)
 from .base import ImportedFile
 from .reader_options import ReaderOptions
 
@@ -34,6 +45,26 @@ def read(data: object, options: ReaderOptions = ReaderOptions()) -> ImportedFile
     return replace(imported, cameras=names)
 
 
+def read_bytes(
+    raw: bytes,
+    suffix: str = "",
+    options: ReaderOptions = ReaderOptions(),  # noqa: B008 - a value that never changes
+) -> ImportedFile:
+    """Read a whole file of any kind, with limits on what it may hold; `suffix` as of its name.
+
+    Raises CalibrationError ``malformed``, which says what is missing or wrong. YAML needs the package PyYAML.
+    """
+    from . import untrusted
+
+    try:
+        parsed = untrusted.parse(raw, suffix, is_text_kind)
+        return READERS[parsed.form](parsed.content, options)
+    except RecursionError:
+        raise text.refuse("nested too deeply") from None
+    except MemoryError:  # an array that claims a size of its own choice
+        raise text.refuse("an array in it is too large") from None
+
+
 def is_text_kind(content: str) -> bool:
     """Whether `read_text` reads it: it is neither JSON nor YAML."""
     return (
@@ -43,6 +74,7 @@ def is_text_kind(content: str) -> bool:
         or bool(colmap.lines_of_cameras(content))
         or plain_text.is_assignments(content)
         or plain_text.numbers_alone(content) is not None
+        or ocamcalib.is_results(content)
         or mrcal.is_corners(content)
     )
 
@@ -62,6 +94,8 @@ def read_text(content: str, options: ReaderOptions = ReaderOptions()) -> Importe
 
     Raises CalibrationError ``malformed``.
     """  # noqa: D205 - a list of names
+    if ocamcalib.is_results(content):
+        return ocamcalib.read(content)
     if content.lstrip().startswith("<"):
         return read(storage_xml.parse(content), options)
     if is_mrcal(content):
@@ -87,9 +121,15 @@ def read_archive(raw: bytes, options: ReaderOptions = ReaderOptions()) -> Import
     return read(numpy_archive.parse(raw), options)
 
 
+def read_binary(raw: bytes, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: ARG001, B008
+    """Read ARToolKit's camera_para.dat; CalibrationError ``malformed``."""
+    return artoolkit.read(raw)
+
+
 READERS: Mapping[str, Callable[[Any, ReaderOptions], ImportedFile]] = {
     "values": read,
     "text": read_text,
     "archive": read_archive,
+    "binary": read_binary,
 }
 """Readers by the form of a file's content."""

@@ -1,22 +1,25 @@
 """XML read as plain values: OpenCV's FileStorage, and other tools' elements and attributes."""
 
+import re
 import xml.etree.ElementTree as ElementTree
-from collections import Counter
 
 from . import text
 
 MAX_XML_DEPTH = 20
+EXTERNAL_TYPE = re.compile(r"<!DOCTYPE\s+\w+\s+SYSTEM\s+(?:\"[^\"<>]{0,200}\"|'[^'<>]{0,200}')\s*>")
+"""Document type in another file, without entities of its own."""
 
 
 def parse(content: str) -> object:
     """Return the values below the root: mappings, lists, numbers, strings.
 
-    Raises CalibrationError ``malformed`` for what is no XML, or declares a document type: entities of a few
+    Raises CalibrationError ``malformed`` for what is no XML, or declares entities: those of a few
     hundred bytes can stand for gigabytes, or for other files.
     """
-    if "<!DOCTYPE" in content or "<!ENTITY" in content:
-        raise text.refuse("the XML declares a document type, which calibration files do not need")
     start = content.find("?>") + 2 if content.lstrip().startswith("<?xml") else 0
+    content = EXTERNAL_TYPE.sub("", content, count=1)  # nothing reads the file that it names
+    if "<!DOCTYPE" in content or "<!ENTITY" in content:
+        raise text.refuse("the XML declares entities, which calibration files do not need")
     try:
         root = ElementTree.fromstring(content[start:].strip())  # noqa: S314 - no entities, see above
     except ElementTree.ParseError as error:
@@ -34,22 +37,13 @@ def _value(element: ElementTree.Element, depth: int) -> object:
         return _plain((element.text or "").strip())
     if children and all(child.tag == "_" for child in children):  # a sequence
         return [_value(child, depth + 1) for child in children]
-    found: dict[str, object] = dict(attributes)
+    members: dict[str, object] = dict(attributes)
+    values: dict[str, list[object]] = {}
     for child in children:
-        tag, value = child.tag.rpartition("}")[2], _value(child, depth + 1)
-        if tag in found and isinstance(found[tag], list) and tag in repeated_names(element):
-            found[tag].append(value)  # type: ignore[attr-defined]
-        elif tag in repeated_names(element):
-            found[tag] = [value]
-        else:
-            found[tag] = value
-    return found
-
-
-def repeated_names(element: ElementTree.Element) -> set[str]:
-    """Return the names that several children have."""
-    counts = Counter(child.tag.rpartition("}")[2] for child in element)
-    return {tag for tag, count in counts.items() if count > 1}
+        values.setdefault(child.tag.rpartition("}")[2], []).append(_value(child, depth + 1))
+    for tag, same in values.items():
+        members[tag] = same if len(same) > 1 else same[0]
+    return members
 
 
 def _plain(content: str) -> object:

@@ -72,9 +72,11 @@ def has_member(data: object, key: str) -> bool:
     return isinstance(data, dict) and key in data
 
 
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?f?"
+_NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eEdD][-+]?\d+)?f?", re.ASCII)
 MAX_NUMBERS_TEXT = 100_000
 """Characters of numbers in one text."""
+MAX_NUMBER_LENGTH = 100
+"""Characters of one number: a float in full precision has 25."""
 
 
 def number_list(value: str) -> list[float] | None:
@@ -82,7 +84,7 @@ def number_list(value: str) -> list[float] | None:
     if len(value) > MAX_NUMBERS_TEXT or not any(c.isdigit() for c in value[:100]):
         return None
     words = re.split(r"[\s,;\[\](){}]+", value.strip(" \t\r\n,;[](){}"))
-    if not all(re.fullmatch(_NUMBER, word) for word in words):
+    if not all(len(word) <= MAX_NUMBER_LENGTH and _NUMBER.fullmatch(word) for word in words):
         return None
     return [float(word.rstrip("f").replace("d", "e").replace("D", "e")) for word in words]
 

@@ -18,6 +18,10 @@ from .base import Model
 
 MAX_RADIUS = 50.0
 """Largest distance from the axis, in focal lengths, at which the plane is used."""
+LAST_STEP = 1e-9
+"""Newton step below which the next, about its square, is rounding."""
+MAX_STEPS = 20
+"""Steps of Newton\'s method, which settles in four or five except at the very edge of the domain."""
 MIN_TANGENTIAL_RATIO = 7.0
 """Radial derivative h over r |(p1, p2)| above which the map is one-to-one (proof: see the module)."""
 
@@ -98,15 +102,16 @@ class Planar(Model):
             # Dense near the axis where the image is, and still out to the limit.
             r = np.tan(np.linspace(0, np.arctan(limit), 513)[:-1])
             table = r * self.radial(d, r * r)
-            # A little beyond the table's end is tried too: the tangential part moves points by 3 P r^2.
+            # The tangential part moves points by at most 3 P r^2. A pole at the limit reaches everywhere.
+            reach = 1.01 * abs(limit * float(self.radial(d, np.array(limit * limit))))
             tangential = float(np.hypot(*d[list(self.tangential_at)]))
             length = np.hypot(u[0], u[1])
-            inside = np.isfinite(length) & (length < 1.01 * table[-1] + 3 * tangential * limit * limit)
+            inside = np.isfinite(length) & (length < reach + 3 * tangential * limit * limit)
             target = np.where(inside, u, 0.0)
             length = np.where(inside, length, 0.0)
             scale = np.interp(length, table, r) / np.where(length > 1e-12, length, 1.0)
             x, y = target * np.where(length > 1e-12, scale, 1.0)
-            for _ in range(12):
+            for _ in range(MAX_STEPS):
                 xx, yy = x * x, y * y
                 s = xx + yy
                 g, slope, _ = self.radial_jacobian(d, s)
@@ -114,9 +119,15 @@ class Planar(Model):
                 e = value - target
                 det = a * c - b * b
                 dx, dy = (c * e[0] - b * e[1]) / det, (a * e[1] - b * e[0]) / det
+                # A step across the edge ends before it: beyond, another ray may meet the same pixel.
+                most = (np.sqrt(s) + 7 * limit) / 8
+                length = np.hypot(x - dx, y - dy)
+                if (length > most).any():
+                    back = np.minimum(most / length, 1)
+                    dx, dy = x - back * (x - dx), y - back * (y - dy)
                 x, y = x - dx, y - dy
-                if np.nanmax(np.abs(dx) + np.abs(dy), initial=0.0) < 1e-14:
+                if np.nanmax(np.abs(dx) + np.abs(dy), initial=0.0) < LAST_STEP:
                     break
             error = np.hypot(*(self.distort_plane(d, x, y) - target))
-            good = inside & (error < 1e-13 * (1 + length)) & (np.hypot(x, y) < limit)
+            good = inside & (error < 1e-13 * (1 + np.hypot(*target))) & (np.hypot(x, y) < limit)
         return np.where(good, x, np.nan), np.where(good, y, np.nan)

@@ -6,10 +6,32 @@ x = X/Z, y = Y/Z, s = x^2 + y^2, g = 1 + k1 s + k2 s^2 + k3 s^3, and the tangent
 
 import math
 
+import numpy as np
+
 from ..arrays import Array
 from .base import Coefficient, Prior, first_root
 from .pinhole import Pinhole
 from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO
+
+
+def _linear_forms() -> Array:
+    """Matrix (42, 6) from (1, k1, k2, p1, p2, k3) to the coefficients of 1, x, y, s, s^2, s^3 in seven forms.
+
+    The forms: g + 2 (p2 x + p1 y); 2 dg/ds; 2 (p1 x + p2 y); p2 s; p1 s; the first form plus 4 p2 x; and
+    the first form plus 4 p1 y.
+    """
+    out = np.zeros((7, 6, 6))
+    for form in (0, 5, 6):
+        out[form, 0, 0] = out[form, 3, 1] = out[form, 4, 2] = out[form, 5, 5] = 1
+        out[form, 1, 4] = out[form, 2, 3] = 2
+    out[5, 1, 4] = out[6, 2, 3] = 6
+    out[1, 0, 1], out[1, 3, 2], out[1, 4, 5] = 2, 4, 6
+    out[2, 1, 3] = out[2, 2, 4] = 2
+    out[3, 3, 4] = out[4, 3, 3] = 1
+    return out.reshape(42, 6)
+
+
+LINEAR_FORMS = _linear_forms()
 
 
 class Rectilinear(Pinhole):
@@ -31,6 +53,53 @@ class Rectilinear(Pinhole):
         ),
     )
     start_focals = (0.35, 0.5, 0.7, 0.95, 1.3, 1.9, 2.8)
+
+    def fill_jacobian(self, k: Array, p: Array, by_k: Array, by_p: Array) -> Array:
+        """See `Model`. The parts linear in 1, x, y, s, s^2 and s^3 are one matrix product."""
+        shape = p.shape[1:]
+        column = (2,) + (1,) * len(shape)
+        f, c = k[:2].reshape(column), k[2:4].reshape(column)
+        iz = 1 / p[2]
+        terms = np.empty((6, *shape))
+        terms[0] = 1
+        xy, s = terms[1:3], terms[3]
+        np.multiply(p[:2], iz, out=xy)
+        square = xy * xy
+        np.add(square[0], square[1], out=s)
+        np.multiply(s, s, out=terms[4])
+        np.multiply(terms[4], s, out=terms[5])
+        d = k[3:].copy()
+        d[0] = 1
+        forms = ((LINEAR_FORMS @ d).reshape(7, 6) @ terms.reshape(6, -1)).reshape(7, *shape)
+        along, slope, uy, u, straight = forms[0], forms[1], forms[2], forms[3:5], forms[5:]
+        u += xy * along
+        straight += square * slope  # ux and vy
+        cross = xy[0] * xy[1]
+        uy += cross * slope
+        by_k[:4] = 0
+        by_k[0, 0], by_k[1, 1] = u
+        by_k[2, 0] = by_k[3, 1] = 1
+        scaled = xy * f
+        np.multiply(scaled, terms[3:5, None], out=by_k[4:6])
+        np.multiply(scaled, terms[5], out=by_k[8])
+        cross *= 2
+        square *= 2
+        square += s
+        square *= f
+        np.multiply(cross, f, out=scaled)
+        by_k[6, 0], by_k[7, 1] = scaled
+        by_k[7, 0], by_k[6, 1] = square
+        np.multiply(f, iz, out=scaled)
+        np.multiply(straight[0], scaled[0], out=by_p[0, 0])
+        np.multiply(straight[1], scaled[1], out=by_p[1, 1])
+        np.multiply(uy, scaled[1], out=by_p[0, 1])
+        np.multiply(uy, scaled[0], out=by_p[1, 0])
+        np.multiply(by_p[0], xy[0], out=by_p[2])
+        by_p[2] += by_p[1] * xy[1]
+        np.negative(by_p[2], out=by_p[2])
+        u *= f
+        u += c
+        return u
 
     def radial(self, d: Array, s: Array) -> Array:
         g: Array = 1 + s * (d[0] + s * (d[1] + s * d[4]))

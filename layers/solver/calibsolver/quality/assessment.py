@@ -1,6 +1,6 @@
 """Assessment of a calibration: whether it can be trusted, and why not, in plain words."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,6 +11,7 @@ from ..arrays import Array
 from ..camera import pixel_grid
 from ..errors import undetermined
 from ..fitting.calibration import Calibration
+from ..fitting.coverage import Coverage
 from ..fitting.normal_equations import Poses, project
 from ..fitting.observations import Observations
 from ..phrasing import format_px_error
@@ -21,6 +22,10 @@ Code = Literal[
     "too_few_views",
     "no_tilt",
     "edges_not_covered",
+    "left_edge_not_covered",
+    "right_edge_not_covered",
+    "top_edge_not_covered",
+    "bottom_edge_not_covered",
     "uncertain",
     "over_fitted",
     "model_too_simple",
@@ -32,30 +37,47 @@ Code = Literal[
     "outliers",
     "views_left_out",
 ]
+Side = Literal["left", "right", "top", "bottom"]
 
+RIM_GRID = (12, 9)
+EDGES: Mapping[Side, tuple[slice | int, slice | int]] = {
+    "left": (slice(None), 0),
+    "right": (slice(None), -1),
+    "top": (0, slice(None)),
+    "bottom": (-1, slice(None)),
+}
+"""Outermost cells of RIM_GRID, (row, column)."""
+EDGE_CODES: Mapping[Side, Code] = {
+    "left": "left_edge_not_covered",
+    "right": "right_edge_not_covered",
+    "top": "top_edge_not_covered",
+    "bottom": "bottom_edge_not_covered",
+}
 REFERENCE_WIDTH_PX = 1280.0
 """Image width at which the lengths below are meant, px; they scale with it."""
 COVERAGE_RADIUS_DIAGONALS = 0.12
 """Of the image's diagonal: how far a corner speaks for its surroundings."""
 MIN_NOTICEABLE_PX = 0.1
 """px, differences below which nobody feels."""
-# The first of two makes a calibration fair, the second poor.
-MIN_FITTED_VIEWS = (4, 2)
-MIN_TILT_DEG = (15.0, 5.0)
+MAX_GOOD_PX, MAX_FAIR_PX = 1.0, 3.0
+"""px, predicted rms projection error over the image, up to which a calibration is good, and fair."""
+MAX_FAIR_INSIDE_PX, MIN_FAIR_COVERED = 1.0, 0.1
+"""px, the same inside the part of the image that the board has shown, up to which a calibration is fair;
+smallest share of the image that this part must be."""
+MIN_FITTED_VIEWS = 4
+MIN_TILT_DEG = 15.0
 """Degrees between sight line and board normal: below it focal length and distance trade places."""
-MIN_RIM_COVERAGE = (0.6, 0.2)
-"""Share of the rim of the image that has seen corners."""
-MAX_UNCERTAINTY_PX = (0.6, 2.0)
-"""px, predicted rms projection error."""
-MAX_HELD_OUT_RATIO = (1.4, 2.5)
-"""Error on views left out / error on those fitted."""
+MIN_RIM_COVERAGE = 0.6
+"""Share of the rim of the image, or of one side of it, that has seen corners."""
+MAX_HELD_OUT_RATIO, MAX_FAIR_HELD_OUT_RATIO = 1.4, 2.5
+"""Error on views left out / error on those fitted, up to which a calibration is good, and fair."""
 MAX_FIXED_PATTERN_SHARE = 0.3
 """Share of the residuals' length that is the same in all views."""
 WIDE_MODELS = ("fisheye", "rational", "omnidirectional")
 """Models for lenses that another cannot follow."""
-MAX_NOISE_PX = (0.5, 1.5)
+MAX_NOISE_PX = 0.5
 """px, noise of one coordinate."""
-MAX_OUTLIER_SHARE = (0.05, 0.2)
+MAX_OUTLIER_SHARE = 0.05
 """Share of the points left out."""
 
 
@@ -69,15 +91,20 @@ class Reason:
 
 @dataclass(frozen=True)
 class Assessment:
-    """A verdict and what it rests on; no reasons where it is good."""
+    """Verdict and its reasons, the one to act on first; no reasons if it is good."""
 
     level: Level
     reasons: tuple[Reason, ...]
 
 
 @undetermined()
-def assess(calibration: Calibration, views: Sequence[View], held_out: float | None = None) -> Assessment:
-    """Judge a calibration by its fit and by its views.
+def assess(
+    calibration: Calibration,
+    views: Sequence[View],
+    held_out: float | None = None,
+    coverage: Coverage | None = None,
+) -> Assessment:
+    """Judge a calibration by two numbers: its error over the image, and where the board has been.
 
     Parameters
     ----------
@@ -85,69 +112,98 @@ def assess(calibration: Calibration, views: Sequence[View], held_out: float | No
         The fit, and what was fitted.
     held_out
         px, rms of a cross-validation (`cross_validation.held_out`), where there is one.
+    coverage
+        Part of the image that the board has shown; measured if None.
+
+    What makes the two numbers doubtful makes a good calibration fair.
     """
-    found: list[tuple[Level, Reason]] = []
+    coverage = coverage or Coverage.of(calibration, views)
+    width = calibration.camera.img_size[0]
+    scale = width / REFERENCE_WIDTH_PX
+    whole = calibration.uncertainty().rms
+    level = level_of(whole / scale, coverage.rms / scale, coverage.share)
+    doubts = list(_doubts(calibration, views, held_out))
+    if any(each == "poor" for each, _ in doubts):
+        level = "poor"
+    elif level == "good":
+        return Assessment("fair" if doubts else "good", tuple(reason for _, reason in doubts))
+    taken = [view for i, view in enumerate(views) if i not in calibration.cut_views]
+    edge = _uncovered_edge(calibration, taken)
+    is_extrapolated = coverage.rms < whole / 2
+    reasons: list[Reason | None] = [reason for _, reason in doubts]
+    reasons += [_tilt(calibration, views), edge if is_extrapolated else None]
+    if calibration.noise > MAX_NOISE_PX * scale:
+        text = f"corners were found to {calibration.noise:.1f} px only: blur, motion, or a board not flat"
+        reasons.append(Reason("noisy", text))
+    text = f"projections are expected to be {format_px_error(whole, width)}"
+    text += f", {format_px_error(coverage.rms, width)} where the board has been: more views would help"
+    reasons += [None if is_extrapolated else edge, Reason("uncertain", text)]
+    return Assessment(level, tuple(reason for reason in reasons if reason is not None))
 
-    def note(level: Level, code: Code, text: str) -> None:
-        if level != "good":
-            found.append((level, Reason(code, text)))
 
-    scale = calibration.camera.img_size[0] / REFERENCE_WIDTH_PX
+def level_of(whole: float, inside: float, covered: float) -> Level:
+    """Level of predicted errors, px at REFERENCE_WIDTH_PX: over the image, and inside the share `covered`."""
+    if whole <= MAX_GOOD_PX:
+        return "good"
+    is_fair_inside = inside <= MAX_FAIR_INSIDE_PX and covered >= MIN_FAIR_COVERED
+    return "fair" if whole <= MAX_FAIR_PX or is_fair_inside else "poor"
+
+
+def _doubts(
+    calibration: Calibration, views: Sequence[View], held_out: float | None
+) -> Iterator[tuple[Level, Reason]]:
+    """List what makes the predicted errors doubtful, and the best level that it leaves."""
+    width = calibration.camera.img_size[0]
     left_out = len(calibration.cut_views)
     count = len(views) - left_out
-    note(_below(count, MIN_FITTED_VIEWS), "too_few_views", f"{count} views can agree by chance; 4 hardly do")
-
-    # Views that were cut took no part: what they show says nothing of the fit.
-    taken = [i for i in range(len(views)) if i not in calibration.cut_views]
-    tilt = float(np.degrees(tilts(calibration, views)[taken].max()))
-    text = f"the board was never tilted by more than {tilt:.0f} degrees: the focal length is a guess"
-    note(_below(tilt, MIN_TILT_DEG), "no_tilt", text)
-
-    seen = rim_covered([views[i] for i in taken], calibration.camera.img_size)
-    text = f"the board came near {seen:.0%} of the rim of the image"
-    note(_below(seen, MIN_RIM_COVERAGE), "edges_not_covered", text)
-
-    error = calibration.uncertainty().rms
-    width = calibration.camera.img_size[0]
-    text = f"projections are expected to be {format_px_error(error, width)}: more views would help"
-    note(_above(error / scale, MAX_UNCERTAINTY_PX), "uncertain", text)
-
+    if count < MIN_FITTED_VIEWS:
+        text = f"{count} views can agree by chance; {MIN_FITTED_VIEWS} hardly do"
+        yield "fair", Reason("too_few_views", text)
     train = calibration.avg_reprojection_error
-    if held_out is not None and held_out - train > MIN_NOTICEABLE_PX * scale:
+    least = MIN_NOTICEABLE_PX * width / REFERENCE_WIDTH_PX
+    if held_out is not None and held_out > max(train + least, MAX_HELD_OUT_RATIO * train):
         text = f"views left out of the fit are {format_px_error(held_out, width, 2)}"
-        text += f", those in it {format_px_error(train, width, 2)}"
-        note(_above(held_out / max(train, 1e-12), MAX_HELD_OUT_RATIO), "over_fitted", text)
-
+        level: Level = "poor" if held_out > MAX_FAIR_HELD_OUT_RATIO * train else "fair"
+        yield level, Reason("over_fitted", f"{text}, those in it {format_px_error(train, width, 2)}")
     if has_fixed_pattern(calibration, views):
         model, common = calibration.camera.model, fixed_pattern_residual(calibration, views)[1]
         others = [name for name in WIDE_MODELS if name != model]
         text = f"all views err in the same way by {common:.1f} px: the model {model} cannot follow this lens"
         text += f" (choose {', '.join(others[:-1])} or {others[-1]}), or the board is not flat"
-        note("fair", "model_too_simple", text)
-
-    text = f"corners were found to {calibration.noise:.1f} px only: blur, motion, or a board that is not flat"
-    note(_above(calibration.noise / scale, MAX_NOISE_PX), "noisy", text)
-
+        yield "fair", Reason("model_too_simple", text)
     cut = 1 - sum(int(u.sum()) for u in calibration.used) / sum(len(view) for view in views)
-    text = f"{cut:.0%} of the corners contradict the others and were left out"
-    note(_above(cut, MAX_OUTLIER_SHARE), "outliers", text)
-    text = f"{left_out} of {len(views)} views contradict the others and were left out"
-    note(_above(left_out, (0, len(views) / 2)), "views_left_out", text)
-
-    level: Level = "good"
-    if found:
-        level = "poor" if any(each == "poor" for each, _ in found) else "fair"
-    return Assessment(level, tuple(reason for _, reason in found))
+    if cut > MAX_OUTLIER_SHARE:
+        text = f"{cut:.0%} of the corners contradict the others and were left out"
+        yield "fair", Reason("outliers", text)
+    if left_out:
+        text = f"{left_out} of {len(views)} views contradict the others and were left out"
+        yield "poor" if 2 * left_out > len(views) else "fair", Reason("views_left_out", text)
 
 
-def _above(value: float, bounds: tuple[float, float]) -> Level:
-    fair, poor = bounds
-    return "poor" if value > poor else "fair" if value > fair else "good"
+def _tilt(calibration: Calibration, views: Sequence[View]) -> Reason | None:
+    """Reason if the board was never tilted."""
+    # Views that were cut took no part: what they show says nothing of the fit.
+    taken = [i for i in range(len(views)) if i not in calibration.cut_views]
+    tilt = float(np.degrees(tilts(calibration, views)[taken].max()))
+    if tilt >= MIN_TILT_DEG:
+        return None
+    text = f"the board was never tilted by more than {tilt:.0f} degrees: the focal length is a guess"
+    return Reason("no_tilt", text)
 
 
-def _below(value: float, bounds: tuple[float, float]) -> Level:
-    fair, poor = bounds
-    return _above(-value, (-fair, -poor))
+def _uncovered_edge(calibration: Calibration, views: Sequence[View]) -> Reason | None:
+    """Reason if a side of the image has not seen the board: the one with the largest error, or all."""
+    sides = rim_covered(views, calibration.camera.img_size)
+    missing = [side for side, share in sides.items() if share < MIN_RIM_COVERAGE]
+    if not missing:
+        return None
+    if len(missing) == len(sides):
+        text = f"the board came near {np.mean(list(sides.values())):.0%} of the rim of the image"
+        return Reason("edges_not_covered", text)
+    std = calibration.projection_std(RIM_GRID)
+    errors = {side: float(np.nansum(std[EDGES[side]])) for side in missing}
+    side = max(missing, key=errors.__getitem__)
+    return Reason(EDGE_CODES[side], f"the {side} edge of the image has not seen the board yet")
 
 
 def residual_vectors(calibration: Calibration, views: Sequence[View]) -> list[Array]:
@@ -168,15 +224,16 @@ def tilts(calibration: Calibration, views: Sequence[View]) -> Array:
     return angle
 
 
-def rim_covered(views: Sequence[View], img_size: tuple[int, int], grid: tuple[int, int] = (12, 9)) -> float:
-    """Share of the outermost cells of the image that have a corner near."""
-    cells = pixel_grid(img_size, grid)
-    rim = np.ones((grid[1], grid[0]), dtype=bool)
-    rim[1:-1, 1:-1] = False
-    centers = cells[:, rim].T
+def rim_covered(views: Sequence[View], img_size: tuple[int, int]) -> dict[Side, float]:
+    """Share of the outermost cells of each side of the image that have a corner near."""
+    cells = np.moveaxis(pixel_grid(img_size, RIM_GRID), 0, -1)
     points = np.concatenate([view.image_points for view in views])
-    distance = np.linalg.norm(centers[:, None] - points[None], axis=2).min(axis=1)
-    return float(np.mean(distance < COVERAGE_RADIUS_DIAGONALS * np.hypot(*img_size)))
+    radius = COVERAGE_RADIUS_DIAGONALS * np.hypot(*img_size)
+    shares = {}
+    for side, rim in EDGES.items():
+        distance = np.linalg.norm(cells[rim][:, None] - points[None], axis=2).min(axis=1)
+        shares[side] = float(np.mean(distance < radius))
+    return shares
 
 
 def has_fixed_pattern(calibration: Calibration, views: Sequence[View]) -> bool:

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from .. import models
-from ..arrays import Array, Mask, frozen
+from ..arrays import Array, IntArray, Mask, frozen
 from ..camera import Camera
 from ..errors import CalibrationError, undetermined
 from ..fitting import levenberg_marquardt, outliers, plausibility, robust_covariance, systematic_effects
@@ -252,22 +252,24 @@ class _RigFit:
         sigma = max(sigma, levenberg_marquardt.ROUNDOFF * problem.width)
         believed = problem.prior_information(state.k) * max(sigma, 1e-5 * problem.width) ** 2
         poses = problem.camera_poses(state.k)
-        taken = np.flatnonzero(good.any(axis=1))
-        rows = (state.rows * good)[:, :, taken]
+        taken: slice | IntArray = slice(None)
+        if not good.any(axis=1).all():
+            taken = np.flatnonzero(good.any(axis=1))
+        rows, counted = state.rows[:, :, taken], good[taken]
         boards = Poses(state.poses.r[taken], state.poses.t[taken])
         image = problem.members[0]
         labels = robust_covariance.same_pose_labels(
             boards,
             Observations(obs.points[taken], obs.pixels[taken], obs.mask[taken]),
-            good[taken],
+            counted,
             float(image.model.focal(problem.intrinsics(state.k, 0))[0]) / image.img_size[0],
         )
         distances = transfer.working_distances(problem, state, good)
         jacobian = transfer.jacobian(problem, state.k, distances)
-        metric = transfer.metric(jacobian, rows)
+        metric = transfer.metric(jacobian, rows, counted)
         by_pose, points = rows[problem.size : -1], obs.points[taken]
         effects = systematic_effects.displacements(by_pose, boards, points, problem.row_positions[taken])
-        evidence = robust_covariance.Evidence.of(rows, effects, boards, labels, metric)
+        evidence = robust_covariance.Evidence.of(rows, effects, boards, labels, metric, counted)
         spread = robust_covariance.estimate(evidence, sigma, believed)
         if not np.isfinite(spread.covariance).all():
             raise CalibrationError("not_believable", "the fit has no finite error")

@@ -138,32 +138,36 @@ class RigProblem(LeastSquares):
     def at(self, k: Array, poses: Poses) -> State:
         """Linearize at given shared unknowns (p,) and board poses, board -> camera 0."""
         mask, size = self.obs.mask, self.size
-        rows = np.zeros((size + POSE_SIZE + 1, 2, *mask.shape))
-        rotated = poses.r @ self.obs.points
-        in_rig = rotated + poses.t[:, :, None]
+        rows = np.empty((size + POSE_SIZE + 1, 2, *mask.shape))
+        rotated = np.empty((3, *mask.shape))
+        np.matmul(poses.r, self.obs.points, out=rotated.transpose(1, 0, 2))
+        in_rig = rotated + poses.t.T[:, :, None]
         vectors = self.camera_poses(k)
         for i, member in enumerate(self.members):
-            part = member.slots
-            r, t = rotation.matrix(vectors[i, :3]), vectors[i, 3:]
-            turned = r @ in_rig[:, :, part]
-            p = (turned + t[:, None]).transpose(1, 0, 2)
-            q, by_k, by_p = member.model.jacobian(self.intrinsics(k, i), p)
-            if member.held is None:
-                first = self.offsets[0][i]
-                rows[first : first + member.model.size, :, :, part] = by_k
-            by_rig = np.tensordot(r.T, by_p, 1)
-            rows[size + 3 : size + 6, :, :, part] = by_rig
-            rows[size : size + 3, :, :, part] = cross(rotated[:, :, part].transpose(1, 0, 2), by_rig)
+            # Contiguous scratch arrays, copied to the camera's slots.
+            mine, pixels = rows[:, :, :, member.slots], self.obs.pixels[:, :, member.slots]
+            mine[:size] = 0
+            seen, at_board = in_rig[:, :, member.slots], rotated[:, :, member.slots]
+            by_k = np.empty((member.model.size, 2, *seen.shape[1:]))
+            by_p = np.empty((3, *by_k.shape[1:]))
             if i:
+                r, t = rotation.matrix(vectors[i, :3]), vectors[i, 3:]
+                turned = (r @ seen.reshape(3, -1)).reshape(seen.shape)
+                q = member.model.fill_jacobian(self.intrinsics(k, i), turned + t[:, None, None], by_k, by_p)
                 first = self.offsets[1][i]
-                by_turn = cross(turned.transpose(1, 0, 2), by_p)
-                rows[first : first + 3, :, :, part] = np.tensordot(
-                    left_jacobian(vectors[i, :3]).T, by_turn, 1
-                )
-                rows[first + 3 : first + 6, :, :, part] = by_p
-            np.subtract(q, self.obs.pixels[:, :, part].transpose(1, 0, 2), out=rows[-1, :, :, part])
+                by_turn = cross(turned, by_p).reshape(3, -1)
+                mine[first : first + 3] = (left_jacobian(vectors[i, :3]).T @ by_turn).reshape(by_p.shape)
+                mine[first + 3 : first + 6] = by_p
+                by_p = (r.T @ by_p.reshape(3, -1)).reshape(by_p.shape)
+            else:  # the frame of the rig is this camera's
+                q = member.model.fill_jacobian(self.intrinsics(k, i), seen, by_k, by_p)
+            if member.held is None:
+                mine[self.offsets[0][i] :][: member.model.size] = by_k
+            mine[size : size + 3] = cross(at_board, by_p)
+            mine[size + 3 : size + 6] = by_p
+            np.subtract(q, pixels.transpose(1, 0, 2), out=mine[-1])
             if member.weight != 1:
-                rows[:, :, :, part] *= member.weight
+                mine *= member.weight
         if not mask.all():
             rows = np.where(mask, rows, 0.0)
         r, j = self._prior(k)
@@ -234,4 +238,11 @@ def cross(p: Array, b: Array) -> Array:
     """
     x, y, z = p
     bx, by, bz = b
-    return np.stack([y * bz - z * by, z * bx - x * bz, x * by - y * bx])
+    product: Array = np.empty_like(b)
+    np.multiply(y, bz, out=product[0])
+    product[0] -= z * by
+    np.multiply(z, bx, out=product[1])
+    product[1] -= x * bz
+    np.multiply(x, by, out=product[2])
+    product[2] -= y * bx
+    return product

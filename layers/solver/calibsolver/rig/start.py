@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import rotation
+from .. import models, rotation
 from ..arrays import Array, IntArray
 from ..camera import Camera
 from ..errors import CalibrationError
@@ -23,6 +23,8 @@ from .problem import Moment
 
 MAX_HYPOTHESES = 40
 """Relative poses of a pair of cameras that are tried, at most."""
+MAX_POINTS_AT_ONCE = 2**15
+"""Points that are projected in one batch of hypotheses, at most: more do not fit a cache."""
 MAX_START_ERROR_WIDTHS = 0.04
 """Distance of points / image width from which it does not matter how far away they are."""
 MIN_TURN_GAIN = 3.0
@@ -142,6 +144,11 @@ def symmetries(views: Sequence[View]) -> tuple[RigidMotion, ...]:
     return tuple(turns)
 
 
+def stack(motions: Sequence[RigidMotion]) -> tuple[Array, Array]:
+    """Rotations (n, 3, 3) and translations (n, 3) of motions."""
+    return np.stack([each.r for each in motions]), np.stack([each.t for each in motions])
+
+
 def turn_back(view: View, turn: RigidMotion) -> View:
     """View of the board turned: each pixel belongs to the point that the turn leads to."""
     return View(turn(view.object_points), view.image_points)
@@ -182,22 +189,26 @@ class _PaddedViews:
         turned = [turn.r @ obs.points + turn.t[:, None] for turn in turns]
         return cls(camera, np.stack(turned), pixels)
 
-    def errors(self, boards: Sequence[RigidMotion]) -> tuple[Array, IntArray]:
-        """Median distance (m,), px, between each view and its prediction, and the turn (m,) that makes it so.
+    def errors(self, r: Array, t: Array) -> tuple[Array, IntArray]:
+        """Median distances (..., m), px, of views from their predictions, and the turns that make them so.
 
-        Infinite where half of the points cannot be seen; boards are in the camera's frame.
+        Infinite where half of the points cannot be seen; boards r (..., m, 3, 3), t (..., m, 3) are in the
+        camera's frame.
         """
-        r, t = np.stack([each.r for each in boards]), np.stack([each.t for each in boards])
-        p = r @ self.points + t[:, :, None]
-        seen = self.camera.project(p.transpose(0, 1, 3, 2)).transpose(0, 1, 3, 2)
-        distance = np.linalg.norm(seen - self.pixels, axis=2)
-        distance = np.sort(np.where(np.isfinite(distance), distance, np.inf), axis=2)
+        model, k = models.get(self.camera.model), self.camera.intrinsics
+        p = r[..., None, :, :, :] @ self.points + t[..., None, :, :, None]
+        p = np.moveaxis(p, -2, 0)
+        seen = model.project(k, p)
+        dx, dy = seen[0] - self.pixels[:, 0], seen[1] - self.pixels[:, 1]
+        distance = dx * dx + dy * dy
+        distance = np.where(np.isfinite(distance) & model.valid(k[4:], p), distance, np.inf)
         middle = np.isfinite(self.pixels[:, 0]).sum(axis=1) // 2
-        medians = np.take_along_axis(distance, middle[None, :, None], axis=2)[:, :, 0]
-        best = np.argmin(medians, axis=0)
-        errors = medians.min(axis=0)
-        best[~(errors * MIN_TURN_GAIN < medians[0])] = 0
-        return np.where(best > 0, errors, medians[0]), best
+        distance = np.partition(distance, np.unique(middle), axis=-1)
+        medians = np.sqrt(distance[..., np.arange(len(middle)), middle])
+        plain = medians[..., 0, :]
+        best, errors = np.argmin(medians, axis=-2), medians.min(axis=-2)
+        best[~(errors * MIN_TURN_GAIN < plain)] = 0
+        return np.where(best > 0, errors, plain), best
 
 
 def _relative_pose(
@@ -211,12 +222,17 @@ def _relative_pose(
     shared = [moment for moment in moments if one in moment.poses and other in moment.poses]
     seen = _PaddedViews.of(cameras[other], [moment.views[other] for moment in shared], turns)
     width = cameras[other].img_size[0]
+    r, t = stack([moment.poses[one] for moment in shared])
     tried = []
-    for hypothesis in shared[:: -(-len(shared) // MAX_HYPOTHESES)]:
-        relative = hypothesis.poses[other] @ hypothesis.poses[one].inverse()
-        errors, turned = seen.errors([relative @ moment.poses[one] for moment in shared])
-        cost = float(np.minimum(errors, MAX_START_ERROR_WIDTHS * width).sum())
-        tried.append((cost, relative, errors, turned))
+    hypotheses = shared[:: -(-len(shared) // MAX_HYPOTHESES)]
+    step = max(1, MAX_POINTS_AT_ONCE // seen.points[:, :, 0].size)
+    for batch in (hypotheses[i : i + step] for i in range(0, len(hypotheses), step)):
+        relatives = [each.poses[other] @ each.poses[one].inverse() for each in batch]
+        r_h, t_h = stack(relatives)
+        r_h = r_h[:, None]
+        errors, turned = seen.errors(r_h @ r, (r_h @ t[:, :, None])[..., 0] + t_h[:, None])
+        costs = np.minimum(errors, MAX_START_ERROR_WIDTHS * width).sum(axis=1)
+        tried += list(zip(costs.tolist(), relatives, errors, turned, strict=True))
     _, relative, errors, turned = min(tried, key=lambda each: each[0])
     near = max(2 * float(np.median(errors)), 1e-3 * width)
     agreed = [
@@ -252,7 +268,7 @@ def locate_boards(
             if not shared:
                 continue
             seen = _PaddedViews.of(camera, [moments[m].views[position] for m in shared], turns)
-            errors, turned = seen.errors([motions[position] @ boards[m] for m in shared])
+            errors, turned = seen.errors(*stack([motions[position] @ boards[m] for m in shared]))
             for m, error, turn in zip(
                 shared, (errors / camera.img_size[0]).tolist(), turned.tolist(), strict=True
             ):

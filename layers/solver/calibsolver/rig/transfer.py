@@ -55,11 +55,11 @@ def jacobian(problem: RigProblem, k: Array, distances: Array) -> Array:
     return np.concatenate(shared)
 
 
-def metric(jacobian: Array, rows: Array) -> Array:
+def metric(jacobian: Array, rows: Array, used: Mask) -> Array:
     """Metric W (p, p): trace(covariance W) is the mean square error of transfer, px^2."""
     flat = jacobian.reshape(-1, jacobian.shape[2])
     if not flat.size or not np.isfinite(flat).all():
-        return normal_equations.reduced_information(rows[:-1])
+        return normal_equations.reduced_information(rows[:-1] * used)
     m: Array = flat.T @ flat / len(jacobian)
     return m
 

@@ -1,0 +1,67 @@
+"""End of a capture: when another view would hardly help, or nothing new is shown.
+
+The thresholds were chosen on 14 sets of real corners and 5 videos. `make bench DOCS=capture` shows them.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+EndReason = Literal["target", "plateau", "limit", "nothing_new", "asked"]
+
+MIN_VIEWS = 4
+"""Views that count before a capture may end: fewer can agree by chance."""
+MAX_VIEWS = 15
+"""Views that count with which a capture ends at the error reached so far."""
+MIN_PLATEAU_VIEWS = 10
+"""Views that count before the stated error may have reached its plateau."""
+PLATEAU_SPAN = 3
+"""Views over which the stated error is compared."""
+MIN_PROGRESS = 0.85
+"""Smallest stated error / the smallest `PLATEAU_SPAN` views earlier. Above it there is no progress."""
+MAX_ABOVE_BEST = 1.3
+"""Largest ratio of the stated error to the smallest so far with which a capture ends at a plateau."""
+MAX_DUPLICATES = 6
+"""Duplicates in a row that end a capture: nothing new is shown."""
+
+
+@dataclass(frozen=True)
+class History:
+    """Course of a capture so far.
+
+    Attributes
+    ----------
+    stated
+        Error stated after each accepted view, px; None if there was no fit.
+    on_target
+        True for each accepted view that was held at its target.
+    duplicates
+        Views refused as duplicates since the last accepted one.
+    """
+
+    stated: tuple[float | None, ...] = ()
+    on_target: tuple[bool, ...] = ()
+    duplicates: int = 0
+
+    def with_view(self, on_target: bool) -> "History":
+        """History with one more accepted view, whose error is not stated yet."""
+        return History((*self.stated, None), (*self.on_target, on_target))
+
+    def has_plateau(self, stated: float, count: int) -> bool:
+        """True if the error, `stated` after the last view, has stopped falling; `count` views count."""
+        smallest: list[float] = []
+        for error in (*self.stated[MIN_VIEWS - 1 : -1], stated):
+            smallest.append(min([*smallest[-1:], float("inf") if error is None else error]))
+        return (
+            count >= MIN_PLATEAU_VIEWS
+            and len(smallest) > PLATEAU_SPAN
+            and smallest[-1] > MIN_PROGRESS * smallest[-1 - PLATEAU_SPAN]
+            and stated <= MAX_ABOVE_BEST * smallest[-1]
+            and all(self.on_target[-PLATEAU_SPAN:])
+        )
+
+    def is_exhausted(self, count: int) -> bool:
+        """True if nothing new is shown; `count` views count."""
+        return count >= MIN_VIEWS and self.duplicates >= MAX_DUPLICATES
+
+
+NO_HISTORY = History()

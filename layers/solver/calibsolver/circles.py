@@ -1,0 +1,58 @@
+"""Grids of circles: the bias of centroids, which detectors measure, and fits without it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from . import rotation
+from .arrays import Array
+from .camera import Camera
+from .fitting.calibration import Calibration
+from .fitting.fit import fit
+from .view import View
+
+RIM_POINTS = 64
+"""Points along the rim of a circle that are projected."""
+ROUNDS = 3
+"""Fits, each of centres corrected by the one before: the correction settles at once."""
+
+
+def centre_bias(camera: Camera, view: View, pose: Array, radius: float) -> Array:
+    """Return for each circle (n, 2) px the centroid of its picture minus the picture of its centre.
+
+    Perspective and distortion move it: detectors measure centroids. `pose` is rvec|tvec, board -> camera,
+    `radius` in board units.
+    """
+    angle = np.linspace(0, 2 * np.pi, RIM_POINTS, endpoint=False)
+    rim = radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    r = rotation.matrix(pose[:3])
+    places = view.object_points[:, None] + rim[None]
+    x, y = np.moveaxis(camera.project(places @ r.T + pose[3:]), -1, 0)
+    # of the polygon of the rim: its area's centroid (Green's theorem)
+    u, v = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
+    cross = x * v - u * y
+    area = cross.sum(axis=1)
+    centroid = np.stack([((x + u) * cross).sum(axis=1), ((y + v) * cross).sum(axis=1)], axis=1)
+    bias: Array = centroid / (3 * area[:, None]) - camera.project(view.object_points @ r.T + pose[3:])
+    return bias
+
+
+def fit_circles(
+    views: Sequence[View], img_size: tuple[int, int], radius: float, model: str = "rectilinear"
+) -> tuple[Calibration, tuple[View, ...]]:
+    """Fit a camera to centroids of circles, corrected by their bias; also return the corrected views.
+
+    Raises CalibrationError as `fit` does.
+    """
+    corrected = tuple(views)
+    calibration = fit(corrected, img_size, model)
+    for _ in range(ROUNDS - 1):
+        moved = []
+        for view, pose in zip(views, calibration.poses, strict=True):
+            bias = np.zeros((len(view), 2))
+            if np.isfinite(pose).all():
+                bias = np.nan_to_num(centre_bias(calibration.camera, view, pose, radius))
+            moved.append(View(view.object_points, view.image_points - bias))
+        corrected = tuple(moved)
+        calibration = fit(corrected, img_size, model, start=calibration.camera)
+    return calibration, corrected

@@ -1,0 +1,76 @@
+"""Error inside the part of the image that the board has shown: the convex hull of its corners.
+
+Outside the hull a calibration extrapolates. The rotation that fits best inside the hull is removed: a pose
+estimated from points there absorbs it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .. import models
+from ..arrays import Array, Mask
+from ..camera import pixel_grid
+from ..view import View
+from .calibration import Calibration
+from .uncertainty import projection_jacobian_rotation_free, variance
+
+COVERAGE_GRID = (40, 30)
+DIRECTIONS = 72
+"""Directions in which the hull is bounded by its outermost corner."""
+MIN_CELLS = 4
+"""Cells in the hull below which only the error over the whole image is stated."""
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Part of the image that the board has shown.
+
+    Attributes
+    ----------
+    share
+        Share of the image, 0 to 1.
+    rms
+        px, predicted error of a projection inside it.
+    """
+
+    share: float
+    rms: float
+
+    @classmethod
+    def of(cls, calibration: Calibration, views: Sequence[View]) -> "Coverage":
+        """Measure the hull of the corners used in the `views` of a calibration, and its error there."""
+        camera = calibration.camera
+        pairs = zip(views, calibration.used, strict=True)
+        inside = hull(np.concatenate([view.image_points[used] for view, used in pairs]), camera.img_size)
+        d = projection_jacobian_rotation_free(
+            models.get(camera.model), camera.intrinsics, camera.img_size, COVERAGE_GRID, inside
+        )
+        square = variance(d, calibration.covariance)
+        square = np.maximum(square[np.isfinite(square)], 0)
+        if len(square) < MIN_CELLS:
+            return cls(float(inside.mean()), calibration.uncertainty().rms)
+        return cls(float(inside.mean()), float(np.sqrt(square.mean())))
+
+
+def hull(points: Array, img_size: tuple[int, int]) -> Mask:
+    """Tell (n,) which cells of COVERAGE_GRID have their centre in the convex hull of `points` (m, 2), px."""
+    angle = np.linspace(0, 2 * np.pi, DIRECTIONS, endpoint=False)
+    direction = np.stack([np.cos(angle), np.sin(angle)])
+    farthest = (points @ direction).max(axis=0, initial=-np.inf)
+    cells = pixel_grid(img_size, COVERAGE_GRID).reshape(2, -1).T
+    inside: Mask = (cells @ direction <= farthest).all(axis=1)
+    return inside
+
+
+def record_covered(calibration: Calibration, coverage: Coverage) -> dict[str, Any]:
+    """Record of a calibration (`Calibration.record`) with the error where the board has been."""
+    plain = calibration.record()
+    return {**plain, "uncertainty": {**plain["uncertainty"], **uncertainty_members(coverage)}}
+
+
+def uncertainty_members(coverage: Coverage) -> dict[str, float]:
+    """Members that a coverage adds to a recorded uncertainty."""
+    return {"inside": coverage.rms, "covered": coverage.share}
