@@ -24,7 +24,6 @@ _READERS = 8  # cameras, or modes of one, read at a time
 _BADGE_HEADERS = {
     "Cache-Control": "public, max-age=300",
     "Content-Security-Policy": "default-src 'none'",
-    "X-Content-Type-Options": "nosniff",
 }
 _PRIVATE_CACHE = {"Cache-Control": "private, max-age=60", "Vary": "Authorization"}
 

@@ -18,7 +18,7 @@ from calibdb.errors import MAX_FIELD_ERRORS, FieldError, InvalidError, NotFoundE
 from calibdb.http import application
 from calibdb.lookup import camera_lookup
 from calibdb.rules.corners import corner_errors
-from calibdb.rules.votes import OwnCamera, decide_vote, expected_error, vote_id
+from calibdb.rules.votes import OwnCamera, decide_vote, expected_error, view_digest, vote_id
 from calibdb.schema import (
     Calibration,
     CheckAnswer,
@@ -175,16 +175,22 @@ def examine(request: CheckRequest) -> MeasuredViews:
 def vote(
     call: application.Call, ticket: Ticket, request: CheckRequest, mode: StreamMode, examined: MeasuredViews
 ) -> bool:
-    """Count the check as a vote, once; False where the contributor, by where they are, has none."""
+    """Count the check as a vote, once.
+
+    False where the contributor, by where they are, has none, and for pictures that a calibration was made of:
+    they are not independent of it.
+    """
     service = call.service
     thresholds = service.settings.thresholds
     secret = service.settings.contributor_secret
     where = source(secret, call.address)
     period = thresholds.contributor_period
-    if period:
-        known = service.store.calibrations.newest(mode, thresholds.max_calibrations, period)
-        if any(calibration.source == where for calibration in known):
-            return False
+    known = service.store.calibrations.newest(mode, thresholds.max_calibrations, period)
+    if period and any(calibration.source == where for calibration in known):
+        return False
+    seen = {view_digest(view.ids, view.points) for view in request.views}
+    if any(seen & calibration.views for calibration in known):
+        return False
     service.store.votes.cast(
         VoteDocument(
             id=vote_id(request, mode.camera_key, where, ticket.sid, service.now, period),

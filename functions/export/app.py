@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 from starlette.responses import Response
 
 from calibdb.camera_key import VERSION, current_key
+from calibdb.camera_key.visible import visible
 from calibdb.errors import GoneError, InvalidError, NotFoundError
 from calibdb.http import application
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery, FitRecord, ReportedCalibration
+from calibdb.schema.fields import label_text
 
 if TYPE_CHECKING:
     from calibsolver import View
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
 
 COMMAND_LINE = re.compile(r"\s*\(--[^()]*\)|: give it \(--[^()]*\)")
 """Advice in messages of the solver to those who use the operator's command line."""
+MAX_MESSAGE = 1000
+"""Characters of what the solver says about a file, which may quote the file."""
 AS_IT_IS = {"X-Conversion-Error": "0", "X-Conversion-Coverage": "1"}
 
 
@@ -84,6 +88,7 @@ def to_reported(document: CalibrationDocument) -> ReportedCalibration:
 def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:
     """Refit the calibration without these views."""
     from calibsolver import Board, CalibrationError
+    from calibsolver.fitting.coverage import Coverage, record_covered
     from calibsolver.quality import report
     from calibsolver.quality.board_flatness import fit_with_board_shape
 
@@ -99,7 +104,11 @@ def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> Ca
     if made.used and made.shape is not None:  # as a session that ends does
         views = [made.shape.apply(view) for view in views]
     described = report.describe(made.calibration, views, [view.index for view in left], board=made)
-    fits = {document.distortion_model: FitRecord(**made.calibration.record())}
+    fits = {
+        document.distortion_model: FitRecord(
+            **record_covered(made.calibration, Coverage.of(made.calibration, views))
+        )
+    }
     return document.model_copy(update={"views": left, "fits": fits, "report": described})
 
 
@@ -187,25 +196,19 @@ def convert_file(asked: ConvertRequest) -> ExportedFile:
 
     Raises InvalidError: of the field `file` where no camera can be read, of `format` where it cannot be held.
     """
-    from calibdb.rules.calibration_file import FormError, parse
     from calibsolver import CalibrationError, formats
     from calibsolver.formats.reader_options import ReaderOptions
-    from calibsolver.formats.reading import READERS, is_text_kind
+    from calibsolver.formats.reading import read_bytes
 
     options = ReaderOptions(img_size=asked.img_size, number=asked.number, model=asked.distortion_model or "")
     try:
-        parsed = parse(content_of(asked), "", is_text_kind)
-        found = READERS[parsed.form](parsed.content, options)
-    except (CalibrationError, FormError) as error:
-        said = COMMAND_LINE.sub("", str(error))
+        found = read_bytes(content_of(asked), "", options)
+    except CalibrationError as error:
+        said = COMMAND_LINE.sub("", visible(str(error)[:MAX_MESSAGE]))
         raise InvalidError.field("img_size" if "size of the pictures" in said else "file", said) from error
-    except RecursionError:
-        raise InvalidError.field("file", "nested too deeply") from None
-    except MemoryError:  # an array that claims a size of its own choice
-        raise InvalidError.field("file", "an array in it is too large") from None
     if found.camera is None:
         raise InvalidError.field("file", "it has corners, and no camera: calibrate with them")
-    name = asked.camera or found.name or "camera"
+    name = asked.camera or label_text(found.name) or "camera"
     source = formats.ExportSource(found.camera, name=name, record={"camera": name, "platform": "", "zoom": 0})
     if asked.format == "photonvision" and found.views:
         source = with_corners(source, found.views)

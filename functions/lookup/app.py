@@ -21,6 +21,7 @@ from calibdb.http import application, metrics
 from calibdb.lookup.calibration_lookup import LookupQuery, LookupResult, find
 from calibdb.lookup.camera_search import is_listed
 from calibdb.lookup.edge_content import is_public
+from calibdb.lookup.estimation import estimate_for
 from calibdb.schema import ConsensusDocument, LookupRequest, Miss, NoCalibration, RefitRequest, Sighting
 from calibdb.schema.fields import size_text, zoom_text
 from calibdb.store import CameraRecords
@@ -50,25 +51,30 @@ def _answer(call: application.Call, request: LookupRequest) -> Response:
     found = _find(call, request)
     now = call.service.clock()
     if found.answer is not None:
-        metrics.count(now, Lookups=1, Hits=1)
+        metrics.count(now, Lookups=1)
         return application.json_response(
             found.answer, headers=_PUBLIC_CACHE if call.request.method != "POST" else None
         )
     url = call.service.settings.guidance_url + "?" + urlencode(_key(request))
+    likely = estimate_for(request, found.known)
     if request.miss == "ok":
         metrics.count(now, Lookups=1, Misses=1)
         return application.json_response(
-            NoCalibration(reason=found.reason, guidance_url=url, detail=found.detail)
+            NoCalibration(reason=found.reason, guidance_url=url, detail=found.detail, estimate=likely)
         )
     if not (request.redirect and call.flag("redirect", default=True)):
         metrics.count(now, Lookups=1, Misses=1)
         raise NotFoundError(
             found.detail,
             kind="no-calibration",
-            extensions={"guidance_url": url, "reason": found.reason},
+            extensions={
+                "guidance_url": url,
+                "reason": found.reason,
+                "estimate": likely.model_dump(mode="json"),
+            },
         )
     metrics.count(now, Lookups=1, Misses=1, Redirects=1)
-    miss = Miss(guidance_url=url, reason=found.reason, detail=found.detail)
+    miss = Miss(guidance_url=url, reason=found.reason, detail=found.detail, estimate=likely)
     return application.json_response(miss, 307, {"Location": url})
 
 

@@ -39,9 +39,11 @@ def show(call: application.Call) -> Response:
         changed = choose(session_rules.without_target(document))
         return changed, changed
 
+    running = call.service.store.sessions.get(sid)
+    if running.rig is not None:
+        call = call.with_time_for_a_rig()
     try:
         with deadline.limit(call.seconds_left):
-            running = call.service.store.sessions.get(sid)
             if running.rig is not None:
                 return in_rig(call, running, running.rig, media_type)
             document = call.service.store.sessions.update(sid, call.service.now, change)
@@ -76,7 +78,8 @@ def in_rig(
     session_rules.require_open(document)
     rig, _ = running_rigs.load(call.service.store, place.id, FIT_VERSION)
     rig_rules.require_open(rig.document)
-    found = running_rigs.ensure_estimate(call.service.store, rig, FIT_VERSION, estimate)
+    compute = call.charged(estimate, DeadlineError)
+    found = running_rigs.ensure_estimate(call.service.store, rig, FIT_VERSION, compute)
     seen = found.target.cameras if found.target else ()
     view = next((one for one in seen if one.position == place.position), None)
     if view is None or found.target is None:

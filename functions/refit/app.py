@@ -46,6 +46,7 @@ from calibdb.store.calibrations import CountedCalibration
 from calibdb.store.keys import consensus_id
 from calibsolver import FIT_VERSION, Board, CalibrationError, Camera, DeadlineError, View, consensus, deadline
 from calibsolver.consensus import difference
+from calibsolver.fitting.coverage import record_covered
 from calibsolver.fitting.resection import reprojection_score
 
 MAX_ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
@@ -53,7 +54,7 @@ WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # for the same com
 MAX_ATTEMPTS = 5  # while other writers keep winning the conditional put
 MIN_PUBLISHING_S = 8.0  # of an invocation, kept for storage, the edge and the answer
 
-POOLING_VERSION = 4  # of pooling and counting: what another one computed is computed anew
+POOLING_VERSION = 6  # of pooling and counting: what another one computed is computed anew
 
 Consensuses = dict[str, ConsensusDocument | None]
 Stored = Mapping[str, ConsensusDocument]
@@ -260,14 +261,13 @@ def pool(
         found = "too_few" if len(documents) < rule.min_calibrations else "disagree"
         return stored(found=found, reason=found), GroupsDocument(pooled=pool_digest)
     group = [d for d in documents if d.id in agreed.members]
-    newest = max(group, key=lambda d: (d.time, d.id))
     calibration = Calibration.of(
-        FitRecord.model_validate(agreed.calibration.record()),
+        FitRecord.model_validate(record_covered(agreed.calibration, agreed.coverage)),
         id=consensus_id(mode.camera_key, mode.img_size, mode.zoom, model),
         camera=most_contributed_label(group),
         platform=most_contributed_platform(group),
         zoom=mode.zoom,
-        calibration_time=newest.time,
+        calibration_time=max(d.time for d in group),
         calibrations=len(agreed.members),
         contributors=agreed.contributors,
         spread=none_beyond_image(agreed.spread, mode.img_size),

@@ -133,7 +133,7 @@ def undo_moment(call: application.Call) -> Response:
 
     store.rigs.update(rig_id, now, change)
     rig, _ = running_rigs.load(store, rig_id, SOLVER)
-    with in_time(call):
+    with in_time(call.with_time_for_a_rig()):
         for _, session in rig.present:
             if any(view.moment == moment for view in session.views):
                 store.sessions.update(session.session, now, without)
@@ -167,7 +167,7 @@ def finish(call: application.Call) -> Response:
 
 def end(call: application.Call, rig: Rig) -> RigFinish:
     """Decide on everything that the end of a rig is to be."""
-    with in_time(call):
+    with in_time(call.with_time_for_a_rig()):
         known = RigEstimateDocument(**estimate(rig.solver_record(rig.basis(SOLVER)), final=True))
         fit = rig_result.require_finishable(rig, known)
         try:
@@ -274,21 +274,21 @@ def leading(call: application.Call, rig_id: str) -> Rig:
 
 
 def current_estimate(call: application.Call, rig: Rig) -> RigEstimateDocument:
-    """Return fit and target of a rig, computed now if nobody has yet."""
+    """Return fit and target of a rig, computed now if they are not stored yet: that counts as a view does."""
+    call = call.with_time_for_a_rig()
     with in_time(call):
-        return running_rigs.ensure_estimate(call.service.store, rig, SOLVER, estimate)
+        compute = call.charged(estimate, DeadlineError)
+        return running_rigs.ensure_estimate(call.service.store, rig, SOLVER, compute)
 
 
 @contextmanager
 def in_time(call: application.Call) -> Iterator[None]:
     """Compute within the call's time; raises ConflictError or UnavailableError where that is too short."""
-    call = call.with_time_for_a_rig()
     try:
         with deadline.limit(call.seconds_left):
             yield
     except DeadlineError as error:
-        slow = "These moments take longer to compute than a request may; undo some of them."
-        raise call.out_of_time(ConflictError(slow, kind="too-slow")) from error
+        raise call.out_of_time(ConflictError(running_rigs.TOO_SLOW, kind="too-slow")) from error
 
 
 handler = application.handler(

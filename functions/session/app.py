@@ -10,6 +10,8 @@ from starlette.responses import Response
 
 from calibdb.camera_key import camera_key
 from calibdb.errors import ConflictError, InvalidError, NotFoundError, TooManyError
+from calibdb.estimate.estimator import EstimateQuery
+from calibdb.estimate.starting_camera import starting_camera
 from calibdb.http import application, metrics
 from calibdb.rules import rig_rules, session_rules
 from calibdb.rules.seed import find_seed as find_reliable_seed
@@ -56,10 +58,14 @@ def start(call: application.Call) -> Response:
 
 
 def find_seed(store: Store, request: SessionRequest) -> FitRecord | None:
-    """Find an initial camera: what others measured of this camera, or the operator's guess, or None."""
+    """Find an initial camera: what others measured of this camera, the operator's guess, or the estimate."""
     key = camera_key(request.camera, request.platform)
     place = (request.img_size, request.zoom, request.distortion_model)
-    return find_reliable_seed(store.consensuses.of(key), *place) or store.priors.find(key, *place)
+    found = find_reliable_seed(store.consensuses.of(key), *place) or store.priors.find(key, *place)
+    if found is not None:
+        return found
+    query = EstimateQuery(request.camera, request.platform, request.img_size, request.zoom)
+    return starting_camera(query, request.distortion_model)
 
 
 def place(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from starlette.responses import Response
 
@@ -18,13 +18,13 @@ import calibsolver
 from calibdb.access.tokens import contributor, source
 from calibdb.errors import ConflictError, InvalidError
 from calibdb.http import application, metrics
-from calibdb.rules import rig_rules, session_rules
+from calibdb.rules import rig_rules, session_result, session_rules
 from calibdb.rules.session_state import state, view_answer
 from calibdb.schema import SessionDocument, ViewDocument, ViewRequest
 from calibdb.schema.session import Hint, Refusal
 from calibdb.store import Store, endings
 from calibsolver import CalibrationError, Camera, DeadlineError, View, deadline, guidance
-from calibsolver.capture import Capture, Estimate, Exclusion, ViewDecision, stored
+from calibsolver.capture import Capture, Estimate, Exclusion, History, ViewDecision, stored
 
 
 def submit(call: application.Call) -> Response:
@@ -44,8 +44,8 @@ def submit(call: application.Call) -> Response:
         begun = service.clock()
         judged = judge(document, view, service.now, who, where)
         measure(begun, service.clock(), judged)
-        if judged.reason is not None:  # nothing changes that anyone could see
-            return judged.document, (document, judged)
+        if judged.reason is not None and (judged.document is None or judged.document.finish is None):
+            return judged.document, (document, judged)  # nothing changes that anyone could see
         return judged.document, (judged.document or document, judged)
 
     with in_time(call):
@@ -127,7 +127,7 @@ def finish(call: application.Call) -> Response:
         known = session_rules.estimate_document(outcome["estimate"], service.now)
         changed = session_rules.with_estimate(document, known, outcome["statuses"])
         version, described = calibsolver.FIT_VERSION, outcome["report"]
-        ended = session_rules.with_finish(changed, service.now, who, version, described, where)
+        ended = session_result.with_finish(changed, service.now, who, version, described, where)
         return ended, ended
 
     with in_time(call):
@@ -151,20 +151,27 @@ def judge(document: SessionDocument, view: ViewDocument, now: int, who: str, whe
     target = None if rules.recorded else open_target(document, rules, views, excluded)
     seen = rules.board.view(view.ids, view.points)
     quarantined = rules.board.views([known.model_dump() for known in document.doubted])
-    decision = rules.judge(views, target, seen, excluded, quarantined)
+    decision = rules.judge(views, target, seen, excluded, quarantined, history_of(document))
     if decision.seed_rejected:
         document, rules = session_rules.without_seed(document), rules.without_seed()
     estimate = decision.estimate
     if not decision.accepted or estimate is None:
         hint = Hint(code=decision.hint.code, text=decision.hint.text) if decision.hint else None
-        return Judgement(refused_document(document, view, decision), decision.reason, hint)
+        refused = refused_document(document, view, decision)
+        if refused is not None and history_of(refused).is_exhausted(len(views) - len(excluded)):
+            estimate = rules.estimate(views, excluded).with_cause(views)
+            estimate = replace(estimate, progress=1.0, end="nothing_new")
+            refused = end_without_view(refused, estimate, views, now, who, where)
+        return Judgement(refused, decision.reason, hint)
     everything = [*views, seen]
     following = None
     if not (estimate.converged or rules.recorded):
         unreached = stored.parse_targets((*document.unreached, *document.skipped))
         following = rules.next_target(everything, estimate, unreached=unreached).to_record()
     known = session_rules.estimate_document(stored.estimate_record(estimate), now)
-    changed = session_rules.with_view(document, view, known, stored.view_statuses(estimate), following)
+    changed = session_rules.with_view(
+        document, view, known, stored.view_statuses(estimate), following, decision.on_target
+    )
     if estimate.converged:
         changed = end(changed, estimate, everything, now, who, where)
     return Judgement(changed)
@@ -192,7 +199,24 @@ def end(
     if outcome is None:
         return document
     ended = session_rules.with_fit(document, outcome.fit)
-    return session_rules.with_finish(ended, now, who, calibsolver.FIT_VERSION, outcome.report, where)
+    return session_result.with_finish(ended, now, who, calibsolver.FIT_VERSION, outcome.report, where)
+
+
+def end_without_view(
+    document: SessionDocument, estimate: Estimate, views: Sequence[View], now: int, who: str, where: str
+) -> SessionDocument:
+    """Return the document of a session that ends with the views it has."""
+    known = session_rules.estimate_document(stored.estimate_record(estimate), now)
+    changed = session_rules.with_estimate(document, known, stored.view_statuses(estimate))
+    return end(changed, estimate, views, now, who, where)
+
+
+def history_of(document: SessionDocument) -> History:
+    """Return the course of a session so far."""
+    views = document.views
+    return History(
+        tuple(v.stated for v in views), tuple(bool(v.on_target) for v in views), document.duplicates
+    )
 
 
 def refused_document(
@@ -201,6 +225,8 @@ def refused_document(
     """Return the document to store after a refusal; None where nothing changes."""
     if decision.quarantine:
         return session_rules.with_quarantined(document, view)
+    if decision.reason == "duplicate":
+        return session_rules.with_duplicate(document)
     return document if decision.seed_rejected else None
 
 

@@ -37,6 +37,7 @@ _VERIFIERS = 10  # origins of a token that are looked at side by side
 
 def create(call: application.Call) -> Response:
     """Make a token; both of its secrets are shown this once."""
+    call.require_json_of_the_site()
     request = call.json(TokenRequest)
     service = call.service
     now, limit = service.now, service.settings.max_new_tokens

@@ -125,6 +125,12 @@ class TooLargeError(CalibdbError):
     status, kind, title = 413, "too-large", "Body too large"
 
 
+class UnsupportedMediaTypeError(CalibdbError):
+    """The body is of another media type than JSON."""
+
+    status, kind, title = 415, "unsupported-media-type", "Not declared as JSON"
+
+
 class InvalidError(CalibdbError):
     """The request is JSON, but its fields are not what they must be."""
 

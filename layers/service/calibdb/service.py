@@ -9,7 +9,16 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from calibdb.access.plans import MAX_MANAGEMENT_CALLS, NETWORK_SHARES, PLANS, Counter, Kind, Plan, plan
+from calibdb.access.plans import (
+    MAX_MANAGEMENT_CALLS,
+    NETWORK_SHARES,
+    PLANS,
+    Counter,
+    Kind,
+    Plan,
+    multiplied,
+    plan,
+)
 from calibdb.access.rate_limits import RateLimit, rate_limit_headers
 from calibdb.access.token_cache import TOKEN_TTL_S, TokenCache, retry_after
 from calibdb.access.tokens import (
@@ -98,9 +107,13 @@ class Service:
 
         A token once read is remembered for half a minute: a lookup then costs one Query and nothing else.
         """
-        parts = parse(text)
-        token = self._tokens.get(parts[0]) if parts else None
-        if parts is None or token is None or not matches(token, parts[1], self.clock()):
+        token_id, secret = parse(text) or ("", "")
+
+        def accepts(token: ApiToken) -> bool:
+            return matches(token, secret, self.clock())
+
+        token = self._tokens.get(token_id, accepts) if token_id else None
+        if token is None or not accepts(token):
             raise ForbiddenError("The API token is not valid.")
         if token.is_expired(self.clock()):
             raise ForbiddenError(
@@ -187,7 +200,7 @@ class Service:
 
 @functools.lru_cache(maxsize=8)
 def _service(settings: Settings) -> Service:
-    return Service.build(settings, Store.of(settings))
+    return Service.build(settings, Store.of(settings), plans=multiplied(settings.plan_factors))
 
 
 _maker: Callable[[Settings], Service] = _service

@@ -21,8 +21,8 @@ class Thresholds:
         In the largest group that agrees.
     min_share
         Of all calibrations that this group holds.
-    max_focal_spread, max_center_spread, max_projection_spread, max_harmless_spread, max_unexplained
-        How far the group may differ; `calibsolver.consensus.Rule` says in which units.
+    max_unexplained
+        Error that the others' camera may add to a member's views; `calibsolver.consensus.Rule` has the unit.
     max_calibrations
         The newest that are pooled; more make no consensus better.
     contributor_period
@@ -39,10 +39,6 @@ class Thresholds:
     min_calibrations: int = 5
     min_contributors: int = 3
     min_share: float = 0.6
-    max_focal_spread: float = 0.05
-    max_center_spread: float = 0.02
-    max_projection_spread: float = 0.01
-    max_harmless_spread: float = 0.0006
     max_unexplained: float = 0.004
     max_calibrations: int = 200
     contributor_period: int = 86_400
@@ -100,6 +96,8 @@ class Settings:
     ] = ()  # one of them our CloudFront shows; others who forward are not believed
     verify_function: str | None = None  # set where proofs of origins are asked for: tokens
     max_new_tokens: int = 5  # a day and source that people make for themselves
+    processor_factor: float = 1.0  # processor time of a computation here / where its limits were set
+    plan_factors: tuple[tuple[str, int], ...] = ()  # multiples of what all users of a token share, by plan
     web_bucket: str | None = None  # where answers at the edge are written: `refit` and operators
     edge_answers: bool = True  # whether lookups may be answered at the edge, and so remain uncounted
 
@@ -127,9 +125,24 @@ class Settings:
             edge_secrets=tuple(s for s in environment.get("EDGE_SECRETS", "").split(",") if s),
             verify_function=environment.get("VERIFY_FUNCTION") or None,
             max_new_tokens=_count({"NEW_TOKENS": "5"} | dict(environment), "NEW_TOKENS", 0),
+            processor_factor=_positive({"PROCESSOR_FACTOR": "1"} | dict(environment), "PROCESSOR_FACTOR"),
+            plan_factors=parse_plan_factors(environment.get("PLAN_FACTORS", "")),
             web_bucket=environment.get("WEB_BUCKET_NAME") or None,
             edge_answers=_switch(environment, "EDGE_ANSWERS"),
         )
+
+
+def parse_plan_factors(text: str) -> tuple[tuple[str, int], ...]:
+    """Parse `page=50,free=2`; raises SettingsError."""
+    factors = []
+    for part in filter(None, text.split(",")):
+        name, _, factor = part.partition("=")
+        if not name or not factor.isdecimal() or int(factor) < 1:
+            raise SettingsError(
+                f"PLAN_FACTORS has {part!r}, which is not a multiple of a plan such as page=50"
+            )
+        factors.append((name, int(factor)))
+    return tuple(factors)
 
 
 def _text(environment: Mapping[str, str], name: str) -> str:

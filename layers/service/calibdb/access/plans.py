@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 HOUR_S = 3600  # period of all plans
@@ -69,6 +69,26 @@ PLANS: dict[str, Plan] = {
     ),
     "development": Plan(_NONE, _NONE),
 }
+
+
+def multiplied(factors: Iterable[tuple[str, int]], plans: Mapping[str, Plan] = PLANS) -> dict[str, Plan]:
+    """Multiply what all users of a token share, by plan; of a plan for one user also what each has.
+
+    Raises ValueError if there is no such plan.
+    """
+    result = dict(plans)
+    for name, factor in factors:
+        if name not in result:
+            raise ValueError(f"there is no plan {name}")
+        known = result[name]
+        each = _times(known.each, factor) if known.each == known.together else known.each
+        result[name] = replace(known, together=_times(known.together, factor), each=each)
+    return result
+
+
+def _times(allowance: Allowance, factor: int) -> Allowance:
+    limits = {kind: getattr(allowance, kind) for kind in KINDS}
+    return Allowance(**{kind: limit and limit * factor for kind, limit in limits.items()})
 
 
 def plan(name: str, plans: Mapping[str, Plan] = PLANS) -> Plan:

@@ -21,6 +21,7 @@ from calibdb.errors import TooManyError, UnavailableError
 # Seconds for which a token is remembered. The edge keeps answers to GET lookups for 20 more: together less
 # than the minute after which a revoked token opens nothing any more.
 TOKEN_TTL_S = 30.0
+REFUSAL_TTL_S = 1.0  # seconds for which a token that was just read is not read again for a wrong secret
 LOOKUPS_PER_FLUSH = 250
 FLUSH_INTERVAL_S = 600.0  # after which fewer lookups are flushed, too
 _MAX_TOKENS = 1024
@@ -49,16 +50,26 @@ class _Entry:
     token: ApiToken
     read_again: float  # unix seconds
     flushed: float  # unix seconds at which lookups were last written down
-    lookups: int = 0  # since then
+    refused_until: float = 0.0  # unix seconds; until then a wrong secret does not read the token again
+    pending: dict[int, int] = field(default_factory=dict)  # lookups since then, by hour
     next_flush: float = 0.0  # unix seconds; after a failure, of the next attempt to write them down
     hour: int = 0
     used: int = 0  # lookups of this hour by all instances, as last written down
     used_up: bool = False  # in this hour
     sources: dict[int, int] = field(default_factory=dict)  # lookups of this hour by source
+    reading: threading.Lock = field(default_factory=threading.Lock)
 
     def is_full(self, now: float, plans: Mapping[str, Plan]) -> bool:
         """Tell whether there is enough to write down."""
-        return self.lookups >= _lookups_per_flush(plan(self.token.plan, plans)) and now >= self.next_flush
+        lookups = sum(self.pending.values())
+        return lookups >= _lookups_per_flush(plan(self.token.plan, plans)) and now >= self.next_flush
+
+    def is_due(self, now: float, plans: Mapping[str, Plan]) -> bool:
+        """True if lookups are to be written down now: enough of them, old ones, or of an earlier hour."""
+        if not self.pending or now < self.next_flush:
+            return False
+        is_old = now - self.flushed >= FLUSH_INTERVAL_S or min(self.pending) < int(now // HOUR_S)
+        return is_old or self.is_full(now, plans)
 
 
 class TokenCache:
@@ -92,27 +103,47 @@ class TokenCache:
         self._known: dict[str, _Entry] = {}
         self._lock = threading.Lock()
 
-    def get(self, token_id: str) -> ApiToken | None:
-        """Return the token as it was at most half a minute ago, None when there is none (any more)."""
-        now = self._clock()
+    def get(self, token_id: str, accepts: Callable[[ApiToken], bool] = lambda _: True) -> ApiToken | None:
+        """Return the token as it was at most half a minute ago, None when there is none (any more).
+
+        A remembered token that `accepts` refuses, since its secret is another one, is read again: it may have
+        been rotated. While that does not help, it is read once in `REFUSAL_TTL_S`.
+        """
         with self._lock:
-            known = self._known.get(token_id)
-            if known is not None and now < known.read_again and not known.is_full(now, self._plans):
-                return known.token
-        token = self._tokens.get(token_id)
+            entry = self._known.get(token_id)
+            if entry is not None and self._is_current(entry, accepts):
+                return entry.token
+        if entry is None:
+            return self._read(token_id, accepts)
+        with entry.reading:  # of many that wait only the first reads
+            with self._lock:
+                entry = self._known.get(token_id)
+                if entry is not None and self._is_current(entry, accepts):
+                    return entry.token
+            return self._read(token_id, accepts)
+
+    def _is_current(self, entry: _Entry, accepts: Callable[[ApiToken], bool]) -> bool:
+        now = self._clock()
+        if now >= entry.read_again or entry.is_full(now, self._plans):
+            return False
+        return now < entry.refused_until or accepts(entry.token)
+
+    def _read(self, token_id: str, accepts: Callable[[ApiToken], bool]) -> ApiToken | None:
+        now, token = self._clock(), self._tokens.get(token_id)
         with self._lock:
             if token is None:
                 self._known.pop(token_id, None)
                 return None
-            known = self._known.get(token_id)
-            if known is None:
+            entry = self._known.get(token_id)
+            if entry is None:
                 if len(self._known) >= _MAX_TOKENS:
                     self._known.clear()
-                known = self._known[token_id] = _Entry(token, now, flushed=now)
-            if known.token.plan != token.plan:
-                known.used_up = False
-            known.token, known.read_again = token, now + self._ttl_s
-        self._flush(known, now)
+                entry = self._known[token_id] = _Entry(token, now, flushed=now)
+            if entry.token.plan != token.plan:
+                entry.used_up = False
+            entry.token, entry.read_again = token, now + self._ttl_s
+            entry.refused_until = 0.0 if accepts(token) else now + REFUSAL_TTL_S
+        self._flush(entry, now)
         return token
 
     def keep(self, token: ApiToken) -> None:
@@ -148,7 +179,8 @@ class TokenCache:
             # Hashes differ from process to process: no address is kept.
             shares = {hash(source): 1} | ({} if network is None else {hash((network,)): NETWORK_SHARES})
             own = known.sources.get(hash(source), 0)
-            left_together = 0 if known.used_up else together - known.used - known.lookups
+            hour = known.hour
+            left_together = 0 if known.used_up else together - known.used - known.pending.get(hour, 0)
             if known.used_up or (
                 each is not None
                 and any(known.sources.get(who, 0) >= share * each for who, share in shares.items())
@@ -159,32 +191,34 @@ class TokenCache:
                 known.sources.clear()
             for who in shares:
                 known.sources[who] = known.sources.get(who, 0) + 1
-            known.lookups += 1
+            known.pending[hour] = known.pending.get(hour, 0) + 1
         if allowed.counts_each_lookup:
             self._flush(known, now)
         return _limits(
             "lookups", now, (each, 0 if each is None else each - own - 1), (together, left_together - 1)
         )
 
-    def _flush(self, known: _Entry, now: float) -> None:
+    def _flush(self, entry: _Entry, now: float) -> None:
         with self._lock:
-            lookups = known.lookups
-            if not lookups or not (
-                known.is_full(now, self._plans) or now - known.flushed >= FLUSH_INTERVAL_S
-            ):
+            if not entry.is_due(now, self._plans):
                 return
-            known.lookups, known.flushed = 0, now
-        try:
-            used = self._quotas.add(known.token.id, "lookups", int(now), lookups)
-        except UnavailableError:  # no reason to refuse a lookup
-            with self._lock:
-                known.lookups += lookups
-                known.next_flush = now + self._ttl_s
-            return
-        limit = plan(known.token.plan, self._plans).together.lookups
-        with self._lock:
-            known.hour, known.used = int(now // HOUR_S), used
-            known.used_up = limit is not None and used >= limit
+            pending, entry.pending, entry.flushed = entry.pending, {}, now
+        limit, hour = plan(entry.token.plan, self._plans).together.lookups, int(now // HOUR_S)
+        while pending:
+            past, lookups = pending.popitem()
+            try:
+                used = self._quotas.add(entry.token.id, "lookups", past * HOUR_S, lookups)
+            except UnavailableError:  # no reason to refuse a lookup
+                pending[past] = lookups
+                with self._lock:
+                    for each, count in pending.items():
+                        entry.pending[each] = entry.pending.get(each, 0) + count
+                    entry.next_flush = now + self._ttl_s
+                return
+            if past == hour:
+                with self._lock:
+                    entry.hour, entry.used = hour, used
+                    entry.used_up = limit is not None and used >= limit
 
 
 def retry_after(now: float) -> int:

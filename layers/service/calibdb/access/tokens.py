@@ -23,8 +23,8 @@ from calibdb.schema.origins import is_loopback, portless
 SESSION_LIFETIME_S = 30 * 60  # seconds; a capture takes two minutes, a distracted one ten
 TOKEN_PATTERN = re.compile(r"cdb_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
 MANAGEMENT_PATTERN = re.compile(r"cdbm_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
-MAX_FORMER_SECRETS = 4
-"""Secrets before the present one that may still open: who gets no answer to a rotation asks again."""
+MAX_FORMER_SECRETS = 10
+"""Secrets before the present one that may still open: a rotation whose response was lost is repeated."""
 _MAX_SKEW_S = 300  # s by which the clock of who signed may be ahead of the clock of who verifies
 _MAX_SESSION_ID_LENGTH = 1024
 _SALT = "calibdb.session"
@@ -65,10 +65,8 @@ class ApiToken:
         """
         if origin is None or not self.is_restricted or origin in self.origins:
             return True
-        without_port = re.sub(r":[0-9]{1,5}$", "", origin)
-        return f"{without_port}:*" in self.origins or (
-            is_loopback(origin) and portless(origin) in self.origins
-        )
+        host = portless(origin)
+        return f"{host}:*" in self.origins or (is_loopback(origin) and host in self.origins)
 
     def is_expired(self, now: float) -> bool:
         """Tell whether the token was never used within its time."""

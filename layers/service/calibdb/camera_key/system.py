@@ -15,6 +15,7 @@ _KNOWN = re.compile(
     r"|u|k|wv|mobile|tablet|unknown|ubuntu|fedora|debian|rv:[0-9.]{1,12}"
     r"|win32|win64|x64|x86_64|wow64|arm64|arm|windows(?: nt)?(?: [0-9]{1,2}(?:\.[0-9]{1,5}){0,3})?"
     r"|macintosh|macintel|(?:(?:intel|ppc|arm) )?mac ?os(?: x)?(?: [0-9]{1,3}(?:[._][0-9]{1,4}){0,3})?"
+    r"|(?:iphone|ipad|ipod)[0-9]{1,2},[0-9]{1,2}"
     r"|iphone|ipad|ipod(?: touch)?|ios(?: [0-9]{1,3}(?:[._][0-9]{1,4}){0,3})?"
     r"|cpu (?:iphone )?os [0-9]{1,3}(?:_[0-9]{1,4}){0,3} like mac os x"
     r"|cros \w{1,10} [0-9.]{1,20}|chrome ?os|chromium ?os|[a-z]{0,10}bsd(?: (?:amd64|i386|x86_64))?"
@@ -40,7 +41,7 @@ _SHOWN = {
 _USER_AGENT = re.compile(r"^Mozilla/[0-9.]+ \(([^)]*)\)")
 _SYSTEMS = (
     # The first that is found: Android calls itself Linux, too, and iOS "like Mac OS X".
-    ("ios", re.compile(r"\b(?:iphone|ipad|ipod|ios)\b")),
+    ("ios", re.compile(r"\b(?:(?:iphone|ipad|ipod)(?:[0-9]{1,2},[0-9]{1,2})?|ios)\b")),
     ("android", re.compile(r"\bandroid\b")),
     ("chromeos", re.compile(r"\b(?:cros|chrome ?os|chromium ?os)\b")),
     ("windows", re.compile(r"\bwindows\b")),
@@ -53,6 +54,7 @@ _NO_DEVICE = re.compile(
 )
 _BUILD = re.compile(r" build/.*$")
 _MODEL_IPHONE = re.compile(r"\b(?:iphone|ipad|ipod)\b")
+_IDENTIFIER = re.compile(r"\b(?:iphone|ipad|ipod)[0-9]{1,2},[0-9]{1,2}\b")
 
 
 COMPUTERS = ("chromeos", "linux", "macos", "windows", "other")  # into which cameras are plugged
@@ -81,8 +83,8 @@ class System:
 
     @property
     def is_one_device(self) -> bool:
-        """Tell whether all devices that say this have the same cameras. Apple's never say which they are."""
-        return self.name == "android" and self.model != ""
+        """True if all devices that say this have the same cameras. Apple's rarely say which they are."""
+        return self.model != "" if self.name == "android" else _IDENTIFIER.fullmatch(self.model) is not None
 
 
 def public_platform(platform: str) -> str:
@@ -107,6 +109,14 @@ def public_platform(platform: str) -> str:
     return "; ".join(dict.fromkeys(kept)) or "other"
 
 
+def with_device(platform: str, device: str) -> str:
+    """Return the platform with a device's model identifier, which browsers of Apple's devices do not say."""
+    match = _USER_AGENT.match(platform)
+    said = match[1] if match else platform
+    parts = [part.strip().casefold() for part in said.split(";")]
+    return said if device.strip().casefold() in parts else f"{said}; {device.strip()}"
+
+
 def system_of(platform: str) -> System:
     """Return the system that `platform` names."""
     text = unicodedata.normalize("NFKC", public_platform(platform)).casefold()
@@ -123,7 +133,7 @@ def _family(text: str) -> str | None:
 
 def _model(name: str, text: str) -> str:
     if name == "ios":
-        match = _MODEL_IPHONE.search(text)
+        match = _IDENTIFIER.search(text) or _MODEL_IPHONE.search(text)
         return match[0] if match else ""
     if name != "android":
         return ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
+MAX_TEXT_LENGTH = 4096
 # Controls, marks of direction and other formats, lone surrogates, private use, and what is not assigned.
 _INVISIBLE = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
 # What takes no room, so that a text with it looks like one without: zero-width formats, and of
@@ -18,7 +19,10 @@ _BLANK = frozenset("\u115f\u1160\u2800\u3164\uffa0")
 
 
 def visible(text: str) -> str:
-    """Return `text` in one line, without control characters and others that are not seen."""
-    text = _ZERO_WIDTH.sub("", text)
+    """Return `text` in one line, without control characters and others that are not seen.
+
+    Characters beyond `MAX_TEXT_LENGTH` are dropped.
+    """
+    text = _ZERO_WIDTH.sub("", text[:MAX_TEXT_LENGTH])
     shown = "".join(" " if c in _BLANK or unicodedata.category(c) in _INVISIBLE else c for c in text)
     return " ".join(shown.split())

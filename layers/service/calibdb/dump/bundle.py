@@ -19,7 +19,7 @@ from calibdb.camera_key.system import system_of
 from calibdb.lookup.answer import build_answer
 from calibdb.lookup.camera_lookup import resolve, unanswerable_reason
 from calibdb.lookup.selection import choose
-from calibdb.schema import Calibration, ConsensusDocument
+from calibdb.schema import Calibration, ConsensusDocument, Uncertainty
 from calibdb.schema.fields import ImgSize
 from calibdb.store import CameraRecords
 
@@ -182,7 +182,7 @@ def _row(c: Calibration, relation: str | None, at: dict[str, Any]) -> list[Any]:
         **dict(c),
         "intrinsics": _intrinsics(c.camera_matrix),
         "distortion_coefficients": _round_significant(c.distortion_coefficients),
-        "uncertainty": _round_significant((c.uncertainty.rms, c.uncertainty.max)),
+        "uncertainty": _uncertainty(c.uncertainty),
         "relation": relation,
         "at": at,
     }
@@ -204,6 +204,11 @@ def _json(value: object) -> bytes:
 def _intrinsics(matrix: Sequence[Sequence[float]]) -> list[float]:
     (fx, _, cx), (_, fy, cy), _ = matrix
     return _round_significant((fx, fy, cx, cy))
+
+
+def _uncertainty(u: Uncertainty) -> list[float | None]:
+    inside = [None if v is None else _round_significant((v,))[0] for v in (u.inside, u.covered)]
+    return [*_round_significant((u.rms, u.max)), *inside]
 
 
 def _round_significant(values: Sequence[float]) -> list[float]:

@@ -8,7 +8,7 @@ import re
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import from_json
@@ -27,17 +27,20 @@ from calibdb.errors import (
     TooLargeError,
     UnauthenticatedError,
     UnavailableError,
+    UnsupportedMediaTypeError,
 )
 from calibdb.http import metrics
 from calibdb.http.content_negotiation import negotiate
 from calibdb.schema.fields import MAX_INDEX
 from calibdb.schema.lookup import QUERY_FLAGS
+from calibdb.schema.origins import is_loopback
 from calibdb.service import Service
 
 MAX_BODY_BYTES = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
 
 MAX_COMPUTE_S = 2.8
-"""Processor time of one request: no computation of a camera that anybody holds takes it."""
+"""Processor time of one request on the machine on which it was set; `Settings.processor_factor` times as much
+elsewhere. No computation of a camera that anybody holds takes it."""
 MAX_RIG_COMPUTE_S = 5.2
 """The same of a request about a rig, of up to eight cameras."""
 MIN_REMAINING_S = 1.5
@@ -47,6 +50,7 @@ RATE_LIMITS = "calibdb.rate_limits"
 _HOPS_OF_EDGE = 2  # in X-Forwarded-For: the caller, CloudFront
 
 Model = TypeVar("Model", bound=BaseModel)
+Compute = Callable[[dict[str, Any]], dict[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -64,25 +68,52 @@ class Call:
     def seconds_left(self) -> float:
         """Return the s left to compute: of the request's processor time, or of the invocation if less.
 
+        In seconds of the machine on which the limits were set, so that parts of it mean the same everywhere.
         An invocation ends at the function's timeout, answered or not.
         """
-        return min(self._processor_s_left(), self._remaining_s_left())
+        return min(self._processor_s_left(), self._remaining_s_left() / self._factor)
 
     def with_time_for_a_rig(self) -> Call:
         """Return the call with the processor time of a request about a rig."""
-        return replace(self, begun_s=self.begun_s + MAX_RIG_COMPUTE_S - MAX_COMPUTE_S)
+        return replace(self, begun_s=self.begun_s + (MAX_RIG_COMPUTE_S - MAX_COMPUTE_S) * self._factor)
 
     def out_of_time(self, error: CalibdbError) -> CalibdbError:
         """Return the error of a computation that did not end: `error`, if it never would.
 
         Where the request has not used its processor time, it was the machine that was busy: UnavailableError.
         """
+        metrics.count(self.service.clock(), ComputeTimeouts=1)
         if self._processor_s_left() <= 0:
             return error
         return UnavailableError("The service is too busy to compute this now; try again.")
 
+    def charged(self, compute: Compute, timeout: type[Exception]) -> Compute:
+        """Return `compute`, each call counted as a view; `too_slow` if it uses up the processor time.
+
+        Where it ends in `timeout` before, since the machine is busy, that is raised.
+        """
+
+        def run(record: dict[str, Any]) -> dict[str, Any]:
+            if self.is_session():
+                self.session(charge="views")
+            else:
+                self.api_token(charge="views")
+            try:
+                return compute(record)
+            except timeout:
+                if self._processor_s_left() > 0:
+                    raise
+                metrics.count(self.service.clock(), ComputeTimeouts=1)
+                return {"too_slow": True}
+
+        return run
+
     def _processor_s_left(self) -> float:
-        return self.begun_s + MAX_COMPUTE_S - self.processor_s()
+        return MAX_COMPUTE_S - (self.processor_s() - self.begun_s) / self._factor
+
+    @property
+    def _factor(self) -> float:
+        return self.service.settings.processor_factor
 
     def _remaining_s_left(self) -> float:
         context = self.request.scope.get("aws.context")
@@ -102,6 +133,19 @@ class Call:
             return model.model_validate_json(self.body)
         except ValidationError as error:
             raise refusal(error) from error
+
+    def require_json_of_the_site(self) -> None:
+        """Refuse what a page of another origin can send: another media type, or its `Origin`.
+
+        For calls without a credential. Raises UnsupportedMediaTypeError or ForbiddenError.
+        """
+        media_type = self.request.headers.get("content-type", "").partition(";")[0].strip().lower()
+        if media_type != "application/json":
+            raise UnsupportedMediaTypeError("Send the body as `Content-Type: application/json`.")
+        site = self.service.settings.site_origin
+        local = is_loopback(site) and self.origin is not None and is_loopback(self.origin)
+        if not local and self.origin not in (None, site):
+            raise ForbiddenError("Only pages of this site may make this call.", kind="origin")
 
     def query(self, model: type[Model]) -> Model:
         """Return the query as `model`; raises InvalidError naming every field."""

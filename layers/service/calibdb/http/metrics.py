@@ -22,7 +22,6 @@ NAMESPACE = "calibDB"
 #: every metric and its unit; each costs as much in a month as 150,000 lookups
 UNITS = {
     "Lookups": "Count",
-    "Hits": "Count",
     "Misses": "Count",
     "Redirects": "Count",
     "Sessions": "Count",
@@ -32,11 +31,14 @@ UNITS = {
     "ViewsPerSession": "Count",
     "FitTime": "Milliseconds",
     "Errors": "Count",
+    "ComputeTimeouts": "Count",
     "DeniedReads": "Count",
     "UnknownEdges": "Count",
 }
 #: those that are also counted by their reason; of others the log names it
 REASONED = ("Refusals",)
+#: reasons without a metric: they occur only with the published guidance
+RARE = ("no_information",)
 
 
 def document(stack: str, now: float, values: Mapping[str, float], reason: str | None = None) -> str:
@@ -56,7 +58,7 @@ def document(stack: str, now: float, values: Mapping[str, float], reason: str | 
     units = [{"Name": name, "Unit": UNITS.get(name, "Count")} for name in values]
     described = [{"Namespace": NAMESPACE, "Dimensions": [["Stack"]], "Metrics": units}]
     reasoned = [metric for metric in units if metric["Name"] in REASONED]
-    if reason is not None and reasoned:
+    if reason is not None and reason not in RARE and reasoned:
         by_reason = {"Namespace": NAMESPACE, "Dimensions": [["Stack", "Reason"]], "Metrics": reasoned}
         described.append(by_reason)
     line: dict[str, object] = {

@@ -55,6 +55,8 @@ def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> Loo
         "uncertainty": Uncertainty(
             rms=max(lower.uncertainty.rms, upper.uncertainty.rms),
             max=max(lower.uncertainty.max, upper.uncertainty.max),
+            inside=_max_or_none(lower.uncertainty.inside, upper.uncertainty.inside),
+            covered=_min_or_none(lower.uncertainty.covered, upper.uncertainty.covered),
         ),
         "spread": _max_or_none(lower.spread, upper.spread),
         "held_out_error": _max_or_none(lower.held_out_error, upper.held_out_error),
@@ -147,3 +149,7 @@ def _adapted_to(found: Calibration, window: Window, img_size: tuple[int, int]) -
 
 def _max_or_none(one: float | None, other: float | None) -> float | None:
     return None if one is None or other is None else max(one, other)
+
+
+def _min_or_none(one: float | None, other: float | None) -> float | None:
+    return None if one is None or other is None else min(one, other)

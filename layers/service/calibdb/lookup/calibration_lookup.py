@@ -5,7 +5,7 @@ Lookups and the answers at the edge are made here alone, so that they cannot dif
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from calibdb.camera_key import identify
@@ -21,6 +21,7 @@ _MISS_DETAILS = {
     "too_few": "The database has too few calibrations of this camera.",
     "disagree": "The calibrations of this camera disagree.",
     "few_contributors": "The calibrations of this camera come from too few contributors.",
+    "imprecise": "The calibrations of this camera agree, and leave it too uncertain.",
 }
 
 Compute = Callable[[str, tuple[int, int]], ConsensusDocument | None]
@@ -51,12 +52,15 @@ class LookupResult:
         None: nothing is known that is good enough.
     reason, detail
         Why, then, by name and in words.
+    known
+        All consensuses of the camera, then: evidence for an estimate.
     """
 
     key: str
     answer: LookupAnswer | None
     reason: Reason = "unknown_camera"
     detail: str = _NO_CALIBRATION
+    known: Sequence[ConsensusDocument] = ()
 
 
 def find(
@@ -92,4 +96,4 @@ def find(
     if around is not None:
         return LookupResult(resolved.key, interpolate_zoom(*around, zoom))
     detail = camera_lookup.SEVERAL if resolved.several else _MISS_DETAILS[reason]
-    return LookupResult(resolved.key, None, reason, detail)
+    return LookupResult(resolved.key, None, reason, detail, resolved.known)

@@ -1,4 +1,4 @@
-"""Misses that one instance of `lookup` counts in memory, and reports now and then: no lookup writes."""
+"""Misses that one instance of `lookup` counts: the first is reported at once, the others now and then."""
 
 from __future__ import annotations
 
@@ -22,8 +22,6 @@ class MissCounter:
         with self._lock:
             if camera in self._counts or len(self._counts) < MAX_CAMERAS:
                 self._counts[camera] += 1
-            if self._next_report == 0.0:
-                self._next_report = now + REPORT_S
             if now < self._next_report:
                 return {}
             found, self._counts = dict(self._counts), Counter()

@@ -5,15 +5,19 @@ Enough to compare two calibrations over an image, some hundred rays; fits and ov
 
 from __future__ import annotations
 
+import functools
+import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from calibdb.schema import Calibration
 
 Vector = tuple[float, float]
 
 _AZIMUTHS, _STEPS = 16, 24
-# Largest angle off the axis, rad, by the models that this module can project by.
+# On the plane of unit focal length, and of the valid domain: docs/conventions.md.
+_MAX_RADIUS, _MIN_TANGENTIAL_RATIO = 50.0, 7.0
+# Largest angle off the axis, rad, at which images are compared, by the models that this module knows.
 _MAX_ANGLE_RAD = {"rectilinear": 1.4, "rational": 1.4, "fisheye": 1.9, "omnidirectional": 1.9}
 
 
@@ -34,11 +38,38 @@ def axis_focal(camera: Calibration) -> Vector:
     return fx / (1 + xi), fy / (1 + xi)
 
 
-def distort_ray(model: str, d: tuple[float, ...], theta: float, phi: float) -> Vector:
+@functools.lru_cache(maxsize=256)
+def domain_half_angle(model: str, d: tuple[float, ...]) -> float:
+    """Largest angle from the axis, rad, up to which the model is one-to-one (docs/conventions.md)."""
+    if model == "fisheye":
+        slope = (1.0, 3 * d[0], 5 * d[1], 7 * d[2], 9 * d[3])
+        return math.sqrt(_first_root(slope, math.pi**2))
+    xi = d[0] if model == "omnidirectional" else 0.0
+    if xi <= -1:
+        return 0.0
+    above, below, tangential = _planar_terms(model, d)
+    by_r = [0.0] * 14
+    for i, n in enumerate(above):
+        for j, m in enumerate(below):
+            by_r[2 * (i + j)] += n * m * (1 + 2 * i - 2 * j)
+    for i, n in enumerate(below):
+        for j, m in enumerate(below):
+            by_r[2 * (i + j) + 1] -= _MIN_TANGENTIAL_RATIO * math.hypot(*tangential) * n * m
+    r = min(_first_root(by_r, _MAX_RADIUS), math.sqrt(_first_root(below, _MAX_RADIUS**2)))
+    if xi > 1:
+        r = min(r, 1 / math.sqrt(xi * xi - 1))  # where the image of the unit sphere turns back
+    along = (xi + math.sqrt(max(1 + (1 - xi * xi) * r * r, 0.0))) / (1 + r * r)
+    return math.atan2(r * along, along - xi)
+
+
+def distort_ray(model: str, d: tuple[float, ...], theta: float, phi: float) -> Vector | None:
     """Intersection of the ray at angle `theta` off the axis, azimuth `phi` (rad), with the plane z = 1.
 
-    Distortion included: a pixel is `(fx x + cx, fy y + cy)`. Formulas: docs/conventions.md.
+    Distortion included: a pixel is `(fx x + cx, fy y + cy)`. None outside the valid domain. Formulas:
+    docs/conventions.md.
     """
+    if not theta < domain_half_angle(model, d):
+        return None
     if model == "fisheye":
         # Kannala & Brandt 2006, as in cv2.fisheye
         t = theta * theta
@@ -47,15 +78,52 @@ def distort_ray(model: str, d: tuple[float, ...], theta: float, phi: float) -> V
     xi = d[0] if model == "omnidirectional" else 0.0
     r = math.sin(theta) / (math.cos(theta) + xi)  # Mei & Rives 2007; xi = 0: a pinhole
     a, b, r2 = r * math.cos(phi), r * math.sin(phi), r * r
-    k1, k2, p1, p2 = d[1:5] if model == "omnidirectional" else d[:4]
-    k3 = 0.0 if model == "omnidirectional" else d[4]
-    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
-    if model == "rational":
-        radial /= 1 + r2 * (d[5] + r2 * (d[6] + r2 * d[7]))
+    above, below, (p1, p2) = _planar_terms(model, d)
+    radial = _polynomial(above, r2) / _polynomial(below, r2)
     # Brown 1966
     x = a * radial + 2 * p1 * a * b + p2 * (r2 + 2 * a * a)
     y = b * radial + p1 * (r2 + 2 * b * b) + 2 * p2 * a * b
     return x, y
+
+
+def _planar_terms(model: str, d: tuple[float, ...]) -> tuple[tuple[float, ...], tuple[float, ...], Vector]:
+    """Numerator and denominator of the radial factor, by the squared radius; the tangential coefficients."""
+    if model == "omnidirectional":
+        return (1.0, d[1], d[2]), (1.0,), (d[3], d[4])
+    return (1.0, d[0], d[1], d[4]), (1.0, *d[5:]), (d[2], d[3])
+
+
+def _polynomial(coefficients: Sequence[float], x: float) -> float:
+    """Value at x of the polynomial with these coefficients, the constant one first."""
+    value = 0.0
+    for coefficient in reversed(coefficients):
+        value = value * x + coefficient
+    return value
+
+
+def _first_root(coefficients: Sequence[float], limit: float) -> float:
+    """Smallest root in (0, limit) of a polynomial, or `limit` if there is none."""
+    return next(iter(_roots(coefficients, limit)), limit)
+
+
+def _roots(coefficients: Sequence[float], limit: float) -> list[float]:
+    """Roots in (0, limit) at which a polynomial changes its sign, between those of its derivative."""
+    degree = max((i for i, c in enumerate(coefficients) if c != 0), default=0)
+    if degree < 1:
+        return []
+    turns = _roots([i * c for i, c in enumerate(coefficients[: degree + 1])][1:], limit)
+    roots = []
+    for low, high in itertools.pairwise([0.0, *turns, limit]):
+        is_positive = _polynomial(coefficients, low) > 0
+        if (_polynomial(coefficients, high) > 0) == is_positive:
+            continue
+        while low < (middle := (low + high) / 2) < high:
+            if (_polynomial(coefficients, middle) > 0) == is_positive:
+                low = middle
+            else:
+                high = middle
+        roots.append(low)
+    return roots
 
 
 def rays_in_view(camera: Calibration) -> Iterator[tuple[float, float, Vector]]:
@@ -70,14 +138,12 @@ def rays_in_view(camera: Calibration) -> Iterator[tuple[float, float, Vector]]:
     step = min(_MAX_ANGLE_RAD[model] / _STEPS, max(w / fx, h / fy) / _STEPS)
     for i in range(_AZIMUTHS):
         phi = (i + 0.5) * 2 * math.pi / _AZIMUTHS
-        theta, farthest = 0.0, 0.0
+        theta = 0.0
         while (theta := theta + step) < _MAX_ANGLE_RAD[model]:
-            if model == "omnidirectional" and math.cos(theta) + d[0] <= 0:
+            at = distort_ray(model, d, theta, phi)
+            if at is None:
                 break
-            x, y = distort_ray(model, d, theta, phi)
-            u, v = fx * x + cx, fy * y + cy
-            radius = x * x + y * y
-            if not (radius > farthest and -0.5 <= u <= w - 0.5 and -0.5 <= v <= h - 0.5):
+            u, v = fx * at[0] + cx, fy * at[1] + cy
+            if not (-0.5 <= u <= w - 0.5 and -0.5 <= v <= h - 0.5):
                 break
-            farthest = radius
             yield theta, phi, (u, v)

@@ -135,7 +135,10 @@ def _common_rays(
     w, h = one.img_size
     out = []
     for theta, phi, (u, v) in rays_in_view(other):
-        x, y = distort_ray(model, d, theta, phi)
+        at = distort_ray(model, d, theta, phi)
+        if at is None:
+            continue
+        x, y = at
         if -0.5 <= fx * x + cx <= w - 0.5 and -0.5 <= fy * y + cy <= h - 0.5:
             out.append(((fx * x, fy * y), (u - ox, v - oy), math.hypot(u - ox, v - oy)))
     return out

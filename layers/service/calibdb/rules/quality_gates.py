@@ -1,37 +1,46 @@
-"""Quality gates: the precision a session aims at, that may count, and that checks may confirm."""
+"""Quality gates: the precision a session aims at, that is evidence, and that checks may confirm.
+
+Errors are in pixels / image width, inside the part of the image that the boards have shown if that is known.
+"""
 
 from __future__ import annotations
 
-from calibdb.schema import Calibration, CalibrationDocument
+from calibdb.schema import Calibration, CalibrationDocument, Uncertainty
 
-TARGET_ERROR_PER_WIDTH = (
-    0.3 / 1280
-)  # px of predicted rms over the image, a pixel of its width; a session's default
-MAX_UNCERTAINTY_RATIO = 2.0  # times that, up to which a calibration counts
-MAX_NOISE_PER_WIDTH = (
-    1e-3  # px rms of the corners, a pixel of the image's width, up to which checks may confirm
-)
+TARGET_ERROR_PER_WIDTH = 0.3 / 1280
+"""Predicted rms over the image: the default of a session."""
+MAX_EVIDENCE_PER_WIDTH = 3 / 1280
+"""Stated error up to which a calibration is evidence. Weights do the rest: a vague one hardly counts."""
+MAX_OWN_ERROR_PER_WIDTH = 3 / 1280
+"""Reprojection error, rms, up to which a calibration fits its own views."""
+MAX_CONFIRMABLE_PER_WIDTH = 1.5 / 1280
+"""Stated error of a consensus that checks may confirm: as of a reliable one."""
+MAX_NOISE_PER_WIDTH = 1e-3
+"""Reprojection error, rms, up to which checks may confirm a consensus."""
 
 
-def is_precise(document: CalibrationDocument) -> bool:
-    """Tell whether a calibration counts where others rely on it.
-
-    A session may ask for less than the default, or end at its limit of views far from what it asked for: it
-    is of use to whoever made it, and what it knows of the camera is too little to support others, or to hide
-    among them.
-    """
+def is_evidence(document: CalibrationDocument) -> bool:
+    """True if a calibration counts: it fits its own views, and does not err by far where its board was."""
     fit = document.fits.get(document.distortion_model)
-    most = MAX_UNCERTAINTY_RATIO * TARGET_ERROR_PER_WIDTH * document.img_size[0]
-    return document.target_error <= most and fit is not None and fit.uncertainty.rms <= most
+    if fit is None:
+        return False
+    width = document.img_size[0]
+    is_fitted = fit.avg_reprojection_error <= MAX_OWN_ERROR_PER_WIDTH * width
+    return is_fitted and stated_error(fit.uncertainty) <= MAX_EVIDENCE_PER_WIDTH * width
 
 
 def is_confirmable(calibration: Calibration) -> bool:
-    """Tell whether a consensus is as sure as a calibration that counts, and of clean corners.
+    """True if a consensus is as precise as a reliable one, and of clean corners.
 
-    Its uncertainty holds the differences between specimens, which one calibration cannot know.
+    Its uncertainty includes the differences between specimens, which one calibration cannot know.
     """
     width = calibration.img_size[0]
     return (
-        calibration.uncertainty.rms <= MAX_UNCERTAINTY_RATIO * TARGET_ERROR_PER_WIDTH * width
+        stated_error(calibration.uncertainty) <= MAX_CONFIRMABLE_PER_WIDTH * width
         and calibration.avg_reprojection_error <= MAX_NOISE_PER_WIDTH * width
     )
+
+
+def stated_error(uncertainty: Uncertainty) -> float:
+    """Return the error where the boards were; over the image if that is not recorded."""
+    return uncertainty.rms if uncertainty.inside is None else uncertainty.inside

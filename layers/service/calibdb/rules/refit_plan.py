@@ -75,9 +75,7 @@ def pool_digest(method: int, ids: Sequence[str], thresholds: Thresholds, solver_
     t = thresholds
     rule = (
         f"min_calibrations={t.min_calibrations!r}, min_contributors={t.min_contributors!r}, "
-        f"min_share={t.min_share!r}, max_focal_spread={t.max_focal_spread!r}, "
-        f"max_center_spread={t.max_center_spread!r}, max_projection_spread={t.max_projection_spread!r}, "
-        f"max_harmless_spread={t.max_harmless_spread!r}, max_unexplained={t.max_unexplained!r}"
+        f"min_share={t.min_share!r}, max_unexplained={t.max_unexplained!r}"
     )
     others = (
         f"most_calibrations={t.max_calibrations!r}, contributor_period={t.contributor_period!r}, "

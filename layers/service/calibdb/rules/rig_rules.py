@@ -16,7 +16,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from calibdb.errors import ConflictError, ForbiddenError, InvalidError
-from calibdb.rules import session_rules
+from calibdb.rules import session_result, session_rules
 from calibdb.rules.session_rules import MIN_RECORDED_VIEWS, already_converged, view_fingerprint
 from calibdb.schema import (
     RigDocument,
@@ -268,7 +268,7 @@ def ending_of(session: SessionDocument, outcome: Mapping[str, Any], solver: str,
     known = session_rules.estimate_document(outcome["estimate"], now)
     changed = session_rules.with_estimate(session, known, outcome["statuses"])
     who = session.contributor or ""
-    ended = session_rules.with_finish(changed, now, who, solver, outcome["report"], session.source)
+    ended = session_result.with_finish(changed, now, who, solver, outcome["report"], session.source)
     if ended.finish is None:
         raise ValueError("the session has not ended")
     views = tuple((view.index, view.rms, view.set_aside) for view in ended.views)
@@ -280,7 +280,7 @@ def end_session(session: SessionDocument, ending: EndingDocument) -> SessionDocu
 
     None, too, where it was started anew after that was decided: it is another capture.
     """
-    if session.finish is not None or session_rules.calibration_id(session) != ending.finish.calibration_id:
+    if session.finish is not None or session_result.calibration_id(session) != ending.finish.calibration_id:
         return None
     statuses = {index: {"rms": rms, "set_aside": aside} for index, rms, aside in ending.views}
     views = [view.model_copy(update=statuses[view.index]) for view in session.views if view.index in statuses]

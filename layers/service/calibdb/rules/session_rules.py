@@ -13,19 +13,16 @@ End
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 
 from pydantic import JsonValue
 
-from calibdb.camera_key import camera_key, current_key, public_label, public_platform
+from calibdb.camera_key import camera_key, public_label, public_platform
 from calibdb.errors import MAX_FIELD_ERRORS, ConflictError, InvalidError, NotFoundError
 from calibdb.rules.corners import corner_errors
 from calibdb.rules.quality_gates import TARGET_ERROR_PER_WIDTH
 from calibdb.schema import (
-    CalibrationDocument,
     EstimateDocument,
-    Finish,
     FitRecord,
     SessionDocument,
     SessionRequest,
@@ -132,11 +129,15 @@ def with_view(
     estimate: EstimateDocument,
     statuses: Sequence[ViewStatus],
     target: Mapping[str, JsonValue] | None,
+    on_target: bool | None = None,
 ) -> SessionDocument:
     """Add an accepted view to the document. Progress only grows.
 
-    `statuses` has the error of each view, and why it is set aside if it is.
+    `statuses` has the error of each view, and why it is set aside if it is. The view records `on_target` and
+    the error stated after it: the end of the capture depends on both.
     """
+    stated = estimate.uncertainty.rms if estimate.uncertainty else None
+    view = view.model_copy(update={"on_target": on_target, "stated": stated})
     update = {
         "progress": max(document.estimate.progress, estimate.progress),
         # A suggestion is made once: it is dear to compute, and one more view hardly takes it back.
@@ -153,8 +154,14 @@ def with_view(
             "skipped": (),
             "unreached": unreached[-MAX_SKIPPED_TARGETS:],
             "doubted": (),
+            "duplicates": 0,
         }
     )
+
+
+def with_duplicate(document: SessionDocument) -> SessionDocument:
+    """Count a view that was refused as a duplicate."""
+    return document.model_copy(update={"duplicates": document.duplicates + 1})
 
 
 def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDocument | None:
@@ -195,6 +202,7 @@ def with_views(
             "estimate": estimate,
             "target": None if target is None else dict(target),
             "skipped": (),
+            "duplicates": 0,
         }
     )
 
@@ -256,73 +264,6 @@ def require_finishable(document: SessionDocument) -> None:
             f"A calibration needs {MIN_RECORDED_VIEWS} views that agree; {used} are in. Submit more views.",
             kind="too-few-views",
         )
-
-
-def with_finish(
-    document: SessionDocument,
-    now: int,
-    contributor: str,
-    solver: str,
-    report: Mapping[str, JsonValue] | None = None,
-    source: str | None = None,
-) -> SessionDocument:
-    """End the session: fix everything that publishing it needs.
-
-    The calibration's id follows from the session, and sorts by the time at which it was started: however
-    often it is published, it is one calibration.
-    """
-    finish = Finish(
-        calibration_id=calibration_id(document),
-        time=now,
-        contributor=contributor,
-        source=source,
-        solver=solver,
-        report=None if report is None else dict(report),
-    )
-    ended = {"finish": finish, "target": None, "skipped": (), "unreached": (), "doubted": ()}
-    return document.model_copy(update=ended)
-
-
-def calibration_id(document: SessionDocument) -> str:
-    """Return the id of the calibration that a session leads to, were it to end."""
-    return f"{document.camera_key}-{calibration_name(document.session, document.first_version)}"
-
-
-def calibration_name(sid: str, first_version: int) -> str:
-    """Compute the second part of a calibration id: it follows from the session, and leads to none."""
-    return sid[:8] + hashlib.sha256(f"{sid}/{first_version}".encode()).hexdigest()[:12]
-
-
-def to_calibration(document: SessionDocument) -> CalibrationDocument:
-    """Make the calibration of a converged session."""
-    finish, fit = document.finish, document.estimate.fit
-    if finish is None or fit is None:
-        raise ValueError("the session has not converged")
-    return CalibrationDocument(
-        id=finish.calibration_id,
-        # A session may have begun under earlier rules.
-        camera_key=current_key(document.camera_key, document.camera, document.platform),
-        camera=document.camera,
-        platform=document.platform,
-        img_size=document.img_size,
-        zoom=document.zoom,
-        distortion_model=document.distortion_model,
-        board=document.board,
-        guidance=document.guidance,
-        target_error=document.target_error,
-        track=document.track,
-        capture=document.capture,
-        rig=document.rig,
-        **document.consent,
-        views=tuple(view for view in document.views if view.set_aside is None),
-        set_aside=tuple(view for view in document.views if view.set_aside is not None),
-        fits={document.distortion_model: fit},
-        report=finish.report,
-        solver=finish.solver,
-        contributor=finish.contributor,
-        source=finish.source,
-        time=finish.time,
-    )
 
 
 def _with_statuses(

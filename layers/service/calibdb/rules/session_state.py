@@ -45,7 +45,9 @@ def _members(document: SessionDocument) -> dict[str, Any]:
         "rig": document.rig,
         **document.consent,
         "views": tuple(
-            ViewState(index=v.index, points=len(v.ids), rms=v.rms, set_aside=v.set_aside)
+            ViewState(
+                index=v.index, points=len(v.ids), rms=v.rms, set_aside=v.set_aside, on_target=v.on_target
+            )
             for v in document.views
         ),
         "progress": estimate.progress,
@@ -53,6 +55,8 @@ def _members(document: SessionDocument) -> dict[str, Any]:
         "systematic": estimate.fit and estimate.fit.systematic,
         "calibration": fit,
         "calibration_id": calibration_id,
+        "end": estimate.end if finish else None,
+        "verdict": finish.report.get("verdict") if finish and finish.report else None,
         "advice": estimate.advice,
         "suggested_model": estimate.suggested_model,
     }

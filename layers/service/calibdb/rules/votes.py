@@ -11,6 +11,7 @@ to the guidance page, so that new calibrations come. Votes can withhold an answe
   there, and a third as many as contributed to it;
 * what a consensus is measured by is the checker's own: the noise of the views, and the camera that they
   alone give. The noise behind the consensus is its maker's to choose;
+* pictures that a calibration was made of are no independent check of it, whoever sends them;
 * agreement cannot be bought with empty views: those that would fit any camera are not counted.
 """
 
@@ -18,7 +19,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from calibdb.rules.sources import count_lines
@@ -112,6 +113,12 @@ def decide_vote(
     if is_same_camera(own.difference, own.uncertainty, width):
         return True
     return False if same_model else None
+
+
+def view_digest(ids: Sequence[int], points: Sequence[Sequence[float]]) -> str:
+    """Digest of a view's corners: the same picture, found by the same detector, has the same."""
+    corners = sorted((i, round(x, 3), round(y, 3)) for i, (x, y) in zip(ids, points, strict=True))
+    return hashlib.sha256(repr(corners).encode()).hexdigest()[:8]
 
 
 def vote_id(request: CheckRequest, camera_key: str, source: str, sid: str, now: int, period: int) -> str:

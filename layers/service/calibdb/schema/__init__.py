@@ -31,6 +31,7 @@ from calibdb.schema.documents import (
     VoteDocument,
     Votes,
 )
+from calibdb.schema.estimate import Estimate
 from calibdb.schema.export import FORMATS, ExportQuery
 from calibdb.schema.fields import DISTORTION_MODELS
 from calibdb.schema.health import DeepHealth, HealthProblem
@@ -92,6 +93,7 @@ __all__ = [
     "ConsensusDocument",
     "ConvertRequest",
     "DeepHealth",
+    "Estimate",
     "EstimateDocument",
     "ExportQuery",
     "FieldProblem",

@@ -15,10 +15,16 @@ Relation = Literal["scale", "crop", "scale+crop", "neither"]
 
 
 class Uncertainty(Open):
-    """Predicted projection error over the image, px."""
+    """Predicted projection error, px, over the image and inside the part that the boards have shown."""
 
     rms: float
     max: float
+    inside: float | None = Field(
+        None,
+        description="rms inside the part of the image that the boards have shown, the convex hull of their "
+        "corners; null: not recorded.",
+    )
+    covered: float | None = Field(None, description="Share of the image that this part is, 0 to 1.")
 
 
 class FitRecord(Open):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration
+from calibdb.schema.device import DEVICE_TEXT, DeviceModel, join_device
 from calibdb.schema.documents import Votes
 from calibdb.schema.fields import (
     DistortionModel,
@@ -33,6 +34,7 @@ class CheckRequest(Strict, Licensed):
 
     camera: Label = Field(description="`MediaStreamTrack.label`")
     platform: Label = Field(description="The parenthesised part of the user agent.")
+    device: DeviceModel | None = Field(None, description=DEVICE_TEXT)
     img_size: ImgSize
     zoom: Zoom = 0.0
     distortion_model: DistortionModel = "rectilinear"
@@ -43,6 +45,11 @@ class CheckRequest(Strict, Licensed):
     views: tuple[CheckView, ...] = Field(
         min_length=1, max_length=MAX_VIEWS, description="Tilted differently; one alone tells little."
     )
+
+    @model_validator(mode="after")
+    def _join_device(self) -> Self:
+        join_device(self)
+        return self
 
 
 class CheckAnswer(Open):

@@ -12,7 +12,7 @@ from calibdb.schema.fields import CaptureKind, DistortionModel, Guidance, ImgSiz
 from calibdb.schema.licence import Licensed
 from calibdb.schema.lookup import Reason
 from calibdb.schema.membership import RigMembership, is_none
-from calibdb.schema.session import Advice, SetAside, Track
+from calibdb.schema.session import Advice, End, SetAside, Track
 
 
 class ViewDocument(Open):
@@ -23,6 +23,8 @@ class ViewDocument(Open):
     points: tuple[Pixel, ...]
     rms: float | None = None
     set_aside: SetAside | None = None
+    on_target: bool | None = Field(None, exclude_if=is_none)  # held at its target
+    stated: float | None = Field(None, exclude_if=is_none)  # px, expected rms error after it
     moment: str | None = Field(
         None, exclude_if=is_none
     )  # of a rig: the pose of the board that cameras shared
@@ -35,6 +37,7 @@ class EstimateDocument(Open):
     uncertainty: Uncertainty | None = None
     progress: float = 0.0
     converged: bool = False
+    end: End | None = Field(None, exclude_if=is_none)
     advice: tuple[Advice, ...] = ()
     suggested_model: DistortionModel | None = None
     time: int = 0  # unix seconds at which it was made
@@ -82,6 +85,7 @@ class SessionDocument(CaptureDocument):
     target: Members | None = None
     skipped: tuple[Members, ...] = ()  # targets not wanted since the last view
     unreached: tuple[Members, ...] = ()  # targets given up before earlier views
+    duplicates: int = 0  # refused since the last accepted view
     doubted: tuple[ViewDocument, ...] = ()  # outliers, kept as witnesses: it may be the others that are wrong
     prior: FitRecord | None = None  # what others measured of this camera: where the first estimate begins
     estimate: EstimateDocument = EstimateDocument()

@@ -16,7 +16,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from calibdb.camera_key.visible import visible
+from calibdb.camera_key.visible import MAX_TEXT_LENGTH, visible
 from calibdb.schema.deferred import Deferred
 
 MAX_CORNERS = 49 * 49  # of the largest board
@@ -24,7 +24,7 @@ MIN_IMAGE_SIDE_PX, MAX_IMAGE_SIDE_PX = 16, 16384
 MAX_PIXELS = 2**26  # an overlay is drawn at the size of the image
 MAX_ASPECT = 8  # sides of an image: no camera's is a strip
 MAX_INDEX = 100_000
-MAX_LABEL, MAX_RAW_LABEL = 256, 4096  # characters of a label, and of one that holds invisible ones, too
+MAX_LABEL = 256  # characters of a label that can be seen
 IPV6_SOURCE = "v6-"  # beginning of a contributor's source that is an IPv6 site
 
 
@@ -70,12 +70,21 @@ Guidance = Literal["projection-uncertainty", "pose-selection"]
 
 
 def _in_one_line(text: object) -> object:
-    if isinstance(text, str) and len(text) > MAX_RAW_LABEL:  # before every character of it is looked at
+    if isinstance(text, str) and len(text) > MAX_TEXT_LENGTH:  # before every character of it is looked at
         raise PydanticCustomError(
             "string_too_long", "String should have at most {most} characters", {"most": MAX_LABEL}
         )
-    # One spelling of each letter, so that a label means the same however it is composed.
-    return unicodedata.normalize("NFC", visible(text)) if isinstance(text, str) else text
+    return _one_spelling(text) if isinstance(text, str) else text
+
+
+def _one_spelling(text: str) -> str:
+    """Return `text` in one line, each letter composed, so that equal labels are written alike."""
+    return unicodedata.normalize("NFC", visible(text))
+
+
+def label_text(text: str) -> str:
+    """Return foreign text, such as a name in a file, as a label; empty if nothing of it can be seen."""
+    return _one_spelling(text)[:MAX_LABEL].strip()
 
 
 Label = Annotated[

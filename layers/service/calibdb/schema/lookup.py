@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field
+from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field, model_validator
 
 from calibdb.schema.deferred import Deferred
+from calibdb.schema.device import DEVICE_TEXT, DeviceModel, join_device
+from calibdb.schema.estimate import Estimate
 from calibdb.schema.fields import DistortionModel, ImgSize, Label, Open, Zoom
 
-Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors"]
+Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors", "imprecise"]
 ResizeMode = Annotated[str, Field(max_length=64)]
+ESTIMATE_TEXT = "Likely camera, with its interval: never a calibration. See the document on estimates."
 CROPPED = "crop-and-scale"  # the one of them that cuts the picture
 
 
@@ -40,6 +43,20 @@ def _flag(value: object) -> object:
     return QUERY_FLAGS.get(value, value) if isinstance(value, str) else value
 
 
+class Reported(Open):
+    """Field of view that the device itself reports: by its operating system, or in a photo's EXIF data."""
+
+    focal_35mm: Annotated[float, Field(gt=3, le=2000)] | None = Field(
+        None, description="Focal length equivalent to that on 35 mm film, mm (`FocalLengthIn35mmFilm`)."
+    )
+    hfov_deg: Annotated[float, Field(gt=1, lt=179)] | None = Field(
+        None, description="Horizontal field of view at this size, degrees."
+    )
+    dfov_deg: Annotated[float, Field(gt=1, lt=179)] | None = Field(
+        None, description="Diagonal field of view at this size, degrees."
+    )
+
+
 class LookupRequest(Deferred):
     """Camera key, by the paper's names or by those of the older public client.
 
@@ -60,10 +77,19 @@ class LookupRequest(Deferred):
         validation_alias=AliasChoices("resize_mode", "resizeMode"),
         description="`resizeMode` of the track: a stream that the browser crops is another picture.",
     )
+    device: DeviceModel | None = Field(None, description=DEVICE_TEXT)
+    reported: Reported | None = Field(
+        None, description="A field of view that the device reports. Only the estimate uses it."
+    )
     redirect: Annotated[bool, BeforeValidator(_flag)] = True
     miss: Literal["ok"] | None = Field(
         None, description="`ok`: a miss is answered with 200 and `calibration: null`, not with 307 or 404."
     )
+
+    @model_validator(mode="after")
+    def _join_device(self) -> Self:
+        join_device(self)
+        return self
 
 
 class NoCalibration(Open):
@@ -73,6 +99,7 @@ class NoCalibration(Open):
     reason: Reason
     guidance_url: str
     detail: str = Field(description="The reason in words.")
+    estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)
 
 
 class Miss(Open):
@@ -83,3 +110,4 @@ class Miss(Open):
     detail: str = Field(
         "The database has no reliable calibration of this camera.", description="The reason in words."
     )
+    estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)

@@ -34,7 +34,7 @@ PROOF_PATH = "/.well-known/calibdb.txt"
 
 def is_loopback(origin: str) -> bool:
     """Tell whether pages of `origin` are on the machine of who opens them."""
-    match = _LOOPBACK.fullmatch(origin)
+    match = _LOOPBACK.fullmatch(origin[: MAX_ORIGIN_LENGTH + 1])
     if match is None:
         return False
     host, port = match[2], match[3]
@@ -53,7 +53,7 @@ def proof_host(origin: str) -> str | None:
 
     HTTPS at its own port and a public domain name: no address in any notation, no port, no user, no path.
     """
-    match = _DOMAIN.fullmatch(origin)
+    match = _DOMAIN.fullmatch(origin[: MAX_ORIGIN_LENGTH + 1])
     if match is None or len(match[1]) > _MAX_NAME_LENGTH or f".{match[1]}".endswith(_PRIVATE_SUFFIXES):
         return None
     return match[1]
@@ -74,9 +74,10 @@ def requirement(origin: str) -> str | None:
 
 
 def portless(origin: str) -> str:
-    """Return a loopback origin without its port."""
-    match = _LOOPBACK.fullmatch(origin)
-    return f"{match[1]}://{match[2]}" if match else origin
+    """Return an origin without its port; unchanged if the port is not one that a browser writes."""
+    host, colon, port = origin.rpartition(":")
+    is_port = colon and port.isascii() and port.isdigit() and len(port) <= len(str(_MAX_PORT))
+    return host if is_port and 1 <= int(port) <= _MAX_PORT and port[0] != "0" else origin
 
 
 def proof_url(origin: str) -> str:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pydantic import Field
+
+from calibdb.schema.estimate import Estimate
 from calibdb.schema.fields import Open
-from calibdb.schema.lookup import Reason
+from calibdb.schema.lookup import ESTIMATE_TEXT, Reason
 
 
 class FieldProblem(Open):
@@ -28,3 +31,4 @@ class LookupProblem(Problem):
 
     guidance_url: str
     reason: Reason
+    estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)

@@ -135,6 +135,7 @@ class RigEstimateDocument(Open):
     layout: Literal[1] = 1
     fit: RigFit | None = None
     problem: str | None = None  # why there is no fit
+    too_slow: bool = False  # it takes longer to compute than a request may
     unlinked: tuple[int, ...] = ()
     target: RigTarget | None = None
     target_pose: Motion | None = None  # board -> camera 0

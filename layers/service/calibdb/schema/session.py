@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration, Uncertainty
+from calibdb.schema.device import DEVICE_TEXT, DeviceModel, join_device
 from calibdb.schema.fields import (
     CaptureKind,
     DistortionModel,
@@ -28,7 +29,8 @@ from calibdb.schema.observed_corners import ObservedCorners
 
 Fact = Annotated[str, Field(max_length=64)]
 Quantity = Annotated[float, Field(ge=-1e9, le=1e9)]
-Refusal = Literal["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]
+Refusal = Literal["too_few_points", "degenerate", "mirrored", "outlier", "duplicate", "no_information"]
+End = Literal["target", "plateau", "limit", "nothing_new", "asked"]
 
 
 HintCode = Literal[
@@ -82,6 +84,7 @@ class SessionRequest(Strict, Licensed):
 
     camera: Label = Field(description="`MediaStreamTrack.label`")
     platform: Label = Field(description="The parenthesised part of the user agent.")
+    device: DeviceModel | None = Field(None, description=DEVICE_TEXT)
     img_size: ImgSize
     zoom: Zoom = 0.0
     distortion_model: DistortionModel = "rectilinear"
@@ -100,6 +103,11 @@ class SessionRequest(Strict, Licensed):
     rig: RigJoin | None = Field(
         None, description="The rig that this camera joins; then the rig ends the session."
     )
+
+    @model_validator(mode="after")
+    def _join_device(self) -> Self:
+        join_device(self)
+        return self
 
 
 class ViewRequest(ObservedCorners):
@@ -132,6 +140,9 @@ class ViewState(Open):
         description="px; null as long as there is no fit. Of a view set aside: with its pose fitted alone."
     )
     set_aside: SetAside | None = None
+    on_target: bool | None = Field(
+        None, description="true: the board was held at the target. null: there was no target."
+    )
 
 
 class Advice(Open):
@@ -153,6 +164,20 @@ class Hint(Open):
 
     code: HintCode
     text: str = Field(description="English, at most six words.")
+
+
+class VerdictReason(Open):
+    """Reason why a calibration is not good: a code for programs, a sentence for people."""
+
+    code: str
+    text: str
+
+
+class Verdict(Open):
+    """Verdict on a calibration by its predicted errors."""
+
+    level: Literal["good", "fair", "poor"]
+    reasons: tuple[VerdictReason, ...] = Field(description="The one to act on first; none if it is good.")
 
 
 class SessionState(Open):
@@ -177,6 +202,13 @@ class SessionState(Open):
     systematic: float | None = Field(None, description="As in `calibration`; null: there is no fit yet.")
     calibration: Calibration | None
     calibration_id: str | None
+    end: End | None = Field(
+        None,
+        description="Reason why the capture ended. `target`: the target error is reached. `plateau`: the "
+        "error has stopped falling. `limit`: fifteen views are in. `nothing_new`: six duplicates in a row. "
+        "`asked`: the user ended it. null: it has not ended.",
+    )
+    verdict: Verdict | None = Field(None, description="Verdict on the result; null: there is none yet.")
     advice: tuple[Advice, ...] = ()
     suggested_model: DistortionModel | None = Field(
         None, description="The model that explains these views better, where this one is too simple."

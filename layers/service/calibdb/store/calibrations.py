@@ -16,7 +16,8 @@ from typing import Literal, get_args
 from pydantic import ValidationError
 
 from calibdb.errors import DeniedReadError
-from calibdb.rules.quality_gates import is_precise
+from calibdb.rules.quality_gates import is_evidence
+from calibdb.rules.votes import view_digest
 from calibdb.schema import CalibrationDocument
 from calibdb.schema.lookup import CROPPED
 from calibdb.store.keys import (
@@ -36,7 +37,6 @@ MAX_PER_SOURCE = 3  # calibrations of one source that enter a consensus
 Withdrawal = Literal["wrong", "abuse", "privacy", "other"]
 WITHDRAWALS: tuple[Withdrawal, ...] = get_args(Withdrawal)
 _MAX_CALIBRATIONS = 2_000  # of a mode that are looked through for those that count
-_CROPPED = "crop-and-scale"
 _NOT_WITHDRAWN = Condition("attribute_not_exists(withdrawn)")
 
 
@@ -48,6 +48,7 @@ class CountedCalibration:
     source: str  # as what its contributor is counted
     camera: str = ""  # label and platform; empty of items written before they held them
     platform: str = ""
+    views: frozenset[str] = frozenset()  # their digests (`rules.votes.view_digest`)
 
     @property
     def name(self) -> tuple[str, str]:
@@ -110,25 +111,28 @@ class Calibrations:
         self._table.delete(str(item["pk"]), str(item["sk"]))
 
     def newest(self, mode: StreamMode, limit: int, period: int = 0) -> list[CountedCalibration]:
-        """Return at most `limit` calibrations of a camera at one size and zoom, last begun first.
+        """Return at most `limit` calibrations of a camera at one size and zoom, last ended first.
+
+        Where there are more, those of the last days.
 
         Only those that count: not withdrawn, and of the stream as the camera gives it. With a `period`,
-        seconds, contributors are told apart: then only precise ones (`quality_gates.is_precise`), one of each
+        seconds, contributors are told apart: then only evidence (`quality_gates.is_evidence`), one of each
         source in a period, and of each source the newest `MAX_PER_SOURCE`. 0: all of them.
         """
         counted: list[CountedCalibration] = []
         # Mostly all of them count; where they do not, one is not kept out by many that are passed over.
         for items_limit in (limit + limit // 4, _MAX_CALIBRATIONS):
-            # Ids sort by the time at which the session was started.
+            # Ids sort by the day on which the session was started.
             prefix = calibrations_prefix(mode.img_size, mode.zoom)
             items = self._table.query(mode.pk, prefix, newest_first=True, limit=items_limit, consistent=True)
+            items.sort(key=lambda item: (int(str(item["time"])), str(item["sk"])), reverse=True)
             counted = _select_counted(items, period)[:limit]
             if len(counted) == limit or len(items) < items_limit:
                 break
         return counted
 
     def name_at(self, mode: StreamMode) -> tuple[str, str] | None:
-        """Return label and platform of the newest calibration of a mode, whether it counts or not."""
+        """Return label and platform of a calibration of the newest day, whether it counts or not."""
         items = self._table.query(
             mode.pk,
             calibrations_prefix(mode.img_size, mode.zoom),
@@ -216,7 +220,8 @@ def _select_counted(items: Sequence[Item], period: int) -> list[CountedCalibrati
             entered[source] += 1
         calibration_id = str(item["sk"]).rpartition("#")[2]
         camera, platform = str(item.get("camera", "")), str(item.get("platform", ""))
-        counted.append(CountedCalibration(calibration_id, source, camera, platform))
+        views = frozenset(str(item.get("views", "")).split())
+        counted.append(CountedCalibration(calibration_id, source, camera, platform, views))
     return counted
 
 
@@ -254,7 +259,8 @@ def _item(document: CalibrationDocument) -> Item:
         "model": document.distortion_model,
         "native": int(document.track.resizeMode != CROPPED),
         "platform": document.platform,
-        "precise": int(is_precise(document)),
+        "precise": int(is_evidence(document)),
         "source": document.counted_as,
         "time": document.time,
+        "views": " ".join(view_digest(view.ids, view.points) for view in document.views),
     }

@@ -6,7 +6,7 @@ Each step is idempotent: whoever asks again completes what a crash left undone.
 from __future__ import annotations
 
 from calibdb.errors import NotFoundError
-from calibdb.rules import rig_rules, session_rules
+from calibdb.rules import rig_rules, session_result
 from calibdb.schema import DISTORTION_MODELS, RefitRequest, RigDocument, SessionDocument
 from calibdb.schema.rig_documents import EndingDocument
 from calibdb.store.store import Store
@@ -14,7 +14,7 @@ from calibdb.store.store import Store
 
 def publish(store: Store, document: SessionDocument) -> None:
     """Make the calibration of a session findable, and have every model's consensus computed."""
-    calibration = session_rules.to_calibration(document)
+    calibration = session_result.to_calibration(document)
     store.calibrations.publish(calibration)
     store.refit.later(
         RefitRequest(

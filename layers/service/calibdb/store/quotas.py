@@ -1,5 +1,9 @@
 """Counters of use: `TOKEN#<id>/QUOTA#<hour>`, and `SHARE#<hour>#<contributor>` of one of its users.
 
+DynamoDB writes an item, and a partition key, at most 1,000 times a second. So counters of a token lie under
+eight keys: `TOKEN#<id>`, and `TOKEN#<id>#1` to `#7`. A user's share has one of them; what all users have
+together is split if the limit is large.
+
 Counters only ever grow, each for one hour or day; they expire by themselves and are not in the bucket. Those
 of a token are its statistics of use, too.
 """
@@ -7,7 +11,9 @@ of a token are its statistics of use, too.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from random import randrange
+from zlib import crc32
 
 from calibdb.access.plans import HOUR_S, Counter
 from calibdb.store.table import Item, Table
@@ -17,20 +23,33 @@ _DAY_S = 24 * HOUR_S
 USE_DAYS = 30
 _USE_EXPIRY_S = (USE_DAYS + 1) * _DAY_S
 _EVERYBODY = "all"
+SHARDS = 8
+MIN_SHARDED_LIMIT = 20_000
+"""Limit per hour from which on a counter is split: fewer calls come at six a second, on average."""
 
 
 class Quotas:
     """The counters of the current hour, and of the hours of the last days."""
 
-    def __init__(self, table: Table) -> None:
+    def __init__(self, table: Table, start: Callable[[], int] | None = None) -> None:
         self._table = table
+        self._start = start or (lambda: randrange(SHARDS))  # noqa: S311 - shard that is tried first
 
     def take(self, token_id: str, kind: Counter, now: int, limit: int, contributor: str = "") -> int | None:
         """Count one more and return how many it are; None, and nothing counted, where `limit` is reached.
 
-        `contributor`: whose share it is; empty: the token's.
+        `contributor`: whose share it is; empty: the token's. The number is an estimate where the counter is
+        split: what one part has, times their number. The limit is exact.
         """
-        return self._add(token_id, kind, now, 1, limit, contributor)
+        if contributor or limit < MIN_SHARDED_LIMIT:
+            return self._add(token_id, kind, now, 1, limit, contributor)
+        first = self._start()
+        for shard in ((first + n) % SHARDS for n in range(SHARDS)):
+            part = limit // SHARDS + (shard < limit % SHARDS)
+            used = self._add(token_id, kind, now, 1, part, "", shard)
+            if used is not None:
+                return min(limit, used * SHARDS)
+        return None
 
     def add(self, token_id: str, kind: Counter, now: int, amount: int) -> int:
         """Count what has happened already; return how many it are by now."""
@@ -38,14 +57,23 @@ class Quotas:
 
     def use(self, token_id: str, now: int) -> Mapping[str, Mapping[str, int]]:
         """Return the counts of a token by hour (`2026-11-22T16`, UTC) for the last 30 days."""
-        found = self._table.query(f"TOKEN#{token_id}", "QUOTA#")
         oldest = hour_text(now - USE_DAYS * _DAY_S)
-        return {hour: counts for hour, counts in map(_counts, found) if hour >= oldest}
+        hours: dict[str, dict[str, int]] = {}
+        for shard in range(SHARDS):
+            for item in self._table.query(_pk(token_id, shard), "QUOTA#"):
+                hour, counts = _counts(item)
+                if hour >= oldest:
+                    hours[hour] = _sum(hours.get(hour, {}), counts)
+        return dict(sorted(hours.items()))
 
     def used(self, token_id: str, now: int, contributor: str = "") -> Mapping[str, int]:
         """Return the counts of this hour, the token's or a contributor's."""
-        item = self._table.get(f"TOKEN#{token_id}", _sk(now, contributor), consistent=False)
-        return _counts(item)[1] if item else {}
+        shards = [_shard(contributor)] if contributor else range(SHARDS)
+        total: dict[str, int] = {}
+        for shard in shards:
+            item = self._table.get(_pk(token_id, shard), _sk(now, contributor), consistent=False)
+            total = _sum(total, _counts(item)[1] if item else {})
+        return total
 
     def take_token(self, source: str, now: int, limit: int) -> bool:
         """Count a new token of a source; False, and nothing counted, where the day's are used up."""
@@ -63,11 +91,18 @@ class Quotas:
             yield str(item["sk"]).removeprefix("DAY#"), int(str(item["tokens"]))
 
     def _add(
-        self, token_id: str, kind: Counter, now: int, amount: int, limit: int | None, contributor: str
+        self,
+        token_id: str,
+        kind: Counter,
+        now: int,
+        amount: int,
+        limit: int | None,
+        contributor: str,
+        shard: int = 0,
     ) -> int | None:
         kept = _SHARE_EXPIRY_S if contributor else _USE_EXPIRY_S
         return self._table.add(
-            f"TOKEN#{token_id}",
+            _pk(token_id, _shard(contributor) if contributor else shard),
             _sk(now, contributor),
             kind,
             amount,
@@ -79,6 +114,18 @@ class Quotas:
 def hour_text(now: int) -> str:
     """Return the hour of a unix time: `2026-11-22T16`, UTC."""
     return time.strftime("%Y-%m-%dT%H", time.gmtime(now))
+
+
+def _pk(token_id: str, shard: int) -> str:
+    return f"TOKEN#{token_id}#{shard}" if shard else f"TOKEN#{token_id}"
+
+
+def _shard(contributor: str) -> int:
+    return crc32(contributor.encode()) % SHARDS
+
+
+def _sum(one: Mapping[str, int], other: Mapping[str, int]) -> dict[str, int]:
+    return {name: one.get(name, 0) + other.get(name, 0) for name in (*one, *other)}
 
 
 def _sk(now: int, contributor: str) -> str:

@@ -7,11 +7,13 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+from calibdb.errors import ConflictError
 from calibdb.rules.rig_state import Rig
 from calibdb.schema import RigDocument, RigEstimateDocument, SessionDocument
 from calibdb.store.objects import READERS
 from calibdb.store.store import Store
 
+TOO_SLOW = "These moments take longer to compute than a request may; undo some of them."
 Compute = Callable[[dict[str, Any]], dict[str, Any]]
 
 
@@ -34,13 +36,18 @@ def load(store: Store, rig_id: str, solver: str) -> tuple[Rig, str]:
 
 
 def ensure_estimate(store: Store, rig: Rig, solver: str, compute: Compute) -> RigEstimateDocument:
-    """Return fit and target of a rig, computed now if nobody has yet."""
+    """Return fit and target of a rig, computed now if they are not stored yet.
+
+    Raises ConflictError where `compute` said, now or before, that these moments take too long (`too_slow`).
+    """
     basis = rig.basis(solver)
     digest = rig.digest(basis)
     known = store.rigs.estimate(rig.document.rig, digest)
     if known is None:
         known = RigEstimateDocument.model_validate(compute(rig.solver_record(basis)))
         store.rigs.keep_estimate(rig.document.rig, digest, known)
+    if known.too_slow:
+        raise ConflictError(TOO_SLOW, kind="too-slow")
     return known
 
 

@@ -1,4 +1,8 @@
-"""Running sessions under optimistic concurrency (`Versions`): `sessions/<sid>/<version>.json`."""
+"""Running sessions under optimistic concurrency (`Versions`): `sessions/<sid>/<version>.json`.
+
+Their views are up to a megabyte, so that another target, or the number of duplicates, is stored in the index
+item.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +18,7 @@ _SESSIONS = Kind(
     noun="session",
     missing="No session was started under this session id.",
     missing_kind="no-session",
+    small=("target", "skipped", "duplicates"),
 )
 
 

@@ -7,7 +7,7 @@ change or look of who manages the token writes it anew.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 from calibdb.access.tokens import ApiToken
@@ -18,6 +18,7 @@ from calibdb.store.table import Condition, Item, Table
 
 PREFIX = "tokens/"
 _TOMBSTONE_S = 86_400  # s for which a revoked token's item keeps writers away that were overtaken
+_ORPHANED_S = 7 * 86_400  # s after its end from which an unused trial token is removed
 _MAX_ATTEMPTS = 8  # to replace an object that others replace, too
 
 
@@ -30,7 +31,7 @@ class Tokens:
 
     def get(self, token_id: str) -> ApiToken | None:
         """Return the token, None when there is none (any more)."""
-        item = self._table.get(_pk(token_id), "META", consistent=False)
+        item = self._table.get(_pk(token_id), "META")
         return _token(token_id, item) if item and "revoked" not in item else None
 
     def keep(self, token_id: str) -> None:
@@ -142,6 +143,32 @@ class Tokens:
                 token = replace(token, expires=_ttl(item) if item else expires)
             self.index(token)
         return count
+
+    def orphans(self, now: int) -> list[str]:
+        """List the ids of trial tokens that expired without use a week ago or earlier. For operators.
+
+        The first use is noted in the index only. Raises UnavailableError if that lacks a token which does not
+        expire: it is incomplete, and may lack trial tokens that were used.
+        """
+        orphans = []
+        for token in self._documents():
+            item = self._table.get(_pk(token.id), "META") if token.revoked is None else None
+            if token.revoked is None and token.expires is None and item is None:
+                raise UnavailableError(f"The index lacks the token {token.id}: run `reindex` first.")
+            unused = item is None or "ttl" in item
+            if token.revoked is None and token.expires is not None and unused:
+                end = max(token.expires, (_ttl(item) if item else None) or 0)
+                if end + _ORPHANED_S < now:
+                    orphans.append(token.id)
+        return orphans
+
+    def remove(self, token_ids: Iterable[str]) -> int:
+        """Remove tokens for good, every version of them; return how many. For operators."""
+        names = [_name(token_id) for token_id in token_ids]
+        for name in names:
+            self._table.delete(_pk(name.removeprefix(PREFIX).removesuffix(".json")), "META")
+        self._objects.purge_all_versions(names)
+        return len(names)
 
     def _documents(self) -> Iterator[ApiToken]:
         for name in self._objects.names(PREFIX):

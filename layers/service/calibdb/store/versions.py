@@ -1,5 +1,8 @@
 """Running documents: immutable objects `<prefix><name>/<version>.json`, and an item that names the latest.
 
+A change of a few small members (`Kind.small`) writes no object: the item has them, beside the version whose
+object has the others.
+
 Changes follow optimistic concurrency. A change writes its object first and then moves the index to it, on the
 condition that the index still names the version that the change was made from. A crash leaves an orphaned
 object, never a pointer to nothing. Of two changes at once, one is stored and the other is made anew.
@@ -7,6 +10,7 @@ object, never a pointer to nothing. Of two changes at once, one is stored and th
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -28,11 +32,24 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class Head:
-    """Index entry: the latest version, whether the document was forgotten, and what else the item holds."""
+    """Index entry: the latest version, whether the document was forgotten, and what else the item holds.
+
+    `content`: the version whose object has the document, but for the members in `small`.
+    """
 
     version: int
     forgotten: bool
     facts: Mapping[str, Value]
+
+    @property
+    def content(self) -> int:
+        """Version of the object."""
+        return int(str(self.facts.get("content", self.version)))
+
+    @property
+    def small(self) -> str:
+        """Members that changed since, as JSON; empty if none did."""
+        return str(self.facts.get("small", ""))
 
 
 @dataclass(frozen=True)
@@ -49,6 +66,8 @@ class Kind(Generic[Document]):
         The word for one, in messages.
     missing, missing_kind
         The problem where there is none.
+    small
+        Members that change without the others, and then are stored in the item.
     """
 
     model: type[Document]
@@ -57,6 +76,7 @@ class Kind(Generic[Document]):
     noun: str
     missing: str
     missing_kind: str
+    small: tuple[str, ...] = ()
 
 
 class Versions(Generic[Document]):
@@ -123,7 +143,10 @@ class Versions(Generic[Document]):
         for _ in range(_MAX_UPDATE_ATTEMPTS):
             document, version = self.get_version(name)
             changed, answer = change(document)
-            if changed is None or self._write(name, version, changed, now):
+            if changed is None:
+                return answer
+            write = self._write_small if self._is_small(document, changed) else self._write
+            if write(name, version, changed, now):
                 return answer
         raise self._too_much_contention()
 
@@ -149,9 +172,9 @@ class Versions(Generic[Document]):
             head = self.head(name)
             if head is None:
                 head = Head(version, forgotten=False, facts={})
-            content = None if head.forgotten else self._objects.get(self._object(name, head.version))
+            content = None if head.forgotten else self._objects.get(self._object(name, head.content))
             if content is not None:
-                yield self._parse(content)
+                yield self._parse(content, head.small)
 
     def index(self, now: int) -> int:
         """Let the index name every document in the bucket that it does not know; return how many those were.
@@ -181,9 +204,9 @@ class Versions(Generic[Document]):
             head = self.head(name)
             if head is None or head.forgotten:
                 return None
-            content = self._objects.get(self._object(name, head.version))
+            content = self._objects.get(self._object(name, head.content))
             if content is not None:
-                return self._parse(content), head.version
+                return self._parse(content, head.small), head.version
             # The index never points to nothing: it was forgotten between the two reads.
         raise UnavailableError(f"The {self._kind.noun} could not be read.")
 
@@ -208,16 +231,37 @@ class Versions(Generic[Document]):
         item = {**self._item(name, version, now), **self.facts(document)}
         if self._table.put(item, _if_version(base) if base else IF_NOT_EXISTS):
             return True
-        # A write that was retried because its answer got lost finds itself done: nobody else has this
-        # version.
+        # A write that was retried because its response got lost is done: no other has this object.
         head = self.head(name)
-        if head is not None and (head.version, head.forgotten) == (version, False):
+        if head is not None and (head.version, head.content, head.forgotten) == (version, version, False):
             return True
         # Ours counts for nothing: it must not be taken for the document's state when the index is made anew.
         self._objects.delete([self._object(name, version)])
         return False
 
-    def _parse(self, content: bytes) -> Document:
+    def _is_small(self, document: Document, changed: Document) -> bool:
+        members = set(type(document).model_fields) - set(self._kind.small)
+        return bool(self._kind.small) and all(getattr(document, m) == getattr(changed, m) for m in members)
+
+    def _write_small(self, name: str, base: int, document: Document, now: int) -> bool:
+        head = self.head(name)
+        if head is None or head.version != base:
+            return False
+        small = document.model_dump_json(include=set(self._kind.small))
+        item = {
+            **self._item(name, base + 1, now),
+            **self.facts(document),
+            "content": head.content,
+            "small": small,
+        }
+        if self._table.put(item, _if_version(base)):
+            return True
+        head = self.head(name)  # of a write that was retried because its response got lost
+        return head is not None and (head.version, head.small) == (base + 1, small)
+
+    def _parse(self, content: bytes, small: str = "") -> Document:
+        if small:
+            content = json.dumps({**json.loads(content), **json.loads(small)}).encode()
         return self._kind.model.model_validate_json(content)
 
     def _object(self, name: str, version: int) -> str:

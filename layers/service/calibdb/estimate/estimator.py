@@ -1,0 +1,146 @@
+"""Estimator: all evidence about one camera at one size, as an answer with its interval."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from calibdb.camera_key import identify
+from calibdb.camera_key.system import system_of
+from calibdb.estimate.angles import Size, horizontal_angle
+from calibdb.estimate.crops import zoom_change
+from calibdb.estimate.device import Device, device_of
+from calibdb.estimate.evidence import Evidence, combine
+from calibdb.estimate.knowledge import Knowledge, default_knowledge
+from calibdb.estimate.population import Population
+from calibdb.schema.estimate import Estimate, EstimateBasis, EstimateInterval
+
+_BASES: tuple[EstimateBasis, ...] = (
+    *("calibrations", "views", "device", "other_size", "published", "family", "population"),
+)
+_QUANTILE = 1.645  # of the normal distribution, 95 %
+_PRIOR_WIDENING = 2.0
+_CROPPED_SIGMA = 0.25  # of a stream that the browser cuts by an unknown amount
+
+
+@dataclass(frozen=True)
+class EstimateQuery:
+    """Camera and size to estimate, and what is known of it apart from its label.
+
+    Attributes
+    ----------
+    cropped
+        The browser cuts the stream.
+    evidence
+        Calibrations and reports about this very camera, already for this size and zoom.
+    """
+
+    camera: str
+    platform: str
+    img_size: tuple[int, int]
+    zoom: float = 0.0
+    cropped: bool = False
+    evidence: tuple[Evidence, ...] = ()
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """Distribution of `log_tan` along the longer side: centre and 90 % interval, and what it rests on."""
+
+    centre: float
+    low: float
+    high: float
+    best: Evidence
+
+
+def distribution(query: EstimateQuery, knowledge: Knowledge) -> Distribution:
+    """Combine the evidence about a camera."""
+    system = system_of(query.platform)
+    device = device_of(identify(query.camera, query.platform), system)
+    # The zoom of a photograph is its focal length, mm: what is published about a model is of its own.
+    change, sigma = (0.0, 0.0) if system.is_file else zoom_change(query.zoom)
+    if query.cropped:
+        sigma = math.hypot(sigma, _CROPPED_SIGMA)
+    stated = list(query.evidence)
+    if (public := knowledge.published(device, query.img_size)) is not None:
+        stated.append(public.shifted(change, sigma))
+    return combine_evidence(knowledge, device, query.img_size, stated, change, sigma)
+
+
+def combine_evidence(
+    knowledge: Knowledge,
+    device: Device,
+    size: Size,
+    stated: Sequence[Evidence],
+    change: float = 0.0,
+    sigma: float = 0.0,
+) -> Distribution:
+    """Combine statements about one camera with the distribution of its family, else of its kind.
+
+    `change`, `sigma`: of `log_tan` by zoom and crop, which `stated` has already.
+    """
+    family = knowledge.family(device, size)
+    known = family or knowledge.population(device, size)
+    prior = Evidence("family" if family else "population", known.median, known.sigma).shifted(change, sigma)
+    if not stated:
+        return _prior_only(prior, known, change, sigma)
+    # What is published about the model is a distribution of its units already. Else the family is a weak
+    # prior, so that one wrong statement about the camera widens the interval.
+    if not any(e.basis == "published" for e in stated):
+        stated = [*stated, replace(prior, sigma=_PRIOR_WIDENING * prior.sigma)]
+    mean, total = combine(stated)
+    best = min(stated, key=lambda e: _BASES.index(e.basis))
+    return Distribution(mean, mean - _QUANTILE * total, mean + _QUANTILE * total, best)
+
+
+def _prior_only(prior: Evidence, known: Population, change: float, sigma: float) -> Distribution:
+    centre = known.median + change
+    below, above = known.median - known.low, known.high - known.median
+    reach = _QUANTILE * sigma
+    return Distribution(centre, centre - math.hypot(below, reach), centre + math.hypot(above, reach), prior)
+
+
+@functools.lru_cache(maxsize=1024)
+def estimate(query: EstimateQuery) -> Estimate:
+    """Estimate a camera. Every valid query has an answer; the same one has the same answer."""
+    result = distribution(query, default_knowledge())
+    w, h = query.img_size
+    best = result.best
+    half_long = max(w, h) / 2
+    angle = horizontal_angle(result.centre)
+    radius = _radius(math.radians(angle) / 2, best.lens)
+    lens = best.lens if radius is not None else ()
+    focal = half_long / (radius or math.tan(math.radians(angle) / 2))
+    hfov, low, high = (
+        _angle_of_width(w, h, horizontal_angle(value)) for value in (result.centre, result.low, result.high)
+    )
+    return Estimate(
+        img_size=query.img_size,
+        camera_matrix=((focal, 0.0, (w - 1) / 2), (0.0, focal, (h - 1) / 2), (0.0, 0.0, 1.0)),
+        distortion_model="fisheye" if lens else "rectilinear",
+        distortion_coefficients=lens or (0.0,) * 5,
+        hfov_deg=round(hfov, 2),
+        interval_90=EstimateInterval(hfov_deg=(round(low, 2), round(high, 2))),
+        basis=best.basis,
+        sources=best.sources,
+    )
+
+
+def _radius(theta: float, lens: Sequence[float]) -> float | None:
+    """Distance from the centre, focal lengths, of a ray by a fisheye lens; None without one, or beyond it."""
+    if not lens:
+        return None
+    t = theta * theta
+    k1, k2, k3, k4 = lens
+    radius = theta * (1 + t * (k1 + t * (k2 + t * (k3 + t * k4))))
+    slope = 1 + t * (3 * k1 + t * (5 * k2 + t * (7 * k3 + t * 9 * k4)))
+    return radius if slope > 0 and radius > 0 else None
+
+
+def _angle_of_width(w: int, h: int, angle: float) -> float:
+    """Horizontal angle of a picture whose longer side spans `angle`, degrees."""
+    if w >= h:
+        return angle
+    return 2 * math.degrees(math.atan(math.tan(math.radians(angle) / 2) * w / h))

@@ -1,0 +1,83 @@
+"""Evidence about a field of view, and its robust combination by precision."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from calibdb.schema.estimate import EstimateBasis, Source
+
+_FREEDOM = 4.0  # degrees of freedom of the t distribution by which rows are weighted
+_ROUNDS = 12
+_OUTLYING, _MAJORITY = (
+    3.0,
+    0.6,
+)  # standard deviations; share of the statements that agree, weighted by 1 / sigma
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """One statement about `log_tan` along the longer side, with its standard deviation.
+
+    Attributes
+    ----------
+    basis
+        Basis of the estimate, if it is the best.
+    lens
+        Coefficients of a fisheye lens, if the source says so.
+    sources
+        Publications that it is from.
+    """
+
+    basis: EstimateBasis
+    mean: float
+    sigma: float
+    sources: tuple[Source, ...] = ()
+    lens: tuple[float, ...] = ()
+
+    def shifted(self, change: float, sigma: float) -> Evidence:
+        """Return the evidence at another zoom or size."""
+        return replace(self, mean=self.mean + change, sigma=math.hypot(self.sigma, sigma))
+
+
+def combine(evidence: Sequence[Evidence]) -> tuple[float, float]:
+    """Mean and standard deviation of all evidence together.
+
+    Weighted by precision, and by a t distribution, so that one wrong statement does not win; what contradicts
+    the rest widens the result.
+    """
+    mean = _weighted_median(evidence)
+    weights = [1.0] * len(evidence)
+    for _ in range(_ROUNDS):
+        weights = [(_FREEDOM + 1) / (_FREEDOM + ((e.mean - mean) / e.sigma) ** 2) for e in evidence]
+        precisions = [min(weight, 1.0) / e.sigma**2 for weight, e in zip(weights, evidence, strict=True)]
+        total = sum(precisions)
+        mean = sum(p * e.mean for p, e in zip(precisions, evidence, strict=True)) / total
+    agreeing = sum(1 / e.sigma for e in evidence if abs(e.mean - mean) < _OUTLYING * e.sigma)
+    if agreeing < _MAJORITY * sum(1 / e.sigma for e in evidence):
+        # Without a majority any of them may be right.
+        return mixture([(1 / e.sigma, e.mean, e.sigma) for e in evidence])
+    chi2 = sum(p * (e.mean - mean) ** 2 for p, e in zip(precisions, evidence, strict=True))
+    inflation = math.sqrt(max(1.0, chi2 / max(1, len(evidence) - 1)))
+    return mean, inflation / math.sqrt(total)
+
+
+def mixture(parts: Sequence[tuple[float, float, float]]) -> tuple[float, float]:
+    """Mean and standard deviation of alternatives `(weight, mean, sigma)`, of which one is true."""
+    total = sum(weight for weight, _, _ in parts)
+    mean = sum(weight * part for weight, part, _ in parts) / total
+    variance = sum(weight * (sigma**2 + (part - mean) ** 2) for weight, part, sigma in parts) / total
+    return mean, math.sqrt(variance)
+
+
+def _weighted_median(evidence: Sequence[Evidence]) -> float:
+    """Median by 1 / sigma: what claims to be very precise does not outweigh several others."""
+    ordered = sorted(evidence, key=lambda e: e.mean)
+    half = sum(1 / e.sigma for e in ordered) / 2
+    below = 0.0
+    for each in ordered:
+        below += 1 / each.sigma
+        if below >= half:
+            return each.mean
+    raise ValueError("no evidence")

@@ -1,0 +1,147 @@
+"""Published facts about cameras: one table, each row with its source and licence.
+
+A row is a field of view or a focal length of one model, at one size or aspect and in one mode. The columns:
+
+* `kind`, `maker`, `model`: the product. Kinds: `calibdb.estimate.device`.
+* `words`: words of its label, lower case; alternatives separated by `;`. Empty: a sample of its kind only.
+* `usb`, `devices`: USB ids and identifiers of phones (`iphone17,3`, `sm-g975f`), separated by `;`.
+* `camera`: of a phone: `wide`, `ultrawide`, `tele`, `front`.
+* `mode`: field-of-view switch or the like; empty: the only one. Rows that differ in it are alternatives.
+* `width`, `height`: size in px, or an aspect such as 16, 9.
+* `quantity`, `value`, `sigma`: as `angles.log_tan` takes them; sigma is that of the row itself.
+* `n`: calibrations that it stands for. `what`: calibration, specification, reported, measurement.
+* `distortion`: `fisheye k1 k2 k3 k4`, if the lens is one.
+* `title`, `url`, `licence`: of the source.
+"""
+
+from __future__ import annotations
+
+import csv
+import functools
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from calibdb.camera_key.names import words
+from calibdb.estimate.angles import Size, log_tan, log_tan_sigma
+
+TABLE = Path(__file__).with_name("facts.csv")
+FACT_COLUMNS = (
+    *("kind", "maker", "model", "words", "usb", "devices", "camera", "mode", "width", "height"),
+    *("quantity", "value", "sigma", "n", "what", "distortion", "title", "url", "licence"),
+)
+_MIN_PIXELS = 64  # a width below it is an aspect
+
+# A maker's diagonal angle against calibrations of six webcams, degrees: too wide by 1.75, scatter 2.5.
+_SPECIFIED_BIAS, _SPECIFIED_SIGMA = 1.75, 2.5
+_WEBCAMS = ("usb_webcam", "camera_module")
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """One row of the table, its value as `log_tan` with its standard deviation."""
+
+    kind: str
+    maker: str
+    model: str
+    words: tuple[frozenset[str], ...]
+    usb: frozenset[str]
+    devices: frozenset[str]
+    camera: str
+    mode: str
+    size: Size
+    log_tan: float
+    sigma: float
+    n: int
+    what: str
+    lens: tuple[float, ...]
+    title: str
+    url: str
+
+    @property
+    def is_aspect(self) -> bool:
+        """True if `size` is an aspect only."""
+        return self.size[0] < _MIN_PIXELS
+
+
+def fact_of(row: dict[str, str]) -> Fact:
+    """Parse a row; raises ValueError or KeyError."""
+    size = (float(row["width"]), float(row["height"]))
+    quantity, value, sigma = row["quantity"], float(row["value"]), float(row["sigma"])
+    if quantity == "dfov" and row["what"] == "specification" and row["kind"] in _WEBCAMS:
+        value, sigma = value - _SPECIFIED_BIAS, max(sigma, _SPECIFIED_SIGMA)
+    return Fact(
+        kind=row["kind"],
+        maker=row["maker"],
+        model=row["model"],
+        words=tuple(frozenset(words(text)) for text in row["words"].split(";") if text),
+        usb=frozenset(filter(None, row["usb"].split(";"))),
+        devices=frozenset(filter(None, row["devices"].split(";"))),
+        camera=row["camera"],
+        mode=row["mode"],
+        size=size,
+        log_tan=log_tan(quantity, value, size),
+        sigma=log_tan_sigma(quantity, value, sigma, size),
+        n=int(row["n"]),
+        what=row["what"],
+        lens=tuple(float(k) for k in row["distortion"].split()[1:]),
+        title=row["title"],
+        url=row["url"],
+    )
+
+
+def rows() -> list[dict[str, str]]:
+    """Read the table as text."""
+    with TABLE.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+@functools.cache
+def all_facts() -> tuple[Fact, ...]:
+    """Read the table: once in a process, and not before a lookup misses."""
+    return tuple(fact_of(row) for row in rows())
+
+
+class FactIndex:
+    """Facts by what names a camera: USB ids, identifiers of phones, words of labels."""
+
+    def __init__(self, facts: Iterable[Fact]) -> None:
+        self._by_usb: dict[str, list[Fact]] = defaultdict(list)
+        self._by_device: dict[str, list[Fact]] = defaultdict(list)
+        self._by_word: dict[str, list[tuple[frozenset[str], Fact]]] = defaultdict(list)
+        for fact in facts:
+            for usb_id in fact.usb:
+                self._by_usb[usb_id].append(fact)
+            for device in fact.devices:
+                self._by_device[device].append(fact)
+            for alternative in fact.words:
+                # Under its longest word, which fewest labels have.
+                self._by_word[max(alternative, key=lambda word: (len(word), word))].append(
+                    (alternative, fact)
+                )
+
+    def of_usb_id(self, usb_id: str | None) -> list[Fact]:
+        """Select the facts about a USB id."""
+        return self._by_usb.get(usb_id or "", [])
+
+    def of_devices(self, identifiers: Iterable[str]) -> list[Fact]:
+        """Select the facts about identifiers of phones."""
+        return [fact for identifier in identifiers for fact in self._by_device.get(identifier, [])]
+
+    def of_words(self, label_words: frozenset[str]) -> list[tuple[int, Fact]]:
+        """Select the facts whose words a label has, each with their number."""
+        entries = [entry for word in label_words for entry in self._by_word.get(word, ())]
+        return [(len(alternative), fact) for alternative, fact in entries if alternative <= label_words]
+
+
+def most_specific(found: Iterable[tuple[int, Fact]]) -> list[Fact]:
+    """Select the facts with most words: `brio 501` goes before `brio`."""
+    best: list[Fact] = []
+    most = 0
+    for count, fact in found:
+        if count > most:
+            best, most = [], count
+        if count == most and fact not in best:
+            best.append(fact)
+    return best

@@ -1,0 +1,62 @@
+"""Knowledge about cameras: the table of facts, asked for one device at one size."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterable
+
+from calibdb.estimate.angles import Size
+from calibdb.estimate.crops import aspect_log
+from calibdb.estimate.device import Device
+from calibdb.estimate.evidence import Evidence
+from calibdb.estimate.facts import Fact, FactIndex, all_facts
+from calibdb.estimate.population import Population, by_model, family, members, population
+from calibdb.estimate.published import facts_about, published
+
+_MIN_POPULATION = 3
+_FALLBACK = "webcam"
+
+
+class Knowledge:
+    """Facts of a table, with the populations that they make. Safe from many threads at once."""
+
+    def __init__(self, facts: Iterable[Fact]) -> None:
+        self.facts = tuple(facts)
+        self._index = FactIndex(self.facts)
+        self._distribution = functools.lru_cache(maxsize=256)(self._compute_distribution)
+
+    def published(self, device: Device, size: Size) -> Evidence | None:
+        """Evidence of what is published about the device's model, None if there is nothing."""
+        return published(facts_about(self._index, device), device, size)
+
+    def family(self, device: Device, size: Size) -> Population | None:
+        """Distribution of the maker's cameras of this kind, None if too few are known."""
+        return self._distribution(device.kind, device.maker, _aspect(size)) if device.maker else None
+
+    def population(self, device: Device, size: Size) -> Population:
+        """Distribution of the kind of device."""
+        size = _aspect(size)
+        found = self._distribution(device.kind, "", size)
+        if found is None or found.n < _MIN_POPULATION:
+            found = self._distribution(_FALLBACK, "", size)
+        if found is None:
+            raise ValueError("the table has no facts")
+        return found
+
+    def _compute_distribution(self, kind: str, maker: str, size: Size) -> Population | None:
+        values = by_model(members(self.facts, kind), size)
+        if maker:
+            return family(values, maker)
+        return population(list(values.values())) if len(values) > 1 else None
+
+
+@functools.cache
+def default_knowledge() -> Knowledge:
+    """Return the knowledge of the whole table."""
+    return Knowledge(all_facts())
+
+
+def _aspect(size: Size) -> Size:
+    """Return an aspect, rounded, so that few are computed: all that a population depends on."""
+    return math.exp(round(aspect_log(size), 2)), 1.0

@@ -1,0 +1,110 @@
+"""Populations: fields of view of all models of one kind, or of one maker and kind, in the table of facts."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from calibdb.estimate.angles import Size
+from calibdb.estimate.crops import transfer
+from calibdb.estimate.facts import Fact
+
+# Kinds of facts that stand for kinds of devices which have none of their own.
+_POOLS = {
+    "webcam": ("usb_webcam", "laptop_builtin"),
+    "virtual": ("usb_webcam", "laptop_builtin"),
+    "tablet_front": ("tablet_front", "phone_front"),
+}
+_CAMERAS = {"phone_ultrawide": "ultrawide", "phone_tele": "tele", "phone_rear": "wide", "tablet_rear": "wide"}
+_LENS_KINDS = ("phone_ultrawide", "phone_tele")
+_MIN_FAMILY = 4  # models of a maker
+_MIN_QUANTILE_COUNT = 19  # models from which the 5th and 95th percentiles are inside the sample
+_QUANTILE = 1.645  # of the normal distribution, 95 %
+
+
+@dataclass(frozen=True)
+class Population:
+    """Distribution of `log_tan` of one model drawn from a population: median, 5th and 95th percentile."""
+
+    n: int
+    median: float
+    low: float
+    high: float
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of a normal distribution with this interval."""
+        return (self.high - self.low) / (2 * _QUANTILE)
+
+
+def members(facts: Iterable[Fact], kind: str) -> list[Fact]:
+    """Select the facts about a kind of device."""
+    kinds = ("phone_rear",) if kind in _LENS_KINDS else _POOLS.get(kind, (kind,))
+    camera = _CAMERAS.get(kind)
+    return [fact for fact in facts if fact.kind in kinds and (camera is None or fact.camera == camera)]
+
+
+def by_model(facts: Iterable[Fact], size: Size) -> dict[tuple[str, str], float]:
+    """Value of each model at the aspect of `size`: the median of its facts, those of this aspect if any."""
+    models: dict[tuple[str, str], list[tuple[float, float]]] = defaultdict(list)
+    for fact in facts:
+        change, sigma = transfer(fact.kind, fact.size, size)
+        models[fact.maker, fact.model].append((round(sigma, 2), fact.log_tan + change))
+    values = {}
+    for model, entries in models.items():
+        best = min(sigma for sigma, _ in entries)
+        values[model] = statistics.median(value for sigma, value in entries if sigma == best)
+    return values
+
+
+def population(values: Sequence[float]) -> Population:
+    """Predict the next model from those known, at least two."""
+    ordered, n = sorted(values), len(values)
+    if n >= _MIN_QUANTILE_COUNT:
+        return Population(n, statistics.median(ordered), _quantile(ordered, 0.05), _quantile(ordered, 0.95))
+    mean, sd = statistics.mean(ordered), statistics.stdev(ordered)
+    reach = student_t(n - 1) * sd * math.sqrt(1 + 1 / n)
+    return Population(n, mean, mean - reach, mean + reach)
+
+
+def family(values: Mapping[tuple[str, str], float], maker: str) -> Population | None:
+    """Predict the next model of a maker from the models of all makers, keyed by maker and model.
+
+    Random effects: makers deviate from the kind's mean, and models from their maker's. The deviation within
+    makers is pooled, so that a maker's few models that are alike by chance do not narrow the interval. None
+    if too few models of the maker are known.
+    """
+    makers: dict[str, list[float]] = defaultdict(list)
+    for (each, _), value in values.items():
+        makers[each].append(value)
+    own = makers.get(maker, [])
+    several = [group for group in makers.values() if len(group) > 1]
+    freedom = sum(len(group) - 1 for group in several)
+    if len(own) < _MIN_FAMILY or freedom < _MIN_FAMILY:
+        return None
+    within = sum(statistics.variance(group) * (len(group) - 1) for group in several) / freedom
+    total = statistics.variance(values.values())
+    between = max(total - within, 0.1 * within)
+    precision = len(own) / within + 1 / between
+    mean = (len(own) / within * statistics.mean(own) + statistics.mean(values.values()) / between) / precision
+    reach = student_t(freedom) * math.sqrt(within + 1 / precision)
+    return Population(len(own), mean, mean - reach, mean + reach)
+
+
+def student_t(freedom: int) -> float:
+    """95 % quantile of the t distribution, within 2 % from two degrees of freedom (Cornish-Fisher)."""
+    z = _QUANTILE
+    g1 = (z**3 + z) / 4
+    g2 = (5 * z**5 + 16 * z**3 + 3 * z) / 96
+    g3 = (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / 384
+    return z + g1 / freedom + g2 / freedom**2 + g3 / freedom**3
+
+
+def _quantile(ordered: Sequence[float], p: float) -> float:
+    """Quantile by which another member is below with probability `p` (Weibull's positions)."""
+    position = min(max(p * (len(ordered) + 1) - 1, 0.0), len(ordered) - 1.0)
+    below = min(int(position), len(ordered) - 2)
+    return ordered[below] + (position - below) * (ordered[below + 1] - ordered[below])

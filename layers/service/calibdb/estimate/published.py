@@ -1,0 +1,90 @@
+"""Published values of one model, as evidence about another unit of it at another size."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections import defaultdict
+from collections.abc import Sequence
+
+from calibdb.estimate.angles import Size
+from calibdb.estimate.crops import is_same_aspect, transfer
+from calibdb.estimate.device import Device
+from calibdb.estimate.evidence import Evidence, combine, mixture
+from calibdb.estimate.facts import Fact, FactIndex, most_specific
+from calibdb.schema.estimate import Source
+
+# Standard deviation of log tan(hfov / 2) between calibrations of two units of a model.
+_UNIT_SIGMA = {"usb_webcam": 0.023, "laptop_builtin": 0.03, "depth_camera": 0.012, "camera_module": 0.03}
+_OTHER_UNIT_SIGMA = 0.01  # phones and the rest
+MAX_SOURCES = 5
+
+
+def facts_about(index: FactIndex, device: Device) -> list[Fact]:
+    """Select the facts about the device's model: by USB id, by a phone's identifier, or by its words."""
+    for found in (
+        [(1, fact) for fact in index.of_usb_id(device.usb_id)],
+        [(1, fact) for fact in index.of_devices(device.model_ids)],
+        index.of_words(device.label_words),
+    ):
+        fitting = [(count, fact) for count, fact in found if fact.camera == device.camera]
+        # An app records a crop of what a browser gets: facts about recorded videos go before others.
+        recorded = device.kind == "phone_video"
+        same = [(n, fact) for n, fact in fitting if (fact.kind == "phone_video") == recorded]
+        if about := most_specific(same or (fitting if recorded else [])):
+            return about
+    return []
+
+
+def published(facts: Sequence[Fact], device: Device, size: Size) -> Evidence | None:
+    """Evidence for this size from all facts about the model, None if there are none."""
+    if not facts:
+        return None
+    modes: dict[str, list[Fact]] = defaultdict(list)
+    for fact in facts:
+        modes[fact.mode].append(fact)
+    named = [mode for mode in modes if mode and mode in device.label_words]
+    parts = [(_weight(modes[mode]), *_one_mode(modes[mode], size)) for mode in named or modes]
+    mean, sigma = mixture(parts)
+    return Evidence("published", mean, sigma, _sources(facts), _lens(facts))
+
+
+def _weight(facts: Sequence[Fact]) -> float:
+    return float(sum(fact.n for fact in facts))
+
+
+def _one_mode(facts: Sequence[Fact], size: Size) -> tuple[float, float]:
+    """Mean and standard deviation of `log_tan` at `size`, for facts that are about one mode."""
+    groups: dict[tuple[bool, bool], list[Fact]] = defaultdict(list)
+    for fact in facts:
+        groups[is_same_aspect(fact.size, size), fact.what == "specification"].append(fact)
+    mean, sigma = combine([_group(group, size) for group in groups.values()])
+    unit = max(_UNIT_SIGMA.get(fact.kind, _OTHER_UNIT_SIGMA) for fact in facts)
+    return mean, math.hypot(sigma, unit)
+
+
+def _group(facts: Sequence[Fact], size: Size) -> Evidence:
+    """Evidence of facts of one aspect and one nature, which share the error of the transfer."""
+    exact = [fact for fact in facts if fact.size == size]
+    facts = exact or facts
+    values, sigmas = [], []
+    for fact in facts:
+        change, sigma = transfer(fact.kind, fact.size, size, same_size=bool(exact))
+        values.append(fact.log_tan + change)
+        sigmas.append(sigma)
+    own = statistics.median(fact.sigma for fact in facts)
+    unit = max(_UNIT_SIGMA.get(fact.kind, _OTHER_UNIT_SIGMA) for fact in facts)
+    # Specifications repeat one number; calibrations are of different units.
+    repeated = facts[0].what == "specification"
+    spread = own if repeated else math.hypot(own, unit) / math.sqrt(len(facts))
+    return Evidence("published", statistics.median(values), math.hypot(spread, statistics.median(sigmas)))
+
+
+def _sources(facts: Sequence[Fact]) -> tuple[Source, ...]:
+    unique = dict.fromkeys((fact.title, fact.url) for fact in facts)
+    return tuple(Source(title=title, url=url) for title, url in list(unique)[:MAX_SOURCES])
+
+
+def _lens(facts: Sequence[Fact]) -> tuple[float, ...]:
+    lenses = [fact for fact in facts if fact.lens]
+    return max(lenses, key=lambda fact: fact.n).lens if lenses else ()

@@ -1,0 +1,149 @@
+"""Estimate for a lookup that misses: what is stored of the camera, as evidence beside published facts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from calibdb.camera_key import identify
+from calibdb.camera_key.system import system_of
+from calibdb.estimate.crops import zoom_change
+from calibdb.estimate.device import device_of
+from calibdb.estimate.estimator import EstimateQuery, estimate
+from calibdb.estimate.evidence import Evidence
+from calibdb.estimate.own import calibrated, other_size, reported
+from calibdb.lookup.projection import axis_focal, distort_ray, is_projectable
+from calibdb.lookup.selection import closeness
+from calibdb.schema import Calibration, ConsensusDocument, LookupRequest
+from calibdb.schema.estimate import Estimate
+from calibdb.schema.lookup import CROPPED
+
+_PINHOLES = ("rectilinear", "rational")
+_FOCAL_SIGMA = 0.02  # of a photograph's focal length, which EXIF data round
+_MAX_OTHER_SIZES = 2  # the closest; others are evidence of the same calibrations
+
+
+def estimate_for(request: LookupRequest, known: Sequence[ConsensusDocument]) -> Estimate:
+    """Estimate the camera of a lookup; `known`: its consensuses, none of which is reliable here."""
+    kind = _kind(request) if known or request.reported else ""
+    here = _calibration_here(request, known)
+    evidence = [*_reports(request, kind), *_other_sizes(request, known, kind)]
+    if here is not None and here.calibration is not None:
+        count, disagree = here.calibration.calibrations, here.reason == "disagree"
+        value = calibrated_log_tan(here.calibration)
+        evidence.append(calibrated(kind, value, count, disagree=disagree))
+    result = estimate(
+        EstimateQuery(
+            request.camera,
+            request.platform,
+            request.img_size,
+            request.zoom,
+            cropped=request.resize_mode == CROPPED,
+            evidence=tuple(evidence),
+        )
+    )
+    if result.basis == "calibrations" and here is not None and here.calibration is not None:
+        return _with_lens_of(result, here.calibration)
+    return result
+
+
+def _kind(request: LookupRequest) -> str:
+    identity, system = identify(request.camera, request.platform), system_of(request.platform)
+    return device_of(identity, system).kind
+
+
+def calibrated_log_tan(calibration: Calibration) -> float:
+    """Logarithm of the tangent of half the field of view along the longer side.
+
+    That of the pinhole for models of one, whatever the distortion; else of the ray at the edge.
+    """
+    along_x = calibration.img_size[0] >= calibration.img_size[1]
+    focal = axis_focal(calibration)[0 if along_x else 1]
+    half = max(calibration.img_size) / 2
+    if calibration.distortion_model in _PINHOLES:
+        return math.log(half / focal)
+    (fx, _, _), (_, fy, _), _ = calibration.camera_matrix
+    return math.log(math.tan(_edge_angle(calibration, half / (fx if along_x else fy), along_x=along_x)))
+
+
+def _edge_angle(calibration: Calibration, target: float, *, along_x: bool) -> float:
+    """Angle off the axis, rad, of the ray that reaches `target` on the plane of unit focal length."""
+    low, high = 0.0, math.radians(85)
+    phi = 0.0 if along_x else math.pi / 2
+    for _ in range(40):
+        middle = (low + high) / 2
+        at = distort_ray(calibration.distortion_model, calibration.distortion_coefficients, middle, phi)
+        if at is not None and math.hypot(*at) < target:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def _calibration_here(request: LookupRequest, known: Sequence[ConsensusDocument]) -> ConsensusDocument | None:
+    """Select the consensus of this size and zoom, of the requested model if there is one."""
+    here = [
+        c
+        for c in known
+        if (c.img_size, c.zoom) == (request.img_size, request.zoom)
+        and c.calibration is not None
+        and is_projectable(c.calibration)
+    ]
+    return max(here, key=lambda c: (c.distortion_model == request.distortion_model, c.total), default=None)
+
+
+def _other_sizes(request: LookupRequest, known: Sequence[ConsensusDocument], kind: str) -> list[Evidence]:
+    """Evidence of the closest other sizes and zooms."""
+    modes: dict[tuple[tuple[int, int], float], Calibration] = {}
+    for c in known:
+        mode = c.img_size, c.zoom
+        if mode == (request.img_size, request.zoom) or c.calibration is None:
+            continue
+        if c.reason != "disagree" and is_projectable(c.calibration):
+            modes.setdefault(mode, c.calibration)
+    closest = sorted(modes, key=lambda m: (m[1] != request.zoom, closeness(m[0], request.img_size)))
+    return [_elsewhere(modes[mode], request, kind) for mode in closest[:_MAX_OTHER_SIZES]]
+
+
+def _elsewhere(calibration: Calibration, request: LookupRequest, kind: str) -> Evidence:
+    value, size = calibrated_log_tan(calibration), calibration.img_size
+    found = other_size(kind, value, size, request.img_size, calibration.calibrations)
+    if calibration.zoom == request.zoom:
+        return found
+    if system_of(request.platform).is_file and request.zoom > 0 and calibration.zoom > 0:
+        return found.shifted(math.log(calibration.zoom / request.zoom), _FOCAL_SIGMA)
+    to_change, to_sigma = zoom_change(request.zoom)
+    from_change, from_sigma = zoom_change(calibration.zoom)
+    return found.shifted(to_change - from_change, math.hypot(to_sigma, from_sigma))
+
+
+def _reports(request: LookupRequest, kind: str) -> list[Evidence]:
+    """Evidence of what the device reports of itself."""
+    facts = request.reported
+    if facts is None:
+        return []
+    values = {"f35": facts.focal_35mm, "hfov": facts.hfov_deg, "dfov": facts.dfov_deg}
+    return [
+        reported(kind, quantity, value, request.img_size)
+        for quantity, value in values.items()
+        if value is not None
+    ]
+
+
+def _with_lens_of(result: Estimate, calibration: Calibration) -> Estimate:
+    """Return the estimate with centre and distortion of a calibration."""
+    (fx, _, cx), (_, fy, cy), last = calibration.camera_matrix
+    own = 2 * math.atan(math.exp(calibrated_log_tan(calibration)))
+    w, h = calibration.img_size
+    half = math.tan(math.radians(result.hfov_deg) / 2) * max(1.0, h / w)
+    if calibration.distortion_model in _PINHOLES:
+        scale = math.tan(own / 2) / half
+    else:
+        scale = own / (2 * math.atan(half))
+    return result.model_copy(
+        update={
+            "camera_matrix": ((fx * scale, 0.0, cx), (0.0, fy * scale, cy), last),
+            "distortion_model": calibration.distortion_model,
+            "distortion_coefficients": calibration.distortion_coefficients,
+        }
+    )

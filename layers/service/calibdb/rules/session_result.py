@@ -1,0 +1,84 @@
+"""Result of a session: its end, and the calibration that follows from it."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+
+from pydantic import JsonValue
+
+from calibdb.camera_key import current_key
+from calibdb.schema import CalibrationDocument, Finish, SessionDocument
+
+_DAY_S = 86_400
+
+
+def with_finish(
+    document: SessionDocument,
+    now: int,
+    contributor: str,
+    solver: str,
+    report: Mapping[str, JsonValue] | None = None,
+    source: str | None = None,
+) -> SessionDocument:
+    """End the session: fix everything that publishing it needs.
+
+    The calibration's id follows from the session, and sorts by the day on which it was started: however
+    often it is published, it is one calibration.
+    """
+    finish = Finish(
+        calibration_id=calibration_id(document),
+        time=now,
+        contributor=contributor,
+        source=source,
+        solver=solver,
+        report=None if report is None else dict(report),
+    )
+    ended = {"finish": finish, "target": None, "skipped": (), "unreached": (), "doubted": ()}
+    return document.model_copy(update=ended)
+
+
+def calibration_id(document: SessionDocument) -> str:
+    """Return the id of the calibration that a session leads to, were it to end."""
+    return f"{document.camera_key}-{calibration_name(document.session, document.first_version)}"
+
+
+def calibration_name(sid: str, first_version: int) -> str:
+    """Compute the second part of a calibration id: it follows from the session, and leads to none.
+
+    Ids are public: of the time, with which names of sessions begin, only the day is in them.
+    """
+    day = int(sid[:8], 16) // _DAY_S * _DAY_S
+    return f"{day:08x}{hashlib.sha256(f'{sid}/{first_version}'.encode()).hexdigest()[:12]}"
+
+
+def to_calibration(document: SessionDocument) -> CalibrationDocument:
+    """Make the calibration of a converged session."""
+    finish, fit = document.finish, document.estimate.fit
+    if finish is None or fit is None:
+        raise ValueError("the session has not converged")
+    return CalibrationDocument(
+        id=finish.calibration_id,
+        # A session may have begun under earlier rules.
+        camera_key=current_key(document.camera_key, document.camera, document.platform),
+        camera=document.camera,
+        platform=document.platform,
+        img_size=document.img_size,
+        zoom=document.zoom,
+        distortion_model=document.distortion_model,
+        board=document.board,
+        guidance=document.guidance,
+        target_error=document.target_error,
+        track=document.track,
+        capture=document.capture,
+        rig=document.rig,
+        **document.consent,
+        views=tuple(view for view in document.views if view.set_aside is None),
+        set_aside=tuple(view for view in document.views if view.set_aside is not None),
+        fits={document.distortion_model: fit},
+        report=finish.report,
+        solver=finish.solver,
+        contributor=finish.contributor,
+        source=finish.source,
+        time=finish.time,
+    )

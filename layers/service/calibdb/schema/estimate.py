@@ -1,0 +1,41 @@
+"""Estimate of a camera of which nothing reliable is known. It is never a calibration."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from calibdb.schema.fields import DistortionModel, ImgSize, Open, Row
+
+EstimateBasis = Literal["calibrations", "views", "device", "other_size", "published", "family", "population"]
+
+
+class Source(Open):
+    """Publication that an estimate rests on."""
+
+    title: str
+    url: str
+
+
+class EstimateInterval(Open):
+    """Interval that contains the true value with a probability of 90 %."""
+
+    hfov_deg: tuple[float, float]
+
+
+class Estimate(Open):
+    """Likely camera, if nothing reliable is known. It is not a calibration: nothing of it is ever stored."""
+
+    img_size: ImgSize
+    camera_matrix: tuple[Row, Row, Row] = Field(description="Row-major; pixel centres at whole numbers.")
+    distortion_model: DistortionModel
+    distortion_coefficients: tuple[float, ...]
+    hfov_deg: float = Field(description="Horizontal field of view, degrees.")
+    interval_90: EstimateInterval
+    basis: EstimateBasis = Field(
+        description="Best evidence that it rests on: too few calibrations here; views that were sent; what "
+        "the device reports; this camera at another size; a published value of this model; other cameras of "
+        "its maker; its kind of device."
+    )
+    sources: tuple[Source, ...] = ()
