@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from . import offline
     from .aio import AsyncClient
-    from .answer import Answer, ExportedFile
+    from .answer import Answer
     from .board import Board
     from .calibration import Calibration
     from .camera import Camera, open_camera
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
         ServiceUnavailableError,
         UsageError,
     )
+    from .estimate import Estimate
+    from .exported_file import ExportedFile
     from .key import CameraKey
     from .recording import Recording
     from .rig import Rig
@@ -58,7 +60,8 @@ _MODULES = {
     "Client": "client",
     "ConflictError": "errors",
     "CredentialError": "errors",
-    "ExportedFile": "answer",
+    "Estimate": "estimate",
+    "ExportedFile": "exported_file",
     "MissingPackageError": "errors",
     "NotFoundError": "errors",
     "ProblemError": "errors",
@@ -86,6 +89,7 @@ __all__ = [
     "Client",
     "ConflictError",
     "CredentialError",
+    "Estimate",
     "ExportedFile",
     "MissingPackageError",
     "NotFoundError",

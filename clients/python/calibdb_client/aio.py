@@ -8,25 +8,28 @@ from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self, Unpack
+from typing import TYPE_CHECKING, Any
 
 import httpx
 
 from . import checks, flows, session
-from .answer import Answer, ExportedFile
+from .answer import Answer
 from .calibration import Calibration
 from .checks import CheckResult
 from .client import open_cache
 from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Connection, failure
 from .errors import CalibDBError
-from .export_query import export_query
-from .key import DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of
+from .exported_file import ExportedFile
+from .key import AUTO, DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of, live_model
+from .picture_change import PictureChange
 from .recording import Recording, ignore
 from .rig import Rig
 from .session import CaptureResult, Progress
 from .wire import Failure, Reply, Request, pause, require_success
 
 if TYPE_CHECKING:
+    from typing import Self, Unpack
+
     from .board import Board
     from .capture.operation import CaptureOptions, Keep
 
@@ -41,7 +44,7 @@ class _End:
 class AsyncClient:
     """A client of one service for programs with an event loop. Use it in `async with`, or await `close`.
 
-    Parameters as of `Client`. Its calibrations write their own format only; `export` fetches the others.
+    Parameters as of `Client`. Its calibrations write files by calibsolver; `export` fetches the service's.
     """
 
     def __init__(
@@ -91,10 +94,13 @@ class AsyncClient:
         size: Sequence[int] | None = None,
         zoom: float | None = None,
         model: str = DEFAULT_MODEL,
+        device: str | None = None,
+        reported: Mapping[str, float] | None = None,
     ) -> Answer:
         """Look up the calibration of a camera, as `Client.lookup` does."""
-        key = key_of(camera, platform, size, zoom)
-        return await self._run(flows.lookup(key, checked_model(model), self._edge, Calibration))
+        key = key_of(camera, platform, size, zoom).with_device(device)
+        facts = {"reported": dict(reported)} if reported else {}
+        return await self._run(flows.lookup(key, checked_model(model), self._edge, Calibration, facts))
 
     async def calibration(self, identifier: str) -> Calibration:
         """Read one stored calibration, or one consensus, by its id."""
@@ -111,7 +117,8 @@ class AsyncClient:
         mirror: bool = False,
     ) -> ExportedFile:
         """Read a calibration as another tool's file, as `Client.export` does."""
-        return await self._run(flows.export(identifier, export_query(format, crop, resize, rotate, mirror)))
+        change = PictureChange(crop, resize, rotate, mirror)
+        return await self._run(flows.export(identifier, {"format": format, **change.query()}))
 
     async def rig(self, identifier: str) -> Rig:
         """Read a rig by its id, as `Client.rig` does."""
@@ -132,16 +139,14 @@ class AsyncClient:
     async def submit(
         self,
         recording: Recording,
-        model: str = DEFAULT_MODEL,
+        model: str = AUTO,
         progress: Progress | None = None,
         *,
         licence: str | None = None,
     ) -> CaptureResult:
         """Send the corners of a recording, as `Client.submit` does."""
         consent = session.consent_of(licence)
-        return await self._run(
-            session.submit(recording, checked_model(model), Calibration, progress, consent)
-        )
+        return await self._run(session.submit(recording, model, Calibration, progress, consent))
 
     async def calibrate_images(
         self,
@@ -151,7 +156,7 @@ class AsyncClient:
         board: Board | None = None,
         platform: str | None = None,
         zoom: float | None = None,
-        model: str = DEFAULT_MODEL,
+        model: str = AUTO,
         licence: str | None = None,
     ) -> CaptureResult:
         """Calibrate a camera from pictures of a board, as `Client.calibrate_images` does."""
@@ -164,7 +169,7 @@ class AsyncClient:
         self,
         camera: Any,
         *,
-        model: str = DEFAULT_MODEL,
+        model: str = AUTO,
         licence: str | None = None,
         keep: Keep | None = None,
         **options: Unpack[CaptureOptions],
@@ -177,7 +182,7 @@ class AsyncClient:
 
         consent = session.consent_of(licence)
         operation = await asyncio.to_thread(prepare, camera, **options)
-        flow = operation.by_service(checked_model(model), keep or ignore, Calibration, consent)
+        flow = operation.by_service(live_model(model), keep or ignore, Calibration, consent)
         return await self._run(flow, in_thread=True)
 
     async def check(

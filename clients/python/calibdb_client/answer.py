@@ -1,12 +1,13 @@
-"""Answers of the service: to a lookup, and files."""
+"""Answer of the service to a lookup."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from .calibration import Calibration
+    from .estimate import Estimate
 
 Source = Literal["cache", "edge", "service"]
 
@@ -20,14 +21,16 @@ class Answer:
     calibration
         None if nothing reliable is known.
     reason
-        Word for why there is none: ``unknown_camera``, ``too_few``, ``disagree`` or
-        ``few_contributors``; else "".
+        Word for why there is none: ``unknown_camera``, ``too_few``, ``disagree``,
+        ``few_contributors`` or ``imprecise``; else "".
     detail
         The reason in a sentence.
     guidance_url
         Page that calibrates the camera in a browser; "" if there is a calibration.
     source
         Place of the answer: this machine's cache, the edge, or the service.
+    estimate
+        Likely camera where nothing reliable is known; None if there is a calibration.
     """
 
     calibration: Calibration | None
@@ -35,27 +38,4 @@ class Answer:
     detail: str = ""
     guidance_url: str = ""
     source: Source = "service"
-
-
-@dataclass(frozen=True)
-class ExportedFile:
-    """A calibration as another tool's file.
-
-    Attributes
-    ----------
-    content, filename, media_type
-        As a download needs them.
-    error
-        px, largest distance between the projections by the calibration and by the file; 0: exact.
-    coverage
-        Share of the image in which the file's model is valid.
-    warning
-        Note for its reader, or "".
-    """
-
-    content: bytes = field(repr=False)
-    filename: str
-    media_type: str = "application/octet-stream"
-    error: float = 0.0
-    coverage: float = 1.0
-    warning: str = ""
+    estimate: Estimate | None = None

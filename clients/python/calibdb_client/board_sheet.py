@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+
+from calibsolver.board import CIRCLES
 
 from .board import Board, opencv
 from .errors import UsageError
@@ -15,6 +18,8 @@ PAPERS_MM = {"a4": (297.0, 210.0), "a3": (420.0, 297.0), "letter": (279.4, 215.9
 """Width and height of the sheets, lying, mm."""
 MARGIN_MM = 10.0
 MAX_PNG_PX = 8192
+DISK_ROWS = 96
+"""Rows of which a printed circle is made."""
 _POINTS_PER_MM = 72 / 25.4
 _TAG_BORDER = 2  # cells of black frame, as Kalibr prints AprilGrids; of other markers it is one
 Rectangle = tuple[float, float, float, float]
@@ -80,6 +85,9 @@ def black(board: Board) -> Iterator[Rectangle]:
     if board.kind == "aprilgrid":
         yield from _tags(board)
         return
+    if board.kind in CIRCLES:
+        yield from _disks(board)
+        return
     places: list[Any] = []
     if board.kind == "charuco":
         drawn: Any = board.opencv()
@@ -92,6 +100,17 @@ def black(board: Board) -> Iterator[Rectangle]:
     for identifier, place in enumerate(places):
         left, top = place.min(axis=0).tolist()
         yield from _marker(board, identifier, left, top, board.marker_ratio)
+
+
+def _disks(board: Board) -> Iterator[Rectangle]:
+    """Yield circles as runs of thin rows, each as wide as the circle in its middle."""
+    radius = board.marker_ratio / 2
+    height = 2 * radius / DISK_ROWS
+    for x, y in board.places.tolist():
+        for row in range(DISK_ROWS):
+            off = -radius + (row + 0.5) * height
+            half = math.sqrt(radius**2 - off**2)
+            yield x - half, y + off - height / 2, 2 * half, height
 
 
 def _tags(board: Board) -> Iterator[Rectangle]:
@@ -127,6 +146,8 @@ def _runs(line: list[bool], left: float, top: float, cell: float) -> Iterator[Re
 
 def _details(board: Board, side: float) -> str:
     """Return the board in words, its squares or tags in millimetres."""
+    if board.kind in CIRCLES:
+        return f"{board}, {side:g} mm from row to row"
     unit = "tags" if board.kind == "aprilgrid" else "squares"
     return str(board).replace(unit, f"{unit} of {side:g} mm", 1)
 

@@ -11,14 +11,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .answer import ExportedFile
+import calibsolver
+from calibsolver import undistortion
+from calibsolver.arrays import Array
+
 from .errors import MissingPackageError, UsageError
-from .files import write_whole
-from .projection import Array, Lens
-from .rectification import new_camera_matrix, remap_tables
+from .exported_file import ExportedFile
+from .files import read_whole, write_whole
+from .picture_change import UNCHANGED, PictureChange
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from .recording import Recording
 
 Exporter = Callable[[str, str], ExportedFile]
 """Fetches the file of a calibration's id in a format."""
@@ -41,6 +46,7 @@ class Calibration:
 
     record: Mapping[str, Any]
     _exporter: Exporter | None = field(default=None, repr=False)
+    _recording: Recording | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         try:
@@ -66,14 +72,26 @@ class Calibration:
 
     @classmethod
     def load(cls, path: str | Path) -> Calibration:
-        """Read a JSON file that `save` wrote. Raises UsageError for any other file."""
+        """Read a JSON file that `save` or the command wrote, or a calibration file of another tool.
+
+        Raises UsageError for any other file.
+        """
+        content = read_whole(Path(path))
         try:
-            record = json.loads(Path(path).read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise UsageError(f"{path} cannot be read as a calibration: {error}") from None
-        if not isinstance(record, dict):
-            raise UsageError(f"{path} is no calibration")
-        return cls(record)
+            record = json.loads(content)
+        except (ValueError, RecursionError):
+            record = None
+        if isinstance(record, dict) and {"distortion_model", "camera_matrix", "img_size"} <= record.keys():
+            from .recording import Recording
+
+            recording = Recording.of(record) if "recording" in record else None
+            return cls({k: v for k, v in record.items() if k != "recording"}, None, recording)
+        from . import conversion
+
+        try:
+            return cls(conversion.read(path))
+        except UsageError as error:
+            raise UsageError(f"not a calibration: {error}") from None
 
     @cached_property
     def camera_matrix(self) -> Array:
@@ -102,6 +120,11 @@ class Calibration:
         return str(self.record.get("camera", ""))
 
     @property
+    def recording(self) -> Recording | None:
+        """Corners that it was made of, if they are known here."""
+        return self._recording
+
+    @property
     def id(self) -> str | None:
         """Id at the service; None if it is interpolated, refitted, or made offline."""
         return self.record.get("id")
@@ -113,8 +136,8 @@ class Calibration:
 
     @property
     def avg_reprojection_error(self) -> float:
-        """px, root of the mean square over all measurements."""
-        return float(self.record["avg_reprojection_error"])
+        """px, root of the mean square over all measurements; NaN if the file does not say."""
+        return float(self.record.get("avg_reprojection_error", "nan"))
 
     @property
     def reliable(self) -> bool:
@@ -127,21 +150,31 @@ class Calibration:
         return bool(self.record.get("exact_size", True))
 
     @cached_property
-    def lens(self) -> Lens:
-        """The projection, of which `project` and `unproject` are shorthands."""
-        return Lens(self.distortion_model, self.camera_matrix, self.distortion_coefficients.tolist())
+    def lens(self) -> calibsolver.Camera:
+        """The camera model, of which `project` and `unproject` are shorthands.
+
+        Raises UsageError for a model that this version does not know.
+        """
+        try:
+            return calibsolver.Camera.from_record(self.record)
+        except calibsolver.CalibrationError as error:
+            upgrade = ": upgrade calibdb-client" if error.code == "unknown_model" else ""
+            raise UsageError(f"{error}{upgrade}") from None
 
     def project(self, points: object) -> Array:
         """Pixels (n, 2) of points (n, 3), camera frame; NaN where the lens sees nothing."""
-        return self.lens.project(points)
+        return self.lens.project(_rows(points, 3))
 
     def unproject(self, pixels: object) -> Array:
         """Return unit rays (n, 3), camera frame, of pixels (n, 2); NaN where there are none."""
-        return self.lens.unproject(pixels)
+        return self.lens.unproject(_rows(pixels, 2))
 
     def new_camera_matrix(self, alpha: float = 0.0, size: Sequence[int] | None = None) -> Array:
         """Return the matrix (3, 3) of a rectified picture: at 0 it has no black pixel, at 1 it loses none."""
-        return new_camera_matrix(self.lens, self.img_size, alpha, size)
+        try:
+            return undistortion.new_camera_matrix(self.lens, alpha, size)
+        except calibsolver.CalibrationError as error:
+            raise UsageError(str(error)) from None
 
     def remap_tables(
         self, matrix: object = None, size: Sequence[int] | None = None
@@ -155,9 +188,10 @@ class Calibration:
         size
             Width and height of the rectified picture, px; the calibration's unless given.
         """
-        new = self.camera_matrix if matrix is None else np.asarray(matrix, dtype=np.float64)
-        w, h = size or self.img_size
-        return remap_tables(self.lens, new, (int(w), int(h)))
+        try:
+            return undistortion.remap_tables(self.lens, matrix, size)
+        except calibsolver.CalibrationError as error:
+            raise UsageError(str(error)) from None
 
     @cached_property
     def _own_tables(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -206,22 +240,37 @@ class Calibration:
             "p": projection.ravel().tolist(),
         }
 
-    def save(self, path: str | Path, format: str = _NATIVE) -> ExportedFile:  # noqa: A002 - the contract's name
-        """Write a file of one of the service's formats (docs/formats.md), and return it.
+    def save(self, path: str | Path, format: str | None = None) -> ExportedFile:  # noqa: A002 - the contract's name
+        """Write a file of one of the formats of docs/formats.md, and return it.
 
-        The service writes other formats than its own. The file is there as a whole or not at all.
+        Without a format the suffix of the path says it; one that contradicts the suffix raises UsageError.
+        The file is there as a whole or not at all.
         """
-        file = self.export(format)
+        from . import conversion
+
+        file = self.export(conversion.format_of(format, path))
         write_whole(Path(path), file.content)
         return file
 
-    def export(self, format: str = _NATIVE) -> ExportedFile:  # noqa: A002
-        """Return the file in one of the service's formats. Raises UsageError if nothing here can write it."""
-        if format == _NATIVE:
+    def export(self, format: str = _NATIVE, change: PictureChange = UNCHANGED) -> ExportedFile:  # noqa: A002
+        """Return the file in one of the formats of docs/formats.md, for the changed picture.
+
+        The service writes calibrations that it holds, calibsolver all others. Raises UsageError if the format
+        cannot hold the camera.
+        """
+        if format == _NATIVE and change == UNCHANGED:
             content = json.dumps(dict(self.record), indent=2, ensure_ascii=False) + "\n"
             return ExportedFile(content.encode(), "calibration.json", "application/json")
-        if self.id and self._exporter:
+        if self.id and self._exporter and change == UNCHANGED:
             return self._exporter(self.id, format)
-        raise UsageError(
-            f"the service holds no calibration of this, so only 'calibdb' can be written, not {format!r}"
-        )
+        from . import conversion
+
+        return conversion.write(self.record, format, self._recording, change)
+
+
+def _rows(values: object, width: int) -> Array:
+    """Return values as an array (n, width). Raises UsageError for values of any other shape."""
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim == 0 or array.shape[-1] != width:
+        raise UsageError(f"an array (n, {width}) is wanted, not {array.shape}")
+    return array.reshape(-1, width)

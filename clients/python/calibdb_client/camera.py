@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any
 
 from .devices import Device, find
 from .errors import CameraError, MissingPackageError
+
+if TYPE_CHECKING:
+    from typing import Self
 
 MAX_READS = 30
 """Frames that are waited for: many cameras deliver their first picture late."""

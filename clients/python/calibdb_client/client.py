@@ -7,27 +7,31 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self, Unpack
+from typing import TYPE_CHECKING, Any
 
 import httpx
 
 from . import checks, flows, session
-from .answer import Answer, ExportedFile
+from .answer import Answer
 from .cache import Cache, default_folder
 from .calibration import Calibration
 from .checks import CheckResult
 from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Connection, failure
 from .errors import CalibDBError
-from .export_query import export_query
-from .key import DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of
+from .exported_file import ExportedFile
+from .key import AUTO, DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of, live_model
+from .picture_change import PictureChange
 from .recording import Recording, ignore
 from .rig import Rig
 from .session import CaptureResult, Progress
 from .wire import Failure, Reply, Request, pause, require_success
 
 if TYPE_CHECKING:
+    from typing import Self, Unpack
+
     from .board import Board
     from .capture.operation import CaptureOptions, Keep
+    from .rig_pictures import RigResult
 
 
 class Client:
@@ -98,6 +102,8 @@ class Client:
         size: Sequence[int] | None = None,
         zoom: float | None = None,
         model: str = DEFAULT_MODEL,
+        device: str | None = None,
+        reported: Mapping[str, float] | None = None,
     ) -> Answer:
         """Look up the calibration of a camera.
 
@@ -109,9 +115,15 @@ class Client:
             As in `key_of`; they replace what the camera says.
         model
             Distortion model.
+        device
+            Model identifier of a phone, such as ``iPhone17,3``.
+        reported
+            Field of view that the device reports: ``focal_35mm`` in mm, ``hfov_deg`` or ``dfov_deg``. Only
+            the estimate uses it.
         """
-        key = key_of(camera, platform, size, zoom)
-        return self._run(flows.lookup(key, checked_model(model), self._edge, self._calibration))
+        key = key_of(camera, platform, size, zoom).with_device(device)
+        facts = {"reported": dict(reported)} if reported else {}
+        return self._run(flows.lookup(key, checked_model(model), self._edge, self._calibration, facts))
 
     def calibration(self, identifier: str) -> Calibration:
         """Read one stored calibration, or one consensus, by its id."""
@@ -142,7 +154,8 @@ class Client:
         mirror
             Whether left and right are swapped at last.
         """
-        return self._run(flows.export(identifier, export_query(format, crop, resize, rotate, mirror)))
+        change = PictureChange(crop, resize, rotate, mirror)
+        return self._run(flows.export(identifier, {"format": format, **change.query()}))
 
     def rig(self, identifier: str) -> Rig:
         """Read a rig, cameras that were calibrated together, by its id. Raises NotFoundError for none."""
@@ -163,7 +176,7 @@ class Client:
     def submit(
         self,
         recording: Recording,
-        model: str = DEFAULT_MODEL,
+        model: str = AUTO,
         progress: Progress | None = None,
         *,
         licence: str | None = None,
@@ -173,7 +186,8 @@ class Client:
         Parameters
         ----------
         recording, model
-            The views, and the distortion model.
+            The views, and the distortion model; ``auto`` is the one that predicts views best that it did not
+            see.
         progress
             Is told how many of how many views are sent.
         licence
@@ -184,13 +198,13 @@ class Client:
         """
         consent = session.consent_of(licence)
         make = self._calibration
-        return self._run(session.submit(recording, checked_model(model), make, progress, consent))
+        return self._run(session.submit(recording, model, make, progress, consent))
 
     def calibrate(
         self,
         camera: Any,
         *,
-        model: str = DEFAULT_MODEL,
+        model: str = AUTO,
         licence: str | None = None,
         keep: Keep | None = None,
         **options: Unpack[CaptureOptions],
@@ -203,7 +217,7 @@ class Client:
             An open camera, an index, path or name of one here, the address of a stream, a video file, or any
             object with `read()`.
         model, licence
-            Distortion model; the licence as in `submit`.
+            Distortion model, of ``auto`` rectilinear; the licence as in `submit`.
         keep
             Is told the recording after every view, to save it.
         options
@@ -216,7 +230,7 @@ class Client:
 
         consent = session.consent_of(licence)
         operation = prepare(camera, **options)
-        flow = operation.by_service(checked_model(model), keep or ignore, self._calibration, consent)
+        flow = operation.by_service(live_model(model), keep or ignore, self._calibration, consent)
         return self._run(flow)
 
     def check(
@@ -245,7 +259,7 @@ class Client:
         board: Board | None = None,
         platform: str | None = None,
         zoom: float | None = None,
-        model: str = DEFAULT_MODEL,
+        model: str = AUTO,
         licence: str | None = None,
     ) -> CaptureResult:
         """Calibrate a camera from pictures of a board. Only the corners are sent.
@@ -260,9 +274,7 @@ class Client:
             The board; recognised unless given.
         platform, zoom
             As in `key_of`; ``photographs`` is the platform of a label alone.
-        model
-            Distortion model.
-        licence
+        model, licence
             As in `submit`.
 
         Raises CaptureError if they do not suffice, MissingPackageError without OpenCV.
@@ -271,6 +283,22 @@ class Client:
 
         recording = recording_of(paths, camera, board, platform, zoom)
         return self.submit(recording, model, licence=licence)
+
+    def calibrate_rig(
+        self,
+        folders: Sequence[str | Path],
+        *,
+        board: Board | None = None,
+        model: str = AUTO,
+        square_size: float | None = None,
+    ) -> RigResult:
+        """Calibrate cameras that do not move against each other from a folder of pictures of each.
+
+        On this machine: nothing is sent. Parameters and errors as of `offline.calibrate_rig`.
+        """
+        from .rig_pictures import calibrate_rig
+
+        return calibrate_rig(folders, board=board, model=model, square_size=square_size)
 
     def _calibration(self, record: Mapping[str, Any]) -> Calibration:
         return Calibration(record, self.export)

@@ -53,6 +53,16 @@ class CaptureError(CalibDBError):
     exit_status = 7
 
 
+class MirroredError(CaptureError):
+    """The pictures are mirrored, and can be turned back."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "the pictures are mirrored: pass --mirrored to turn them back, or turn mirroring off in the "
+            "camera's software"
+        )
+
+
 @dataclass(frozen=True)
 class FieldProblem:
     """One field of a request that the service refused.

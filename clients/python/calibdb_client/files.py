@@ -1,4 +1,4 @@
-"""Files that are there as a whole or not at all."""
+"""Files that are read and written as a whole."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import os
 from pathlib import Path
 
 from .errors import UsageError
+
+MAX_BYTES = 64 * 1024 * 1024
+"""Bytes of a file that is read."""
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -17,3 +20,15 @@ def write_whole(path: Path, content: bytes) -> None:
     except OSError as error:
         partial.unlink(missing_ok=True)
         raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
+
+
+def read_whole(path: Path) -> bytes:
+    """Read a file. Raises UsageError if it cannot be read, or is too large to be a calibration."""
+    try:
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
+    if len(content) > MAX_BYTES:
+        raise UsageError(f"{path} is larger than {MAX_BYTES >> 20} MB")
+    return content

@@ -11,14 +11,16 @@ from dataclasses import dataclass
 from email.message import Message
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .answer import Answer, ExportedFile
+from .answer import Answer
 from .cache import Cache
 from .errors import CalibDBError, NotFoundError, ServiceUnavailableError, UsageError
+from .exported_file import ExportedFile
 from .key import CameraKey
 from .wire import Reply, Request
 
 if TYPE_CHECKING:
     from .calibration import Calibration
+    from .estimate import Estimate
 
 T = TypeVar("T")
 Flow = Generator[Request, Reply, T]
@@ -50,9 +52,16 @@ class Edge:
 
 
 def lookup(
-    key: CameraKey, model: str, edge: Edge, make: Callable[[Mapping[str, Any]], Calibration]
+    key: CameraKey,
+    model: str,
+    edge: Edge,
+    make: Callable[[Mapping[str, Any]], Calibration],
+    facts: Mapping[str, Any] | None = None,
 ) -> Flow[Answer]:
-    """Look a camera up: in the cache, at the edge, then by POST. `make` turns a record into a calibration."""
+    """Look a camera up: in the cache, at the edge, then by POST.
+
+    `make` turns a record into a calibration. `facts`: further members of the request, for the estimate.
+    """
     path = key.known_path(model) if edge.on else None
     if path is not None:
         address = f"{edge.site}/{path}"
@@ -66,16 +75,24 @@ def lookup(
                 return Answer(make(record), source="edge")
         except CalibDBError:
             yield from _read_switch(edge)
-    body = {**key.record(), "redirect": False, "distortion_model": model}
+    body = {**key.record(), **(facts or {}), "redirect": False, "distortion_model": model}
     try:
         reply = yield Request("POST", "v1/lookup", body)
     except NotFoundError as error:
         if not isinstance(reason := error.members.get("reason"), str):
             raise
-        return Answer(None, reason, error.detail, str(error.members.get("guidance_url") or ""))
+        url = str(error.members.get("guidance_url") or "")
+        return Answer(None, reason, error.detail, url, estimate=_estimate(error.members.get("estimate")))
     if _is_record(record := reply.json):
         return Answer(make(record))
     raise ServiceUnavailableError(f"{edge.site} answered a lookup with something else: check the address")
+
+
+def _estimate(record: object) -> Estimate | None:
+    """Return the estimate of an answer, None if an older service gives none."""
+    from .estimate import Estimate
+
+    return Estimate(record) if isinstance(record, dict) else None
 
 
 def calibration(identifier: str) -> Flow[Mapping[str, Any]]:

@@ -22,33 +22,34 @@ def recording_of(
     platform: str | None = None,
     zoom: float | None = None,
     least: int = MIN_VIEWS,
+    mirrored: bool = False,
 ) -> Recording:
     """Find the board in pictures, folders of pictures, or one video file.
 
-    Parameters as of `Client.calibrate_images`; `least` views suffice.
+    Parameters as of `Client.calibrate_images`; `least` views suffice; `mirrored` pictures are turned back.
 
     Raises CaptureError if they do not suffice, MissingPackageError without OpenCV.
     """
     found = FoundViews()
     given = [paths] if isinstance(paths, (str, Path)) else list(paths)
     if len(given) == 1 and is_video(given[0]):
-        chosen = read_video(given[0], board, found)
+        chosen = read_video(given[0], board, found, mirrored=mirrored)
     else:
         files = pictures.picture_paths(given)
-        chosen = board or board_of(files)
-        pictures.read(files, chosen, found)
+        chosen = board or board_of(files, mirrored)
+        pictures.read(files, chosen, found, mirrored=mirrored)
     size, views = found.of_one_size(least)
     if platform is None and isinstance(camera, str):
         platform = pictures.PLATFORM
     return Recording(key_of(camera, platform, size, zoom), chosen, views)
 
 
-def board_of(files: list[Path]) -> Board:
+def board_of(files: list[Path], mirrored: bool = False) -> Board:
     """Return the board that pictures show. Raises CaptureError if they do not tell."""
-    board = pictures.recognise_board(files)
+    board = pictures.recognise_board(files, mirrored)
     if board is None:
         raise CaptureError(
             "no board was recognised in the pictures: describe it by --kind, --squares, --marker-ratio and "
-            "--dictionary"
+            "--dictionary, and an AprilGrid, of which pictures may disagree, by --tag-spacing"
         )
     return board

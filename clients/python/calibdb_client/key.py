@@ -7,13 +7,15 @@ import math
 import re
 import unicodedata
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, runtime_checkable
 
 from .errors import UsageError
 
 MODELS = ("rectilinear", "fisheye", "rational", "omnidirectional")
 DEFAULT_MODEL = MODELS[0]
+AUTO = "auto"
+"""The distortion model that explains the views best."""
 UNNAMED = "unnamed camera"
 """Label of a camera that has none."""
 
@@ -64,6 +66,13 @@ class CameraKey:
             raise UsageError(f"a zoom lies in 0 to 1000000, not {self.zoom}")
         object.__setattr__(self, "img_size", (w, h))
         object.__setattr__(self, "zoom", float(self.zoom))
+
+    def with_device(self, device: str | None) -> CameraKey:
+        """Return the key with a phone's model identifier as a part of its platform."""
+        parts = [part.strip().casefold() for part in self.platform.split(";")]
+        if not device or device.casefold() in parts:
+            return self
+        return replace(self, platform=f"{self.platform}; {device}")
 
     def record(self) -> dict[str, Any]:
         """Return the key as the members of a request."""
@@ -148,3 +157,8 @@ def checked_model(model: str) -> str:
     if model not in MODELS:
         raise UsageError(f"a distortion model is one of {', '.join(MODELS)}, not {model!r}")
     return model
+
+
+def live_model(model: str) -> str:
+    """Return the model by which a live capture is guided. Raises UsageError for an unknown one."""
+    return DEFAULT_MODEL if model == AUTO else checked_model(model)

@@ -20,6 +20,8 @@ from .recording import RecordedView
 T = TypeVar("T")
 
 SUFFIXES = frozenset({".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp"})
+UNREAD = frozenset({".heic", ".heif", ".avif", ".dng", ".cr2", ".cr3", ".nef", ".arw", ".raf"})
+"""Suffixes of pictures that OpenCV does not read."""
 PLATFORM = "photographs"
 """Platform of pictures that no browser's camera took."""
 MAX_PICTURES = 400
@@ -38,6 +40,8 @@ class FoundViews:
     ----------
     views
         Views with their picture's size, px.
+    frames
+        Frames of a video that show the board; 0 for pictures.
     broken
         Sentence about a video that breaks off.
     empty, unreadable
@@ -46,11 +50,14 @@ class FoundViews:
 
     views: list[tuple[tuple[int, int], RecordedView]] = field(default_factory=list)
     empty: list[str] = field(default_factory=list)
+    frames: int = 0
     broken: str = ""
     unreadable: list[str] = field(default_factory=list)
 
-    def of_one_size(self, least: int = MIN_VIEWS) -> tuple[tuple[int, int], tuple[RecordedView, ...]]:
-        """Return the size that most views have, and those views, at most as many as the service takes.
+    def of_one_size(
+        self, least: int = MIN_VIEWS, limited: bool = True
+    ) -> tuple[tuple[int, int], tuple[RecordedView, ...]]:
+        """Return the size that most views have, and those views; `limited` to as many as the service takes.
 
         Raises CaptureError if there are fewer than `least`.
         """
@@ -58,13 +65,22 @@ class FoundViews:
             raise CaptureError(self._nothing())
         sizes = Counter(size for size, _ in self.views)
         size, count = sizes.most_common(1)[0]
+        if count < least and self.frames > count:
+            raise CaptureError(
+                f"{plural(self.frames, 'frame shows', 'frames show')} the board, but they are too alike: "
+                f"{plural(count, 'view differs', 'views differ')}, and {least} are needed, better 10. "
+                "Move the board between the frames, and tilt it in several ways"
+            )
         if count < least:
             several = f" of {size[0]}x{size[1]} px" if len(sizes) > 1 else ""
             raise CaptureError(
-                f"{count} pictures{several} show the board, and {least} are needed, better 10: "
-                "take more, with the board tilted in several ways"
+                f"the board was detected in {plural(count, 'picture', 'pictures')}{several}, and {least} are "
+                "needed, better 10: describe the board by --kind and --squares if it is in more of them"
             )
-        views = _spread([view for each, view in self.views if each == size], MAX_VIEWS)
+        views = [view for each, view in self.views if each == size]
+        if not limited:
+            return size, tuple(views)
+        views = _spread(views, MAX_VIEWS)
         while sum(len(view.ids) for view in views) > MAX_POINTS:
             views = _spread(views, len(views) - 1)
         return size, tuple(views)
@@ -77,8 +93,9 @@ class FoundViews:
         if self.unreadable and not self.empty:
             return "none of the files can be read as a picture: give JPEG, PNG, TIFF or WebP files"
         return (
-            "the board is in none of the pictures: describe it by --kind, --squares, --marker-ratio and "
-            "--dictionary, and --legacy if OpenCV before 4.6 drew it"
+            "the board was detected in none of the pictures: describe it by --kind, --squares, "
+            "--marker-ratio and --dictionary, of an AprilGrid --tag-spacing, and --legacy if OpenCV before "
+            "4.6 drew it"
         )
 
 
@@ -95,9 +112,11 @@ def picture_paths(given: Iterable[str | Path]) -> list[Path]:
                     Path(e.path) for e in entries if Path(e.name).suffix.lower() in SUFFIXES and e.is_file()
                 ]
             if not inside:
-                raise UsageError(f"{each} holds no pictures (JPEG, PNG, TIFF, WebP, BMP)")
+                raise UsageError(_without_pictures(each))
             paths += sorted(inside)
         elif each.is_file():
+            if each.suffix.lower() == ".json":
+                raise UsageError(f"{each} is no picture: `calibdb submit {each}` uses the corners in it")
             paths.append(each)
         else:
             raise UsageError(f"{each} is not there")
@@ -106,18 +125,63 @@ def picture_paths(given: Iterable[str | Path]) -> list[Path]:
     return paths
 
 
+def plural(count: int, one: str, other: str) -> str:
+    """Return a count with its noun."""
+    return f"{count} {one if count == 1 else other}"
+
+
+def _without_pictures(folder: Path) -> str:
+    """Return a sentence about a folder without pictures: where they may be, or how to make some."""
+    raw = [path for path in folder.iterdir() if path.suffix.lower() in UNREAD]
+    if raw:
+        return f"{folder} holds {len(raw)} {raw[0].suffix[1:].upper()} files: convert them to JPEG or PNG"
+    below = sorted(path for path in folder.iterdir() if path.is_dir() and not path.name.startswith("."))
+    if below:
+        names = ", ".join(str(path) for path in below[:5]) + (", …" if len(below) > 5 else "")
+        return f"{folder} holds no pictures, but folders: name one of {names}"
+    return f"{folder} holds no pictures (JPEG, PNG, TIFF, WebP, BMP)"
+
+
+def turned_by_camera(paths: Sequence[Path]) -> bool:
+    """Return True if the first picture has an EXIF orientation, by which other programs turn it."""
+    import cv2
+
+    content = _content(paths[0]) if paths else b""
+    if not content.startswith(b"\xff\xd8"):
+        return False
+    plain = _decode(content)
+    turned: Any = None
+    try:
+        turned = cv2.imdecode(np.frombuffer(content, dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
+    except cv2.error:
+        return False
+    return (
+        plain is not None
+        and turned is not None
+        and (plain.shape != turned.shape or not np.array_equal(plain, turned))
+    )
+
+
 def read(
-    paths: Sequence[Path], board: Board, found: FoundViews, progress: Callable[[int, int], None] | None = None
+    paths: Sequence[Path],
+    board: Board,
+    found: FoundViews,
+    progress: Callable[[int, int], None] | None = None,
+    most: int | None = MAX_PICTURES,
+    mirrored: bool = False,
 ) -> None:
     """Find the board in pictures, and add to `found` one by one: an interruption loses nothing.
 
-    Pixels are those of the file: an orientation that the camera wrote beside them is not applied.
+    Pixels are those of the file: an orientation that the camera wrote next to them is not applied.
+    `mirrored` pictures are turned back. Of more pictures than `most`, as many are read, spread evenly.
     """
-    detector = Detector(board)
-    chosen = _spread(list(paths), MAX_PICTURES)
+    detector = Detector(board, thorough=True)
+    chosen = list(paths) if most is None else _spread(list(paths), most)
     for n, path in enumerate(chosen):
         content = _content(path)
         picture = _decode(content) if content else None
+        if mirrored and picture is not None:
+            picture = np.ascontiguousarray(picture[:, ::-1])
         if picture is None:
             found.unreadable.append(path.name)
         elif (corners := detector.find(picture)) is None:
@@ -130,12 +194,15 @@ def read(
             progress(n + 1, len(chosen))
 
 
-def recognise_board(paths: Sequence[Path]) -> Board | None:
-    """Return the board in pictures, of which some, spread evenly, are looked at; None if they do not tell."""
+def recognise_board(paths: Sequence[Path], mirrored: bool = False) -> Board | None:
+    """Return the board in pictures, of which some, spread evenly, are looked at; None if they do not tell.
+
+    Raises as `recognise` does.
+    """
     chosen = _spread(list(paths), 2 * MAX_LOOKED_AT)
     for some in (chosen[::2], chosen[1::2]):
         pictures = (_decode(content) for path in some if (content := _content(path)))
-        board = recognise(each for each in pictures if each is not None)
+        board = recognise((each for each in pictures if each is not None), mirrored)
         if board is not None:
             return board
     return None

@@ -11,11 +11,10 @@ from typing import Any
 
 from .board import Board
 from .errors import UsageError
-from .files import write_whole
+from .files import read_whole, write_whole
 from .key import CameraKey
 
 FORMAT = "calibdb-recording-1"
-MAX_FILE_BYTES = 64 * 1024 * 1024
 _MEMBER = "recording"
 
 
@@ -60,27 +59,30 @@ class Recording:
     @classmethod
     def load(cls, path: str | Path) -> Recording:
         """Read a file that `save` wrote. Raises UsageError for any other file."""
-        source = Path(path)
         try:
-            if source.stat().st_size > MAX_FILE_BYTES:
-                raise UsageError(f"{path} is too large for a recording")
-            told = json.loads(source.read_text(encoding="utf-8"))[_MEMBER]
-            if told["format"] != FORMAT:
-                raise UsageError(
-                    f"{path} is of a version that this one does not know: upgrade calibdb-client"
-                )
-            w, h = told["img_size"]
-            columns, rows = told["board"]["squares"]
-            board = Board(**{**told["board"], "squares": (int(columns), int(rows))})
-            live = told.get("live") is True
-            key = CameraKey(str(told["camera"]), str(told["platform"]), (w, h), float(told["zoom"]))
-            return cls(key, board, tuple(_view(each, board) for each in told["views"]), live)
-        except OSError as error:
-            raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
+            return cls.of(json.loads(read_whole(Path(path))))
+        except UsageError as error:
+            raise UsageError(f"{path}: {error}") from None
+        except (ValueError, RecursionError):
+            raise UsageError(f"{path} holds no recording of calibdb") from None
+
+    @classmethod
+    def of(cls, content: Mapping[str, Any]) -> Recording:
+        """Return the recording in the content of a file. Raises UsageError if there is none."""
+        try:
+            record = content[_MEMBER]
+            if record["format"] != FORMAT:
+                raise UsageError("of a version that this one does not know: upgrade calibdb-client")
+            w, h = record["img_size"]
+            columns, rows = record["board"]["squares"]
+            board = Board(**{**record["board"], "squares": (int(columns), int(rows))})
+            live = record.get("live") is True
+            key = CameraKey(str(record["camera"]), str(record["platform"]), (w, h), float(record["zoom"]))
+            return cls(key, board, tuple(_view(each, board) for each in record["views"]), live)
         except UsageError:
             raise
         except (ValueError, KeyError, TypeError):
-            raise UsageError(f"{path} holds no recording of calibdb") from None
+            raise UsageError("the file holds no recording of calibdb") from None
 
     def save(self, path: str | Path) -> None:
         """Write the file, as a whole or not at all. Raises UsageError if it cannot be written."""

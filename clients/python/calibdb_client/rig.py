@@ -11,11 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from .answer import ExportedFile
+from calibsolver import rotation
+from calibsolver.arrays import Array
+
 from .calibration import Calibration, Exporter
 from .errors import UsageError
-from .files import write_whole
-from .projection import Array
+from .exported_file import ExportedFile
+from .files import read_whole, write_whole
 
 RigExporter = Callable[[str, str], ExportedFile]
 """Fetches the file of a rig's id in a format."""
@@ -57,8 +59,8 @@ class Rig:
     def load(cls, path: str | Path) -> Rig:
         """Read a JSON file that `save` wrote. Raises UsageError for any other file."""
         try:
-            record = json.loads(Path(path).read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
+            record = json.loads(read_whole(Path(path)))
+        except (ValueError, RecursionError) as error:
             raise UsageError(f"{path} cannot be read as a rig: {error}") from None
         if not isinstance(record, dict):
             raise UsageError(f"{path} is no rig")
@@ -126,23 +128,32 @@ class Rig:
         record = {**self.record, "extrinsics": extrinsics, "board_poses": boards, "unit": "metres"}
         return replace(self, record=record, _exporter=None)
 
-    def save(self, path: str | Path, format: str = _JSON) -> ExportedFile:  # noqa: A002 - the contract's name
-        """Write a file of one of the service's formats (docs/formats.md), and return it.
+    def save(self, path: str | Path, format: str | None = None) -> ExportedFile:  # noqa: A002 - the contract's name
+        """Write a file of one of the formats of docs/formats.md, and return it.
 
-        The service writes other formats than its own. The file is there as a whole or not at all.
+        Without a format the suffix of the path says it; one that contradicts the suffix raises UsageError.
+        The file is there as a whole or not at all.
         """
-        file = self.export(format)
+        from . import conversion
+
+        file = self.export(conversion.format_of(format, path, rig=True))
         write_whole(Path(path), file.content)
         return file
 
     def export(self, format: str = _JSON) -> ExportedFile:  # noqa: A002
-        """Return the file in one of the service's formats. Raises UsageError if nothing here can write it."""
+        """Return the file in one of the formats of docs/formats.md; several files are one ZIP archive.
+
+        The service writes rigs that it holds, calibsolver all others. Raises UsageError if the format cannot
+        hold the rig.
+        """
         if format == _JSON:
             content = json.dumps(dict(self.record), indent=2, ensure_ascii=False) + "\n"
             return ExportedFile(content.encode(), "rig.json", "application/json")
         if self.id and self._exporter:
             return self._exporter(self.id, format)
-        raise UsageError(f"the service holds no such rig, so only 'json' can be written, not {format!r}")
+        from . import conversion
+
+        return conversion.write_rig(self.record, format)
 
     @property
     def _extrinsics(self) -> list[Mapping[str, Any]]:
@@ -159,15 +170,15 @@ class Rig:
     def _from_first(self, position: int) -> Array:
         known = self._of(position)
         motion = np.eye(4)
-        motion[:3, :3] = _rotation(np.array(known["rvec"], dtype=np.float64))
+        motion[:3, :3] = rotation.matrix(np.array(known["rvec"], dtype=np.float64))
         motion[:3, 3] = known["tvec"]
         return motion
 
 
-def _rotation(rvec: Array) -> Array:
-    """Rotation matrix (3, 3) of a rotation vector (3,), Rodrigues' formula."""
-    angle = float(np.linalg.norm(rvec))
-    x, y, z = rvec / angle if angle > 0 else rvec
-    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    rotation: Array = np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * (k @ k)
-    return rotation
+def is_rig(path: Path) -> bool:
+    """Return True if a file is a rig that `Rig.save` wrote."""
+    try:
+        content = json.loads(read_whole(path))
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(content, dict) and "extrinsics" in content

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from .calibration import Calibration
-from .errors import CaptureError, ConflictError, MissingPackageError, UsageError
+from .errors import CaptureError, ConflictError, UsageError
 from .flows import Flow
+from .model_choice import chosen_model
 from .recording import Recording
 from .wire import Request
 
@@ -19,6 +20,7 @@ LICENCE = "CC0-1.0"
 LICENCE_VERSION = "2026-11-22"
 """Date of the terms that this version of the client refers to: `/terms/` of the site."""
 _REASONS = {
+    "duplicate": "the board was there already",
     "no_information": "it tells nothing new",
     "too_few_points": "too few corners",
     "degenerate": "its corners lie on a line",
@@ -43,7 +45,7 @@ class CaptureResult:
     suggested_model
         Distortion model that explains these views better, or None.
     verdict
-        What the solver thinks of it, level first; empty if the service answered.
+        Level and reasons, the one to act on first; empty if an older service states none.
     """
 
     calibration: Calibration
@@ -105,6 +107,9 @@ def submit(
 
     Raises CaptureError if they do not suffice.
     """
+    if recording.board.kind.endswith("circles"):
+        raise UsageError("the service takes no grids of circles: calibrate with --offline")
+    model, better = chosen_model(recording, model)
     session, _ = yield from start(recording, model, "recorded", consent or {})
     accepted: list[str] = []
     refused: dict[str, str] = {}
@@ -140,8 +145,17 @@ def submit(
         make({**record, "id": state.get("calibration_id") or record.get("id")}),
         len(recording.views) - len(left_out),
         tuple(left_out),
-        state.get("suggested_model"),
+        better,
+        verdict_of(state),
     )
+
+
+def verdict_of(state: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return level and reasons of a session that has ended; nothing if an older service states none."""
+    verdict = state.get("verdict")
+    if not isinstance(verdict, Mapping):
+        return ()
+    return str(verdict["level"]), *(str(reason["text"]) for reason in verdict["reasons"])
 
 
 def calibrate_offline(recording: Recording, model: str, time: int) -> CaptureResult:
@@ -150,43 +164,51 @@ def calibrate_offline(recording: Recording, model: str, time: int) -> CaptureRes
     Parameters
     ----------
     recording, model
-        The views, and the distortion model.
+        The views, and the distortion model, or `AUTO`.
     time
         Unix seconds of the calibration.
 
-    Raises MissingPackageError without `calibsolver`, CaptureError if the views do not suffice.
+    Raises CaptureError if the views do not suffice.
     """
+    import calibsolver
+    from calibsolver.board import CIRCLES
+    from calibsolver.circles import fit_circles
+    from calibsolver.fitting.coverage import Coverage, record_covered
+    from calibsolver.quality import assessment, cross_validation
+
+    chosen, better = chosen_model(recording, model)
+    size = recording.key.img_size
     try:
-        import calibsolver
-        from calibsolver.quality import assessment, model_selection
-    except ImportError:
-        raise MissingPackageError("calibrating offline needs the solver: pip install calibsolver") from None
-    board = calibsolver.Board.from_record(recording.board.record())
-    try:
-        views = board.views([{"ids": view.ids, "points": view.points} for view in recording.views])
-        fitted = calibsolver.fit(views, recording.key.img_size, model)
-        choice = model_selection.suggest_model(views, recording.key.img_size)
+        views = recording.board.views([{"ids": view.ids, "points": view.points} for view in recording.views])
+        if recording.board.kind in CIRCLES:
+            fitted, corrected = fit_circles(views, size, recording.board.marker_ratio / 2, chosen)
+            views = list(corrected)
+        else:
+            fitted = calibsolver.fit(views, size, chosen)
     except (calibsolver.CalibrationError, ValueError) as error:
-        raise CaptureError(
-            f"the pictures determine no calibration ({error}): take more, with the board tilted"
-        ) from None
-    said = assessment.assess(fitted, views, choice.held_out.get(model))
+        other = f"--model {better} fits them" if better else "take more, with the board tilted"
+        raise CaptureError(f"these pictures do not determine the model {chosen} ({error}): {other}") from None
+    try:
+        held_out = cross_validation.held_out(views, size, chosen).rms
+    except calibsolver.CalibrationError:
+        held_out = None
+    coverage = Coverage.of(fitted, views)
+    said = assessment.assess(fitted, views, held_out, coverage)
     cut = tuple((recording.views[n].source, refusal(why)) for n, why in sorted(fitted.cut_views.items()))
     record = {
-        **fitted.record(),
+        **record_covered(fitted, coverage),
         **recording.key.record(),
         "id": None,
         "calibrations": 1,
         "contributors": 1,
-        "reliable": False,
         "exact_size": True,
         "calibration_time": time,
     }
     return CaptureResult(
-        Calibration(record),
+        Calibration(record, None, recording),
         len(views) - len(cut),
         cut,
-        None if choice.model == model else choice.model,
+        better,
         (said.level, *(reason.text for reason in said.reasons)),
     )
 

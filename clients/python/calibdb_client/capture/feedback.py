@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
-from ..projection import Array
+from calibsolver.arrays import Array
+
 from .guide import Status, Target
 
 Command = Literal["", "skip", "stop"]

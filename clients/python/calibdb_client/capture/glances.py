@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any
+
+from calibsolver.arrays import Array
 
 from ..checks import CHECK_VIEWS
 from ..detection import Detector
 from ..errors import CaptureError
-from ..projection import Array
 from ..recording import RecordedView, Recording
 from .feedback import Scene
 from .guide import Status
@@ -16,6 +17,9 @@ from .live import HOLD_S
 from .operation import CaptureInterruptedError, CaptureOptions, Operation, prepare
 from .outline import difference, outline_of
 from .stillness import Stillness
+
+if TYPE_CHECKING:
+    from typing import Unpack
 
 MIN_DIFFERENCE = 0.06
 """Difference of two views' tilts, as a share of the board's size, from which both tell something."""

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from calibsolver.arrays import Array
+
 from ..calibration import Calibration
-from ..errors import CaptureError, MissingPackageError
+from ..errors import CaptureError
 from ..flows import Flow
-from ..projection import Array
 from ..recording import RecordedView, Recording
-from ..session import CaptureResult, calibrate_offline, refusal, start, submit
+from ..session import CaptureResult, calibrate_offline, refusal, start, submit, verdict_of
 from ..wire import Request
 
 if TYPE_CHECKING:
@@ -156,11 +157,9 @@ class ServiceGuide:
             return (yield from submit(recording, self._model, self._make, consent=self._consent))
         used = sum(not each.get("set_aside") for each in self._state.get("views", []))
         identifier = self._state.get("calibration_id") or record.get("id")
-        advice = tuple(str(each.get("text")) for each in self._state.get("advice", []))
         suggested = self._state.get("suggested_model")
-        return CaptureResult(
-            self._make({**record, "id": identifier}), used, (), suggested, ("converged", *advice)
-        )
+        verdict = verdict_of(self._state)
+        return CaptureResult(self._make({**record, "id": identifier}), used, (), suggested, verdict)
 
     def _status(self) -> Status:
         state = self._state
@@ -175,7 +174,7 @@ class ServiceGuide:
 
 
 class OfflineGuide:
-    """calibsolver guides on this machine. Raises MissingPackageError without it.
+    """calibsolver guides on this machine.
 
     Parameters
     ----------
@@ -186,16 +185,14 @@ class OfflineGuide:
     """
 
     def __init__(self, recording: Recording, model: str, clock: Callable[[], float]) -> None:
-        try:
-            from calibsolver import Board
-            from calibsolver.capture import Capture
-        except ImportError:
-            raise MissingPackageError("guiding offline needs the solver: pip install calibsolver") from None
+        from calibsolver.capture import Capture, History
+
         self._model, self._clock = model, clock
-        self._board = Board.from_record(recording.board.record())
+        self._board = recording.board
         size = recording.key.img_size
         self._capture = Capture(self._board, size, model, target_error=TARGET_ERROR_WIDTHS * size[0])
         self._estimate = self._capture.estimate([])
+        self._history = History()
         self._views: list[Any] = []
         self._accepted: list[RecordedView] = []
         self._quarantined: list[Any] = []
@@ -226,8 +223,9 @@ class OfflineGuide:
         del target
         seen = self._board.view(view.ids, view.points)
         decision = self._capture.judge(
-            self._views, self._pose, seen, self._estimate.excluded, self._quarantined
+            self._views, self._pose, seen, self._estimate.excluded, self._quarantined, self._history
         )
+        self._history = decision.after(self._history)
         if decision.seed_rejected:
             self._capture = self._capture.without_seed()
         if not decision.accepted or decision.estimate is None:
@@ -245,16 +243,24 @@ class OfflineGuide:
         """Fit the views that are not excluded."""
         yield from ()
         kept = tuple(view for i, view in enumerate(self._accepted) if i not in self._estimate.excluded)
-        views = kept if self._estimate.converged else recording.views
+        views = kept if self._is_done else recording.views
         return calibrate_offline(replace(recording, views=views), self._model, int(self._clock()))
+
+    @property
+    def _count(self) -> int:
+        return len(self._views) - len(self._estimate.excluded)
+
+    @property
+    def _is_done(self) -> bool:
+        return self._estimate.converged or self._history.is_exhausted(self._count)
 
     def _status(self) -> Status:
         estimate = self._estimate
         return Status(
-            views=len(self._views) - len(estimate.excluded),
+            views=self._count,
             progress=estimate.progress,
             error=estimate.uncertainty.rms if estimate.uncertainty else None,
-            done=estimate.converged,
+            done=self._is_done,
             advice=tuple(each.text for each in estimate.advice),
         )
 

@@ -11,16 +11,17 @@ from typing import Any
 
 import numpy as np
 
+from calibsolver.arrays import Array
+
 from ..board import Board
 from ..detection import Corners, Detector, recognise
 from ..errors import CaptureError
 from ..flows import Flow
-from ..projection import Array
 from ..recording import RecordedView, Recording
 from ..session import CaptureResult
 from .feedback import Feedback, Scene
 from .frames import Frame, Frames
-from .guide import Guide, Status, Target, require_views
+from .guide import MIN_VIEWS, Guide, Status, Target, require_views
 from .outline import TEXTS, advice, difference, foreshortening, outline_of, overlap
 from .stillness import REFERENCE_WIDTH_PX, Stillness, motion
 
@@ -36,8 +37,10 @@ TOLERANCES, TOLERANT_AFTER_S = (0.8, 1.6), 10.0
 they end, and at the picture's border a hand's breadth is most of what a view tells."""
 MIN_FORESHORTENING = 0.08
 """From which a pose other than the target may help."""
-MIN_DISPLACEMENT_PX = 8.0
-"""At 1280 px image width, from the last view that was judged."""
+MIN_DISPLACEMENT_PX = 26.0
+"""At 1280 px image width, from the last view that was judged. Duplicates are refused up to 25.6 px."""
+IDLE_S = 30.0
+"""Time without another view after which a capture ends if it has enough of them."""
 STUCK_S, MAX_TARGET_S = 15.0, 45.0
 """Time without coming nearer, and in all, after which another pose is asked for."""
 READ_REFUSAL_S = 2.0
@@ -103,6 +106,7 @@ class Live:
         self._aim: Aim | None = None
         self._still = Stillness()
         self._judged: Corners | None = None
+        self._taken_at: float | None = None
         self._required: float | None = None
 
     def run(self) -> Flow[CaptureResult]:
@@ -112,6 +116,8 @@ class Live:
         while not self._status.done:
             frame = self._frames.next()
             if frame is None:
+                break
+            if self._is_idle(frame.time):
                 break
             if self._aim is None:
                 yield from self._set_target(frame.time)
@@ -185,6 +191,13 @@ class Live:
             self._required is not None and self._still.last is corners and self._still.held >= self._required
         )
 
+    def _is_idle(self, time: float) -> bool:
+        """True if no view was taken for IDLE_S, and those taken make a calibration."""
+        if self._taken_at is None:
+            self._taken_at = time
+        enough = self._status.views >= MIN_VIEWS and not self._frames.is_file
+        return enough and time - self._taken_at > IDLE_S
+
     def _is_stuck(self, time: float) -> bool:
         aim = self._aim
         assert aim is not None  # noqa: S101
@@ -208,7 +221,7 @@ class Live:
         self._status = judgement.status
         if judgement.accepted:
             self._feedback.taken(judgement.status)
-            self._aim = None
+            self._aim, self._taken_at = None, time
             return
         if self._frames.is_file:
             return  # nobody can hold it elsewhere: the views of a file are fitted together at its end

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from calibsolver.arrays import Array
+
 from ..board import MIN_CORNERS, Board, opencv
-from ..projection import Array
 
 MASK_PX = 4
 """Side of a pixel of the masks by which areas are compared, px of the image."""

@@ -6,10 +6,13 @@ import sys
 import time
 from collections.abc import Callable
 from types import TracebackType
-from typing import Any, Self, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from .feedback import Command, Scene, progress_words
 from .guide import Status
+
+if TYPE_CHECKING:
+    from typing import Self
 
 MIN_INSTRUCTION_S = 1.2
 """Time between two instructions: people read one before the next."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from ..board import Board
+from ..board import Board, opencv
 from ..detection import Corners, Detector, recognise
 from ..detection.recognition import MAX_LOOKED_AT
 from ..errors import CaptureError
@@ -20,7 +20,11 @@ MAX_FRAMES = 600
 MAX_VIDEO_VIEWS = 60
 MIN_APART_PX = 30.0
 """Distance between two views, at 1280 px image width, mean over the corners."""
-_POSITION, _COUNT = 1, 7  # of cv2.VideoCapture
+SLOW_FRAMES_PER_S = 8.0
+"""Frames of a second in which a board is looked for that takes long to find."""
+_POSITION, _FRAMES_PER_S, _COUNT = 1, 5, 7  # of cv2.VideoCapture
+Seen = tuple[int, tuple[int, int], Corners]
+"""Number of a frame, its size (w, h) px, and the corners in it."""
 
 
 def read_video(
@@ -28,48 +32,77 @@ def read_video(
     board: Board | None,
     found: FoundViews,
     progress: Callable[[int, int], None] | None = None,
+    mirrored: bool = False,
 ) -> Board:
     """Find the board in a video, and add to `found` the views where it moves least, all over its places.
 
-    Returns the board, which is recognised unless it is given. Raises UsageError if the file is no video,
-    CaptureError if no board is recognised.
+    Returns the board, which is recognised unless it is given. A `mirrored` video is turned back. Raises
+    UsageError if the file is no video, CaptureError if no board is recognised.
     """
-    chosen = board or board_in_video(path)
+    chosen = board or board_in_video(path, mirrored)
     detector = Detector(chosen)
+    seen: list[Seen] = []
+    numbers: list[int] = []
+    try:
+        for number, count, picture in _pictures(path, found, mirrored, _rate(detector)):
+            numbers.append(number)
+            corners = detector.find_coarsely(picture)
+            if corners is not None:
+                h, w = picture.shape[:2]
+                seen.append((number, (int(w), int(h)), corners))
+            if progress:
+                progress(number + 1, max(count, number + 1))
+    finally:
+        found.frames = len(seen)
+        views = _choose(seen, numbers[1] if len(numbers) > 1 else 1)
+        if detector.is_slow:
+            views = _found_again(path, views, detector, mirrored)
+        for number, size, corners in views:
+            points = tuple((float(u), float(v)) for u, v in corners.points.tolist())
+            found.views.append((size, RecordedView(f"frame {number + 1}", corners.ids, points)))
+    return chosen
+
+
+def _rate(detector: Detector) -> float:
+    """Frames per second in which a board is looked for."""
+    return SLOW_FRAMES_PER_S if detector.is_slow else float("inf")
+
+
+def _pictures(
+    path: str | Path, found: FoundViews, mirrored: bool, rate: float
+) -> Iterator[tuple[int, int, Any]]:
+    """Yield number, count and picture of the frames of a video that are looked at."""
     opened = open_source(path)
-    seen: list[tuple[int, tuple[int, int], Corners]] = []
     try:
         capture = opened.source
         count = max(int(capture.get(_COUNT)), 0)
-        step = max(1, -(-count // MAX_FRAMES))
-        number = -1
-        while len(seen) < MAX_FRAMES and capture.grab():
+        step = max(1, -(-count // MAX_FRAMES), int(capture.get(_FRAMES_PER_S) / rate))
+        number, looked_at = -1, 0
+        while looked_at < MAX_FRAMES and capture.grab():
             number += 1
             if number % step:
                 continue
             there, picture = capture.retrieve()
             if not there or picture is None:
                 continue
-            corners = detector.find(picture)
-            if corners is not None:
-                h, w = picture.shape[:2]
-                seen.append((number, (int(w), int(h)), corners))
-            if progress:
-                progress(number + 1, max(count, number + 1))
+            looked_at += 1
+            yield number, count, _turned(picture, mirrored)
         if number < 0:
             raise CaptureError(
                 f"{path} holds no picture: it is corrupt, or of a kind that OpenCV cannot read"
             )
-        if 0 <= number < 0.9 * count - 1:
+        if looked_at < MAX_FRAMES and 0 <= number < 0.9 * count - 1:
             found.broken = f"{path} breaks off after {number + 1} of {count} frames: those before it are used"
     finally:
         opened.close()
-        _choose(seen, step=step if seen else 1, found=found)
-    return chosen
 
 
-def _choose(seen: list[tuple[int, tuple[int, int], Corners]], step: int, found: FoundViews) -> None:
-    """Add the stillest views first, each at a distance from those before it, in the video's order."""
+def _turned(picture: Any, mirrored: bool) -> Any:
+    return opencv().flip(picture, 1) if mirrored else picture
+
+
+def _choose(seen: list[Seen], step: int) -> list[Seen]:
+    """Return the stillest views first, each at a distance from those before it, in the video's order."""
     motions: list[float] = []
     for i, (number, _, corners) in enumerate(seen):
         near = [each for each in seen[max(i - 1, 0) : i + 2] if 0 < abs(each[0] - number) <= step]
@@ -81,14 +114,32 @@ def _choose(seen: list[tuple[int, tuple[int, int], Corners]], step: int, found: 
             chosen.append(i)
         if len(chosen) == MAX_VIDEO_VIEWS:
             break
-    for i in sorted(chosen):
-        number, size, corners = seen[i]
-        points = tuple((float(u), float(v)) for u, v in corners.points.tolist())
-        found.views.append((size, RecordedView(f"frame {number + 1}", corners.ids, points)))
+    return [seen[i] for i in sorted(chosen)]
 
 
-def board_in_video(path: str | Path) -> Board:
-    """Return the board that frames all over a video show. Raises as `read_video` does."""
+def _found_again(path: str | Path, views: list[Seen], detector: Detector, mirrored: bool) -> list[Seen]:
+    """Find the corners of views in the whole pictures; those of which they are not found are dropped."""
+    sizes = {number: size for number, size, _ in views}
+    exact: list[Seen] = []
+    opened = open_source(path)
+    try:
+        capture = opened.source
+        for number in range(max(sizes, default=-1) + 1):
+            if not capture.grab():
+                break
+            if number not in sizes:
+                continue
+            there, picture = capture.retrieve()
+            corners = detector.find(_turned(picture, mirrored)) if there and picture is not None else None
+            if corners is not None:
+                exact.append((number, sizes[number], corners))
+    finally:
+        opened.close()
+    return exact
+
+
+def board_in_video(path: str | Path, mirrored: bool = False) -> Board:
+    """Return the board that frames all over a video show. Parameters and errors as of `read_video`."""
     opened = open_source(path)
     pictures: list[Any] = []
     try:
@@ -102,7 +153,7 @@ def board_in_video(path: str | Path) -> Board:
                 pictures.append(picture)
     finally:
         opened.close()
-    board = recognise(pictures)
+    board = recognise(pictures, mirrored)
     if board is None:
         raise CaptureError(
             f"no board was recognised in {path}: describe it by --kind, --squares, --marker-ratio and "

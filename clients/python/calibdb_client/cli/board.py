@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from ..board import DICTIONARIES, KINDS, Board
+from ..board import DICTIONARIES, KINDS, Board, opencv
 from ..errors import UsageError
 from ..files import write_whole
 from . import options
@@ -36,7 +36,12 @@ def add_board(parser: argparse.ArgumentParser, recognised: bool = False) -> None
     group.add_argument(
         "--squares", type=options.size, metavar="CxR", help="columns and rows; of an AprilGrid its tags"
     )
-    group.add_argument("--marker-ratio", type=float, metavar="R", help="side of a marker / side of a square")
+    group.add_argument(
+        "--marker-ratio",
+        type=float,
+        metavar="R",
+        help="side of a marker / side of a square; of circles their diameter / distance",
+    )
     group.add_argument(
         "--dictionary", choices=DICTIONARIES, metavar="DICT_…", help="OpenCV's name of the markers"
     )
@@ -64,7 +69,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     if not (chosen.pdf or chosen.png):
         raise UsageError("say where to: --pdf board.pdf, or --png board.png")
     board = chosen_board(chosen) or Board()
-    board.check_opencv()  # says what is missing before the module below is imported
+    opencv()  # says what is missing before the module below is imported
     from .. import board_sheet
 
     if chosen.pdf:

@@ -8,16 +8,17 @@ from pathlib import Path
 from typing import Any
 
 from ..board import opencv
-from ..errors import CalibDBError, CaptureError, MissingPackageError, UsageError
+from ..errors import CalibDBError, CaptureError, MirroredError, MissingPackageError, UsageError
 from ..files import write_whole
 from ..key import UNNAMED, CameraKey
-from ..pictures import MAX_PICTURES, PLATFORM, FoundViews, picture_paths, read
+from ..pictures import MAX_PICTURES, PLATFORM, FoundViews, picture_paths, read, turned_by_camera
 from ..recording import Recording
-from ..session import CaptureResult, calibrate_offline
-from . import options
+from ..session import calibrate_offline
+from . import live, options
 from .board import chosen_board
 from .capture_options import add_licence, add_source, kind_of, licence_of, new_name
-from .output import Output, calibration_facts
+from .conclusion import NO_TARGET, Target, conclude, target_of
+from .output import Output
 from .progress import progress
 
 
@@ -34,7 +35,9 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--offline", action="store_true", help="calibrate here, with calibsolver; send nothing"
     )
-    parser.add_argument("-o", "--output", metavar="FILE", help="file of the result; a new one unless given")
+    parser.add_argument("--mirrored", action="store_true", help="the pictures are mirrored: turn them back")
+    options.add_file(parser, "a new one")
+    parser.add_argument("-v", "--verbose", action="store_true", help="print a row for each picture")
     add_licence(parser)
     options.add_service(parser)
     parser.set_defaults(run=run)
@@ -42,9 +45,8 @@ def add(commands: Any) -> None:
 
 def run(chosen: argparse.Namespace, output: Output) -> int:
     """Find the corners, keep them, and calibrate."""
-    from . import live
-
     kind = kind_of(chosen.source)
+    target = target_of(chosen)
     if kind == "camera":
         return live.run(chosen, output)
     if not (chosen.label or chosen.offline):
@@ -54,51 +56,76 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     found = FoundViews()
     board, interrupted = None, False
     paths = picture_paths(chosen.source) if kind == "pictures" else []
-    if len(paths) > MAX_PICTURES:
+    most = None if chosen.offline else MAX_PICTURES
+    if most and len(paths) > most:
         output.note(f"{len(paths)} pictures: {MAX_PICTURES} of them are read, spread evenly over their names")
-    board = chosen_board(chosen) or recognise_board(kind, chosen.source[0], paths, output)
-    board.check_opencv()
+    board = chosen_board(chosen) or recognise_board(kind, chosen.source[0], paths, output, chosen.mirrored)
     try:
         with progress("frames" if kind == "video" else "pictures") as advance:
             if kind == "video":
                 from ..capture.video import read_video
 
-                read_video(chosen.source[0], board, found, advance)
+                read_video(chosen.source[0], board, found, advance, chosen.mirrored)
             else:
-                read(paths, board, found, advance)
+                read(paths, board, found, advance, most, chosen.mirrored)
     except KeyboardInterrupt:
         if not found.views:
             raise
         interrupted = True
-    size, views = found.of_one_size()
-    _describe(found, size, output)
+    if not (found.views or found.frames or chosen.mirrored):
+        _require_upright(kind, chosen.source[0], paths)
+    size, views = found.of_one_size(limited=not chosen.offline)
+    _describe(found, size, len(views), chosen.verbose, output)
+    if turned_by_camera(paths):
+        output.note(
+            "the pictures have an EXIF orientation, which is not applied: the calibration is of the file's "
+            "pixels, and programs that turn them (cv2.imread without IMREAD_IGNORE_ORIENTATION) need another"
+        )
     key = CameraKey(chosen.label or UNNAMED, chosen.platform or PLATFORM, size, chosen.zoom or 0.0)
     recording = Recording(key, board, views)
-    path = Path(chosen.output) if chosen.output else new_name(chosen.label or _folder(chosen.source[0]), size)
+    path = target.kept or new_name(chosen.label or _folder(chosen.source[0]), size)
     write_whole(path, recording.content())
     if interrupted:
         output.note(
             f"interrupted: {len(views)} views are in {path}; `calibdb submit {path}` goes on with them"
         )
         raise KeyboardInterrupt
-    return finish(recording, path, chosen, output)
+    return finish(recording, path, chosen, output, target)
 
 
-def recognise_board(kind: str, source: str, paths: list[Path], output: Output) -> Any:
-    """Return the board that pictures or a video show, and say which it is."""
+def recognise_board(kind: str, source: str, paths: list[Path], output: Output | None, mirrored: bool) -> Any:
+    """Return the board that pictures or a video show, and write which it is."""
     if kind == "video":
         from ..capture.video import board_in_video
 
-        board = board_in_video(source)
+        board = board_in_video(source, mirrored)
     else:
         from ..images import board_of
 
-        board = board_of(paths)
-    output.note(f"board: {board}")
+        board = board_of(paths, mirrored)
+    if output:
+        guessed = " (a guess: say --tag-spacing if you know it)" if board.kind == "aprilgrid" else ""
+        output.note(f"board: {board}{guessed}")
     return board
 
 
-def finish(recording: Recording, path: Path, chosen: argparse.Namespace, output: Output) -> int:
+def _require_upright(kind: str, source: str, paths: list[Path]) -> None:
+    """Raise MirroredError if pictures in which the board was not found are mirrored."""
+    try:
+        recognise_board(kind, source, paths, None, mirrored=False)
+    except MirroredError:
+        raise
+    except CaptureError:
+        return
+
+
+def finish(
+    recording: Recording,
+    path: Path,
+    chosen: argparse.Namespace,
+    output: Output,
+    target: Target = NO_TARGET,
+) -> int:
     """Calibrate from a recording that is in a file, write the result there, and print it."""
     try:
         if chosen.offline:
@@ -112,43 +139,27 @@ def finish(recording: Recording, path: Path, chosen: argparse.Namespace, output:
         offline = " --offline" if isinstance(error, MissingPackageError) else ""
         output.note(f"the corners are kept in {path}: `calibdb submit {path}{offline}` goes on with them")
         raise
-    return conclude(recording, result, path, output)
+    return conclude(recording, result, path, output, target, getattr(chosen, "verbose", False))
 
 
-def conclude(recording: Recording, result: CaptureResult, path: Path, output: Output) -> int:
-    """Write the result beside its corners, and print it."""
-    write_whole(path, recording.content(result.calibration.record))
-    for source, why in result.left_out:
-        output.note(f"left out {source}: {why}")
-    if result.suggested_model:
-        output.note(f"--model {result.suggested_model} explains these pictures better")
-    for text in result.verdict[1:]:
-        output.note(text)
-    if output.json:
-        output.document(dict(result.calibration.record))
-    else:
-        rows = [("views", str(result.used)), *calibration_facts(result.calibration.record)]
-        verdict = [("verdict", result.verdict[0])] if result.verdict else []
-        output.facts([*rows, *verdict])
-    output.note(f"wrote {path}")
-    return 0
-
-
-def _describe(found: FoundViews, size: tuple[int, int], output: Output) -> None:
+def _describe(found: FoundViews, size: tuple[int, int], used: int, verbose: bool, output: Output) -> None:
+    count = len(found.views) - found.other_sizes(size)
+    if used < count:
+        output.note(f"{used} of {count} views are sent, spread evenly over their names; --offline uses all")
     if others := found.other_sizes(size):
         output.note(
             f"left out {others} pictures of another size than {size[0]}x{size[1]}: calibrate them apart"
         )
     if found.empty:
-        output.note(f"the board is not in {len(found.empty)} pictures: {_few(found.empty)}")
+        output.note(f"no board was detected in {len(found.empty)} pictures: {_few(found.empty, verbose)}")
     if found.unreadable:
-        output.note(f"{len(found.unreadable)} files are no pictures: {_few(found.unreadable)}")
+        output.note(f"{len(found.unreadable)} files are no pictures: {_few(found.unreadable, verbose)}")
     if found.broken:
         output.note(found.broken)
 
 
-def _few(names: list[str]) -> str:
-    return ", ".join(names[:5]) + (", …" if len(names) > 5 else "")
+def _few(names: list[str], verbose: bool) -> str:
+    return ", ".join(names) if verbose or len(names) <= 5 else ", ".join(names[:5]) + ", … (all with -v)"
 
 
 def _folder(path: str) -> str:

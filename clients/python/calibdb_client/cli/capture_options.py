@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ..errors import UsageError
-from ..key import DEFAULT_MODEL, MODELS
+from ..key import AUTO, MODELS
 from ..session import LICENCE, LICENCE_VERSION
 from . import options
 from .board import add_board
@@ -27,7 +27,12 @@ Agree? [y/N] """
 
 def add_model(parser: argparse.ArgumentParser) -> None:
     """Add the option of the distortion model."""
-    parser.add_argument("--model", choices=MODELS, default=DEFAULT_MODEL, help="distortion model")
+    parser.add_argument(
+        "--model",
+        choices=(AUTO, *MODELS),
+        default=AUTO,
+        help="distortion model; auto: the one that predicts views best that it did not see",
+    )
 
 
 def add_licence(parser: argparse.ArgumentParser) -> None:

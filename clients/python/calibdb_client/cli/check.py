@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
+from ..key import UNNAMED, live_model
 from ..recording import Recording
 from . import options
 from .board import chosen_board
@@ -19,10 +20,15 @@ def add(commands: Any) -> None:
     parser: argparse.ArgumentParser = commands.add_parser(
         "check",
         help="check the database's calibration on three frames",
-        description="Check the database's calibration of a camera on three still frames of a board, tilted "
-        "differently: live, or of pictures, a video or a file that `calibrate` wrote.",
+        description="Check the database's calibration of a camera, or that of --against, on three still "
+        "frames of a board, tilted differently: live, or of pictures, a video or a file of `calibrate`.",
     )
     add_source(parser)
+    parser.add_argument(
+        "--against",
+        metavar="FILE|ID",
+        help="check this calibration instead, on this machine: nothing is sent, and no vote counts",
+    )
     add_licence(parser)
     options.add_service(parser)
     parser.set_defaults(run=run)
@@ -38,9 +44,11 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         camera, arguments = int(source) if source.isdigit() else source, capture_arguments(chosen)
     else:
         camera, arguments = _pictures(chosen), {}
+    if chosen.against:
+        return _compare(camera, arguments, chosen, output)
     licence = licence_of(chosen, output)
     with options.client(chosen) as client:
-        result = client.check(camera, model=chosen.model, licence=licence, **arguments)
+        result = client.check(camera, model=live_model(chosen.model), licence=licence, **arguments)
     if output.json:
         output.document(dict(result.record))
     else:
@@ -59,11 +67,41 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     return 0 if result.fits else 1
 
 
+def _compare(camera: Any, arguments: dict[str, Any], chosen: argparse.Namespace, output: Output) -> int:
+    """Check a calibration at hand on the views, and print how far it is from their own fit."""
+    from dataclasses import asdict
+
+    from ..capture.glances import recording_to_check
+    from ..comparison import compare
+    from .undistort import loaded
+
+    calibration = loaded(chosen.against, chosen)
+    result = compare(recording_to_check(camera, **arguments), calibration)
+    if output.json:
+        output.document(asdict(result))
+    else:
+        output.facts(
+            [
+                ("fits", "yes" if result.fits else "no"),
+                ("views", str(result.views)),
+                ("rms", f"{result.error:.3f} px, {result.expected:.3f} px under a fit of these views"),
+                (
+                    "drift",
+                    f"{result.drift:.2f} px rms between the two over the image; the fit of these views is "
+                    f"uncertain by {result.drift_uncertainty:.2f} px",
+                ),
+            ]
+        )
+    if not result.fits:
+        output.note("the calibration does not fit these views: calibrate again (`calibdb calibrate`)")
+    return 0 if result.fits else 1
+
+
 def _pictures(chosen: argparse.Namespace) -> Recording:
     from ..images import recording_of
 
-    if not chosen.label:
+    if not (chosen.label or chosen.against):
         raise UsageError("which camera took them? Say --label, and --platform if a browser used it")
     paths = [Path(each) for each in chosen.source]
     board = chosen_board(chosen)
-    return recording_of(paths, chosen.label, board, chosen.platform, chosen.zoom, least=1)
+    return recording_of(paths, chosen.label or UNNAMED, board, chosen.platform, chosen.zoom, least=1)

@@ -1,45 +1,107 @@
-"""The command `export`: a stored calibration as another tool's file."""
+"""The commands `export` and `convert`: a calibration as another tool's file."""
 
 from __future__ import annotations
 
 import argparse
+import re
+from pathlib import Path
 from typing import Any
 
-from ..export_query import FORMATS
+from ..errors import UsageError
+from ..key import MODELS
+from ..picture_change import UNCHANGED, PictureChange
 from . import options
 from .output import Output
 
 
 def add(commands: Any) -> None:
-    """Add the command to the parser."""
+    """Add the commands to the parser."""
     parser: argparse.ArgumentParser = commands.add_parser(
         "export",
-        help="write a calibration as another tool's file",
-        description="Write a calibration as another tool's file.",
+        help="write a calibration, or a rig, as another tool's file",
+        description="Write a calibration as another tool's file: a file that calibdb wrote, without the "
+        "service, or one that the service holds.",
     )
-    parser.add_argument("id", help="id of the calibration or consensus")
-    parser.add_argument("--format", choices=FORMATS, default="calibdb")
-    parser.add_argument("-o", "--output", metavar="FILE", help="file; standard output unless given")
-    parser.add_argument("--crop", type=_numbers, metavar="L,T,W,H", help="part that is cut out first, px")
-    parser.add_argument("--resize", type=options.size, metavar="WxH", help="size to which it is then scaled")
-    parser.add_argument("--rotate", type=int, choices=(0, 90, 180, 270), default=0, help="degrees clockwise")
-    parser.add_argument("--mirror", action="store_true", help="swap left and right at last")
+    parser.add_argument("source", metavar="FILE|ID", help="a file, or an id at the service")
+    options.add_file(parser)
+    _add_change(parser)
     options.add_service(parser)
     parser.set_defaults(run=run)
+    parser = commands.add_parser(
+        "convert",
+        help="convert another tool's calibration file",
+        description="Convert the calibration file of one tool to that of another, without the service.",
+    )
+    parser.add_argument("source", metavar="FILE", help="calibration file of any tool in docs/formats.md")
+    options.add_file(parser)
+    parser.add_argument(
+        "--img-size", type=options.size, metavar="WxH", help="size of the pictures, if the file does not say"
+    )
+    parser.add_argument(
+        "--camera-number", type=int, metavar="N", help="camera of a file with several, from 0"
+    )
+    parser.add_argument("--model", choices=MODELS, help="model of four coefficients without a name")
+    _add_change(parser)
+    parser.set_defaults(run=run_convert)
+
+
+def _add_change(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("another picture of the camera, in this order")
+    group.add_argument("--crop", type=_numbers, metavar="L,T,W,H", help="part that is cut out, px")
+    group.add_argument("--resize", type=options.size, metavar="WxH", help="size to which it is scaled")
+    group.add_argument("--rotate", type=int, choices=(0, 90, 180, 270), default=0, help="degrees clockwise")
+    group.add_argument("--mirror", action="store_true", help="swap left and right")
+
+
+def _change(chosen: argparse.Namespace) -> PictureChange:
+    return PictureChange(chosen.crop, chosen.resize, chosen.rotate, chosen.mirror)
 
 
 def run(chosen: argparse.Namespace, output: Output) -> int:
-    """Fetch the file and write it."""
+    """Read the file, or fetch it, and write it."""
+    path, change = Path(chosen.source), _change(chosen)
+    if path.is_file():
+        from ..calibration import Calibration
+        from ..rig import Rig, is_rig
+
+        if is_rig(path):
+            if change != UNCHANGED:
+                raise UsageError("the pictures of a rig cannot be changed: export its cameras one by one")
+            output.file(Rig.load(path).export(options.chosen_format(chosen, rig=True)), chosen.output)
+        else:
+            output.file(Calibration.load(path).export(options.chosen_format(chosen), change), chosen.output)
+        return 0
+    if "/" in chosen.source or re.search(r"\.[A-Za-z]{2,12}$", chosen.source):
+        raise UsageError(f"{chosen.source} is not there")
+    form = options.chosen_format(chosen)
     with options.client(chosen) as client:
         file = client.export(
-            chosen.id,
-            chosen.format,
-            crop=chosen.crop,
-            resize=chosen.resize,
-            rotate=chosen.rotate,
-            mirror=chosen.mirror,
+            chosen.source,
+            form,
+            crop=change.crop,
+            resize=change.resize,
+            rotate=change.rotate,
+            mirror=change.mirror,
         )
     output.file(file, chosen.output)
+    return 0
+
+
+def run_convert(chosen: argparse.Namespace, output: Output) -> int:
+    """Read another tool's file, and write it in another format."""
+    from calibsolver.formats.reader_options import ReaderOptions
+
+    from .. import conversion
+
+    form = options.chosen_format(chosen)
+    number = chosen.camera_number or 0
+    record = conversion.read(chosen.source, ReaderOptions(chosen.img_size, number, None, chosen.model or ""))
+    cameras = record.pop("cameras", ())
+    if cameras and chosen.camera_number is None:
+        output.note(f"camera 0 of {len(cameras)} ({', '.join(cameras)}): --camera-number takes another")
+    if approximation := record.pop("approximation", ""):
+        output.note(f"{chosen.source}: {approximation}")
+    output.file(conversion.write(record, form, None, _change(chosen)), chosen.output)
     return 0
 
 

@@ -12,15 +12,15 @@ from ..files import write_whole
 from ..key import UNNAMED
 from ..recording import Recording
 from . import options
-from .calibrate import conclude
 from .capture_options import capture_arguments, licence_of, new_name
+from .conclusion import NO_TARGET, Target, conclude, target_of
 from .output import Output
 
 
 class KeptFile:
     """File of the views so far. `path` may be None: then it is named after the camera."""
 
-    def __init__(self, path: str | None) -> None:
+    def __init__(self, path: str | Path | None) -> None:
         self.path = Path(path) if path else None
         self._resumed = self.path is not None and self.path.exists()
 
@@ -36,9 +36,10 @@ class KeptFile:
 
 def run(chosen: argparse.Namespace, output: Output) -> int:
     """Calibrate a camera live."""
+    target = target_of(chosen)
     licence = None if chosen.offline else licence_of(chosen, output)
     arguments = capture_arguments(chosen)
-    return capture(chosen.source[0], arguments, licence, KeptFile(chosen.output), chosen, output)
+    return capture(chosen.source[0], arguments, licence, KeptFile(target.kept), chosen, output, target)
 
 
 def capture(
@@ -48,6 +49,7 @@ def capture(
     kept: KeptFile,
     chosen: argparse.Namespace,
     output: Output,
+    target: Target = NO_TARGET,
 ) -> int:
     """Capture, keep every view in a file, write the result there, and print it."""
     source: int | str = int(camera) if camera.isdigit() else camera
@@ -73,7 +75,7 @@ def capture(
         raise
     if kept.path is None:
         raise UsageError("no view was taken")
-    return conclude(recording[0], result, kept.path, output)
+    return conclude(recording[0], result, kept.path, output, target)
 
 
 def _say_how_to_go_on(recording: Recording, kept: KeptFile, output: Output) -> None:

@@ -29,6 +29,23 @@ def add_service(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON document")
 
 
+def add_file(parser: argparse.ArgumentParser, absent: str = "standard output") -> None:
+    """Add the format of a file, and its path; `absent` is its place if no path is given."""
+    parser.add_argument(
+        "--format",
+        metavar="FORMAT",
+        help="ros, kalibr, opencv, mrcal, colmap, … (docs/formats.md); by the suffix of -o unless given",
+    )
+    parser.add_argument("-o", "--output", metavar="FILE", help=f"file to write; {absent} unless given")
+
+
+def chosen_format(chosen: argparse.Namespace, rig: bool = False) -> str:
+    """Return the format that the options say. Raises UsageError as `conversion.format_of` does."""
+    from .. import conversion
+
+    return conversion.format_of(chosen.format, chosen.output, rig)
+
+
 def client(chosen: argparse.Namespace) -> Client:
     """Return the client that the options describe."""
     from ..client import Client
@@ -53,6 +70,7 @@ def add_camera(parser: argparse.ArgumentParser) -> None:
         "--size", type=size, metavar="WxH", help="size of the picture; the camera's own unless given"
     )
     parser.add_argument("--zoom", type=float, default=0.0, help="zoom of the picture")
+    parser.add_argument("--device", help="model identifier of a phone, such as iPhone17,3")
     parser.add_argument("--model", choices=MODELS, default=DEFAULT_MODEL, help="distortion model")
 
 
@@ -68,7 +86,8 @@ def camera_key(chosen: argparse.Namespace) -> CameraKey:
     if chosen.label is not None:
         if chosen.size is None:
             raise UsageError("with --label say --size, such as 1280x720")
-        return CameraKey(chosen.label, chosen.platform or platform_of(), chosen.size, chosen.zoom)
+        key = CameraKey(chosen.label, chosen.platform or platform_of(), chosen.size, chosen.zoom)
+        return key.with_device(chosen.device)
     device = find(chosen.camera)
     shape = chosen.size or _delivered_size(chosen.camera)
     return CameraKey(device.label, chosen.platform or device.platform, shape, chosen.zoom)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..answer import ExportedFile
+from ..exported_file import ExportedFile
 from ..files import write_whole
 
 
@@ -41,6 +41,17 @@ class Output:
         width = max((len(name) for name, _ in rows), default=0)
         for name, value in rows:
             print(f"{name:<{width}}  {one_line(value)}")
+
+    def table(self, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+        """Write rows in columns: the first and the last flush left, numbers flush right."""
+        lines = [[one_line(cell) for cell in row] for row in (heads, *rows)]
+        widths = [max(len(line[n]) for line in lines) for n in range(len(heads))]
+        for line in lines:
+            cells = [
+                f"{cell:<{width}}" if n in (0, len(heads) - 1) else f"{cell:>{width}}"
+                for n, (cell, width) in enumerate(zip(line, widths, strict=True))
+            ]
+            print("  ".join(cells).rstrip())
 
     def file(self, file: ExportedFile, path: str | None) -> None:
         """Write a file where it is wanted: to a path, or to standard output."""
@@ -78,14 +89,44 @@ def calibration_facts(record: Mapping[str, Any]) -> list[tuple[str, str]]:
         rows.append(
             (
                 "uncertainty",
-                f"{uncertainty['rms']:.2f} px over the image, {uncertainty['max']:.2f} px at most",
+                f"{uncertainty['rms']:.2f} px over {_covered(record)}, {uncertainty['max']:.2f} px at most",
             )
         )
+        mm = 1000 / (fx * fy) ** 0.5  # of a pixel, at 1 m
+        rows.append(("at 1 m", f"{mm * uncertainty['rms']:.2f} mm"))
+        if (inside := uncertainty.get("inside")) is not None:
+            where = f"where the board was, {uncertainty['covered']:.0%} of the image"
+            rows.append(("inside", f"{inside:.2f} px, {mm * inside:.2f} mm at 1 m: {where}"))
     if "reliable" in record:
-        basis = f"{record.get('calibrations', 1)} calibrations agree"
+        count = int(record.get("calibrations", 1))
+        basis = f"{count} calibrations agree" if count > 1 else "one calibration so far"
         rows.append(("reliable", f"{'yes' if record['reliable'] else 'no'}: {basis}"))
     if record.get("exact_size") is False:
         rows.append(("note", "another size than the one asked for: never rescale it blindly"))
     if record.get("id"):
         rows.append(("id", str(record["id"])))
     return rows
+
+
+def estimate_facts(record: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return names and values of an estimate, for people."""
+    low, high = record["interval_90"]["hfov_deg"]
+    (fx, _, _), _, _ = record["camera_matrix"]
+    rows = [
+        ("estimate", "not calibrated: this is likely, not measured"),
+        ("field of view", f"{record['hfov_deg']:.1f} degrees; 90 %: {low:.1f} to {high:.1f}"),
+        ("focal length", f"{fx:.0f} px"),
+        ("basis", str(record["basis"])),
+    ]
+    return rows + [("source", f"{each['title']}, {each['url']}") for each in record.get("sources", ())]
+
+
+def _covered(record: Mapping[str, Any]) -> str:
+    """Return the part of the image for which an uncertainty is stated: that of which the model has rays."""
+    import calibsolver
+
+    try:
+        share = calibsolver.Camera.from_record(record).domain().covered
+    except (calibsolver.CalibrationError, KeyError, TypeError, ValueError):
+        return "the image"
+    return "the image" if share > 0.9995 else f"the {100 * share:.0f} % of the image that the model covers"

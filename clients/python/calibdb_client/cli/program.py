@@ -3,16 +3,36 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import os
 import sys
 from collections.abc import Sequence
 
 from .. import __version__
 from ..errors import CalibDBError
-from . import board, calibrate, check, database, export, lookup, resume, submit
+from . import (
+    board,
+    calibrate,
+    check,
+    database,
+    export,
+    lookup,
+    plot,
+    priors,
+    resume,
+    rig,
+    submit,
+    undistort,
+)
 from .output import Output
 
-STATUSES = """exit status:
+STATUSES = """examples:
+  calibdb calibrate photos/ --offline -o camera.yaml --format ros
+  calibdb rig left/ right/ --offline -o rig.yaml
+  calibdb lookup 0 --size 1280x720 --format opencv -o camera.yml
+  calibdb plot camera.json -o report.html
+
+exit status:
   0 done · 1 nothing is known, there is no such thing, or it does not fit · 2 an argument cannot be used
   3 the service does not answer · 4 the token is refused · 5 the plan's calls are used up
   6 the camera cannot be used · 7 the pictures do not suffice · 130 interrupted
@@ -20,7 +40,20 @@ STATUSES = """exit status:
 CALIBDB_URL and CALIBDB_TOKEN stand for --url and --token."""
 _INTERRUPTED = 130
 
-_COMMANDS = (lookup, calibrate, resume, submit, check, database, export, board)
+_COMMANDS = (
+    lookup,
+    priors,
+    calibrate,
+    rig,
+    resume,
+    submit,
+    check,
+    plot,
+    undistort,
+    database,
+    export,
+    board,
+)
 
 
 def parser() -> argparse.ArgumentParser:
@@ -32,7 +65,7 @@ def parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     program.add_argument("--version", action="version", version=f"calibdb {__version__}")
-    commands = program.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    commands = program.add_subparsers(dest="command", metavar="COMMAND")
     for module in _COMMANDS:
         module.add(commands)
     return program
@@ -40,7 +73,15 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit status."""
-    chosen = parser().parse_args(arguments)
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    program = parser()
+    if not given:
+        program.print_help()
+        return 0
+    if near := _near_command(given[0], program):
+        print(f"calibdb: there is no command {given[0]!r}. Did you mean {near!r}?", file=sys.stderr)
+        return 2
+    chosen = program.parse_args(given)
     output = Output(json=getattr(chosen, "json", False))
     try:
         status: int = chosen.run(chosen, output)
@@ -56,3 +97,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     return status
+
+
+def _near_command(word: str, program: argparse.ArgumentParser) -> str | None:
+    """Return the command that a word nearly is; None if it is one, or like none."""
+    actions = [each for each in program._actions if isinstance(each, argparse._SubParsersAction)]
+    names = [name for each in actions for name in each.choices]
+    near = difflib.get_close_matches(word, names, 1, 0.6)
+    return near[0] if near and word not in names else None

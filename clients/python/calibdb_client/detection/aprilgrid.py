@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ..board import Board, opencv
-from ..projection import Array
+from calibsolver.arrays import Array
+
+from ..board import MIN_CORNERS, Board, opencv
+from .corners import Corners
 
 NEIGHBOURS = 9
 """Tags, itself counted, whose corners tell where a tag's are."""
@@ -15,6 +17,11 @@ BORDERS = (2, 1)
 """Cells of black around a tag: Kalibr prints two, OpenCV and the AprilTag library one."""
 MIN_CERTAIN_TAGS = 4
 """Tags of one border after which the other is not looked for any more."""
+REWEIGHTINGS = 8
+MIN_STRAY_PX = 1.0
+"""Distance from where its neighbours say up to which a corner is none of another thing."""
+MAX_STRAY_RATIO = 6.0
+"""Distance of such a corner / the median of all corners."""
 
 
 class AprilGridFinder:
@@ -26,17 +33,22 @@ class AprilGridFinder:
 
     def __call__(self, grey: Any) -> tuple[Any, Any] | None:
         """Return ids (n,) and corners (n, 2) px in a picture (h, w); None if none of its tags is seen."""
+        tags = self.tags(grey)
+        return None if tags is None else self.corners_of(*tags)
+
+    def tags(self, grey: Any) -> tuple[Any, Array] | None:
+        """Return ids (n,) and corners (n, 4, 2) px of the tags in a picture; None if there is but one."""
         count = self.board.squares[0] * self.board.squares[1]
-        found = [find_tags(detector, grey, count) for detector in self._detectors]
-        ids, tags = max(found, key=lambda each: len(each[0]))
+        results = [find_tags(detector, grey, count) for detector in self._detectors]
+        ids, tags = max(results, key=lambda each: len(each[0]))
         if len(ids) >= MIN_CERTAIN_TAGS:  # only this border from now on
-            self._detectors = [d for d, each in zip(self._detectors, found, strict=True) if each[0] is ids]
-        if len(ids) < 2:
-            return None
-        corners = (4 * ids[:, None] + np.arange(4)).reshape(-1)
-        return corners, self._smooth_corners(ids, self._number_corners(ids, tags)).reshape(-1, 2).astype(
-            np.float32
-        )
+            self._detectors = [d for d, each in zip(self._detectors, results, strict=True) if each[0] is ids]
+        return None if len(ids) < 2 else (ids, tags)
+
+    def corners_of(self, ids: Any, tags: Array) -> tuple[Any, Any]:
+        """Return ids (n,) and corners (n, 2) px of tags, numbered as the board's."""
+        smooth = self._smooth_corners(ids, self._number_corners(ids, tags))
+        return (4 * ids[:, None] + np.arange(4)).reshape(-1), smooth.reshape(-1, 2).astype(np.float32)
 
     def _number_corners(self, ids: Any, tags: Array) -> Array:
         """Return the corners (n, 4, 2) px of tags, anticlockwise from the lower left on the upright board.
@@ -62,22 +74,58 @@ class AprilGridFinder:
         """Return the corners (n, 4, 2) px where the tags around each say that they are.
 
         Contours run from a tag into the squares that are printed into the corners between tags: single
-        corners lie some pixels off, their neighbours' homography does not.
+        corners lie some pixels off, a smooth map of their neighbours does not.
         """
-        cv2 = opencv()
         if len(ids) < MIN_CERTAIN_TAGS:
             return tags
-        places = self.board.places.reshape(-1, 4, 2)[ids]
-        middles = places.mean(axis=1)
-        smoothed = tags.copy()
-        for n in range(len(ids)):
-            near = np.argsort(np.abs(middles - middles[n]).max(axis=1), kind="stable")[:NEIGHBOURS]
-            source = (places[near] - middles[n]).reshape(-1, 2)
-            matrix, _ = cv2.findHomography(source, tags[near].reshape(-1, 2), cv2.LMEDS)
-            if matrix is not None:
-                own = (places[n] - middles[n])[None]
-                smoothed[n] = cv2.perspectiveTransform(own, matrix)[0]
-        return smoothed
+        corners = (4 * ids[:, None] + np.arange(4)).reshape(-1)
+        return _smoothed(self.board, corners, tags.reshape(-1, 2)).reshape(-1, 4, 2)
+
+
+def local_distances(board: Board, ids: Any, points: Array) -> Array:
+    """Distance (n,) px of corners from where those of the tags around each, and itself, say that they are."""
+    distances: Array = np.linalg.norm(_smoothed(board, np.asarray(ids), points) - points, axis=1)
+    return distances
+
+
+def without_stray_corners(board: Board, corners: Corners) -> Corners | None:
+    """Return the corners that lie where their neighbours say; None if too few do.
+
+    Next to a tag's corner are those of the square in the gap, to which refinement may run.
+    """
+    distances = local_distances(board, corners.ids, corners.points)
+    kept = np.flatnonzero(distances <= max(MIN_STRAY_PX, MAX_STRAY_RATIO * float(np.median(distances))))
+    if len(kept) < MIN_CORNERS:
+        return None
+    return Corners(tuple(corners.ids[n] for n in kept), corners.points[kept])
+
+
+def _smoothed(board: Board, ids: Any, points: Array) -> Array:
+    """Return corners (n, 2) px where those of the tags around each say that they are.
+
+    A homography of all corners, and what a lens adds to it near a tag: a quadratic map, robust by reweighted
+    least squares.
+    """
+    places = board.places[ids]
+    middles = board.places.reshape(-1, 4, 2).mean(axis=1)[ids // 4]
+    matrix, _ = opencv().findHomography(places, points, 0)
+    plane = points * 0 if matrix is None else opencv().perspectiveTransform(places[None], matrix)[0]
+    apart = np.abs(middles[:, None] - middles[None]).max(axis=2)
+    near = np.argsort(apart, axis=1, kind="stable")[:, : 4 * NEIGHBOURS]
+    terms, rest = _terms(places[near] - middles[:, None]), (points - plane)[near]
+    weights = np.ones(near.shape)
+    for _ in range(REWEIGHTINGS):
+        weighted = np.swapaxes(terms * weights[..., None], 1, 2)
+        maps = np.linalg.pinv(weighted @ terms, hermitian=True) @ (weighted @ rest)
+        off = np.linalg.norm(terms @ maps - rest, axis=2)
+        weights = 1 / (1 + (off / (2.2 * np.median(off, axis=1, keepdims=True) + 1e-9)) ** 2)
+    smooth: Array = plane + (_terms((places - middles)[:, None]) @ maps)[:, 0]
+    return smooth
+
+
+def _terms(places: Array) -> Array:
+    x, y = places[..., 0], places[..., 1]
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
 
 
 def tag_detector(dictionary: Any, border: int) -> Any:

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from calibsolver.arrays import Array
+
 from ..board import MIN_CORNERS, Board
-from ..projection import Array
 
 MIN_SQUARE_PX = 12.0
 """Side of a square, or of a tag, in the picture; corners of smaller ones are not measured well."""

@@ -7,27 +7,61 @@ from typing import Any
 
 import numpy as np
 
+from calibsolver.board import CIRCLES
+
 from ..board import MIN_CORNERS, Board, opencv
-from .aprilgrid import AprilGridFinder
+from .aprilgrid import AprilGridFinder, without_stray_corners
+from .chessboard import find_corners
 from .corners import Corners, refine
 
+COARSE_SIDE_PX = 512
+"""Longer side of a picture in which a board is followed that takes long to find."""
 Finder = Callable[[Any], tuple[Any, Any] | None]
 """Finds ids (n,) and coarse points (n, 2) px in a grey picture (h, w)."""
 
 
 class Detector:
-    """Finder of one board in pictures. Raises as `Board.check_opencv` does."""
+    """Finder of one board in pictures. Raises MissingPackageError without OpenCV.
 
-    def __init__(self, board: Board) -> None:
+    Parameters
+    ----------
+    board
+        The board.
+    thorough
+        Whether slower detectors look for a chessboard that the first does not find.
+    """
+
+    def __init__(self, board: Board, thorough: bool = False) -> None:
         self._cv2 = opencv()
         self.board = board
+        self._thorough = thorough
         if board.kind == "aprilgrid":
             self._find: Finder = AprilGridFinder(board)
         elif board.kind == "chessboard":
             self._find = self._chessboard
+        elif board.kind in CIRCLES:
+            self._find = self._circles
         else:
             self._charuco_detector = self._cv2.aruco.CharucoDetector(board.opencv())
             self._find = self._charuco
+
+    @property
+    def is_slow(self) -> bool:
+        """True if `find_coarsely` takes much less time than `find`."""
+        return self.board.kind == "chessboard"
+
+    def find_coarsely(self, picture: Any) -> Corners | None:
+        """Return the corners as `find` does, of slow boards to a pixel: good enough to follow them."""
+        grey = grey_of(picture)
+        factor = COARSE_SIDE_PX / max(grey.shape)
+        if not self.is_slow or factor >= 1:
+            return self.find(grey)
+        small = self._cv2.resize(grey, None, fx=factor, fy=factor, interpolation=self._cv2.INTER_AREA)
+        found = self._find(self._cv2.bitwise_not(small) if self.board.inverted else small)
+        if found is None:
+            return None
+        ids, points = found
+        return Corners(tuple(int(n) for n in ids), (points.astype(np.float64) + 0.5) / factor - 0.5)
 
     def find(self, picture: Any) -> Corners | None:
         """Return the corners in a picture (h, w) or (h, w, 3), 8 bits; None if there are too few."""
@@ -37,7 +71,12 @@ class Detector:
         found = self._find(grey)
         if found is None or len(found[0]) < MIN_CORNERS:
             return None
-        return refine(grey, self.board, *found)
+        if self.board.kind in CIRCLES:
+            return Corners(tuple(int(n) for n in found[0]), found[1].astype(np.float64))
+        corners = refine(grey, self.board, *found)
+        if corners is None or self.board.kind != "aprilgrid":
+            return corners
+        return without_stray_corners(self.board, corners)
 
     def _charuco(self, grey: Any) -> tuple[Any, Any] | None:
         points, ids, _, _ = self._charuco_detector.detectBoard(grey)
@@ -45,12 +84,23 @@ class Detector:
             return None
         return np.asarray(ids).reshape(-1), np.asarray(points, dtype=np.float32).reshape(-1, 2)
 
+    def _circles(self, grey: Any) -> tuple[Any, Any] | None:
+        cv2 = self._cv2
+        kind = cv2.CALIB_CB_SYMMETRIC_GRID
+        if self.board.kind == "asymmetric_circles":
+            kind = cv2.CALIB_CB_ASYMMETRIC_GRID
+        for flags in (kind, kind | cv2.CALIB_CB_CLUSTERING):
+            is_there, points = cv2.findCirclesGrid(grey, self.board.squares, flags=flags)
+            if is_there:
+                return np.arange(self.board.corner_count), np.asarray(points).reshape(-1, 2)
+        return None
+
     def _chessboard(self, grey: Any) -> tuple[Any, Any] | None:
         columns, rows = (n - 1 for n in self.board.squares)
-        found, points = self._cv2.findChessboardCornersSB(grey, (columns, rows))
-        if not found:
+        lattice = find_corners(grey, (columns, rows), self._thorough)
+        if lattice is None:
             return None
-        ordered = order_chessboard(grey, np.asarray(points, dtype=np.float32).reshape(rows, columns, 2))
+        ordered = order_chessboard(grey, lattice)
         return np.arange(columns * rows), ordered.reshape(-1, 2)
 
 

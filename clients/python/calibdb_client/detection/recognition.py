@@ -15,12 +15,14 @@ from typing import Any
 
 import numpy as np
 
+from calibsolver.arrays import Array
+
 from ..board import DICTIONARIES, Board, opencv
-from ..errors import UsageError
-from ..projection import Array
-from .corners import Corners
-from .detector import Detector, grey_of
+from ..errors import MirroredError, UsageError
+from .chessboard import count_corners
+from .detector import grey_of
 from .markers import Key, Markers, find_markers
+from .spacing import estimate_spacing
 
 MAX_LOOKED_AT = 8
 """Pictures in which one board is looked for."""
@@ -70,14 +72,16 @@ class Layout:
         return np.stack([column, 2 * pair + lower], axis=1).astype(np.float64)
 
 
-def recognise(pictures: Iterable[Any]) -> Board | None:
+def recognise(pictures: Iterable[Any], mirrored: bool = False) -> Board | None:
     """Return the board in pictures (h, w) or (h, w, 3), 8 bits; None if they show none, or do not tell.
 
-    Raises MissingPackageError without OpenCV.
+    `mirrored` pictures are turned back. Raises MirroredError if the pictures are mirrored, CaptureError if
+    they differ on the number of squares, MissingPackageError without OpenCV.
     """
     greys = []
     for picture in pictures:
-        greys.append(_shrunk(grey_of(picture)))
+        grey = _shrunk(grey_of(picture))
+        greys.append(opencv().flip(grey, 1) if mirrored else grey)
         if len(greys) == MAX_LOOKED_AT:
             break
     found = [find_markers(grey) for grey in greys]
@@ -95,7 +99,10 @@ def _with_markers(found: Sequence[Mapping[Key, Markers]], greys: Sequence[Any]) 
         seen = [each[key] for each in found if key in each and len(each[key].ids) >= MIN_MARKERS]
         seen.sort(key=lambda each: -len(each.ids))
         if seen and (layout := _layout(seen[:MAX_SEARCHED])):
-            return _board(layout, *key, seen, greys)
+            family, inverted, mirrored = key
+            if mirrored:
+                raise MirroredError
+            return _board(layout, family, inverted, seen, greys)
     return None
 
 
@@ -137,12 +144,13 @@ def _fit(layout: Layout, seen: Markers) -> tuple[float | None, Any]:
 def _board(
     layout: Layout, family: str, inverted: bool, seen: Sequence[Markers], greys: Sequence[Any]
 ) -> Board | None:
-    side = statistics.median(side for each in seen for side in _sides(layout, each, inverted))
+    side = statistics.median(side for each in seen for side in _sides(layout, each))
     rows = max(int(np.abs(layout.cells(each.ids)[:, 1]).max()) for each in seen) + 1
     try:
         if layout.first is None:
             grid = Board((layout.columns, rows), 0.65, family, False, "aprilgrid", inverted, 1 / side - 1)
-            return _with_best_spacing(grid, greys)
+            spacing = estimate_spacing(grid, greys)
+            return None if spacing is None else replace(grid, tag_spacing=spacing)
         rows = max(rows, 3)
         if layout.first and rows % 2:  # the old layout differs where the number of rows is even
             rows += 1
@@ -155,44 +163,15 @@ def _board(
         return None
 
 
-def _sides(layout: Layout, seen: Markers, inverted: bool) -> list[float]:
-    """Sides of the markers, pitches. Contours run through the outermost black pixels, not along them."""
+def _sides(layout: Layout, seen: Markers) -> list[float]:
+    """Sides of the markers, pitches."""
     _, matrix = _fit(layout, seen)
     if matrix is None:
         return []
     corners = opencv().perspectiveTransform(seen.corners.reshape(1, -1, 2), matrix).reshape(-1, 4, 2)
-    edges, pixels = (
-        np.linalg.norm(each - np.roll(each, -1, axis=1), axis=2).mean(axis=1)
-        for each in (corners, seen.corners)
-    )
-    return [float(each) for each in edges * (pixels + (-1 if inverted else 1)) / pixels]
-
-
-def _with_best_spacing(grid: Board, greys: Sequence[Any]) -> Board:
-    """Return an AprilGrid with the spacing at which its refined corners lie in planes best."""
-    spacing = grid.tag_spacing
-    for width in (0.15, 0.05, 0.02):
-        detector = Detector(replace(grid, tag_spacing=spacing))
-        views = [found for grey in _spread(greys, MAX_SEARCHED) if (found := detector.find(grey)) is not None]
-        if not views:
-            break
-        trials = spacing * np.linspace(1 - width, 1 + width, 9)
-        spacing = float(
-            min(trials, key=lambda each: _residual(replace(grid, tag_spacing=float(each)), views))
-        )
-    return replace(grid, tag_spacing=round(spacing, 2))
-
-
-def _residual(board: Board, views: Sequence[Corners]) -> float:
-    """Median over pictures of the distance of corners from a plane's picture, px."""
-    residuals = []
-    for view in views:
-        places = board.places[list(view.ids)]
-        matrix, _ = opencv().findHomography(places, view.points, 0)
-        if matrix is not None:
-            off = opencv().perspectiveTransform(places[None], matrix)[0] - view.points
-            residuals.append(float(np.sqrt(np.mean(np.sum(off**2, axis=1)))))
-    return statistics.median(residuals) if residuals else float("inf")
+    return [
+        float(each) for each in np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).mean(axis=1)
+    ]
 
 
 def _smallest(family: str, count: int) -> str:
@@ -207,20 +186,11 @@ def _chessboard(greys: Sequence[Any]) -> Board | None:
 
     One that is white on black is the same board turned by half a turn, or gives the same intrinsics.
     """
-    cv2 = opencv()
-    sizes: Counter[tuple[int, int]] = Counter()
-    for grey in _spread(greys, MAX_SEARCHED):
-        found, _, meta = cv2.findChessboardCornersSBWithMeta(grey, (3, 3), cv2.CALIB_CB_LARGER)
-        if found and meta is not None:
-            rows, columns = np.asarray(meta).shape[:2]
-            sizes[max(rows, columns) + 1, min(rows, columns) + 1] += 1
-    if not sizes:
-        return None
-    size, times = sizes.most_common(1)[0]
-    if times < 2 and len(greys) > 1:
+    size = count_corners(greys)
+    if size is None:
         return None
     try:
-        return Board(size, kind="chessboard")
+        return Board((size[0] + 1, size[1] + 1), kind="chessboard")
     except UsageError:
         return None
 

@@ -1,0 +1,86 @@
+"""Likely camera where nothing reliable is known, as the service estimates it. It is never a calibration."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .errors import UsageError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Estimated camera with the interval of its field of view (docs/estimates.md).
+
+    Attributes
+    ----------
+    record
+        The service's answer, under its names (docs/api.md).
+
+    Raises UsageError for a record that is not an estimate.
+    """
+
+    record: Mapping[str, Any]
+
+    def __post_init__(self) -> None:
+        try:
+            low, high = self.record["interval_90"]["hfov_deg"]
+            whole = float(low) <= float(self.record["hfov_deg"]) <= float(high)
+            whole = whole and np.asarray(self.record["camera_matrix"], dtype=np.float64).shape == (3, 3)
+        except (KeyError, TypeError, ValueError):
+            whole = False
+        if not whole:
+            raise UsageError("not an estimate: camera_matrix, hfov_deg and interval_90 are needed")
+
+    def __repr__(self) -> str:
+        low, high = self.interval_90
+        return f"Estimate({self.hfov_deg:.1f} degrees, 90 %: {low:.1f} to {high:.1f}, {self.basis})"
+
+    @cached_property
+    def camera_matrix(self) -> NDArray[np.float64]:
+        """(3, 3), px."""
+        return np.array(self.record["camera_matrix"], dtype=np.float64)
+
+    @cached_property
+    def distortion_coefficients(self) -> NDArray[np.float64]:
+        """(m,), in the model's order."""
+        return np.array(self.record["distortion_coefficients"], dtype=np.float64)
+
+    @property
+    def distortion_model(self) -> str:
+        """`rectilinear` or `fisheye`, or the model of a calibration that it rests on."""
+        return str(self.record["distortion_model"])
+
+    @property
+    def img_size(self) -> tuple[int, int]:
+        """Width and height, px."""
+        w, h = self.record["img_size"]
+        return int(w), int(h)
+
+    @property
+    def hfov_deg(self) -> float:
+        """Horizontal field of view, degrees."""
+        return float(self.record["hfov_deg"])
+
+    @property
+    def interval_90(self) -> tuple[float, float]:
+        """Horizontal fields of view, degrees, between which the true one lies with a probability of 90 %."""
+        low, high = self.record["interval_90"]["hfov_deg"]
+        return float(low), float(high)
+
+    @property
+    def basis(self) -> str:
+        """Best evidence that it rests on, such as `published` or `population`."""
+        return str(self.record.get("basis", ""))
+
+    @property
+    def sources(self) -> tuple[tuple[str, str], ...]:
+        """Titles and addresses of the publications that it rests on."""
+        return tuple((str(each["title"]), str(each["url"])) for each in self.record.get("sources", ()))

@@ -1,0 +1,216 @@
+"""Priors for structure from motion: the cameras of a folder of photographs, calibrated or estimated."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import exif
+from .answer import Answer
+from .calibration import Calibration
+from .errors import UsageError
+from .estimate import Estimate
+from .exif import Photograph
+from .key import CameraKey
+from .pictures import PLATFORM, SUFFIXES
+
+_FILM_WIDTH_MM = 36.0
+_END = "END-OF-PHOTOGRAPHS"  # of a list in the shell script
+_COLMAP_MODELS = {"fisheye": "OPENCV_FISHEYE", "rational": "FULL_OPENCV"}
+
+
+@dataclass(frozen=True)
+class PhotoGroup:
+    """Photographs of one camera, size and focal length, and what the database says of it.
+
+    Attributes
+    ----------
+    photo
+        Facts that they share.
+    paths
+        The photographs, by name.
+    answer
+        Answer to the lookup: a calibration or an estimate.
+    """
+
+    photo: Photograph
+    paths: tuple[Path, ...]
+    answer: Answer
+
+    @property
+    def camera(self) -> Calibration | Estimate:
+        """Camera to begin with. Raises UsageError if there is none of this size."""
+        found = self.answer.calibration or self.answer.estimate
+        if found is None:
+            raise UsageError(f"the service says nothing of {self.photo.label}: is it an older one?")
+        if found.img_size != self.photo.size:
+            w, h = found.img_size
+            raise UsageError(f"{self.photo.label} is calibrated at {w}x{h} only: cameras crop at other sizes")
+        return found
+
+    @property
+    def title(self) -> str:
+        """Camera, number of photographs, size, focal length and certainty."""
+        w, h = self.photo.size
+        count = f"{len(self.paths)} photograph{'s' if len(self.paths) > 1 else ''}"
+        facts = [self.photo.label, count, f"{w}x{h}", f"{self.photo.focal_mm:g} mm"]
+        estimate = self.answer.estimate
+        if self.answer.calibration is not None or estimate is None:
+            return ", ".join([*facts, "calibrated"])
+        low, high = estimate.interval_90
+        return ", ".join([*facts, f"estimated ({estimate.basis}), 90 %: {low:.1f} to {high:.1f} degrees"])
+
+
+def photographs(folder: Path) -> dict[Photograph, list[Path]]:
+    """Group the photographs of a folder by camera, size and focal length. Raises UsageError for none."""
+    if not folder.is_dir():
+        raise UsageError(f"{folder} is not a folder")
+    groups: dict[Photograph, list[Path]] = {}
+    for path in sorted(folder.iterdir()):
+        if path.suffix.lower() not in SUFFIXES:
+            continue
+        try:
+            groups.setdefault(exif.read(path), []).append(path)
+        except UsageError:  # edited, or a screenshot: it says nothing of a camera
+            continue
+    if not groups:
+        raise UsageError(f"no photograph in {folder} names its camera: they have no EXIF data")
+    return groups
+
+
+def look_up(
+    groups: Mapping[Photograph, Sequence[Path]],
+    lookup: Callable[[CameraKey, Mapping[str, float]], Answer],
+) -> list[PhotoGroup]:
+    """Look up the camera of each group."""
+    return [
+        PhotoGroup(
+            photo,
+            tuple(paths),
+            lookup(CameraKey(photo.label, PLATFORM, photo.size, photo.focal_mm), photo.reported),
+        )
+        for photo, paths in groups.items()
+    ]
+
+
+def colmap(groups: Sequence[PhotoGroup]) -> str:
+    """Return a shell script with COLMAP's commands: a camera per group, fixed if all are calibrated."""
+    lines = [
+        "#!/bin/sh",
+        "# $1: the database, $2: the folder of photographs, $3: the folder of the result",
+        "set -e",
+    ]
+    for number, group in enumerate(groups, 1):
+        names = "\n".join(path.name for path in group.paths if path.name.isprintable() and path.name != _END)
+        lines += [
+            f"# {group.title}",
+            f"cat > priors-{number}.txt <<'{_END}'\n{names}\n{_END}",
+            'colmap feature_extractor --database_path "$1" --image_path "$2" '
+            f"--image_list_path priors-{number}.txt --ImageReader.single_camera 1 "
+            f"--ImageReader.camera_model {_colmap_model(group.camera)} "
+            f"--ImageReader.camera_params {shlex.quote(_colmap_parameters(group.camera))}",
+        ]
+    fixed = all(group.answer.calibration is not None for group in groups)
+    refine = " --Mapper.ba_refine_focal_length 0 --Mapper.ba_refine_extra_params 0" if fixed else ""
+    lines += [
+        'colmap exhaustive_matcher --database_path "$1"',
+        f'colmap mapper --database_path "$1" --image_path "$2" --output_path "$3"{refine}',
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _colmap_model(camera: Calibration | Estimate) -> str:
+    if isinstance(camera, Estimate) and camera.distortion_model == "rectilinear":
+        return "SIMPLE_RADIAL"
+    if camera.distortion_model == "omnidirectional":
+        raise UsageError("COLMAP has no model for an omnidirectional camera: look up --model fisheye")
+    if camera.distortion_model == "rectilinear" and camera.distortion_coefficients[4] != 0:
+        return "FULL_OPENCV"
+    return _COLMAP_MODELS.get(camera.distortion_model, "OPENCV")
+
+
+def _colmap_parameters(camera: Calibration | Estimate) -> str:
+    """Parameters in COLMAP's order. Its pixel centres are at halves."""
+    m, d = camera.camera_matrix, [float(k) for k in camera.distortion_coefficients]
+    fx, fy, cx, cy = m[0, 0], m[1, 1], m[0, 2] + 0.5, m[1, 2] + 0.5
+    model = _colmap_model(camera)
+    if model == "SIMPLE_RADIAL":
+        return _numbers([fx, cx, cy, 0.0])
+    if model == "OPENCV":
+        return _numbers([fx, fy, cx, cy, *d[:4]])
+    return _numbers([fx, fy, cx, cy, *d, *[0.0] * (8 - len(d) if model == "FULL_OPENCV" else 0)])
+
+
+def opensfm(groups: Sequence[PhotoGroup]) -> str:
+    """Return `camera_models_overrides.json` for OpenSfM, under the names that it gives to cameras."""
+    cameras = {}
+    for group in groups:
+        camera, (w, h) = group.camera, group.photo.size
+        if camera.distortion_model not in ("rectilinear", "fisheye"):
+            raise UsageError(f"OpenSfM has no {camera.distortion_model} model: look up --model rectilinear")
+        m, d, side = camera.camera_matrix, [float(k) for k in camera.distortion_coefficients], max(w, h)
+        common = {
+            "width": w,
+            "height": h,
+            "focal_x": m[0, 0] / side,
+            "focal_y": m[1, 1] / side,
+            "c_x": (m[0, 2] - (w - 1) / 2) / side,
+            "c_y": (m[1, 2] - (h - 1) / 2) / side,
+        }
+        if camera.distortion_model == "fisheye":
+            names = dict(zip(("k1", "k2", "k3", "k4"), d, strict=True))
+            cameras[_opensfm_name(group.photo)] = {"projection_type": "fisheye_opencv", **common, **names}
+        else:
+            names = dict(zip(("k1", "k2", "p1", "p2", "k3"), d, strict=True))
+            cameras[_opensfm_name(group.photo)] = {"projection_type": "brown", **common, **names}
+    return json.dumps(cameras, indent=4) + "\n"
+
+
+def _opensfm_name(photo: Photograph) -> str:
+    """Name of a camera in OpenSfM (`opensfm.exif.camera_id_`), by its default projection type.
+
+    A lens that the file names stands for the model.
+    """
+    model = photo.lens or photo.model
+    model = model.replace(photo.make, "") if photo.make else model
+    focal = str(float(photo.focal_35mm / _FILM_WIDTH_MM))[:6]
+    w, h = photo.size
+    return " ".join(["v2", photo.make.strip(), model.strip(), str(w), str(h), "perspective", focal]).lower()
+
+
+def openmvg(groups: Sequence[PhotoGroup]) -> str:
+    """Return lines for openMVG's database of sensor widths, whose focal lengths in pixels are these."""
+    return "".join(f"{make} {model};{width:.4f}\n" for make, model, width in _sensor_widths(groups))
+
+
+def meshroom(groups: Sequence[PhotoGroup]) -> str:
+    """Return lines for Meshroom's database of sensor widths, whose focal lengths in pixels are these."""
+    return "".join(f"{make};{model};{width:.4f};calibDB\n" for make, model, width in _sensor_widths(groups))
+
+
+def _sensor_widths(groups: Iterable[PhotoGroup]) -> list[tuple[str, str, float]]:
+    """Make, model and width (mm) by which the focal length in mm becomes that in pixels, once per camera."""
+    widths = {}
+    for group in groups:
+        photo, matrix = group.photo, group.camera.camera_matrix
+        if photo.focal_mm > 0:
+            names = photo.make.replace(";", " "), photo.model.replace(";", " ")
+            widths[names] = float(photo.focal_mm * max(photo.size) / matrix[0, 0])
+    if not widths:
+        raise UsageError("no photograph has a focal length in its EXIF data, which this program needs")
+    return [(make, model, width) for (make, model), width in widths.items()]
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return ",".join(f"{value:.8g}" for value in values)
+
+
+WRITERS: dict[str, Callable[[Sequence[PhotoGroup]], str]] = {
+    "colmap": colmap,
+    "opensfm": opensfm,
+    "openmvg": openmvg,
+    "meshroom": meshroom,
+}

@@ -1,0 +1,158 @@
+"""Report of a calibration with its corners: plots and a table of the pictures, as HTML, PNG or PDF."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .errors import CaptureError, MissingPackageError, UsageError
+
+if TYPE_CHECKING:
+    from calibsolver import Calibration as Fit
+    from calibsolver import View
+
+    from .calibration import Calibration
+    from .recording import Recording
+
+REPORT_SUFFIXES = (".html", ".png", ".pdf")
+_STYLE = (
+    "body{font:15px/1.45 system-ui,sans-serif;max-width:1500px;margin:2em auto;padding:0 1em;color:#222}"
+    "img{max-width:100%}table{border-collapse:collapse}td,th{padding:.15em .8em;text-align:right}"
+    "td:first-child,th:first-child,td:last-child,th:last-child{text-align:left}"
+    "tr:nth-child(even){background:#f4f6f8}"
+)
+
+
+@dataclass(frozen=True)
+class PictureRow:
+    """Row of one picture.
+
+    Attributes
+    ----------
+    source
+        Name of the picture.
+    corners, used
+        Corners, and those that took part in the fit.
+    rms
+        px of those that took part; NaN if none did.
+    remark
+        Reason for which it is left out, or "".
+    """
+
+    source: str
+    corners: int
+    used: int
+    rms: float
+    remark: str = ""
+
+
+def rows_of(recording: Recording, fit: Fit) -> list[PictureRow]:
+    """Return a row of each picture of a recording, under a fit of its views."""
+    from .session import refusal
+
+    rows = []
+    lengths = [r if r.ndim == 1 else np.linalg.norm(r, axis=1) for r in map(np.asarray, fit.residuals)]
+    for n, (view, length, used) in enumerate(zip(recording.views, lengths, fit.used, strict=True)):
+        counted = length[used]
+        rms = float(np.sqrt(np.mean(counted**2))) if len(counted) else float("nan")
+        why = fit.cut_views.get(n)
+        rows.append(PictureRow(view.source, len(view.ids), int(used.sum()), rms, refusal(why) if why else ""))
+    return rows
+
+
+def write_report(path: str | Path, calibration: Calibration, picture: Any = None) -> None:
+    """Write a report of a calibration that has its corners; the suffix says whether HTML, PNG or PDF.
+
+    Parameters
+    ----------
+    path, calibration
+        The file, and the calibration. It is fitted to its corners again, for poses and error bars.
+    picture
+        One of its pictures (h, w) or (h, w, 3), to be shown before and after.
+
+    Raises UsageError for another suffix, or if the corners are not there; MissingPackageError without
+    matplotlib.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in REPORT_SUFFIXES:
+        raise UsageError(f"a report is written as {', '.join(REPORT_SUFFIXES)}, not {target.name}")
+    recording = calibration.recording
+    if recording is None:
+        raise UsageError("a report needs the corners: give a file that `calibdb calibrate` wrote")
+    try:
+        import matplotlib  # noqa: F401
+
+        from calibsolver import plots
+    except ImportError:
+        raise MissingPackageError("plots need matplotlib: pip install matplotlib") from None
+    fit, views = _fit(recording, calibration)
+    title = (
+        f"{recording.key.camera}, {calibration.img_size[0]} x {calibration.img_size[1]}, {fit.camera.model}"
+    )
+    figure = plots.report(fit, views, title, picture)
+    content = io.BytesIO()
+    if target.suffix.lower() == ".html":
+        figure.savefig(content, format="png", dpi=110)
+        page = _page(title, calibration, fit, rows_of(recording, fit), content.getvalue())
+        content = io.BytesIO(page.encode())
+    else:
+        figure.savefig(content, format=target.suffix[1:].lower(), dpi=110)
+    from .files import write_whole
+
+    write_whole(target, content.getvalue())
+
+
+def _fit(recording: Recording, calibration: Calibration) -> tuple[Fit, list[View]]:
+    import calibsolver
+
+    try:
+        views = recording.board.views([{"ids": view.ids, "points": view.points} for view in recording.views])
+        lens = calibration.lens
+        return calibsolver.fit(views, lens.img_size, lens.model, start=lens), views
+    except (calibsolver.CalibrationError, ValueError) as error:
+        raise CaptureError(f"the corners determine no calibration: {error}") from None
+
+
+def _page(title: str, calibration: Calibration, fit: Fit, rows: Sequence[PictureRow], png: bytes) -> str:
+    """Return the page: everything is in it, nothing is loaded from elsewhere."""
+    from .cli.output import calibration_facts
+
+    names = ("fx", "fy", "cx", "cy", *_coefficients(fit))
+    deviations = np.sqrt(np.diagonal(fit.covariance))
+    values = [
+        f"<tr><td>{name}</td><td>{value:.6g}</td><td>± {sigma:.2g}</td></tr>"
+        for name, value, sigma in zip(names, fit.camera.intrinsics, deviations, strict=True)
+    ]
+    pictures = [
+        f"<tr><td>{html.escape(row.source)}</td><td>{row.corners}</td><td>{row.used}</td>"
+        f"<td>{row.rms:.3f}</td><td>{html.escape(row.remark)}</td></tr>"
+        for row in rows
+    ]
+    facts = "".join(
+        f"<tr><td>{html.escape(name)}</td><td>{html.escape(value)}</td></tr>"
+        for name, value in calibration_facts(calibration.record)
+    )
+    image = base64.b64encode(png).decode()
+    return (
+        f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{html.escape(title)}</title>'
+        f"<style>{_STYLE}</style><h1>{html.escape(title)}</h1><table>{facts}</table>"
+        f'<p><img alt="Residuals, corners, uncertainty, poses, before and after" '
+        f'src="data:image/png;base64,{image}"></p>'
+        f"<h2>Parameters</h2><table><tr><th></th><th>value</th><th>standard deviation</th></tr>"
+        f"{''.join(values)}</table>"
+        f"<h2>Pictures</h2><table><tr><th>picture</th><th>corners</th><th>used</th><th>rms, px</th>"
+        f"<th></th></tr>{''.join(pictures)}</table></html>\n"
+    )
+
+
+def _coefficients(fit: Fit) -> tuple[str, ...]:
+    from calibsolver import models
+
+    return models.get(fit.camera.model).coefficients
