@@ -27,8 +27,6 @@ const FOOTER = [
 ];
 const OPERATORS = { contact: "common.contact", imprint: "common.imprint", source: "common.source" };
 
-const MANY_SCRIPTS = 40;
-
 /** The address of a page, from the root. @param {string} key @param {string} language */
 export function addressOf(key, language) {
   return `/${language === "en" ? "" : `${language}/`}${key.replace(/(^|\/)index\.html$/, "$1")}`;
@@ -60,10 +58,8 @@ function head(document, { key, language, translated, origin, preloads }) {
   viewport?.insertAdjacentHTML("afterend", classic.map((name) => `\n  <script src="/${name}.js"></script>`).join(""));
   for (const link of document.querySelectorAll("link[rel=modulepreload]:not([as])")) link.remove();
   const [style] = [...document.querySelectorAll("link[rel=stylesheet]")].slice(-1);
-  // Where many scripts are waited for, the font comes after them, for the next page: another stands in (style.css).
   const alphabets = language === "uk" ? ["latin", "cyrillic"] : ["latin"];
-  const fonts = preloads.length < MANY_SCRIPTS
-    ? alphabets.map((name) => `<link rel="preload" href="/vendor/font/geologica-${name}.woff2" as="font" type="font/woff2" crossorigin>`) : [];
+  const fonts = alphabets.map((name) => `<link rel="preload" href="/vendor/font/geologica-${name}.woff2" as="font" type="font/woff2" crossorigin>`);
   const scripts = document.querySelector("header.masthead") ? ['<script type="module" src="/lib/header.js"></script>'] : [];
   const lines = [...fonts, ...preloads.map((path) => `<link rel="modulepreload" href="${path}">`), ...scripts, ...addresses(key, language, translated, origin)];
   const social = [

@@ -22,6 +22,7 @@ PROBLEMS = {
     409: "The request does not fit the state that things are in.",
     410: "It was withdrawn; `reason` says for what kind of reason: wrong, abuse, privacy, other.",
     413: f"The body is larger than {MAX_BODY_BYTES} bytes.",
+    415: "The body is not declared as JSON.",
     422: "Fields are not what they must be; `errors` names them.",
     429: "The calls that are allowed in this hour or day are used up; `Retry-After` says when more are.",
     500: "Something went wrong here, not in the request.",

@@ -66,9 +66,9 @@ TEXTS: dict[str, OperationText] = {
         "Lookup",
         "Answers with the calibration of a camera: its camera matrix, its distortion, and how far "
         "to trust them. Name the camera as the browser does. Where nothing reliable is known, "
-        '`miss: "ok"` answers 200 with `calibration: null`, the `reason`, and the `guidance_url` '
-        "where the camera can be calibrated; `redirect: false` answers 404 with the same; without "
-        "either the answer is a redirect to that page, which `fetch()` cannot read.",
+        '`miss: "ok"` answers 200 with `calibration: null`, the `reason`, an `estimate`, and the '
+        "`guidance_url` where the camera can be calibrated; `redirect: false` answers 404 with the same; "
+        "without either the answer is a redirect to that page, which `fetch()` cannot read.",
         {**_EXAMPLE_KEY, "zoom": 0, "miss": "ok"},
     ),
     "visitLookup": OperationText(

@@ -21,10 +21,12 @@ _LOOKUP = query_of(
         "zoom": "`zoom` of the track.",
         "distortion_model": "The model to answer with.",
         "resize_mode": "`resizeMode` of the track.",
+        "device": "Model identifier of the phone, `iPhone17,3`.",
         "redirect": "`false`: 404 with `guidance_url` instead of the redirect.",
         "miss": "`ok`: 200 with `calibration: null` instead of the redirect.",
     },
     deprecated=("userAgent", "imsize"),
+    body_only=("reported",),
 )
 _REDIRECT = next(node for node in _LOOKUP if node["name"] == "redirect")
 _STATE = Content("The session's state.", schema.SessionState)
@@ -50,7 +52,7 @@ _TOKENS = (
         "createToken",
         "Make an API token for pages of some origins, and for programs",
         {201: Content("The token. Its two secrets are shown this once.", schema.TokenCreated)},
-        (400, 403, 413, 422, 429, 500, 503),
+        (400, 403, 413, 415, 422, 429, 500, 503),
         body=schema.TokenRequest,
     ),
     Operation(

@@ -32,6 +32,7 @@ def query_of(
     model: type[BaseModel],
     descriptions: Mapping[str, str] | None = None,
     deprecated: Collection[str] = (),
+    body_only: Collection[str] = (),
 ) -> tuple[Node, ...]:
     """Generate the query parameters of a model.
 
@@ -43,10 +44,14 @@ def query_of(
         Texts by field, over those of the model's fields.
     deprecated
         Aliases that are listed as deprecated parameters. Other aliases are not listed.
+    body_only
+        Fields that a query cannot write.
     """
     nodes = model.model_json_schema(by_alias=False)["properties"]
     found = []
     for name, info in model.model_fields.items():
+        if name in body_only:
+            continue
         aliases = [alias for alias in _aliases(info) if alias in deprecated]
         node = query(name, _as_text(nodes[name]), (descriptions or {}).get(name) or info.description or "")
         found.append(node | ({"required": True} if info.is_required() and not aliases else {}))

@@ -20,7 +20,7 @@ from typing import TypedDict
 from infra.web_build import site
 
 WEB = Path(__file__).parents[2] / "web"
-# Fetched when a page needs them, not with the first visit: 12 MB, or a script not everybody reads.
+# Fetched when a page needs them, not with the first visit: 3 MB, or a script not everybody reads.
 LAZY = re.compile(r"vendor(-[0-9a-f]+)?/(opencv/|font/geologica-cyrillic)")
 SUFFIXES = (".html", ".js", ".css", ".svg", ".json", ".woff2", ".wasm")
 # For who writes applications: of no use without a network, and 3 MB.

@@ -103,6 +103,7 @@ def capture_rig(stack: LocalStack) -> tuple[str, str]:
 def send(stack: LocalStack, method: str, path: str, credential: str | None, body: Any = None) -> bytes:
     """Send a request that must succeed; return the body."""
     headers = {"authorization": f"Bearer {credential}"} if credential else {}
+    headers |= {} if body is None else {"content-type": "application/json"}
     path, _, query = path.partition("?")
     content = b"" if body is None else json.dumps(body).encode()
     answer = stack.request(method, path, headers | {"accept": "application/json"}, query, content)

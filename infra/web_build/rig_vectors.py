@@ -19,10 +19,31 @@ import numpy as np
 from calibsolver import Camera, View, rig
 from calibsolver.rig.rectification import rectify
 from calibsolver.rig.start import RigidMotion
-from infra.web_build.vectors import LENSES, SIZE
 
 ROOT = Path(__file__).parents[2]
 RIGS_PATH = ROOT / "tests" / "web" / "rigs.json"
+SIZE = (1280, 720)
+# Some bend inwards, some outwards, some not at all; of the wide models one sees beyond 90 degrees.
+LENSES: dict[str, list[tuple[float, list[float]]]] = {
+    "rectilinear": [
+        (1000.0, [-0.25, 0.06, 0.001, -0.0008, -0.004]),
+        (700.0, [0.08, -0.02, -0.001, 0.0005, 0.001]),
+        (1400.0, [0.0, 0.0, 0.0, 0.0, 0.0]),
+    ],
+    "fisheye": [
+        (420.0, [-0.02, 0.003, -0.002, 0.0003]),
+        (260.0, [0.05, -0.01, 0.001, 0.0]),
+        (600.0, [0.0, 0.0, 0.0, 0.0]),
+    ],
+    "rational": [
+        (800.0, [1.2, 0.3, 0.0005, -0.0004, 0.02, 1.5, 0.6, 0.06]),
+        (900.0, [-0.3, 0.1, -0.001, 0.001, -0.01, 0.02, 0.01, 0.001]),
+    ],
+    "omnidirectional": [
+        (900.0, [1.2, -0.1, 0.02, 0.0006, -0.0003]),
+        (450.0, [0.6, 0.03, -0.005, -0.0004, 0.0005]),
+    ],
+}
 CORNERS = ROOT / "tests" / "data" / "corners"
 REAL_SIZE = (640, 480)
 # left camera -> right camera: side by side, one above the other, the right one on the left, far turned

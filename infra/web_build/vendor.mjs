@@ -1,7 +1,4 @@
 // Puts third-party code where the pages load it from: web/vendor/, which git ignores and `make` rebuilds.
-//
-// The OpenCV.js package carries its WebAssembly as a 12 million character string inside the module. A browser
-// cannot compile that while it arrives, nor cache the compiled code, so the binary is written beside the module.
 import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { buildSync } from "esbuild";
@@ -11,41 +8,18 @@ import { vendorEngines } from "./engines.mjs";
 const root = fileURLToPath(new URL("../..", import.meta.url));
 const vendor = `${root}web/vendor/`;
 
-/**
- * Splits the module text at the string literal that `findWasmBinary` decodes.
- * @param {string} source text of lib/opencv_js.js
- * @returns {{module: string, wasm: Uint8Array}}
- */
-export function splitOpenCV(source) {
-  const opening = "function findWasmBinary(){return binaryDecode('";
-  const decoder = /function binaryDecode\(bin\)\{.*?return o\}/s.exec(source);
-  const start = source.indexOf(opening);
-  if (start < 0 || !decoder) throw new Error("the OpenCV.js package is not laid out as expected");
-  const literal = start + opening.length - 1;
-  let end = literal + 1;
-  while (source[end] !== "'") end += source[end] === "\\" ? 2 : 1;
-  // The package's own decoder on the package's own literal: nothing here knows how it encodes bytes.
-  const wasm = new Function(`${decoder[0]}; return binaryDecode(${source.slice(literal, end + 1)})`)();
-  if (!WebAssembly.validate(wasm)) throw new Error("the OpenCV.js package holds no valid WebAssembly");
-  const module = source.slice(0, start) + "function findWasmBinary(){return null" + source.slice(end + 2);
-  return { module, wasm };
-}
-
+/** The board detector: committed, since it is built by a compiler that `make` does not need (detector/build.sh). */
 function vendorOpenCV() {
-  const from = `${root}node_modules/@opencvjs/web/`;
-  const { version, license } = JSON.parse(readFileSync(`${from}package.json`, "utf8"));
-  const { module, wasm } = splitOpenCV(readFileSync(`${from}lib/opencv_js.js`, "utf8"));
+  const from = fileURLToPath(new URL("detector/", import.meta.url));
   mkdirSync(`${vendor}opencv`, { recursive: true });
-  writeFileSync(`${vendor}opencv/opencv.js`, module);
-  writeFileSync(`${vendor}opencv/opencv.wasm`, wasm);
+  for (const name of ["opencv.js", "opencv.wasm", "LICENSE"]) copyFileSync(`${from}${name}`, `${vendor}opencv/${name}`);
   // Servers compress the file, so its Content-Length is no measure of how much is still to come.
-  writeFileSync(`${vendor}opencv/opencv.json`, JSON.stringify({ version, license, bytes: wasm.length }) + "\n");
+  const { version, license, bytes } = JSON.parse(readFileSync(`${from}opencv.json`, "utf8"));
+  writeFileSync(`${vendor}opencv/opencv.json`, JSON.stringify({ version, license, bytes }) + "\n");
   writeFileSync(
     `${vendor}opencv/opencv.d.ts`,
     "declare const factory: (options: object) => Promise<any>;\nexport default factory;\n",
   );
-  copyFileSync(`${from}LICENSE`, `${vendor}opencv/LICENSE`);
-  console.log(`OpenCV.js ${version}: ${(wasm.length / 1e6).toFixed(1)} MB of WebAssembly`);
 }
 
 /**

@@ -7,6 +7,7 @@ import { part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
 import { onLanguage, rough, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
+import { phoneModel } from "../lib/phone-model.js";
 import { keyOf } from "../sdk/key.js";
 import { RectifierError } from "../sdk/warp.js";
 import { isVirtual } from "../lib/virtual/name.js";
@@ -149,7 +150,7 @@ function closeDetector() {
 async function show({ track, virtual }, signal, restarts) {
   turnTo("opening", { waiting: "lookup" });
   const img_size = /** @type {[number, number]} */ ([video.videoWidth, video.videoHeight]);
-  const key = { ...(await keyOf(track)), img_size };
+  const key = { ...(await keyOf(track, phoneModel())), img_size };
   const { calibration, origin, guidance } = await calibrationOf(key, parameters);
   if (signal.aborted) return "";
   for (const id of ["calibrate", "recalibrate"]) part(id, HTMLAnchorElement).href = guidance;

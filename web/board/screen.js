@@ -23,6 +23,8 @@ export class BoardScreen {
   #awake = null;
   /** Does the board fill the window, where no full screen is to be had? */
   #filling = false;
+  /** The removal of the history entry of the last full screen. @type {Promise<void> | null} */
+  #back = null;
   /** Is the code for a phone shown beside the board, where that fills the screen? */
   #coded = false;
 
@@ -41,6 +43,7 @@ export class BoardScreen {
     document.addEventListener("click", () => this.fill(false));
     document.addEventListener("keydown", ({ key }) => key === "Escape" && this.fill(false));
     document.addEventListener("fullscreenchange", () => this.#arrange());
+    window.addEventListener("popstate", () => this.#leave());
     // The lock is lost with the page's being seen.
     document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && this.#isFull() && this.#stayAwake());
     window.addEventListener("resize", () => this.draw());
@@ -57,8 +60,11 @@ export class BoardScreen {
    * To the whole screen, or where that is not to be had to the whole window: iPhones have it for videos only.
    * @param {{code?: boolean}} [options] code: with the code for a phone in the white beside the board
    */
-  enter({ code = false } = {}) {
+  async enter({ code = false } = {}) {
     this.#coded = code;
+    await this.#back;
+    // Back closes what fills the screen, instead of leaving the page.
+    history.pushState({ isBoardFull: true }, "");
     if (!this.#frame.requestFullscreen) return this.fill(true);
     this.#frame.requestFullscreen({ navigationUI: "hide" }).catch(() => this.fill(true));
   }
@@ -71,6 +77,11 @@ export class BoardScreen {
     this.#hint.hidden = !whether; // of the whole screen the browser says it itself
     this.#read = setTimeout(() => this.#hint.toggleAttribute("hidden", true), READING);
     void this.#arrange();
+  }
+
+  #leave() {
+    this.fill(false);
+    if (document.fullscreenElement === this.#frame) void document.exitFullscreen();
   }
 
   #isFull() {
@@ -122,6 +133,7 @@ export class BoardScreen {
     this.#frame.classList.toggle("filling", this.#filling);
     this.draw();
     if (this.#isFull()) return this.#stayAwake();
+    if (history.state?.isBoardFull) this.#back ??= goBack().finally(() => (this.#back = null)); // closed in another way
     const held = this.#awake;
     this.#awake = null;
     await held?.release();
@@ -137,6 +149,14 @@ export class BoardScreen {
       this.#onDimming();
     }
   }
+}
+
+/** @returns {Promise<void>} when the page is at the history entry before */
+function goBack() {
+  return new Promise((resolve) => {
+    window.addEventListener("popstate", () => resolve(), { once: true });
+    history.back();
+  });
 }
 
 /** Clockwise: on a phone held upright the board is larger so. @param {ReturnType<typeof raster>} picture */

@@ -2,12 +2,12 @@
 import { facts, lockFocus } from "../lib/camera.js";
 import { DetectorError, grab } from "../lib/detector.js";
 import { Pace, nextFrame } from "../lib/frames.js";
-import { nextProbe } from "../lib/capture/diagnosis.js";
 import { decide, isSettled, lenience } from "./hold.js";
 import { nextPlanned, trustedCalibration } from "./plan.js";
 import { RequestQueue } from "./request-queue.js";
-import { isEnough, isFinishable, isOfSize, viewCount } from "./state.js";
+import { isEnough, isFinishable, isOfSize, isSharpestOffered, viewCount } from "./state.js";
 import { motion } from "../lib/capture/stillness.js";
+import { Sharpest } from "../lib/capture/sharpest.js";
 import { tint } from "./tint.js";
 
 /**
@@ -17,7 +17,7 @@ import { tint } from "./tint.js";
  *
  * @typedef {object} Resources
  * @property {import("../lib/session.js").CaptureSession} session
- * @property {Detector} detector
+ * @property {Promise<Detector>} detector the first target is shown while it is loaded
  * @property {import("../lib/camera.js").OpenCamera} camera
  * @property {import("./plan.js").Step[]} plan
  * @property {AbortSignal} signal
@@ -28,12 +28,15 @@ import { tint } from "./tint.js";
 const MAX_MOTION_PX = 3; // between the hold's last frame and the one that is sent, at 1280 px width
 const MIN_RELATIVE_SHARPNESS = 0.75; // of the hold's frames: less is one blurred frame, and the next one will do
 const SHARPNESS_FRAMES = 12; // over which the median sharpness is taken
+const MAX_SHARPEST = 12; // frames of a moving board: a few more than a capture takes
 const MAX_RESTARTS = 3; // of the detector in one capture: a fourth would not help
 
 export class CaptureLoop {
   #page;
   #session;
-  #detector;
+  #opening;
+  /** @type {Detector | null} */
+  #detector = null;
   #camera;
   #plan;
   #signal;
@@ -43,6 +46,10 @@ export class CaptureLoop {
   #wasHidden = false;
   #isFirst = true;
   #isFinishing = false;
+  #isLooking = false;
+  /** @type {import("../lib/capture/board-watch.js").BoardWatch | null} loaded when no corner is seen */
+  #watch = null;
+  #sharpest = new Sharpest();
   /** @type {number[]} of the last frames */
   #sharpness = [];
   #pace = new Pace();
@@ -52,7 +59,7 @@ export class CaptureLoop {
   constructor(page, { session, detector, camera, plan, signal }) {
     this.#page = page;
     this.#session = session;
-    this.#detector = detector;
+    this.#opening = detector;
     this.#camera = camera;
     this.#plan = plan;
     this.#signal = signal;
@@ -67,6 +74,7 @@ export class CaptureLoop {
     on(page.parts.undo, () => this.#undo());
     on(page.parts.skip, () => this.#skip());
     on(page.parts.finish, () => this.#finish());
+    on(page.parts.sharpest, () => this.#useSharpest());
     document.addEventListener("keydown", (event) => this.#handleKey(event), { signal });
   }
 
@@ -85,30 +93,38 @@ export class CaptureLoop {
   async run() {
     if (this.#state.link.offline) this.#queue.goOffline();
     else void this.#fetchTarget();
+    this.#detector = await this.#opening;
+    this.#dispatch({ type: "loading", fraction: 1 });
+    this.#dispatch({ type: "visible", time: performance.now() });
     while (this.#state.phase === "capturing" && !this.#signal.aborted) {
       await nextFrame(this.#video);
       if (this.#signal.aborted || this.#isHidden()) continue;
       const began = performance.now();
-      const detection = await this.#detect({ probe: nextProbe(this.#state.detector.diagnosis, began) });
+      const detection = await this.#detect();
       if (this.#signal.aborted) return null;
       if (!detection) continue;
-      this.#measure(detection, performance.now() - began);
+      const taken = performance.now() - began;
       this.#dispatch({ type: "frame", detection, time: performance.now() });
+      this.#measure(detection, taken);
       this.#focus();
+      void this.#look();
       const action = decide(this.#state, performance.now());
       if (action === "relayout") return action;
       if (action === "submit") await this.#submit();
+      else if (action === "finish") await this.#finish();
       else if (action === "skip") void this.#fetchTarget({ skip: true });
     }
     return null;
   }
 
   /** @param {import("../lib/detector.js").Detection} detection @param {number} taken ms */
-  #measure({ metrics }, taken) {
+  #measure({ metrics, size }, taken) {
     // If colouring the picture takes the time that detection needs, the target is drawn in a plainer way.
     if (!this.#state.ui.plain && this.#pace.isSlow(taken)) this.#dispatch({ type: "slow" });
     if (this.#isFirst) performance.mark("first detection");
     this.#isFirst = false;
+    const { corners, outline, restless } = this.#state.detector;
+    if (restless > 0 && metrics?.sharpness) this.#sharpest.add({ ...corners, outline, sharpness: metrics.sharpness }, size[0]);
     if (metrics?.sharpness) this.#sharpness = [...this.#sharpness, metrics.sharpness].slice(-SHARPNESS_FRAMES);
   }
 
@@ -125,21 +141,42 @@ export class CaptureLoop {
 
   /**
    * Runs one frame through the detector; null if the detector stopped and another one had to be made.
-   * @param {{full?: boolean, probe?: string | null}} options
+   * @param {{full?: boolean}} [options]
    */
   async #detect(options) {
+    const detector = this.#detector ?? await this.#opening;
     try {
-      return await this.#detector.detect(await grab(this.#video), options);
+      return await detector.detect(await grab(this.#video), { ...options, flip: this.#state.wanted.flipped });
     } catch (error) {
       if (!(error instanceof DetectorError) || this.#signal.aborted || ++this.#restarts > MAX_RESTARTS) throw error;
       console.info("the detector is restarted:", error.message);
     }
     this.#dispatch({ type: "stalled", stalled: true });
-    this.#detector.close();
+    detector.close();
     this.#detector = await this.#page.openDetector();
     this.#dispatch({ type: "stalled", stalled: false });
     this.#dispatch({ type: "visible", time: performance.now() });
     return null;
+  }
+
+  /** Looks for another board where the expected one is not seen. A detector that fails meanwhile is reported by the next frame. */
+  async #look() {
+    const { board, wanted: { flipped }, detector: { diagnosis: { blindSince } } } = this.#state;
+    const detector = this.#detector;
+    if (!detector || this.#isLooking || viewCount(this.#state) > 0) return;
+    if (this.#watch ? !this.#watch.isDue(blindSince, performance.now()) : blindSince === Infinity) return;
+    this.#isLooking = true;
+    try {
+      const watch = this.#watch ??= new (await import("../lib/capture/board-watch.js")).BoardWatch();
+      if (!watch.isDue(blindSince, performance.now())) return;
+      const sighting = await detector.sight(await grab(this.#video), { flip: flipped });
+      const time = performance.now();
+      this.#dispatch({ type: "looked", suggestion: watch.add(sighting, board, time), time });
+    } catch (error) {
+      if (!(error instanceof DetectorError)) throw error;
+    } finally {
+      this.#isLooking = false;
+    }
   }
 
   #focus() {
@@ -197,6 +234,28 @@ export class CaptureLoop {
     ).then(() => this.#continue());
   }
 
+  /** Sends the sharpest frames of a board that was never held still, and ends the capture with those that agree. */
+  async #useSharpest() {
+    await this.#queue.drained();
+    const { key } = this.#state.capture;
+    if (!key || !isSharpestOffered(this.#state)) return;
+    for (const corners of this.#sharpest.best(MAX_SHARPEST, key.img_size)) {
+      if (!this.#state.capture.pose) await this.#fetchTarget();
+      const { phase, capture: { pose } } = this.#state;
+      if (phase !== "capturing" || !pose || this.#signal.aborted) return;
+      await this.#queue.send(
+        () => {
+          this.#dispatch({ type: "sent", corners });
+          return this.#session.submit(pose.index, corners);
+        },
+        (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
+      );
+    }
+    if (this.#state.phase !== "capturing") return;
+    if (isFinishable(this.#state)) await this.#finish();
+    else this.#notify("capture.sharpest_few");
+  }
+
   #continue() {
     if (!this.#signal.aborted && this.#state.phase === "capturing" && !this.#state.capture.pose) void this.#fetchTarget();
   }
@@ -206,7 +265,8 @@ export class CaptureLoop {
     if (this.#state.link.offline) return Promise.resolve(this.#setPlannedTarget());
     return this.#queue.send(async () => {
       const { pose, picture } = await this.#session.pose(options);
-      return { pose, tinted: await tint(picture) };
+      const { key } = this.#state.capture;
+      return { pose, tinted: key ? await tint(picture, pose.outline, key.img_size) : picture };
     }, ({ pose, tinted }) => {
       if (!this.#signal.aborted) this.#setTarget(pose, URL.createObjectURL(tinted));
     });

@@ -18,7 +18,7 @@ export function connectControls(parts, actions) {
   on([parts.cancel, parts.other], actions.restart);
   on([parts.again], actions.again);
   on([parts.goOnReally], actions.leavePractice);
-  on([parts.useBoard, parts.recogniseBoard], actions.useBoard);
+  on([parts.useBoard], actions.useBoard);
   on([parts.rightBoard], actions.wantBoard);
   parts.camera.addEventListener("change", () => renderChoice(parts));
   navigator.mediaDevices?.addEventListener("devicechange", actions.listCameras);

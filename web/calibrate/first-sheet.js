@@ -3,8 +3,8 @@
 import { boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-problem.js";
 import { addMessages, onLanguage, t } from "../lib/i18n.js";
+import { WhichBoard } from "../lib/which-board.js";
 import showing from "../messages/showing.js";
-import { showSender } from "./sender.js";
 
 /** @typedef {import("../lib/board.js").Board} Board */
 
@@ -20,23 +20,29 @@ function boardAddress(board, fill) {
 
 /**
  * @param {import("./parts.js").Parts} parts
- * @param {{board: Board, problem: import("../lib/board.js").Problem | null, parameters: URLSearchParams, wanted: import("./state.js").Wanted}} page
+ * @param {{board: import("../lib/board.js").SentBoard, problem: import("../lib/board.js").Problem | null, parameters: URLSearchParams,
+ *   wanted: import("./state.js").Wanted, onBoard: (board: import("../lib/board.js").SentBoard) => void}} page onBoard: called when another is chosen
  */
-export function showFirstSheet(parts, { board, problem, parameters, wanted }) {
+export function showFirstSheet(parts, { board, problem, parameters, wanted, onBoard }) {
   showProblem(parts.problem, problem);
-  void showSender(parts, parameters.get("return_to"), wanted);
-  void showWays(parts, board);
+  const returnTo = parameters.get("return_to");
+  if (returnTo !== null) void import("./sender.js").then(({ showSender }) => showSender(parts, returnTo, wanted));
+  const show = showWays(parts);
+  show(board);
+  new WhichBoard(board, (chosen) => {
+    show(chosen);
+    onBoard(chosen);
+  }, true);
 }
 
 /**
  * Fills in what leads to the board. The QR code and the file are made by modules that are loaded after the page is there.
- * @param {import("./parts.js").Parts} parts @param {Board} board
+ * @param {import("./parts.js").Parts} parts @returns {(board: Board) => void} shows another board
  */
-async function showWays({ boardLinks, addresses, paper, codes }, board) {
-  for (const link of boardLinks) link.search = boardQuery(board).toString();
-  const { host, pathname, search } = boardAddress(board, false);
-  for (const place of addresses) place.textContent = host + pathname + search;
+function showWays({ boardLinks, addresses, paper, codes }) {
   const loading = Promise.all([import("../lib/qr.js"), import("../lib/papers.js")]);
+  /** @type {Board} */
+  let board;
   // Who is quicker than those modules gets the file all the same.
   paper.addEventListener("click", async () => {
     const [, papers] = await loading;
@@ -44,16 +50,21 @@ async function showWays({ boardLinks, addresses, paper, codes }, board) {
     const { boardFile } = await import("../lib/board-print.js");
     if (name !== undefined) download(boardFile(board, name), papers.fileName(name));
   });
-  const [{ drawQr }, papers] = await loading;
-  for (const code of codes) drawQr(code, boardAddress(board, true).href);
-  const name = paperFor(papers, board);
-  paper.hidden = name === undefined;
-  if (name === undefined) return;
-  const write = () => {
-    paper.textContent = t("showing.paper_file", { paper: name });
+  const write = async () => {
+    for (const link of boardLinks) link.search = boardQuery(board).toString();
+    const { host, pathname, search } = boardAddress(board, false);
+    for (const place of addresses) place.textContent = host + pathname + search;
+    const [{ drawQr }, papers] = await loading;
+    for (const code of codes) drawQr(code, boardAddress(board, true).href);
+    const name = paperFor(papers, board);
+    paper.hidden = name === undefined;
+    if (name !== undefined) paper.textContent = t("showing.paper_file", { paper: name });
   };
-  write();
-  onLanguage(write);
+  onLanguage(() => void write());
+  return (other) => {
+    board = other;
+    void write();
+  };
 }
 
 /** Paper that is usual here, or the first on which a board fits. @param {typeof import("../lib/papers.js")} papers @param {Board} board */

@@ -1,8 +1,6 @@
 // Address of the capture page: of the capture while it runs, of its result afterwards, so that a reload shows what is there.
-
 import { inLanguage, language, pageUrl } from "../lib/i18n.js";
 import { isVirtual } from "../lib/virtual/name.js";
-import { isPracticeReturned } from "./practice.js";
 
 /** Fragment of an address that resumes the saved capture. */
 export const RESUME = "#go-on";
@@ -42,4 +40,15 @@ export function showResultAddress(parameters, { capture: { session, key }, wante
 /** Reloads this page with another query, and resumes the capture there. @param {string} query as `captureQuery` gives it */
 export function resumeAt(query) {
   location.assign(captureAddress(query, RESUME));
+}
+
+const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
+
+/**
+ * True if an application gets the result of a practice run: if it asked for the virtual camera, and if it is still being
+ * developed, so that its way there and back can be tried without a webcam.
+ * @param {string | null} returnTo @param {string | null} asked label of the camera that the page was opened for
+ */
+export function isPracticeReturned(returnTo, asked) {
+  return isVirtual(asked ?? "") || (returnTo !== null && URL.canParse(returnTo, location.href) && LOOPBACK.test(new URL(returnTo, location.href).hostname));
 }

@@ -1,6 +1,6 @@
 // Rules for taking a view by itself: is the board at the target, is it held still there, for how long? Pure.
 import { foreshortening } from "../lib/board-outline.js";
-import { viewCount } from "./state.js";
+import { isIdle, viewCount } from "./state.js";
 import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget, lenienceAfter } from "../lib/capture/at-target.js";
 import { motion } from "../lib/capture/stillness.js";
 
@@ -59,7 +59,7 @@ export const timeToRead = (useless) => (useless ? READ_USELESS_MS : READ_REFUSAL
 /**
  * Decides what the page does by itself now.
  * @param {State} state @param {number} time ms
- * @returns {"submit" | "skip" | "relayout" | null} relayout: the board shown has the other layout: go on with that one
+ * @returns {"submit" | "skip" | "finish" | "relayout" | null} relayout: the board shown has the other layout: go on with that one
  */
 export function decide(state, time) {
   const { phase, capture, link, detector, ui } = state;
@@ -68,6 +68,7 @@ export function decide(state, time) {
   const { held, frames } = detector.stillness;
   if (required !== null && held >= required && frames >= MIN_HOLD_FRAMES) return "submit";
   if (detector.diagnosis.trouble === "legacy" && viewCount(state) === 0) return "relayout";
+  if (isIdle(state, time)) return "finish";
   // While no board is in sight, another pose would not help.
   if (detector.corners.ids.length === 0) return null;
   if (capture.skipAfter !== null) return time - ui.noticedAt > capture.skipAfter ? "skip" : null;

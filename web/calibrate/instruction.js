@@ -15,6 +15,7 @@ export const HINTS = new Set([
   "turn_clockwise", "turn_counterclockwise", "first",
 ]);
 
+const MIN_LOOKS = 3; // at a board with markers that is not found: until then it may be another one
 const MIN_CHOSEN_MS = 400; // before a new instruction replaces the one that is shown
 
 /**
@@ -33,11 +34,11 @@ export function instruct(state, holding, time) {
 function choose(state, holding) {
   const { pose, aim, mirrored } = state.capture;
   const { offline, busy } = state.link;
-  const { corners, markers, outline, diagnosis: { trouble } } = state.detector;
+  const { corners, markers, outline, looks, diagnosis: { trouble } } = state.detector;
   if (isEnough(state)) return "enough";
   if (!pose || busy) return offline ? "away" : "wait"; // a view in flight need not be held any more
   if (trouble) return trouble;
-  if (corners.ids.length === 0) return markers > 0 ? "slower" : "show";
+  if (corners.ids.length === 0) return markers === 0 ? "show" : looks < MIN_LOOKS ? "looking" : "slower";
   if (!outline) return "more";
   if (holding) return "hold";
   const hint = pose.hint_code && HINTS.has(pose.hint_code) ? pose.hint_code : "match";

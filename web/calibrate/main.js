@@ -7,10 +7,11 @@ import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import captureMessages from "../messages/capture.js";
-import { cameraKey, platformHere } from "../sdk/key.js";
+import { cameraKey, platformHere, withDevice } from "../sdk/key.js";
 import { Announcer } from "../lib/capture/announcer.js";
 import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
 import { openCaptureStore } from "../lib/capture/capture-store.js";
+import { nameBoard, takeSuggestion } from "./board-choice.js";
 import { Captures, captureKey } from "./captures.js";
 import { connectControls } from "./controls.js";
 import { giveFeedback } from "./event-feedback.js";
@@ -23,7 +24,6 @@ import { parseTargetError, parseWanted } from "./query.js";
 import { initial, reduce } from "./reducer.js";
 import { plainNotice } from "./state.js";
 import { findParts } from "./parts.js";
-import { showPracticeEnd } from "./practice.js";
 import { render } from "./render.js";
 import { Sizes } from "./sizes.js";
 
@@ -66,7 +66,8 @@ function dispatch(event) {
   // Before the page shows the result sheet, which takes the focus: the outcome needs the camera's last frame.
   if (state.phase === "done" && shown?.phase !== "done") {
     outcome?.show(state);
-    void showPracticeEnd(parts, state, parameters.get("return_to"));
+    const returnTo = parameters.get("return_to");
+    if (returnTo !== null) void import("./practice.js").then(({ showPracticeEnd }) => showPracticeEnd(parts, state, returnTo));
     showResultAddress(parameters, state);
   }
   else if (state.phase !== "done" && shown?.phase === "done") outcome?.clear();
@@ -139,7 +140,9 @@ async function identify({ camera }, signal) {
   // The frames' size counts: on a turned device some browsers' settings still give the sensor's.
   const { videoWidth, videoHeight } = parts.video;
   const img_size = /** @type {[number, number]} */ ([videoWidth, videoHeight]);
-  const key = { ...cameraKey(camera.track), platform: await platformHere(), img_size };
+  const device = camera.virtual ? "" : await (await import("../lib/phone-model.js")).askPhoneModel(signal);
+  signal.throwIfAborted();
+  const key = { ...cameraKey(camera.track), platform: withDevice(await platformHere(), device), img_size };
   const request = { ...requestFor(key), track: facts(camera.track) };
   dispatch({ type: "opened", key, request, mirrored: camera.mirrored, cropped: camera.cropped });
   camera.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
@@ -152,13 +155,13 @@ async function identify({ camera }, signal) {
  */
 async function run({ camera }, request, signal) {
   if (!await acquireLock(captureKey(request), signal)) throw new CameraError("elsewhere");
-  dispatch({ type: "waiting", waiting: "detector" });
+  dispatch({ type: "waiting", waiting: "service" });
+  // The detector arrives while the session is opened and the first target is shown; the loop waits for it, and for its failure.
+  const finder = openDetector();
+  finder.catch(() => {});
   const [{ CaptureLoop }, { loadPlan }] = await loadCapture();
   const plan = loadPlan().catch(() => []);
-  const finder = await openDetector();
-  signal.throwIfAborted();
   await prepareOutcome();
-  dispatch({ type: "waiting", waiting: "service" });
   session = await openSession(request, signal);
   if (state.phase !== "capturing") return null;
   const { camera: label, img_size } = request;
@@ -192,10 +195,9 @@ function continueWithBoard(other, notice) {
   return capture(chosen, { notice });
 }
 
-/** Goes on with the board before the camera, whichever it is. */
+/** Goes on with the board before the camera. */
 async function useBoard() {
-  const { takeBoard } = await import("./board-choice.js");
-  const seen = await takeBoard(page, parameters);
+  const seen = takeSuggestion(page, parameters);
   if (!seen) return;
   capture.cancel();
   await continueWithBoard(seen.board, seen.notice);
@@ -332,7 +334,14 @@ onLanguage(() => {
   render(parts, state, null);
   void listCameras();
 });
-showFirstSheet(parts, { board, problem, parameters, wanted: state.wanted });
+showFirstSheet(parts, {
+  board, problem, parameters, wanted: state.wanted,
+  onBoard: (chosen) => {
+    nameBoard(parameters, chosen);
+    closeDetector();
+    dispatch({ type: "board", board: chosen });
+  },
+});
 await listed;
 const isResumed = location.hash === RESUME;
 showCaptureAddress(parameters);

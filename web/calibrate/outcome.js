@@ -9,7 +9,7 @@ import { ResultView } from "../lib/result/view.js";
 import { SettingsError, loadSettings } from "../lib/settings.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import words from "../messages/result.js";
-import { isPracticeReturned } from "./practice.js";
+import { isPracticeReturned } from "./history.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("../lib/result/view.js").Result} Result */
@@ -43,14 +43,14 @@ export class Outcome {
   }
 
   /** @param {State} state of a capture that is done */
-  show({ capture: { session, key } }) {
+  show({ capture: { session, key }, wanted: { flipped } }) {
     const { calibration, calibration_id: id, advice = [] } = session ?? {};
     if (!calibration) return;
     const practice = isVirtual(key?.camera ?? "");
     const returnTo = practice && !isPracticeReturned(this.#returnTo, this.#asked) ? null : this.#returnTo;
     /** @type {Result} */
     const result = {
-      calibration, report: null, picture: still(this.#video, calibration.img_size), notes: advice,
+      calibration, report: null, picture: still(this.#video, calibration.img_size, flipped === true), notes: advice,
       origin: practice ? "practice" : "added", ownCameraOffered: practice && this.#returnTo !== null && returnTo === null,
       again: { label: () => t("capture.once_more"), action: this.#onAgain },
       goOn: this.#onWithout, explain,
@@ -72,11 +72,13 @@ export class Outcome {
   }
 }
 
-/** Current frame of a video; it stays in this page. @param {HTMLVideoElement} video @param {[number, number]} size px */
-function still(video, [width, height]) {
+/** Current frame of a video; it stays in this page. @param {HTMLVideoElement} video @param {[number, number]} size px @param {boolean} flip turns it back */
+function still(video, [width, height], flip) {
   if (video.videoWidth !== width || video.videoHeight !== height) return null;
   const canvas = el("canvas", { width, height });
-  canvas.getContext("2d")?.drawImage(video, 0, 0);
+  const context = canvas.getContext("2d");
+  if (flip) context?.transform(-1, 0, 0, 1, width, 0);
+  context?.drawImage(video, 0, 0);
   return canvas;
 }
 

@@ -2,20 +2,10 @@
 import { t } from "../lib/i18n.js";
 import { loadSettings } from "../lib/settings.js";
 import { isVirtual } from "../lib/virtual/name.js";
+import { isPracticeReturned } from "./history.js";
 import { senderName, senderOf } from "./sender.js";
 
 /** @typedef {import("./state.js").State} State */
-
-const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
-
-/**
- * Whether an application gets the result of a practice run: if it asked for the virtual camera, and if it is still being
- * developed, so that its way there and back can be tried without a webcam.
- * @param {string | null} returnTo @param {string | null} asked label of the camera that the page was opened for
- */
-export function isPracticeReturned(returnTo, asked) {
-  return isVirtual(asked ?? "") || (returnTo !== null && URL.canParse(returnTo, location.href) && LOOPBACK.test(new URL(returnTo, location.href).hostname));
-}
 
 /**
  * Says that a practice result is not handed over, and offers the ways on.

@@ -18,6 +18,7 @@ export function parseWanted(query) {
     img_size: width ? [Number(width), Number(height)] : null,
     distortion_model: isLensType(model) ? model : "rectilinear",
     automatic: !isLensType(model),
+    flipped: query.get("flipped") === "true",
   };
 }
 

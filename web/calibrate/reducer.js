@@ -1,7 +1,7 @@
 // Reducer of the guided capture: `(state, event) => state`. No clock, no DOM, no network.
 import { observedOutline } from "../lib/board-outline.js";
-import { HEALTHY, diagnose } from "../lib/capture/diagnosis.js";
-import { HOLD_MS, isThere, lenience, requiredHold, timeToRead } from "./hold.js";
+import { HEALTHY, diagnose, troubleOf } from "../lib/capture/diagnosis.js";
+import { HOLD_MS, LONG_HOLD_MS, isThere, lenience, requiredHold, timeToRead } from "./hold.js";
 import { HINTS, SILENT, asMirrored, instruct } from "./instruction.js";
 import { jaccard } from "../lib/capture/jaccard.js";
 import { isOfSize, offlineGoal, viewCount } from "./state.js";
@@ -23,9 +23,12 @@ const NOTICE_MS = 4_000;
 const CONFIRM_STOP_MS = 5_000; // in which a second press stops the capture
 const MAX_UNCONFIRMED_PROGRESS = 0.95; // until the service says that the capture is complete
 const BOARDLESS_MS = 8_000; // without any marker, before a way to get a board is offered
+const MAX_FRAME_MS = 500; // that one frame stands for
+const STEADY_PX = 2; // px at 1280 px image width, during a hold: less is no motion of the board or the camera
+const DONE = { code: "wait", next: "wait", since: 0 }; // what was held is taken: it need not be held any more
 const MIN_APPROACH = 0.05; // of the distance to the target that counts as coming nearer
 /** Reasons for a refusal that have a message. */
-const EXPLAINED_REASONS = new Set(["too_few_points", "degenerate", "mirrored", "outlier", "no_information"]);
+const EXPLAINED_REASONS = new Set(["too_few_points", "degenerate", "mirrored", "outlier", "duplicate", "no_information"]);
 
 /** @param {import("./state.js").Board} board @param {import("./state.js").Wanted} wanted @returns {State} */
 export function initial(board, wanted) {
@@ -33,12 +36,12 @@ export function initial(board, wanted) {
     phase: "welcome", board, wanted, failure: null,
     capture: {
       key: null, request: null, mirrored: false, cropped: false, session: null, initialViews: 0, progress: 0,
-      pose: null, posedAt: 0, aim: null, nearest: { time: 0, distance: Infinity }, lastSent: null, skipAfter: null,
+      pose: null, posedAt: 0, takenAt: 0, aim: null, nearest: { time: 0, distance: Infinity }, lastSent: null, skipAfter: null, unsteady: false,
     },
     link: { busy: false, attempts: 0, offline: false, stored: 0, sending: false },
     detector: {
       loading: 0, stalled: false, corners: { ids: [], points: [] }, boardless: false, markers: 0, outline: null, overlap: 0,
-      stillness: MOVING, diagnosis: HEALTHY,
+      stillness: MOVING, diagnosis: HEALTHY, suggestion: null, looks: 0, restless: 0,
     },
     ui: {
       cameras: [], interrupted: null, waiting: "camera", instruction: SILENT, notice: null, noticedAt: 0, openingNotice: null,
@@ -96,12 +99,19 @@ export function reduce(state, event) {
       return setTarget(state, event);
     case "frame":
       return state.phase === "capturing" ? observeFrame(state, event) : state;
+    case "looked":
+      return suggest(state, event);
+    case "flip":
+      return { ...state, wanted: { ...state.wanted, flipped: !state.wanted.flipped } };
     case "busy":
       return change(state, { link: { busy: true } });
     case "idle":
       return change(state, { link: { busy: false } });
     case "sent":
-      return change(state, { capture: { lastSent: event.corners } });
+      return change(state, {
+        capture: { lastSent: event.corners, unsteady: state.capture.unsteady || isUnsteady(state, event.corners) },
+        detector: { restless: 0 }, ui: { instruction: DONE },
+      });
     case "answer":
       return takeAnswer(state, event);
     case "stored":
@@ -123,7 +133,7 @@ export function reduce(state, event) {
     case "online":
       return notify(
         change(clearTarget(followSession(state, event.session)), {
-          link: { offline: false, sending: false, stored: 0, attempts: 0 },
+          capture: { takenAt: event.time }, link: { offline: false, sending: false, stored: 0, attempts: 0 },
         }),
         onlineNotice(event), event.time);
     case "stalled":
@@ -131,7 +141,7 @@ export function reduce(state, event) {
     case "visible":
       // Time in a hidden tab does not count.
       return change(state, {
-        capture: { posedAt: event.time, nearest: { ...state.capture.nearest, time: event.time } },
+        capture: { posedAt: event.time, takenAt: event.time, nearest: { ...state.capture.nearest, time: event.time } },
         detector: { stillness: MOVING, diagnosis: HEALTHY },
       });
     case "unsaved":
@@ -176,7 +186,7 @@ function openOffline(state, { stored, time }) {
 /** A capture that runs from now on counts its views, and says why it was opened. @param {State} before @param {State} state @param {number} time */
 function start(before, state, time) {
   if (before.phase === "capturing") return state;
-  const started = change(state, { capture: { initialViews: viewCount(state) }, ui: { openingNotice: null } });
+  const started = change(state, { capture: { initialViews: viewCount(state), takenAt: time }, ui: { openingNotice: null } });
   const { openingNotice } = state.ui;
   return openingNotice && state.phase === "capturing" ? notify(started, openingNotice, time) : started;
 }
@@ -187,11 +197,19 @@ const notify = (state, notice, time) => change(state, { ui: { notice, noticedAt:
 /** @param {State} state @returns {State} */
 const clearTarget = (state) => change(state, { capture: { pose: null }, ui: { picture: null } });
 
+/** Whether the corners moved while a view was held. @param {State} state @param {import("../lib/board-outline.js").Corners} corners that were taken */
+function isUnsteady({ capture: { key }, detector: { stillness: { anchor } } }, corners) {
+  return anchor !== null && motion(anchor, corners) > (STEADY_PX * (key?.img_size[0] ?? 1280)) / 1280;
+}
+
 /** A stored view brings the capture nearer to its end, as far as can be told without the service. @param {State} state @param {EventOf<"stored">} event */
 function storeView(state, { corners, stored, time }) {
   const left = Math.max(0, MAX_UNCONFIRMED_PROGRESS - state.capture.progress);
   const progress = state.capture.progress + left / Math.max(1, offlineGoal(state) - state.link.stored);
-  const next = change(clearTarget(state), { capture: { lastSent: corners, progress }, link: { stored, busy: false } });
+  const next = change(clearTarget(state), {
+    capture: { lastSent: corners, progress, unsteady: state.capture.unsteady || isUnsteady(state, corners) }, link: { stored, busy: false },
+    ui: { instruction: DONE },
+  });
   return notify(next, { key: "capture.view_stored", kind: "good" }, time);
 }
 
@@ -254,7 +272,8 @@ function observeFrame(state, { detection, time }) {
       markers: passed ? detector.markers : markers,
       overlap: overlapWith(outline, capture.pose, capture.key),
       boardless: markers === 0 && !diagnosis.probed && time - diagnosis.blindSince > BOARDLESS_MS,
-      diagnosis,
+      diagnosis, ...(ids.length > 0 && { suggestion: null, looks: 0 }),
+      restless: stillness.held >= LONG_HOLD_MS ? 0 : detector.restless + (ids.length > 0 ? Math.min(MAX_FRAME_MS, time - detector.diagnosis.seenAt) : 0),
     },
     ui: {
       boardWanted: ui.boardWanted && ids.length === 0,
@@ -269,14 +288,28 @@ function observeFrame(state, { detection, time }) {
   });
 }
 
+/** Another board, or a mirrored picture, is said at once: several looks agree on it. @param {State} state @param {EventOf<"looked">} event @returns {State} */
+function suggest(state, { suggestion, time }) {
+  const { diagnosis, corners, looks } = state.detector;
+  if (corners.ids.length > 0) return state;
+  const trouble = suggestion && troubleOf(suggestion, state.board);
+  return change(state, { detector: {
+    suggestion, looks: looks + 1,
+    diagnosis: trouble ? { ...diagnosis, probed: trouble, suspected: trouble, trouble, since: time } : diagnosis,
+  } });
+}
+
 /** @param {State} state @param {EventOf<"answer">} event @returns {State} */
 function takeAnswer(state, { answer, corners, time }) {
   // With no other view to contradict, the view by itself is degenerate.
   const reason = answer.reason === "outlier" && answer.views.length === 0 ? "degenerate" : answer.reason;
   // Who has done what was asked is not told to do it.
-  const useless = reason === "no_information" && isThere(state);
+  const useless = (reason === "no_information" || reason === "duplicate") && isThere(state);
   const next = change(followSession(state, answer), {
-    capture: { lastSent: corners, skipAfter: answer.accepted || !isThere(state) ? null : timeToRead(useless) },
+    capture: {
+      lastSent: corners, skipAfter: answer.accepted || !isThere(state) ? null : timeToRead(useless),
+      takenAt: answer.accepted ? time : state.capture.takenAt,
+    },
     link: { busy: false },
   });
   // The answered target is gone at once; the next one is fetched. A refused one stays.
@@ -295,7 +328,8 @@ function answerNotice({ capture }, answer, reason) {
   const before = new Set(capture.session?.views.filter(({ set_aside }) => set_aside).map(({ index }) => index));
   const aside = answer.views.find(({ index, set_aside }) => set_aside && !before.has(index));
   if (aside) return { key: "capture.view_set_aside", kind: "plain", values: { number: answer.views.indexOf(aside) + 1 } };
-  return { key: "capture.view_taken", kind: "good", values: { number: answer.views.length } };
+  const isAside = answer.views.at(-1)?.on_target === false;
+  return { key: isAside ? "capture.view_taken_aside" : "capture.view_taken", kind: "good", values: { number: answer.views.length } };
 }
 
 /** @param {State} state @param {EventOf<"undone">} event @returns {State} */
@@ -305,7 +339,7 @@ function undo(state, { session, stored, time }) {
   const next = session
     ? change(followSession(state, session), { capture: { progress: session.progress } })
     : change(state, { capture: { progress: progress * left } });
-  const undone = change(next, { capture: { lastSent: null }, link: { stored, busy: false } });
+  const undone = change(next, { capture: { lastSent: null, takenAt: time }, link: { stored, busy: false } });
   return notify(undone, { key: "capture.view_undone", kind: "good" }, time);
 }
 

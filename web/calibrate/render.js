@@ -4,7 +4,7 @@ import { t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { holdProgress, requiredHold } from "./hold.js";
 import { renderDetection, renderTarget } from "./overlay-layer.js";
-import { isFinishable, viewCount } from "./state.js";
+import { isFinishable, viewCount, isSharpestOffered } from "./state.js";
 import { factRows, requestText } from "./request-facts.js";
 import * as statusText from "./status-text.js";
 
@@ -25,7 +25,7 @@ export function render(parts, state, before) {
   }
   const { key, request, cropped, session, progress } = before?.capture ?? {};
   if (capture.key !== key || capture.request !== request || capture.cropped !== cropped) renderCamera(parts, state);
-  parts.loading.value = detector.loading;
+  parts.stage.classList.toggle("flipped", state.wanted.flipped === true);
   parts.stage.classList.toggle("plain", ui.plain || (capture.pose !== null && ui.picture === null));
   if (phase === "opening") renderOpening(parts, state);
   renderTarget(parts, state, before);
@@ -53,8 +53,7 @@ function focus({ instruction, sheets }, phase) {
 }
 
 /** @param {Parts} parts @param {State} state */
-function renderOpening({ openingText, loadingMeter }, state) {
-  loadingMeter.hidden = state.ui.waiting !== "detector";
+function renderOpening({ openingText }, state) {
   write(openingText, statusText.opening(state));
 }
 
@@ -125,7 +124,11 @@ function renderCapture(parts, state, before) {
   show(parts.statusLine, statusText.statusLine(state));
   show(parts.notice, statusText.notice(notice));
   parts.noBoard.hidden = !(state.detector.boardless || ui.boardWanted) || viewCount(state) > 0;
-  parts.boardChoice.hidden = ui.instruction.code !== "wrong_board" || viewCount(state) > 0;
+  const { suggestion } = state.detector;
+  parts.boardChoice.hidden = !["wrong_board", "mirrored"].includes(ui.instruction.code) || suggestion === null || viewCount(state) > 0;
+  write(parts.useBoard, t(suggestion?.mirrored ? "capture.flip" : "capture.use_this_board"));
+  parts.sharpest.hidden = !isSharpestOffered(state);
+  parts.rightBoard.hidden = suggestion?.mirrored === true;
   for (const kind of ["bad", "plain"]) parts.notice.classList.toggle(kind, notice?.kind === kind);
   write(parts.stop, statusText.stopLabel(state));
 }

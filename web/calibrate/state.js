@@ -19,6 +19,7 @@
  * @property {string | null} camera
  * @property {[number, number] | null} img_size
  * @property {"rectilinear" | "fisheye" | "rational" | "omnidirectional"} distortion_model
+ * @property {boolean} [flipped] the camera delivers mirrored pictures, which are turned back
  * @property {boolean} [automatic] another model is taken as soon as the service suggests it
  *
  * @typedef {{key: string, kind: "good" | "bad" | "plain", values?: Record<string, string | number>, hint?: string}} Notice
@@ -44,9 +45,11 @@
  * @property {number} progress 0…1, never falls but by an undo
  * @property {Pose | null} pose the target
  * @property {number} posedAt ms, when the target was set
+ * @property {number} takenAt ms, when the last view was taken, or the capture began
  * @property {[number, number][] | null} aim the target's outline, px; null where too little of it is in the image
  * @property {{time: number, distance: number}} nearest smallest distance to the target so far, and when
  * @property {Corners | null} lastSent corners of the hold that was sent last: the same hold is not sent twice
+ * @property {boolean} unsteady the corners moved while one of the views was held
  * @property {number | null} skipAfter ms after a refusal in the target's place, before another target is requested
  *
  * @typedef {object} Link the connection to the service
@@ -66,12 +69,15 @@
  * @property {number} overlap with the target, Jaccard index
  * @property {import("../lib/capture/stillness.js").Stillness} stillness
  * @property {import("../lib/capture/diagnosis.js").Diagnosis} diagnosis
+ * @property {import("../lib/board-recognition.js").Recognised | null} suggestion what is seen instead of the board
+ * @property {number} restless ms for which the board has been seen without being held still
+ * @property {number} looks frames in which anything else was looked for, since the board was seen last
  *
  * @typedef {object} Ui
  * @property {Choice[]} cameras
  * @property {{camera: string, views: number, about: string, address: string} | null} interrupted a capture that an earlier
  *   page left on this device; about: its key in the capture store
- * @property {"camera" | "detector" | "service"} waiting what a capture that is being opened waits for
+ * @property {"camera" | "service"} waiting what a capture that is being opened waits for
  * @property {Instruction} instruction
  * @property {Notice | null} notice
  * @property {number} noticedAt ms
@@ -95,6 +101,8 @@
  *   | {type: "opened-offline", stored: number, time: number}
  *   | {type: "pose", pose: Pose, picture: string | null, time: number}
  *   | {type: "frame", detection: Detection, time: number}
+ *   | {type: "looked", suggestion: import("../lib/board-recognition.js").Recognised | null, time: number}
+ *   | {type: "flip"}
  *   | {type: "busy"}
  *   | {type: "idle"}
  *   | {type: "sent", corners: Corners}
@@ -126,7 +134,7 @@ export const plainNotice = (key, values) => ({ key, kind: "plain", values });
 
 export const MIN_VIEWS = 4; // of which the service makes a calibration
 const USUAL_VIEWS = 5; // of a capture
-const MAX_EXPECTED_ERROR_PX = 3; // at 1280 px image width, above which a result is worth nothing
+const IDLE_MS = 30_000; // without another view, after which a capture ends with those that are there
 
 /** Number of views that take part in the fit. @param {SessionState | null} session */
 const usedViews = (session) => session?.views.filter(({ set_aside }) => !set_aside).length ?? 0;
@@ -134,13 +142,27 @@ const usedViews = (session) => session?.views.filter(({ set_aside }) => !set_asi
 /** Number of views taken, here and at the service. @param {{capture: Pick<Capture, "session">, link: Pick<Link, "stored">}} state */
 export const viewCount = ({ capture: { session }, link: { stored } }) => usedViews(session) + stored;
 
-/** Number of views that the capture will probably take. @param {{capture: Pick<Capture, "session">, link: Pick<Link, "stored">}} state */
-export const expectedViews = (state) => Math.max(USUAL_VIEWS, viewCount(state) + 1);
+/** Whether the error that is expected is below the goal. @param {{capture: Pick<Capture, "session">}} state */
+export const isAccurate = ({ capture: { session } }) => session?.uncertainty != null && session.uncertainty.rms < session.target_error;
 
-/** Whether the capture can be ended by hand: the service has views enough for a result. @param {Views} state */
+/** Number of views that the capture will probably take. @param {{capture: Pick<Capture, "session">, link: Pick<Link, "stored">}} state */
+export const expectedViews = (state) => (isAccurate(state) ? Math.max(MIN_VIEWS, viewCount(state)) : Math.max(USUAL_VIEWS, viewCount(state) + 1));
+
+/** Tells if the capture can be ended by hand: the service has views enough for a result, be it a poor one. @param {Views} state */
 export const isFinishable = ({ capture: { session }, link: { offline, stored } }) =>
-  !offline && stored === 0 && session?.calibration != null && usedViews(session) >= MIN_VIEWS
-    && (session.uncertainty?.rms ?? Infinity) < (MAX_EXPECTED_ERROR_PX * session.img_size[0]) / 1280;
+  !offline && stored === 0 && session?.calibration != null && usedViews(session) >= MIN_VIEWS;
+
+const NEVER_STILL_MS = 12_000; // of a board that moves, before it is said that views are taken only of one that does not
+const SHARPEST_MS = 60_000; // of one, before its sharpest frames are offered as views
+
+/** Tells if the board is in view, and is never held still. @param {State} state */
+export const isRestless = ({ detector: { restless } }) => restless > NEVER_STILL_MS;
+
+/** Tells if the sharpest frames so far can be used as views. @param {State} state */
+export const isSharpestOffered = ({ phase, detector: { restless }, link: { offline } }) => phase === "capturing" && !offline && restless > SHARPEST_MS;
+
+/** Tells if nothing new has been shown for so long that the capture ends with what it has. @param {State} state @param {number} time ms */
+export const isIdle = (state, time) => isFinishable(state) && time - state.capture.takenAt > IDLE_MS;
 
 /** Number of views to store while offline. @param {{capture: Pick<Capture, "session">}} state */
 export const offlineGoal = ({ capture: { session } }) => Math.max(MIN_STORED_OFFLINE, MIN_VIEWS_OFFLINE - usedViews(session));

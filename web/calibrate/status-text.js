@@ -1,7 +1,8 @@
 // Texts of the capture page, by its state.
 import { hasMessage, number, formatSize, t } from "../lib/i18n.js";
+import { boardWords } from "../lib/board-words.js";
 import { asMirrored } from "./instruction.js";
-import { MIN_VIEWS, expectedViews, isEnough, offlineGoal, viewCount } from "./state.js";
+import { MIN_VIEWS, expectedViews, isAccurate, isEnough, isRestless, offlineGoal, viewCount } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
 
@@ -10,6 +11,12 @@ export function remedy(state) {
   const { code } = state.ui.instruction;
   // Once a view was taken, there is a board.
   if (code === "show" && viewCount(state) > 0) return "";
+  const { suggestion } = state.detector;
+  if (code === "wrong_board" && suggestion) {
+    const question = t("capture.looks_like", { board: boardWords(suggestion.board) });
+    return [question, suggestion.isCut && t("capture.board_cut")].filter(Boolean).join(" ");
+  }
+  if (code === "mirrored" && suggestion) return t("capture.turn_back");
   return hasMessage(`capture.do_${code}`) ? t(`capture.do_${code}`) : "";
 }
 
@@ -30,11 +37,9 @@ export function instruction(state) {
 export const notice = (notice) => (notice && notice.key !== "capture.useless" ? t(notice.key, notice.values) : "");
 
 /** The step of opening that is waited for. @param {State} state */
-export function opening({ link, detector, ui: { waiting } }) {
+export function opening({ link, ui: { waiting } }) {
   if (link.attempts > 0) return t("capture.opening_retry");
-  if (waiting === "camera") return t("capture.opening_camera");
-  if (waiting === "service") return t("capture.opening_service");
-  return detector.loading < 1 ? t("capture.opening_loading") : t("capture.opening_starting");
+  return t(waiting === "camera" ? "capture.opening_camera" : "capture.opening_service");
 }
 
 /** @param {State} state */
@@ -56,7 +61,7 @@ export function stopLabel(state) {
   return t(state.ui.stopAskedAt === null ? "capture.stop" : "capture.stop_really");
 }
 
-/** The view that is taken next and how many there will be, and what else is to be said of that. @param {State} state @returns {string[]} */
+/** Views so far and how many there will be, and what else is to be said of that. @param {State} state @returns {string[]} */
 export function counts(state) {
   const { capture: { session }, link: { stored, offline } } = state;
   const used = session?.views.filter(({ set_aside }) => !set_aside).length ?? 0;
@@ -64,7 +69,7 @@ export function counts(state) {
   const missing = MIN_VIEWS - used - stored;
   return [
     offline ? t("capture.kept_of", { count: stored, wanted: offlineGoal(state) })
-      : t("capture.view_of", { number: used + stored + 1, total: expectedViews(state) }),
+      : t("capture.view_of", { number: used + stored, total: expectedViews(state) }),
     aside > 0 ? t("capture.set_aside", { count: aside }) : "",
     !offline && stored > 0 ? t("capture.waiting_views", { count: stored }) : "",
     !offline && stored === 0 && missing > 0 ? leastViews(state, missing) : "",
@@ -74,9 +79,6 @@ export function counts(state) {
 /** Reason why it goes on before the fourth view. @param {State} state @param {number} missing views */
 const leastViews = (state, missing) =>
   (isAccurate(state) ? t("capture.goal_early", { count: missing }) : t("capture.at_least", { count: MIN_VIEWS }));
-
-/** Whether the error that is expected is below the goal. @param {State} state */
-const isAccurate = ({ capture: { session } }) => session?.uncertainty != null && session.uncertainty.rms < session.target_error;
 
 /** The accuracy that the views have reached, for who looks at the details. @param {State} state */
 export function accuracy({ capture: { session } }) {
@@ -90,14 +92,21 @@ const rounded = (value) => number(value, value < 1 ? 2 : value < 10 ? 1 : 0);
 
 /** State of the connection, the storage or the views, shown for as long as it lasts. @param {State} state */
 export function statusLine(state) {
+  if (state.detector.loading > 0 && state.detector.loading < 1) return t("capture.opening_loading");
   if (state.link.sending) return t("capture.sending");
   if (state.link.offline) return t(isEnough(state) ? "capture.away_enough" : "capture.away_now");
+  if (isRestless(state)) return t("capture.never_still");
   return state.ui.saved ? advice(state) : t("capture.not_kept");
 }
 
-/** Advice of the service, in its own words if the page has no message for it. @param {State} state */
-function advice({ capture: { session } }) {
-  const first = session?.advice?.[0];
+/**
+ * Advice of the service, in its own words if the page has no message for it. Motion is its guess from the fit: it is said only
+ * if the corners have moved. Fewer views than a result needs do not tell what is wrong with them.
+ * @param {State} state
+ */
+function advice({ capture: { session, unsteady } }) {
+  if ((session?.views.length ?? 0) < MIN_VIEWS) return "";
+  const first = session?.advice?.find(({ code }) => code !== "motion" || unsteady);
   if (!first) return "";
   const key = `capture.advice_${first.code}`;
   return hasMessage(key) ? t(key, { model: lensName(session?.suggested_model ?? "") }) : first.text;

@@ -1,6 +1,7 @@
 // View of one camera: what is missing, its sizes with their calibrations, the numbers for any model, a badge, and the lookup.
 import { addCopyButton } from "../lib/copy-button.js";
 import { el } from "../lib/dom.js";
+import { estimateView } from "../lib/estimate-view.js";
 import { splitLabel, systemName } from "../lib/camera-name.js";
 import { jsonText } from "../lib/json-text.js";
 import { joinFacts, hasMessage, t } from "../lib/i18n.js";
@@ -11,7 +12,7 @@ import { numbersPart } from "../lib/result/numbers-part.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { badgeView } from "./badge.js";
 import { membersView, nameOf } from "./members.js";
-import { withModel } from "./source.js";
+import { estimateOf, withModel } from "./source.js";
 import { spreadOf } from "./spread.js";
 
 /**
@@ -29,7 +30,8 @@ export function cameraView(page, explain) {
       el("h1", { id: "camera-name", tabindex: -1 }, splitLabel(page.camera).name),
       el("p", { class: "about" }, aboutText(page)),
       ...(practice ? [el("p", { class: "lead" }, t("cameras.practice"))] : []),
-      callToAction(page, modes[0])),
+      callToAction(page, modes[0]),
+      ...(practice || (modes[0] && isReady(modes[0])) ? [] : [estimatePart(page, modes[0])])),
     ...(modes.length ? modes.map((mode, index) => modeView(page, mode, index === 0, explain)) : [el("p", { class: "band" }, t("cameras.no_modes"))]),
     lookupView(page, modes[0]),
     el("details", { class: "raw" }, el("summary", {}, t("cameras.raw")), el("p", { class: "muted" }, `${page.camera} · ${page.platform}`)));
@@ -61,6 +63,16 @@ function callToAction({ camera, platform }, mode) {
     : missing > 0 ? t("cameras.missing_text", { count: missing, size: nameOf(mode) }) : reasonText(mode);
   return el("div", { class: "missing" }, el("p", { class: "lead" }, text),
     el("div", { class: "actions" }, el("a", { class: ready ? "button" : "button primary", id: "calibrate-this", href }, t(ready ? "cameras.calibrate_again" : "cameras.calibrate_this"))));
+}
+
+/** Estimate of a camera that is not ready, once it is there. @param {CameraPage} page @param {Mode | undefined} mode */
+function estimatePart(page, mode) {
+  const place = el("div", {});
+  estimateOf(page, mode ?? { img_size: [1280, 720], zoom: 0 }).then(
+    (estimate) => estimate && place.replaceChildren(estimateView(estimate)),
+    (error) => console.info("no estimate:", error.message),
+  );
+  return place;
 }
 
 /** Reason why it is not known. @param {Mode} mode */

@@ -71,3 +71,16 @@ export async function withModel({ camera, platform }, { img_size, zoom }, model)
     body: { camera, platform, img_size, zoom, distortion_model: model, redirect: false },
   });
 }
+
+/**
+ * The estimate of a camera that is not reliably known at a size; null where a lookup answers with a calibration.
+ * @param {CameraPage} page @param {Pick<Mode, "img_size" | "zoom">} mode
+ * @returns {Promise<import("../sdk/calibration.js").EstimateData | null>}
+ */
+export async function estimateOf({ camera, platform }, { img_size, zoom }) {
+  const { api, token } = await loadSettings();
+  const { estimate = null } = await new Api(api).json("POST", "/lookup", token, {
+    body: { camera, platform, img_size, zoom, redirect: false, miss: "ok" },
+  });
+  return estimate;
+}

@@ -10,6 +10,8 @@ export function askConfirmation({ heading, text, yes, no = t("developers.keep_it
   const [agree, decline] = [el("button", { type: "submit", value: "yes", class: "danger" }, yes), el("button", { type: "submit", value: "no", autofocus: true }, no)];
   const dialog = el("dialog", { class: "question", "aria-labelledby": "question-heading", "aria-describedby": "question-text" },
     el("form", { method: "dialog" }, el("h2", { id: "question-heading" }, heading), el("p", { id: "question-text" }, text), el("div", { class: "actions" }, decline, agree)));
+  // A closed dialog is removed by its event, which may come later than the next question.
+  for (const closed of document.querySelectorAll("dialog.question")) closed.remove();
   const before = document.activeElement;
   document.body.append(dialog);
   dialog.showModal();

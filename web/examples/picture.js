@@ -3,9 +3,9 @@ import { CameraError, open, play } from "../lib/camera.js";
 import { DEFAULT_BOARD } from "../lib/board.js";
 import { el, part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
-import { t } from "../lib/i18n.js";
+import { number, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
-import { lookup } from "../sdk/calibdb.js";
+import { lookup, returned } from "../sdk/calibdb.js";
 import { loadSettings } from "../lib/settings.js";
 import { setupFrom } from "../lib/virtual/camera.js";
 import { trueCalibration } from "../lib/virtual/truth.js";
@@ -13,13 +13,15 @@ import words from "../messages/examples.js";
 import { poseAt } from "./board.js";
 
 /**
+ * @typedef {import("../sdk/calibration.js").Camera} Camera
+ *
  * @typedef {object} Pinhole camera without distortion
  * @property {[number, number]} img_size
  * @property {number[][]} camera_matrix
  *
  * @typedef {object} Picture
  * @property {() => Pinhole} pinhole for a scene over the picture as it is shown now
- * @property {import("../sdk/calibdb.js").Calibration} calibration of the camera
+ * @property {Camera} camera the calibration, or the estimate until there is one
  * @property {HTMLElement} stage in which it lies, as CSS `object-fit: cover` has it
  * @property {() => [number, number]} viewport size of the stage, px
  * @property {() => import("../lib/pose.js").Pose} pose of the board in the picture, board → camera
@@ -65,7 +67,7 @@ export function whenOpen(draw) {
 /**
  * @param {string} id of a camera
  * @param {URLSearchParams} parameters
- * @returns {Promise<Picture | null>} null: it is not calibrated yet
+ * @returns {Promise<Picture | null>} null: nothing is known to draw with
  */
 async function begin(id, parameters) {
   const camera = await open(id, { parameters, size: WANTED, place: part("virtual", HTMLElement), board: DEFAULT_BOARD });
@@ -81,7 +83,7 @@ async function begin(id, parameters) {
 
 /**
  * @param {import("../lib/camera.js").OpenCamera} camera @param {URLSearchParams} parameters
- * @returns {Promise<Picture | null>} null: it is not calibrated yet
+ * @returns {Promise<Picture | null>} null: nothing is known to draw with
  */
 async function shown({ track, stream, virtual }, parameters) {
   const stage = part("stage", HTMLElement);
@@ -89,26 +91,46 @@ async function shown({ track, stream, virtual }, parameters) {
   Object.assign(video, { muted: true, playsInline: true });
   await play(video, stream);
 
-  // This is all that an application needs. Of the virtual camera, which is made of numbers, nobody need be asked.
-  const { api, token } = await loadSettings();
-  const { calibration, guidanceUrl } = virtual
-    ? { calibration: trueCalibration(setupFrom(parameters)), guidanceUrl: null }
-    : await lookup(track, { token, api: new URL(api, location.href), exact: true });
-  if (!calibration) {
-    say(t("examples.unknown"), el("a", { href: guidanceUrl ?? "../../calibrate/" }, t("examples.calibrate")));
-    return null;
+  const { camera, guidanceUrl } = virtual
+    ? { camera: trueCalibration(setupFrom(parameters)), guidanceUrl: null }
+    : await cameraOf(track, [video.videoWidth, video.videoHeight]);
+  if (guidanceUrl !== null || !camera) {
+    const text = camera && "interval_90" in camera ? t("examples.estimated", { percent: halfWidth(camera) }) : t("examples.unknown");
+    say(text, el("a", { href: guidanceUrl ?? "../../calibrate/" }, t("examples.calibrate")));
   }
-  const rectifier = await calibration.rectifier({ balance: 0 });
-  return composed({ stage, video, rectifier, calibration, virtual, moves: !parameters.has("still") });
+  if (!camera) return null;
+  const rectifier = await camera.rectifier({ balance: 0 });
+  return composed({ stage, video, rectifier, camera, virtual, moves: !parameters.has("still") });
 }
+
+/**
+ * This is all that an application needs: the calibration that the visitor comes back with, the one that the database has, or the
+ * estimate, with the address that leads to a calibration and back.
+ * @param {MediaStreamTrack} track @param {[number, number]} size
+ * @returns {Promise<{camera: Camera | import("../sdk/calibdb.js").Estimate | null, guidanceUrl: string | null}>}
+ */
+async function cameraOf(track, size) {
+  const { api, token } = await loadSettings();
+  const manner = { token, api: new URL(api, location.href) };
+  const fresh = await returned(manner);
+  if (fresh?.img_size.join() === size.join()) return { camera: fresh, guidanceUrl: null };
+  const { camera, guidanceUrl } = await lookup(track, { ...manner, exact: true, accept: "estimate" });
+  if (guidanceUrl === null) return { camera, guidanceUrl };
+  const there = new URL(guidanceUrl, location.href);
+  there.searchParams.set("return_to", location.href.split("#")[0]);
+  return { camera, guidanceUrl: there.href };
+}
+
+/** Half the width of an estimate's interval, percent of its field of view. @param {import("../sdk/calibration.js").EstimateData} estimate */
+const halfWidth = ({ hfov_deg, interval_90: { hfov_deg: [low, high] } }) => number((50 * (high - low)) / hfov_deg, 0);
 
 /**
  * Puts the picture on the stage, straightened with the calibration or as it is without.
  * @param {{stage: HTMLElement, video: HTMLVideoElement, rectifier: import("../sdk/rectifier.js").Rectifier, moves: boolean,
- *   calibration: import("../sdk/calibdb.js").Calibration, virtual: import("../lib/virtual/camera.js").VirtualCamera | null}} parts
+ *   camera: Camera, virtual: import("../lib/virtual/camera.js").VirtualCamera | null}} parts
  * @returns {Picture}
  */
-function composed({ stage, video, rectifier, calibration, virtual, moves }) {
+function composed({ stage, video, rectifier, camera, virtual, moves }) {
   const source = virtual?.canvas ?? video;
   const choice = part("calibrated", HTMLInputElement);
   /** @type {(() => void)[]} */
@@ -128,18 +150,18 @@ function composed({ stage, video, rectifier, calibration, virtual, moves }) {
   const swings = virtual && moves && !matchMedia("(prefers-reduced-motion: reduce)").matches;
   const start = performance.now();
   const frame = () => {
-    if (swings) virtual.hold(poseAt(calibration, (performance.now() - start) / 1000));
-    if (choice.checked && (virtual || video.videoWidth === calibration.img_size[0])) rectifier.draw(source);
+    if (swings) virtual.hold(poseAt(camera, (performance.now() - start) / 1000));
+    if (choice.checked && (virtual || video.videoWidth === camera.img_size[0])) rectifier.draw(source);
     for (const listener of drawn) listener();
     requestAnimationFrame(frame);
   };
   change();
   requestAnimationFrame(frame);
   return {
-    pinhole: () => (choice.checked ? rectifier : usualPinhole(calibration.img_size)),
-    calibration, stage,
+    pinhole: () => (choice.checked ? rectifier : usualPinhole(camera.img_size)),
+    camera, stage,
     viewport: () => [stage.clientWidth, stage.clientHeight],
-    pose: () => virtual?.shown ?? poseAt(calibration, 0),
+    pose: () => virtual?.shown ?? poseAt(camera, 0),
     onChange: (listener) => {
       changed.push(listener);
       listener();

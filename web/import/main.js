@@ -4,7 +4,7 @@ import { observedOutline } from "../lib/board-outline.js";
 import { part } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
 import { sayChosen } from "../lib/file-input.js";
-import { number, onLanguage, formatSize, t } from "../lib/i18n.js";
+import { onLanguage, formatSize, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { rankByNovelty } from "../lib/rank.js";
 import { MAX_VIEWS, calibrate } from "../lib/series.js";
@@ -225,7 +225,7 @@ async function start(without = new Set()) {
     const id = state.calibration_id;
     if (!id) {
       const { uncertainty } = state;
-      tell(() => (uncertainty ? t("import.not_enough", { rms: number(uncertainty.rms, 1) }) : t("import.nothing_taken")));
+      tell(() => (uncertainty ? t("import.not_enough") : t("import.nothing_taken")));
       return;
     }
     const taken = [...judgements.values()].filter(({ accepted }) => accepted);

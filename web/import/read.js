@@ -5,6 +5,7 @@ import { cameraMatrix, isPhotonVision, photonVision } from "./json.js";
 import { MalformedError } from "./malformed.js";
 import { isTable, squaresIn, table } from "./table.js";
 import { cameraIn } from "./text.js";
+import { NAME } from "../lib/virtual/name.js";
 
 /**
  * @typedef {import("./grid.js").Numbered} Numbered
@@ -32,8 +33,18 @@ const SMALL = 100; // squares that a dictionary of 50 markers has room for
 const MAX_BOARD_SQUARES = 2000; // that any has
 const MAX_OUTSIDE_PX = 1; // px outside of the picture that a corner may have been found
 
-/** @param {string} text a file's content @returns {Keypoints | Table | Guess} throws MalformedError */
+/**
+ * Measurements or the camera in a file. Every file of a practice run names the simulated camera: its measurements are refused.
+ * @param {string} text a file's content @returns {Keypoints | Table | Guess} throws MalformedError
+ */
 export function read(text) {
+  const found = contentOf(text);
+  if (text.includes(NAME) && (found.kind !== "guess" || found.packed)) throw new MalformedError("practice");
+  return found;
+}
+
+/** @param {string} text @returns {Keypoints | Table | Guess} throws MalformedError */
+function contentOf(text) {
   const content = text.replace(/^\uFEFF/, "");
   const data = /^\s*\{/.test(content) ? parsed(content) : undefined;
   if (data !== undefined) return json(data);

@@ -1,6 +1,7 @@
 // Answer to a lookup of the visitor's own camera, as a card: what is known and what to do with it.
 import { el } from "../lib/dom.js";
 import { number, pageUrl, rough, formatSize, t } from "../lib/i18n.js";
+import { estimateView } from "../lib/estimate-view.js";
 import { fieldOfView } from "../lib/result/numbers.js";
 
 /**
@@ -27,10 +28,14 @@ export function knownCard(name, calibration) {
       el("a", { class: "button", href: pageUrl("ar/").href }, t("landing.card_ar"))));
 }
 
-/** @param {string} name @param {string} address where it is calibrated */
-export function unknownCard(name, address) {
+/**
+ * @param {string} name @param {string} address where it is calibrated
+ * @param {import("../sdk/calibration.js").EstimateData | null} estimate
+ */
+export function unknownCard(name, address, estimate) {
   return el("div", { class: "answer" },
     el("h3", {}, t("landing.not_yet", { camera: name })),
     el("p", {}, t("landing.not_yet_text")),
-    el("div", { class: "actions" }, el("a", { class: "button primary", href: address }, t("landing.calibrate_it"))));
+    el("div", { class: "actions" }, el("a", { class: "button primary", href: address }, t("landing.calibrate_it"))),
+    ...(estimate ? [estimateView(estimate)] : []));
 }

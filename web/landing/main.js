@@ -7,7 +7,9 @@ import { hasMessage, number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { lookup } from "../sdk/lookup.js";
 import { loadSettings } from "../lib/settings.js";
+import { phoneModel } from "../lib/phone-model.js";
 import { liveRegion } from "../lib/live-region.js";
+import estimateWords from "../messages/estimate.js";
 import landing from "../messages/landing.js";
 import { knownCard, unknownCard } from "./answer-card.js";
 import { captureLoop } from "./capture-loop.js";
@@ -42,10 +44,10 @@ async function lookUpMine() {
     parameters: new URLSearchParams(), size: [1280, 720], place: document.body, board: DEFAULT_BOARD,
   });
   try {
-    const options = { token, api: new URL(api, location.href) };
-    const { calibration, guidanceUrl } = await lookup(camera.track, options);
+    const options = { token, api: new URL(api, location.href), device: phoneModel() };
+    const { calibration, guidanceUrl, estimate } = await lookup(camera.track, options);
     const name = camera.track.label;
-    return () => [calibration ? knownCard(name, calibration) : unknownCard(name, guidanceUrl ?? "./calibrate/")];
+    return () => [calibration ? knownCard(name, calibration) : unknownCard(name, guidanceUrl ?? "./calibrate/", estimate)];
   } finally {
     camera.close();
   }
@@ -77,7 +79,7 @@ async function showCounts() {
   show();
 }
 
-openPage({ landing });
+openPage({ landing, estimate: estimateWords });
 const redraw = captureLoop(/** @type {SVGElement} */ (/** @type {unknown} */ (part("loop", SVGElement))), part("loop-words", HTMLElement), part("loop-toggle", HTMLButtonElement));
 onLanguage(redraw);
 const slide = part("lens-slide", HTMLInputElement);

@@ -17,7 +17,7 @@ const TAG_BORDER = 2;
  * @param {number} id
  * @returns {boolean[][]} rows of cells, true = white
  */
-function markerBits(dictionary, id) {
+export function markerBits(dictionary, id) {
   const { size, side, count } = dictionaryOf(dictionary);
   if (id >= count) throw new RangeError(`${dictionary} has ${count} markers, and the board needs number ${id}`);
   const packed = unpack(TABLES[size].bits);

@@ -1,5 +1,5 @@
 // Finder of one board in images, by its kind.
-import { kindOf } from "./board.js";
+import { corners, kindOf } from "./board.js";
 import { aprilgridCorners, typicalSide } from "./aprilgrid.js";
 import { createCharucoFinder, negative } from "./charuco-finder.js";
 import { findChessboard } from "./chessboard.js";
@@ -42,7 +42,7 @@ function createAprilgridFinder(cv, board) {
         usual = tags.length >= MIN_CERTAIN_TAGS ? better : null;
       }
       const seen = aprilgridCorners(upright, board, tags, !full);
-      return { ...seen, markers: tags.length, metrics: metricsOf(image, seen.points, typicalSide(tags)) };
+      return { ...seen, markers: tags.length, metrics: metricsOf(image, board, seen.points, typicalSide(tags)) };
     },
     probe: (_, kind) => ({ kind, markers: 0, corners: 0 }),
     memory: 0,
@@ -59,7 +59,7 @@ function createChessboardFinder(cv, board) {
     find(image, full) {
       const seen = findChessboard(image, board.squares, { inverted: board.inverted, full });
       const sides = seen.points.slice(1).map(([x, y], n) => Math.hypot(x - seen.points[n][0], y - seen.points[n][1]));
-      return { ...seen, markers: 0, metrics: metricsOf(image, seen.points, sides.length ? median(sides) : 0) };
+      return { ...seen, markers: 0, metrics: metricsOf(image, board, seen.points, sides.length ? median(sides) : 0) };
     },
     probe: (_, kind) => ({ kind, markers: 0, corners: 0 }),
     memory: 0,
@@ -67,7 +67,7 @@ function createChessboardFinder(cv, board) {
   };
 }
 
-/** @param {Grey} image @param {number[][]} points @param {number} square px @returns {import("./frame-metrics.js").FrameMetrics} */
-function metricsOf(image, points, square) {
-  return { ...exposure(image), sharpness: sharpness(image, points), square, moire: null };
+/** @param {Grey} image @param {Board} board @param {number[][]} points @param {number} square px @returns {import("./frame-metrics.js").FrameMetrics} */
+function metricsOf(image, board, points, square) {
+  return { ...exposure(image), sharpness: sharpness(image, points), square, share: points.length / corners(board).length, moire: null };
 }

@@ -3,8 +3,7 @@ import { DEFAULT_TAG_SPACING, DICTIONARIES, boardFrom, isSameBoard, kindOf } fro
 import { PRESETS } from "./board-presets.js";
 import { reason } from "./board-problem.js";
 import { part } from "./dom.js";
-import { addMessages, number, onLanguage, formatSize, t } from "./i18n.js";
-import boards from "../messages/boards.js";
+import { onLanguage, t } from "./i18n.js";
 
 /**
  * @typedef {import("./board.js").SentBoard} SentBoard
@@ -16,16 +15,7 @@ import boards from "../messages/boards.js";
  * @property {() => void} [onArrange] called when the board, or the language, is another one
  */
 
-addMessages({ boards });
-
 const OTHER = "other";
-
-/** A board in a few words: "ChArUco, 9 × 6 squares, DICT_4X4_50". @param {SentBoard} board */
-export function boardWords(board) {
-  const { squares, dictionary, marker_ratio: ratio, tag_spacing: spacing = DEFAULT_TAG_SPACING } = board;
-  const words = t(`boards.words_${kindOf(board)}`, { size: formatSize(squares), dictionary, ratio: number(ratio, 2), spacing: number(spacing, 2) });
-  return [words, ...(board.legacy ? [t("boards.words_legacy")] : []), ...(board.inverted ? [t("boards.words_inverted")] : [])].join(", ");
-}
 
 export class BoardForm {
   #fields = {

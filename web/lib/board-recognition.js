@@ -1,11 +1,12 @@
 // Recognition of a board in pictures of which nobody said what board they show. Pure; the worker looks, this concludes.
 //
-// In a picture the markers of each family are looked for, in black and in white. Ids and places of those found fit the rows
+// In a picture the markers of all families are looked for, in black and in white, and mirrored. Ids and places of those found fit the rows
 // and columns of one board only (marker-grid.js). Several pictures together tell the number of rows: no single one need
 // show the whole board. The ratio of marker and square is measured through the homography. Where there are no markers, a
 // lattice of saddle points is a chessboard (chessboard-lattice.js).
-import { DEFAULT_TAG_SPACING, dictionaryOf, impossible, DICTIONARIES, markers } from "./board.js";
+import { DEFAULT_TAG_SPACING, dictionaryOf, impossible, isSameBoard, isTagFamily, DICTIONARIES, markers } from "./board.js";
 import { fitGrid, median, squareOf } from "./marker-grid.js";
+import { centreOf } from "./marker-detector.js";
 
 /**
  * @typedef {import("./board.js").SentBoard} SentBoard
@@ -15,23 +16,18 @@ import { fitGrid, median, squareOf } from "./marker-grid.js";
  * @property {string | null} family dictionary of the markers found
  * @property {Marker[]} markers
  * @property {boolean} inverted whether black and white are swapped
+ * @property {boolean} mirrored whether the picture is: then the markers are those of the picture turned back
  * @property {{squares: [number, number], points: number[][], isPlain: boolean} | null} chessboard
  * @property {[number, number]} size px
  */
 
-/** The longest dictionary of each family, those that people use first. */
-export const FAMILIES = [
-  "DICT_4X4_1000", "DICT_5X5_1000", "DICT_6X6_1000", "DICT_APRILTAG_36h11", "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_36h10",
-  "DICT_APRILTAG_25h9", "DICT_APRILTAG_16h5",
-];
 /** Ratios of marker and square that boards are sold and drawn with. */
 const USUAL_RATIOS = [0.5, 0.6, 0.65, 0.7, 0.75, 0.8];
 const USUAL_SPACINGS = [0.2, 0.25, DEFAULT_TAG_SPACING, 0.4, 0.5];
 const MAX_ROUNDING = 0.025; // from a usual ratio or spacing: corners of small markers are known to a pixel
+const MAX_EDGE_PITCHES = 1.2; // from the outermost corner to the picture's edge: within, the square there may be cut off
+const MIN_AGREEMENT = 0.75; // of the pictures, on the number of squares
 const RATIO_RANGE = [0.3, 0.95]; // that the service takes
-
-/** @param {string} family */
-export const isTagFamily = (family) => family.startsWith("DICT_APRILTAG_");
 
 /** Whether a picture tells the board well enough that no other family need be looked for. @param {Sighting} sighting */
 export function isTelling({ family, markers: found }) {
@@ -39,9 +35,18 @@ export function isTelling({ family, markers: found }) {
 }
 
 /**
+ * @typedef {object} Recognised
+ * @property {SentBoard} board
+ * @property {number} picture number of the one that shows it best
+ * @property {number} support pictures that show this board
+ * @property {boolean} mirrored whether the pictures are
+ * @property {boolean} isCut part of it may be out of the picture, or the pictures differ: there may be more squares
+ */
+
+/**
  * The board that pictures show.
  * @param {Sighting[]} sightings
- * @returns {{board: SentBoard, picture: number} | null} picture: number of the one that shows it best; null: no board is recognised
+ * @returns {Recognised | null} null: no board is recognised
  */
 export function recognise(sightings) {
   const fits = sightings.flatMap((sighting, picture) => {
@@ -49,13 +54,28 @@ export function recognise(sightings) {
     return found ? [{ ...sighting, ...found, family: /** @type {string} */ (sighting.family), picture }] : [];
   });
   if (fits.length === 0) return recogniseChessboard(sightings);
-  const keyOf = (/** @type {typeof fits[0]} */ each) => [each.family, each.kind, each.columns, each.markerFirst, each.inverted].join();
+  const keyOf = (/** @type {typeof fits[0]} */ each) => [each.family, each.kind, each.columns, each.markerFirst, each.inverted, each.mirrored].join();
   const groups = group(fits, keyOf);
   const weight = (/** @type {typeof fits} */ list) => list.reduce((sum, { inliers }) => sum + inliers.length, 0);
   const [members] = [...groups.values()].sort((a, b) => weight(b) - weight(a));
   const board = boardOf(members);
   const best = members.reduce((a, b) => (b.inliers.length > a.inliers.length ? b : a));
-  return board && impossible(board) === null ? { board, picture: best.picture } : null;
+  if (!board || impossible(board) !== null) return null;
+  const { mirrored } = best;
+  return { board, picture: best.picture, support: members.length, mirrored, isCut: members.every((each) => reachesEdge(each.inliers.map(centreOf), each.size)) };
+}
+
+/** Whether a board may be the upper part of another one, whose other rows were not seen. @param {SentBoard} part @param {SentBoard} whole */
+export function isPartOf(part, whole) {
+  const [columns, rows] = whole.squares;
+  const isLower = part.squares[0] === columns && part.squares[1] < rows;
+  return isLower && isSameBoard({ ...part, squares: whole.squares, dictionary: whole.dictionary }, whole);
+}
+
+/** Whether a board may go on beyond the picture's edge. @param {number[][]} points px, of corners or markers @param {[number, number]} size px */
+function reachesEdge(points, [width, height]) {
+  const pitch = median(points.map(([x, y], n) => Math.min(...points.filter((_, m) => m !== n).map(([u, v]) => Math.hypot(u - x, v - y)))));
+  return points.some(([x, y]) => Math.min(x, y, width - 1 - x, height - 1 - y) < MAX_EDGE_PITCHES * pitch);
 }
 
 /** @template F @param {F[]} list @param {(each: F) => string} keyOf @returns {Map<string, F[]>} */
@@ -72,7 +92,7 @@ function boardOf(members) {
   let rows = 1 + Math.max(...members.flatMap((each) => each.inliers.map(({ id }) => squareOf(each, id)[1])));
   const common = { legacy: false, ...(inverted && { inverted }) };
   if (kind === "aprilgrid") {
-    const grid = { kind, squares: [columns, rows], marker_ratio: 0.65, dictionary: family, ...common, tag_spacing: nearest(1 / side - 1, USUAL_SPACINGS) };
+    const grid = { kind, squares: [columns, rows], marker_ratio: 0.65, dictionary: family, ...common, tag_spacing: nearest(spacingOf(members), USUAL_SPACINGS) };
     return /** @type {SentBoard} */ (grid);
   }
   // A first square with a marker is the old layout, which only boards of an even number of rows have: the last one was not seen.
@@ -81,6 +101,29 @@ function boardOf(members) {
   /** @type {import("./board.js").Board} */
   const board = { squares: [columns, rows], marker_ratio: ratio, dictionary: family, ...common, legacy: markerFirst };
   return /** @type {SentBoard} */ ({ ...board, dictionary: shortest(family, markers(board).length) });
+}
+
+/**
+ * Gap between the tags of an AprilGrid / their side, from neighbours: a wide lens bends the lattice as a whole.
+ * @param {import("./marker-grid.js").GridFit[]} members
+ */
+function spacingOf(members) {
+  return median(members.flatMap((fit) => {
+    const places = new Map(fit.inliers.map((marker) => [squareOf(fit, marker.id).join(), marker]));
+    return fit.inliers.flatMap((marker) => {
+      const [column, row] = squareOf(fit, marker.id);
+      const neighbours = [[column + 1, row], [column, row + 1]].flatMap((place) => places.get(place.join()) ?? []);
+      return neighbours.map((other) => {
+        const [a, b] = [centreOf(marker), centreOf(other)];
+        const apart = Math.hypot(b[0] - a[0], b[1] - a[1]);
+        const reach = (/** @type {import("./marker-detector.js").Marker} */ { corners }, /** @type {number[]} */ [x, y]) => Math.max(...corners.map((corner, n) => {
+          const next = corners[(n + 1) % 4];
+          return Math.abs(((corner[0] + next[0]) / 2 - x) * (b[0] - a[0]) + ((corner[1] + next[1]) / 2 - y) * (b[1] - a[1])) / apart;
+        }));
+        return apart / (reach(marker, a) + reach(other, b)) - 1;
+      });
+    });
+  }));
 }
 
 /** The shortest dictionary of a family that holds so many markers. @param {string} family @param {number} count */
@@ -95,14 +138,17 @@ function nearest(value, usual) {
   return Math.abs(best - value) <= MAX_ROUNDING ? Math.round(1000 * best) / 1000 : Math.round(100 * value) / 100;
 }
 
-/** Squares that most pictures agree on; a single picture is believed. @param {Sighting[]} sightings @returns {{board: SentBoard, picture: number} | null} */
+/** Squares that most pictures agree on; a single picture is believed. @param {Sighting[]} sightings @returns {Recognised | null} */
 function recogniseChessboard(sightings) {
-  const seen = sightings.flatMap(({ chessboard }, picture) => (chessboard ? [{ ...chessboard, picture }] : []));
+  // What is not plain is another board, whose markers were not read.
+  const seen = sightings.flatMap(({ chessboard, size }, picture) => (chessboard?.isPlain ? [{ ...chessboard, size, picture }] : []));
   if (seen.length === 0) return null;
   const groups = group(seen, ({ squares }) => squares.join());
   const [members] = [...groups.values()].sort((a, b) => b.length - a.length || b[0].points.length - a[0].points.length);
   const [{ squares, picture }] = members;
   /** @type {SentBoard} */
   const board = { kind: "chessboard", squares, marker_ratio: 0.65, dictionary: "DICT_4X4_50", legacy: false };
-  return impossible(board) === null ? { board, picture } : null;
+  if (impossible(board) !== null) return null;
+  const isCut = members.length < MIN_AGREEMENT * seen.length || members.every((each) => reachesEdge(each.points, each.size));
+  return { board, picture, support: members.length, mirrored: false, isCut };
 }

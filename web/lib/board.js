@@ -110,7 +110,7 @@ export function impossible(board) {
   if (!DICTIONARIES.includes(dictionary)) return { code: "dictionary", values: { dictionary } };
   if (kind === "chessboard") return null;
   if (kind === "aprilgrid") {
-    if (!dictionary.startsWith("DICT_APRILTAG_")) return { code: "family", values: { dictionary } };
+    if (!isTagFamily(dictionary)) return { code: "family", values: { dictionary } };
     if (!(spacing >= MIN_TAG_SPACING && spacing <= MAX_TAG_SPACING)) return { code: "spacing", values: {} };
   }
   const [has, needed] = [dictionaryOf(dictionary).count, markers(board).length];
@@ -156,6 +156,9 @@ export function outline(board) {
 export function isBlack({ squares: [, rows], legacy }, x, y) {
   return (x + y + (legacy && rows % 2 === 0 ? 1 : 0)) % 2 === 0;
 }
+
+/** True if a dictionary's markers are AprilTags. @param {string} dictionary */
+export const isTagFamily = (dictionary) => dictionary.startsWith("DICT_APRILTAG_");
 
 /** @param {string} dictionary "DICT_4X4_50" @returns {{size: string, side: number, count: number}} throws RangeError */
 export function dictionaryOf(dictionary) {

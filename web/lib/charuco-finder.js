@@ -1,5 +1,5 @@
 // Finder of a ChArUco board: OpenCV.js's detectors for one board.
-import { exposure, frameMetrics } from "./frame-metrics.js";
+import { frameMetrics } from "./frame-metrics.js";
 import { refine } from "./subpixel.js";
 
 /**
@@ -90,8 +90,7 @@ export function createCharucoFinder(cv, board) {
       const upright = board.inverted ? negative(image) : image;
       const { ids, points, markers, side } = detect(full ? detectors.full : detectors.tracking, upright);
       const seen = full ? refine(upright, { ids, points }, columns - 1) : { ids, points };
-      const metrics = frameMetrics(upright, board, seen, side);
-      return { ...seen, markers, metrics: board.inverted ? { ...metrics, ...exposure(image) } : metrics };
+      return { ...seen, markers, metrics: frameMetrics(image, board, seen, side) };
     },
     /**
      * Looks for something else than the board.
@@ -129,7 +128,7 @@ function markerSide(corners) {
   return sides.sort((a, b) => a - b)[sides.length >> 1] ?? 0;
 }
 
-let [mirror, swapped] = [new Uint8Array(0), new Uint8Array(0)];
+let swapped = new Uint8Array(0);
 
 /** White for black. @param {Grey} image @returns {Grey} memory that the next call writes over */
 export function negative({ width, height, data }) {
@@ -138,10 +137,9 @@ export function negative({ width, height, data }) {
   return { width, height, data: swapped };
 }
 
-
-/** @param {Grey} image @returns {Grey} memory that the next call writes over */
-function flipped({ width, height, data }) {
-  if (mirror.length !== width * height) mirror = new Uint8Array(width * height);
+/** Left for right. @param {Grey} image @returns {Grey} new memory */
+export function flipped({ width, height, data }) {
+  const mirror = new Uint8Array(width * height);
   for (let y = 0, at = 0; y < height; y++) {
     for (let x = width - 1; x >= 0; x--, at++) mirror[at] = data[y * width + x];
   }

@@ -53,11 +53,11 @@ export class Detector {
    * @param {(fraction: number) => void} [onProgress] 0…1 while OpenCV arrives
    */
   static async open(board, onProgress) {
-    const response = await reach(new URL("opencv.json", OPENCV));
-    if (!response.ok) throw new DetectorError(`The board detector is not there (${response.status}).`, "detector_missing");
-    const { bytes } = await response.json();
-    const detector = new Detector(onProgress);
+    const detector = new Detector(onProgress); // its modules are loaded meanwhile
     try {
+      const response = await reach(new URL("opencv.json", OPENCV));
+      if (!response.ok) throw new DetectorError(`The board detector is not there (${response.status}).`, "detector_missing");
+      const { bytes } = await response.json();
       await detector.#ask({ open: board, wasm: new URL("opencv.wasm", OPENCV).href, bytes }, []);
     } catch (error) {
       detector.close();
@@ -69,31 +69,31 @@ export class Detector {
   /**
    * Finds the board's corners. Takes over the frame and closes it.
    * @param {VideoFrame | ImageBitmap} frame
-   * @param {{full?: boolean, probe?: string | null, timeout?: number}} [options] full: all threshold windows and a sub-pixel
-   *   second pass, for a view that is kept; probe: what else to look for where no corner is seen; timeout: ms
+   * @param {{full?: boolean, probe?: string | null, flip?: boolean, timeout?: number}} [options] full: all threshold windows and a sub-pixel
+   *   second pass, for a view that is kept; probe: what else to look for where no corner is seen; flip: the frame is mirrored, and is turned back; timeout: ms
    * @returns {Promise<Detection>}
    */
-  detect(frame, { full = false, probe = null, timeout = FRAME_TIMEOUT_MS } = {}) {
+  detect(frame, { full = false, probe = null, flip = false, timeout = FRAME_TIMEOUT_MS } = {}) {
     if (this.closed) {
       frame.close();
       return Promise.reject(new DetectorError("The board detector was closed."));
     }
-    return this.#ask({ frame, full, probe }, [frame], timeout);
+    return this.#ask({ frame, full, probe, flip }, [frame], timeout);
   }
 
   /**
    * Looks for boards of any kind; `recognise` of board-recognition.js concludes from several pictures. Takes over the frame and
    * closes it.
    * @param {VideoFrame | ImageBitmap} frame
-   * @param {import("./recogniser.js").Hints & {timeout?: number}} [options] timeout: ms
+   * @param {{flip?: boolean, timeout?: number}} [options] as of `detect`
    * @returns {Promise<import("./board-recognition.js").Sighting>}
    */
-  sight(frame, { timeout = SIGHT_TIMEOUT_MS, ...hints } = {}) {
+  sight(frame, { flip = false, timeout = SIGHT_TIMEOUT_MS } = {}) {
     if (this.closed) {
       frame.close();
       return Promise.reject(new DetectorError("The board detector was closed."));
     }
-    return this.#ask({ frame, recognise: hints }, [frame], timeout);
+    return this.#ask({ frame, recognise: true, flip }, [frame], timeout);
   }
 
   /**

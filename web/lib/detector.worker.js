@@ -1,22 +1,21 @@
-// Worker that finds the board in camera frames and photographs: OpenCV.js blocks while it computes, and its bindings
-// need `unsafe-eval`, which this file alone is served with.
+// Worker that finds the board in camera frames and photographs: OpenCV blocks while it computes.
 import createOpenCV from "../vendor/opencv/opencv.js";
 import { createFinder } from "./board-finder.js";
-import { Recogniser } from "./recogniser.js";
+import { flipped } from "./charuco-finder.js";
 
 /**
  * @typedef {import("./board.js").Board} Board
  * @typedef {import("./subpixel.js").Grey} Grey
  * @typedef {{id: number, open: Board, wasm: string, bytes: number}} OpenRequest
- * @typedef {{id: number, frame: VideoFrame | ImageBitmap, full: boolean, probe: string | null}} DetectRequest
- * @typedef {{id: number, frame: VideoFrame | ImageBitmap, recognise: import("./recogniser.js").Hints}} RecogniseRequest
+ * @typedef {{id: number, frame: VideoFrame | ImageBitmap, full: boolean, probe: string | null, flip: boolean}} DetectRequest
+ * @typedef {{id: number, frame: VideoFrame | ImageBitmap, recognise: true, flip: boolean}} RecogniseRequest
  */
 
-/** @type {any} OpenCV's module; its bindings are made at run time */
+/** @type {any} OpenCV's module */
 let cv = null;
 /** @type {import("./charuco-finder.js").Finder | null} */
 let finder = null;
-/** @type {Recogniser | null} */
+/** @type {import("./recogniser.js").Recogniser | null} loaded when it is first asked for: it knows all dictionaries */
 let recogniser = null;
 
 class LoadError extends Error {
@@ -125,8 +124,12 @@ async function answer(request) {
   try {
     if (!finder) throw new Error("no board to look for");
     const start = performance.now();
-    const image = await luma(request.frame);
-    if ("recognise" in request) return (recogniser ??= new Recogniser(cv)).look(image, request.recognise);
+    const delivered = await luma(request.frame);
+    const image = request.flip ? flipped(delivered) : delivered;
+    if ("recognise" in request) {
+      recogniser ??= new (await import("./recogniser.js")).Recogniser(cv);
+      return recogniser.look(image);
+    }
     const found = finder.find(image, request.full);
     return {
       ...found,

@@ -6,7 +6,6 @@
  *
  * @typedef {object} MarkerOptions
  * @property {number} [border] width of the black frame, cells: 1, or 2 as Kalibr prints it
- * @property {boolean} [refined] corners to a fraction of a pixel, of markers with white around them
  * @property {number} [window] side of the one window of the adaptive threshold, px; three windows unless given, which take longer
  */
 
@@ -17,34 +16,46 @@ export class MarkerDetector {
   #held;
 
   /** @param {any} cv OpenCV's module @param {string} dictionary @param {MarkerOptions} [options] */
-  constructor(cv, dictionary, { border = 1, refined = false, window = 0 } = {}) {
+  constructor(cv, dictionary, { border = 1, window = 0 } = {}) {
     this.#cv = cv;
     const [words, parameters] = [cv.getPredefinedDictionary(cv[dictionary]), new cv.aruco_DetectorParameters()];
     const refinement = new cv.aruco_RefineParameters(10, 3, true);
     parameters.markerBorderBits = border;
     if (window) parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = window;
-    if (refined) parameters.cornerRefinementMethod = cv.CORNER_REFINE_SUBPIX.value ?? cv.CORNER_REFINE_SUBPIX;
     this.#detector = new cv.aruco_ArucoDetector(words, parameters, refinement);
     this.#held = [this.#detector, words, parameters, refinement];
   }
 
   /** @param {Grey} image @returns {Marker[]} one of each id: the largest */
-  find({ width, height, data }) {
+  find(image) {
+    /** @type {Map<number, Marker>} */
+    const found = new Map();
+    this.#detect(image, (corners, ids) => {
+      corners.forEach((quad, index) => {
+        const marker = { id: ids[index], corners: quad };
+        const other = found.get(marker.id);
+        if (!other || sideOf(other) < sideOf(marker)) found.set(marker.id, marker);
+      });
+    });
+    return [...found.values()];
+  }
+
+  /** Dark quadrilaterals, whether or not they are markers. @param {Grey} image @returns {number[][][]} corners, clockwise, px */
+  quads(image) {
+    return this.#detect(image, (corners, _, rejected) => [...corners, ...rejected]);
+  }
+
+  /**
+   * @template T
+   * @param {Grey} image @param {(corners: number[][][], ids: Int32Array, rejected: number[][][]) => T} use @returns {T}
+   */
+  #detect({ width, height, data }, use) {
     const cv = this.#cv;
     const [input, corners, ids, rejected] = [new cv.Mat(height, width, cv.CV_8UC1), new cv.MatVector(), new cv.Mat(), new cv.MatVector()];
     try {
       input.data.set(data);
       this.#detector.detectMarkers(input, corners, ids, rejected);
-      /** @type {Map<number, Marker>} */
-      const found = new Map();
-      for (let index = 0; index < corners.size(); index++) {
-        const quad = corners.get(index);
-        const marker = { id: ids.data32S[index], corners: [0, 1, 2, 3].map((n) => [quad.data32F[2 * n], quad.data32F[2 * n + 1]]) };
-        quad.delete();
-        const other = found.get(marker.id);
-        if (!other || sideOf(other) < sideOf(marker)) found.set(marker.id, marker);
-      }
-      return [...found.values()];
+      return use(quadsOf(corners), ids.data32S, quadsOf(rejected));
     } finally {
       for (const each of [input, corners, ids, rejected]) each.delete();
     }
@@ -53,6 +64,16 @@ export class MarkerDetector {
   delete() {
     for (const each of this.#held) each.delete();
   }
+}
+
+/** @param {any} vector of 1 x 4 points @returns {number[][][]} */
+function quadsOf(vector) {
+  return Array.from({ length: vector.size() }, (_, index) => {
+    const quad = vector.get(index);
+    const corners = [0, 1, 2, 3].map((n) => [quad.data32F[2 * n], quad.data32F[2 * n + 1]]);
+    quad.delete();
+    return corners;
+  });
 }
 
 /** Mean length of a marker's sides, px. @param {Marker} marker */

@@ -1,5 +1,5 @@
 // Start of every page: messages in the visitor's language, and a service worker that caches its files.
-import { addMessages, offerLanguages, translate } from "./i18n.js";
+import { addMessages, offerLanguages, t, translate } from "./i18n.js";
 import common from "../messages/common.js";
 
 /** @param {Record<string, import("./i18n.js").Catalog>} catalogs messages of this page */
@@ -8,6 +8,13 @@ export function openPage(catalogs) {
   const select = document.getElementById("language");
   if (select instanceof HTMLSelectElement) offerLanguages(select);
   translate(document.documentElement);
+  document.addEventListener("invalid", explainField, { capture: true });
+  document.addEventListener("input", ({ target }) => clearExplanation(target));
+  document.addEventListener("click", ({ target }) => {
+    // A script may have filled the field in since: the form is checked again.
+    const form = target instanceof Element ? target.closest("button")?.form : null;
+    for (const field of form?.elements ?? []) clearExplanation(field);
+  }, { capture: true });
   // Pages that calibrate have a consent block.
   if (document.getElementById("consent")) void import("./consent.js").then(({ offerConsent }) => offerConsent());
   if (document.readyState === "complete") cacheFiles();
@@ -21,4 +28,22 @@ export function openPage(catalogs) {
 function cacheFiles() {
   const worker = new URL("../sw.js", import.meta.url);
   navigator.serviceWorker?.register(worker).catch((error) => console.info("pages are not cached:", error.message));
+}
+
+/** Fields whose custom validity is a text of ours. @type {WeakSet<EventTarget>} */
+const explained = new WeakSet();
+
+/** Says in the page's language what a form's field lacks; the browser's own text is in its own language. @param {Event} event */
+function explainField({ target }) {
+  if (!(target instanceof HTMLInputElement) || target.validity.customError) return;
+  const { validity: { valueMissing }, min, max } = target;
+  const isNumber = target.type === "number" && min && max;
+  if (!valueMissing && !isNumber) return;
+  explained.add(target);
+  target.setCustomValidity(isNumber ? t("common.fill_in_number", { min, max }) : t("common.fill_in"));
+}
+
+/** @param {EventTarget | null} field */
+function clearExplanation(field) {
+  if (field instanceof HTMLInputElement && explained.delete(field)) field.setCustomValidity("");
 }

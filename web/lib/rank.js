@@ -1,5 +1,6 @@
 // Order of photographs: those that show the board in a new place or a new attitude come first. Pure.
 import { foreshortening } from "./board-outline.js";
+import { motion } from "./capture/stillness.js";
 
 /**
  * @typedef {object} Candidate
@@ -7,6 +8,7 @@ import { foreshortening } from "./board-outline.js";
  * @property {[number, number][] | null} outline of the board, px; null where too little of it is seen to tell
  */
 
+const MIN_APART_WIDTHS = 0.02; // of the picture, between frames: nearer, the service takes them for duplicates
 const GRID_COLUMNS = 12; // cells of the picture, across
 const SHAPE_WEIGHT = 1.5; // how much a new shape is worth beside new places
 const MAX_OUTLINE_DISTANCE = 0.4; // of the width: outlines so different do not get more so
@@ -28,6 +30,21 @@ export function rankByNovelty(candidates, size, most = Infinity) {
     const [{ candidate, cells: its }] = left.splice(best, 1);
     chosen.push(candidate);
     for (const cell of its) seen.add(cell);
+  }
+  return chosen;
+}
+
+/**
+ * Frames of a video that say different things: of those at nearly the same place the one that moved least.
+ * @template {{ids: number[], points: number[][]}} F
+ * @param {F[]} frames in the video's order @param {number} width of the picture, px
+ */
+export function distinct(frames, width) {
+  const motions = frames.map((frame, index) => Math.max(...[frames[index - 1], frames[index + 1]].filter(Boolean).map((other) => motion(frame, other))));
+  /** @type {F[]} */
+  const chosen = [];
+  for (const index of [...frames.keys()].sort((a, b) => motions[a] - motions[b])) {
+    if (chosen.every((other) => motion(frames[index], other) > MIN_APART_WIDTHS * width)) chosen.push(frames[index]);
   }
   return chosen;
 }

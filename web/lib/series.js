@@ -19,14 +19,12 @@ import { keepReceipt } from "./receipts.js";
  * @property {Map<number, number>} numbers of the views, by the indices that the session gave them
  */
 
-/** Expected error up to which a calibration can be taken, be its verdict poor, px at 1280 px width. */
-const MAX_EXPECTED_ERROR_PX = 3;
 const MIN_VIEWS = 4; // that agree, of which the service makes a calibration
 export const MAX_VIEWS = 150; // offered, so that a video ends within a user's share of requests
 const MAX_POINTS = 20_000; // of all views, that a session holds
 
 /**
- * Offers all views, and ends the session with those that agree if they are good enough.
+ * Offers all views, and ends the session with those that agree if they are enough.
  * @param {Api} api @param {string} token @param {SessionRequest} request @param {View[]} views best first
  * @param {(judgement: Judgement) => void} onJudgement
  * @param {{detectModel?: boolean}} [options] detectModel: where the views say that the lens model is too simple, begin again with
@@ -44,8 +42,7 @@ export async function calibrate(api, token, request, views, onJudgement, { detec
   }
   const wanted = await api.json("GET", "/session/pose", credential);
   const used = state.views.filter((view) => !view.set_aside).length;
-  const isEnough = used >= MIN_VIEWS && (state.uncertainty?.rms ?? Infinity) <= (MAX_EXPECTED_ERROR_PX * request.img_size[0]) / 1280;
-  if (!isEnough) return { state, wanted, numbers };
+  if (used < MIN_VIEWS || !state.uncertainty) return { state, wanted, numbers };
   const ended = await api.json("POST", "/session/finish", credential);
   keepReceipt(credential, ended);
   return { state: ended, wanted, numbers };

@@ -14,16 +14,8 @@ import { isBlack } from "./board.js";
  */
 export function blackSquares(board, { ids, corners }) {
   const [columns, rows] = board.squares;
-  const place = new Map(ids.map((id, index) => [id, corners[index]]));
-  if (board.kind === "aprilgrid") return tags(columns * rows, place);
-  /** @type {(x: number, y: number) => number[] | null} */
-  const vertex = (x, y) => {
-    if (x === 0) return extrapolate(vertex(1, y), vertex(2, y));
-    if (x === columns) return extrapolate(vertex(columns - 1, y), vertex(columns - 2, y));
-    if (y === 0) return extrapolate(vertex(x, 1), vertex(x, 2));
-    if (y === rows) return extrapolate(vertex(x, rows - 1), vertex(x, rows - 2));
-    return place.get((y - 1) * (columns - 1) + x - 1) ?? null;
-  };
+  if (board.kind === "aprilgrid") return tags(columns * rows, new Map(ids.map((id, index) => [id, corners[index]])));
+  const vertex = vertexOf(board, { ids, corners });
   /** @type {Polygon[]} */
   const squares = [];
   for (let y = 0; y < rows; y++) {
@@ -34,6 +26,24 @@ export function blackSquares(board, { ids, corners }) {
     }
   }
   return squares;
+}
+
+/**
+ * Places of a board's vertices, its rim included.
+ * @param {Board} board no AprilGrid @param {{ids: number[], corners: number[][]}} pose
+ * @returns {(x: number, y: number) => number[] | null} by column and row, squares; null where too few corners are known
+ */
+export function vertexOf({ squares: [columns, rows] }, { ids, corners }) {
+  const place = new Map(ids.map((id, index) => [id, corners[index]]));
+  /** @type {(x: number, y: number) => number[] | null} */
+  const vertex = (x, y) => {
+    if (x === 0) return extrapolate(vertex(1, y), vertex(2, y));
+    if (x === columns) return extrapolate(vertex(columns - 1, y), vertex(columns - 2, y));
+    if (y === 0) return extrapolate(vertex(x, 1), vertex(x, 2));
+    if (y === rows) return extrapolate(vertex(x, rows - 1), vertex(x, rows - 2));
+    return place.get((y - 1) * (columns - 1) + x - 1) ?? null;
+  };
+  return vertex;
 }
 
 /** @param {number} count @param {Map<number, number[]>} place of corners by their ids @returns {Polygon[]} px */

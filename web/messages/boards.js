@@ -3,6 +3,9 @@
 /** @type {import("../lib/i18n.js").Catalog} */
 export default {
   en: {
+    which: "Which board?",
+    automatic: "recognised automatically",
+    impossible: "Not possible: {reason}.",
     preset: "Well-known boards",
     preset_other: "another board",
     kind: "Type",
@@ -21,6 +24,9 @@ export default {
     words_inverted: "white on black",
   },
   de: {
+    which: "Welche Tafel?",
+    automatic: "wird automatisch erkannt",
+    impossible: "Nicht möglich: {reason}.",
     preset: "Bekannte Tafeln",
     preset_other: "andere Tafel",
     kind: "Art",
@@ -39,6 +45,9 @@ export default {
     words_inverted: "Weiß auf Schwarz",
   },
   uk: {
+    which: "Яка дошка?",
+    automatic: "розпізнається автоматично",
+    impossible: "Неможливо: {reason}.",
     preset: "Відомі дошки",
     preset_other: "інша дошка",
     kind: "Вид",

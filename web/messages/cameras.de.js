@@ -23,6 +23,7 @@ export default {
   reason_too_few: "Noch zu wenige Kalibrierungen.",
   reason_disagree: "Die Kalibrierungen stimmen noch nicht überein.",
   reason_few_contributors: "Noch haben zu wenige Leute sie kalibriert.",
+  reason_imprecise: "Die Kalibrierungen stimmen überein, sind aber auch zusammen zu ungenau.",
   in_order: "Kalibrierungen, älteste zuerst",
   focal_label: "Brennweiten zwischen {low} und {high} px",
   focal_caption: "Brennweiten. Jeder Punkt ist eine Kalibrierung; ein Klick öffnet sie.",

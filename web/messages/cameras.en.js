@@ -23,6 +23,7 @@ export default {
   reason_too_few: "Too few calibrations yet.",
   reason_disagree: "Its calibrations don’t agree yet.",
   reason_few_contributors: "Too few people have calibrated it yet.",
+  reason_imprecise: "The calibrations agree, but are too imprecise together.",
   in_order: "calibrations, oldest first",
   focal_label: "Focal lengths between {low} and {high} px",
   focal_caption: "Focal lengths. Each dot is a calibration. Click it to open it.",

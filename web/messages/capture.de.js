@@ -69,14 +69,14 @@ export default {
 
   getting_ready: "Gleich geht es los",
   opening_camera: "Warten auf die Kamera. Wenn Ihr Browser fragt, erlauben Sie sie.",
-  opening_loading: "Die Tafelerkennung wird geladen, beim ersten Mal 12 MB.",
-  opening_starting: "Die Tafelerkennung startet.",
+  opening_loading: "Die Tafelerkennung wird geladen, beim ersten Mal 1 MB.",
   opening_service: "Bei calibDB wird eine Sitzung geöffnet.",
   opening_retry: "Die Verbindung zu calibDB ist abgebrochen. Neuer Versuch.",
   loading: "Tafelerkennung laden",
   cancel: "Abbrechen",
 
   say_show: "Zeigen Sie der Kamera die Tafel",
+  say_looking: "Tafel wird erkannt",
   say_slower: "Näher heran oder langsamer",
   say_more: "Mehr von der Tafel zeigen",
   say_wait: "Einen Moment",
@@ -122,21 +122,30 @@ export default {
   do_wrong_board: "Sie können sie verwenden oder die Tafel zeigen, die diese Seite erwartet.",
   use_this_board: "Diese Tafel verwenden",
   show_right_board: "Die richtige zeigen",
-  recognise_board: "Tafel im Bild erkennen",
-  looking_at_board: "Die Tafel wird erkannt.",
-  board_not_recognised:
-    "Diese Tafel wurde nicht erkannt. Halten Sie sie ganz ins Bild, und versuchen Sie es noch einmal.",
+  flip: "Bild zurückspiegeln",
+  looks_like: "Sieht aus wie: {board}. Diese nehmen?",
+  board_cut: "Vielleicht ist ein Teil davon nicht im Bild. Zählen Sie die Felder.",
+  turn_back:
+    "Spiegeln Sie es hier zurück, oder schalten Sie das Spiegeln in den Einstellungen oder der Software "
+      + "der Kamera aus.",
+  flipped:
+    "Das Bild ist jetzt zurückgespiegelt. Die Tafel: {columns} × {rows}. Das Ergebnis gilt für das "
+      + "zurückgespiegelte Bild.",
+  do_mirrored: "Schalten Sie die Spiegelung in den Einstellungen oder im Programm der Kamera aus.",
   board_taken: "Diese Tafel gilt jetzt: {columns} × {rows}.",
   do_legacy:
     "Sie wurde für OpenCV vor 4.6 gemacht. Die Seite stellt sich von selbst darauf ein. Sie können auch eine "
       + "neue drucken.",
-  do_mirrored: "Schalten Sie die Spiegelung in den Einstellungen oder im Programm der Kamera aus.",
   do_moire:
     "Gehen Sie etwas näher oder weiter weg, oder verringern Sie die Helligkeit des Bildschirms: Seine Pixel "
       + "überlagern sich mit denen der Kamera.",
   do_moving: "Die Kamera liest das Bild zeilenweise aus. Schnelle Bewegung verzerrt es.",
 
+  never_still: "Ansichten entstehen nur, wenn die Tafel stillgehalten wird, jedes Mal eine Sekunde lang.",
+  use_sharpest: "Die schärfsten Bilder nehmen",
+  sharpest_few: "Diese Bilder reichen nicht. Halten Sie die Tafel still, oder bewegen Sie sie langsamer.",
   view_taken: "Ansicht {number} aufgenommen.",
+  view_taken_aside: "Ansicht {number} aufgenommen. Am Umriss hilft sie mehr.",
   view_stored: "Ansicht gespeichert. Sie wird gesendet, sobald calibDB wieder da ist.",
   view_undone: "Die letzte Ansicht wurde zurückgenommen.",
   undo_away: "Die letzte Ansicht lässt sich erst zurücknehmen, wenn calibDB wieder da ist.",
@@ -146,6 +155,7 @@ export default {
   refused_degenerate: "Diese Ansicht allein genügt nicht.",
   refused_mirrored: "Das Bild ist gespiegelt. Schalten Sie das in den Einstellungen der Kamera aus.",
   refused_outlier: "Diese Ansicht passte nicht zu den anderen. Ist die Tafel eben?",
+  refused_duplicate: "Hier war die Tafel schon. Halten Sie sie anderswohin.",
   refused_no_information: "Diese Ansicht bringt nichts Neues.",
   useless: "Eine bessere Stellung wird gesucht",
   press_again: {
@@ -185,7 +195,7 @@ export default {
   with_model: "Neu beginnen mit Objektivtyp „{model}“",
   zoom: "Zoom {zoom}",
   cropped: "vom Browser beschnitten",
-  view_of: "Ansicht {number} von etwa {total}",
+  view_of: "{number} von etwa {total} Ansichten",
   at_least: "mindestens {count}",
   goal_early: "genau genug; noch {count} zur Bestätigung",
   finish: "Jetzt fertigstellen",

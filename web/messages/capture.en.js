@@ -68,8 +68,7 @@ export default {
   // While getting ready
   getting_ready: "Getting ready",
   opening_camera: "Waiting for the camera. If your browser asks, allow it.",
-  opening_loading: "Loading the board detector, 12 MB the first time.",
-  opening_starting: "Starting the board detector.",
+  opening_loading: "Loading the board detector, 1 MB the first time.",
   opening_service: "Opening a session at calibDB.",
   opening_retry: "The connection to calibDB is lost. Trying again.",
   loading: "Loading the board detector",
@@ -77,6 +76,7 @@ export default {
 
   // The one instruction: six words at most
   say_show: "Show the board to the camera",
+  say_looking: "Looking at the board",
   say_slower: "Move closer, or more slowly",
   say_more: "Show more of the board",
   say_wait: "One moment",
@@ -122,21 +122,29 @@ export default {
   do_wrong_board: "You can use it as it is, or show the board that this page expects.",
   use_this_board: "Use this board",
   show_right_board: "Show the right one",
-  recognise_board: "Recognise the board in view",
-  looking_at_board: "Recognising the board.",
-  board_not_recognised: "This board was not recognised. Hold all of it in view, and try again.",
+  flip: "Turn the picture back",
+  looks_like: "It looks like: {board}. Use it?",
+  board_cut: "Part of it may be out of the picture, so count its squares.",
+  turn_back: "Turn it back here, or turn off mirroring in the camera's settings or software.",
+  flipped:
+    "The picture is turned back now. The board: {columns} × {rows}. The result is for the picture "
+      + "turned back.",
+  do_mirrored: "Turn off mirroring in the camera's own settings or software.",
   board_taken: "This board is used now: {columns} × {rows}.",
   do_legacy:
     "It was made for OpenCV before 4.6. The page switches to that layout by itself. You can also print a new "
       + "board.",
-  do_mirrored: "Turn off mirroring in the camera's own settings or software.",
   do_moire:
     "Move a little closer or farther away, or turn down the brightness of the board's screen: its pixels "
       + "interfere with the camera's.",
   do_moving: "The camera reads the picture line by line, so a fast movement distorts it.",
 
   // What became of a view
+  never_still: "Views are taken only while the board is held still, for a second each time.",
+  use_sharpest: "Use the sharpest frames",
+  sharpest_few: "These frames do not suffice. Hold the board still, or move it more slowly.",
   view_taken: "View {number} taken.",
+  view_taken_aside: "View {number} was taken. Following the outline helps more.",
   view_stored: "View saved. It will be sent once calibDB is back.",
   view_undone: "The last view was undone.",
   undo_away: "You can undo the last view only once calibDB is back.",
@@ -146,6 +154,7 @@ export default {
   refused_degenerate: "That view alone is not enough.",
   refused_mirrored: "The picture is mirrored. Turn that off in the camera's settings.",
   refused_outlier: "That view did not fit the others. Is the board flat?",
+  refused_duplicate: "The board was here already. Hold it elsewhere.",
   refused_no_information: "That view adds nothing new.",
   useless: "Looking for a better pose",
   press_again: {
@@ -182,7 +191,7 @@ export default {
   with_model: "Start again with lens type “{model}”",
   zoom: "zoom {zoom}",
   cropped: "cropped by the browser",
-  view_of: "View {number} of about {total}",
+  view_of: "{number} of about {total} views",
   at_least: "at least {count}",
   goal_early: "accurate enough; {count} more to confirm",
   finish: "Finish now",

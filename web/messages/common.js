@@ -34,6 +34,8 @@ export default {
     choose_file: "Choose a file",
     no_file: "nothing chosen yet",
     files_chosen: { one: "{count} file chosen", other: "{count} files chosen" },
+    fill_in: "Fill in this field.",
+    fill_in_number: "Enter a number from {min} to {max}.",
     went_wrong: "Something went wrong in this page ({message}).",
   },
   de: {
@@ -68,6 +70,8 @@ export default {
     choose_file: "Datei wählen",
     no_file: "noch nichts gewählt",
     files_chosen: { one: "{count} Datei gewählt", other: "{count} Dateien gewählt" },
+    fill_in: "Füllen Sie dieses Feld aus.",
+    fill_in_number: "Geben Sie eine Zahl von {min} bis {max} ein.",
     went_wrong: "Auf dieser Seite ist etwas schiefgegangen ({message}).",
   },
   uk: {
@@ -107,6 +111,8 @@ export default {
       many: "вибрано {count} файлів",
       other: "вибрано {count} файлу",
     },
+    fill_in: "Заповніть це поле.",
+    fill_in_number: "Введіть число від {min} до {max}.",
     went_wrong: "На цій сторінці щось пішло не так ({message}).",
   },
 };

@@ -38,7 +38,7 @@ export default {
     kind_photographs: "a camera that took photographs",
     kind_video: "a camera that took a video",
     webcam: "Its name, as the browser shows it",
-    not_enough: "These corners are not enough: the expected error is {rms} px. Nothing was stored.",
+    not_enough: "A calibration needs four views that agree. The file has fewer. Nothing was stored.",
     nothing_taken: "None of these views is enough to fit a camera. Nothing was stored.",
     guess: "Results, but no measurements",
     guess_text:
@@ -61,6 +61,7 @@ export default {
     wrong_fields: "Line {line} of the table does not contain the position of a corner. Nothing was sent.",
     wrong_lines: "A board of these squares has {corners} corners, but {name} has {lines} lines. Is it another board?",
     wrong_empty: "The file contains no corners. Nothing was sent.",
+    wrong_practice: "The file comes from a practice run with the simulated camera. It tells nothing of a real camera. Nothing was sent.",
     wrong_outside: "{name} has corners outside of a picture of {size} px. Is the size right?",
     wrong_line: "All corners lie on one line, so this is not a board. Nothing was sent.",
     wrong_flat: "The board is not flat. calibDB supports flat boards only. Nothing was sent.",
@@ -135,7 +136,7 @@ export default {
     kind_photographs: "eine Kamera, die Fotos gemacht hat",
     kind_video: "eine Kamera, die ein Video gemacht hat",
     webcam: "Ihr Name, wie ihn der Browser zeigt",
-    not_enough: "Diese Ecken genügen nicht: Der erwartete Fehler ist {rms} px. Es wurde nichts gespeichert.",
+    not_enough: "Eine Kalibrierung braucht vier Ansichten, die zueinander passen. Die Datei hat weniger. Es wurde nichts gespeichert.",
     nothing_taken: "Keine dieser Ansichten genügt, um eine Kamera zu bestimmen. Es wurde nichts gespeichert.",
     guess: "Ergebnisse, aber keine Messungen",
     guess_text:
@@ -161,6 +162,7 @@ export default {
       "Eine Tafel mit diesen Feldern hat {corners} Ecken, aber {name} hat {lines} Zeilen. Ist es eine andere "
         + "Tafel?",
     wrong_empty: "Die Datei enthält keine Ecken. Es wurde nichts gesendet.",
+    wrong_practice: "Die Datei stammt aus einem Übungslauf mit der simulierten Kamera. Über eine echte Kamera sagt sie nichts. Es wurde nichts gesendet.",
     wrong_outside: "{name} hat Ecken außerhalb eines Bildes von {size} px. Stimmt die Größe?",
     wrong_line: "Alle Ecken liegen auf einer Geraden; das ist keine Tafel. Es wurde nichts gesendet.",
     wrong_flat: "Die Tafel ist nicht eben. calibDB unterstützt nur ebene Tafeln. Es wurde nichts gesendet.",
@@ -243,7 +245,7 @@ export default {
     kind_photographs: "камера, що робила фотографії",
     kind_video: "камера, що знімала відео",
     webcam: "Її назва, як показує браузер",
-    not_enough: "Цих кутів не досить: очікувана похибка {rms} px. Нічого не збережено.",
+    not_enough: "Для калібрування потрібно чотири узгоджені знімки. У файлі їх менше. Нічого не збережено.",
     nothing_taken: "Жодного з цих знімків не досить, щоб визначити камеру. Нічого не збережено.",
     guess: "Результати без вимірювань",
     guess_text:
@@ -265,6 +267,7 @@ export default {
     wrong_fields: "Рядок {line} таблиці не містить положення кута. Нічого не надіслано.",
     wrong_lines: "Дошка з такими клітинками має кутів: {corners}, а {name} має рядків: {lines}. Може, це інша дошка?",
     wrong_empty: "Файл не містить кутів. Нічого не надіслано.",
+    wrong_practice: "Файл походить із тренування з імітованою камерою. Про справжню камеру він нічого не каже. Нічого не надіслано.",
     wrong_outside: "У {name} є кути поза знімком розміром {size} px. Чи правильний розмір?",
     wrong_line: "Усі кути лежать на одній прямій, тож це не дошка. Нічого не надіслано.",
     wrong_flat: "Дошка не пласка. calibDB підтримує лише пласкі дошки. Нічого не надіслано.",

@@ -6,14 +6,15 @@
  * @property {string} model
  * @property {string} lens
  * @property {number} focal length, mm; 0
+ * @property {number} focal35 its equivalent on 35 mm film, mm; 0
  * @property {{at: number, little: boolean, value: number} | null} orientation and where in the file it is written
  */
 
-const TAGS = { make: 0x010f, model: 0x0110, orientation: 0x0112, more: 0x8769, focal: 0x920a, lens: 0xa434 };
+const TAGS = { make: 0x010f, model: 0x0110, orientation: 0x0112, more: 0x8769, focal: 0x920a, focal35: 0xa405, lens: 0xa434 };
 const TYPES = { ascii: 2, short: 3, rational: 5 };
 const SIZES = [0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8]; // bytes of one value, by type
 /** @type {Exif} */
-const NOTHING = { make: "", model: "", lens: "", focal: 0, orientation: null };
+const NOTHING = { make: "", model: "", lens: "", focal: 0, focal35: 0, orientation: null };
 
 /**
  * @param {ArrayBuffer} file
@@ -74,10 +75,12 @@ function readBlock(view, start) {
   const words = (/** @type {Entry | undefined} */ entry) =>
     (entry?.type === TYPES.ascii ? text(view, entry.at, entry.count).replace(/\0.*$/s, "").trim() : "");
   const focal = second.get(TAGS.focal);
+  const focal35 = second.get(TAGS.focal35);
   const orientation = first.get(TAGS.orientation);
   return {
     make: words(first.get(TAGS.make)), model: words(first.get(TAGS.model)), lens: words(second.get(TAGS.lens)),
     focal: focal?.type === TYPES.rational ? ratio(view.getUint32(focal.at, little), view.getUint32(focal.at + 4, little)) : 0,
+    focal35: focal35?.type === TYPES.short ? view.getUint16(focal35.at, little) : 0,
     orientation: orientation?.type === TYPES.short ? { at: orientation.at, little, value: view.getUint16(orientation.at, little) } : null,
   };
 }

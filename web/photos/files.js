@@ -1,5 +1,6 @@
 // Photographs and frames of videos, one after the other, as the camera's sensor saw them.
 import { cameraName, readExif, unturned } from "./exif.js";
+import { playedFrames } from "./video-frames.js";
 
 /**
  * @typedef {object} Shot
@@ -7,12 +8,13 @@ import { cameraName, readExif, unturned } from "./exif.js";
  * @property {ImageBitmap} picture
  * @property {string} camera its name; "" where the file does not say
  * @property {number} focal mm; 0
+ * @property {number} [focal35] mm, its equivalent on 35 mm film; 0
  * @property {"photographs" | "video"} kind
  * @property {number} share of the file that has been read with it, 0 to 1
  */
 
 const MAX_FRAMES = 120; // of a video, for the time that it takes; every one of them counts that agrees with the others
-const FRAMES_PER_S = 10;
+const FRAMES_PER_S = 10; // of a video whose frames the browser does not name
 const FRAME_TIMEOUT_MS = 15_000; // ms for one frame
 
 /** Formats that browsers cannot read, by file name ending. @type {[RegExp, string][]} */
@@ -34,18 +36,35 @@ export class UnreadableError extends Error {
   }
 }
 
+/** Command that converts a video to what every browser reads. @param {string} name of the file */
+export function conversion(name) {
+  const quoted = (/** @type {string} */ text) => `"${text.replace(/["$\\`]/g, "\\$&")}"`;
+  return `ffmpeg -i ${quoted(name)} -an -c:v libx264 -crf 16 -pix_fmt yuv420p ${quoted(`${name.replace(/\.[^.]*$/, "")}-h264.mp4`)}`;
+}
+
 /** Files of cards and some phones come without a type. @param {File} file */
 const isVideo = ({ type, name }) => type.startsWith("video/") || (type === "" && endingOf(name) === "video");
 
 /**
- * @param {File} file
- * @param {AbortSignal} signal
- * @param {number} [most] frames of a video
+ * @param {File} file @param {AbortSignal} signal
+ * @param {{samples?: number, mirrored?: boolean}} [options] samples: so many frames from all over a video, else all, or as many as time
+ *   allows; mirrored: the pictures are, and are turned back
  * @returns {AsyncGenerator<Shot>} throws UnreadableError
  */
-export async function* shots(file, signal, most = MAX_FRAMES) {
-  if (isVideo(file)) yield* frames(file, signal, most);
-  else yield await photograph(file);
+export async function* shots(file, signal, { samples = 0, mirrored = false } = {}) {
+  for await (const shot of isVideo(file) ? frames(file, signal, samples) : [await photograph(file)]) {
+    yield mirrored ? { ...shot, picture: turnedBack(shot.picture) } : shot;
+  }
+}
+
+/** @param {ImageBitmap} picture let go of */
+function turnedBack(picture) {
+  const canvas = new OffscreenCanvas(picture.width, picture.height);
+  const context = canvas.getContext("2d");
+  context?.transform(-1, 0, 0, 1, picture.width, 0);
+  context?.drawImage(picture, 0, 0);
+  picture.close();
+  return canvas.transferToImageBitmap();
 }
 
 /** @param {File} file @returns {Promise<Shot>} */
@@ -54,15 +73,15 @@ async function photograph(file) {
   const exif = readExif(bytes);
   try {
     const picture = await createImageBitmap(new Blob([unturned(bytes, exif)], { type: file.type }));
-    return { name: file.name, picture, camera: cameraName(exif), focal: exif.focal, kind: "photographs", share: 1 };
+    return { name: file.name, picture, camera: cameraName(exif), focal: exif.focal, focal35: exif.focal35, kind: "photographs", share: 1 };
   } catch (error) {
     if (error instanceof DOMException) throw new UnreadableError(file);
     throw error;
   }
 }
 
-/** @param {File} file @param {AbortSignal} signal @param {number} most @returns {AsyncGenerator<Shot>} */
-async function* frames(file, signal, most) {
+/** @param {File} file @param {AbortSignal} signal @param {number} samples 0: all frames @returns {AsyncGenerator<Shot>} */
+async function* frames(file, signal, samples) {
   const video = document.createElement("video");
   video.muted = true;
   video.preload = "auto";
@@ -70,17 +89,25 @@ async function* frames(file, signal, most) {
   try {
     await event(video, "loadeddata", file);
     const { duration } = video;
-    const count = Number.isFinite(duration) ? Math.min(most, Math.max(1, Math.floor(duration * FRAMES_PER_S))) : 1;
-    for (let index = 0; index < count && !signal.aborted; index++) {
-      video.currentTime = ((index + 0.5) * duration) / count;
-      await event(video, "seeked", file);
-      const picture = await createImageBitmap(video);
-      yield { name: `${file.name}, ${video.currentTime.toFixed(1)} s`, picture, camera: "", focal: 0, kind: "video", share: (index + 1) / count };
+    const isPlayed = samples === 0 && "requestVideoFrameCallback" in video;
+    for await (const { time, picture } of isPlayed ? playedFrames(video, MAX_FRAMES, signal) : sampledFrames(video, file, samples, signal)) {
+      yield { name: `${file.name}, ${time.toFixed(2)} s`, picture, camera: "", focal: 0, kind: "video", share: Math.min(1, time / duration || 0) };
     }
   } finally {
     URL.revokeObjectURL(video.src);
     video.removeAttribute("src");
     video.load();
+  }
+}
+
+/** @param {HTMLVideoElement} video @param {File} file @param {number} samples @param {AbortSignal} signal @returns {AsyncGenerator<import("./video-frames.js").VideoPicture>} */
+async function* sampledFrames(video, file, samples, signal) {
+  const { duration } = video;
+  const count = !Number.isFinite(duration) ? 1 : samples || Math.min(MAX_FRAMES, Math.max(1, Math.floor(duration * FRAMES_PER_S)));
+  for (let index = 0; index < count && !signal.aborted; index++) {
+    video.currentTime = ((index + 0.5) * duration) / count;
+    await event(video, "seeked", file);
+    yield { time: video.currentTime, picture: await createImageBitmap(video) };
   }
 }
 

@@ -5,6 +5,7 @@
  * @property {string} name
  * @property {string} camera
  * @property {number} focal
+ * @property {number} [focal35] its equivalent on 35 mm film, mm; 0
  * @property {"photographs" | "video"} kind
  * @property {[number, number]} size
  * @property {number[]} ids

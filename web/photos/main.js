@@ -6,7 +6,7 @@ import { Detector, DetectorError } from "../lib/detector.js";
 import { el, part } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
 import { sayChosen } from "../lib/file-input.js";
-import { hasMessage, number, onLanguage, t } from "../lib/i18n.js";
+import { hasMessage, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { load } from "../lib/result/source.js";
 import { levelOf } from "../lib/result/numbers.js";
@@ -17,13 +17,14 @@ import { liveRegion } from "../lib/live-region.js";
 import capture from "../messages/capture.js";
 import words from "../messages/photos.js";
 import { card } from "./card.js";
-import { WhichBoard } from "./which-board.js";
+import { WhichBoard } from "../lib/which-board.js";
 import { cameraOfNames, shots } from "./files.js";
+import { showLikely } from "./likely.js";
 import { groups } from "./group.js";
 import { BoardQuestion, recogniseIn } from "./recognition.js";
 import { search, unreadableTexts } from "./search.js";
 import { wantedFigure } from "./wanted.js";
-import { sortByGain, rankByNovelty } from "../lib/rank.js";
+import { distinct, sortByGain, rankByNovelty } from "../lib/rank.js";
 import { MAX_VIEWS, calibrate } from "../lib/series.js";
 
 /**
@@ -39,7 +40,7 @@ openPage({ photos: words, capture });
 const query = new URLSearchParams(location.search);
 const asked = boardFrom(query);
 let { board } = asked;
-/** Has somebody said which board it is? */
+let mirrored = false; // the pictures; then they are turned back
 let isChosen = asked.problem === null && ["kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted"].some((name) => query.has(name));
 const parts = {
   drop: part("drop", HTMLElement), files: part("files", HTMLInputElement), status: part("status", HTMLElement),
@@ -105,6 +106,7 @@ function showPictures() {
 }
 
 function showSeries() {
+  void showLikely(part("likely", HTMLElement), pictures);
   const found = groups(pictures);
   const before = parts.series.value;
   parts.series.replaceChildren(...found.map(({ id, camera, focal, size, members }) =>
@@ -162,6 +164,7 @@ async function look(list) {
     if (recognised && !isChosen) return;
     await finder.change(board);
     const unreadable = await search(finder, board, list, signal, {
+      mirrored,
       onFile: (file, share) => {
         parts.progress.value = share;
         tell(() => t("photos.looking", { name: file.name, percent: Math.round(100 * share) }));
@@ -182,7 +185,10 @@ async function look(list) {
     if (signal.aborted) return;
     const values = { count: views, all: pictures.length };
     const isFilm = pictures.every(({ kind }) => kind === "video");
-    const found = () => (pictures.length === 0 ? [] : [t(views ? `photos.found_${isFilm ? "frames" : "photos"}` : "photos.not_found", values)]);
+    const found = () => {
+      if (pictures.length === 0) return [];
+      return [views ? t(`photos.found_${isFilm ? "frames" : "photos"}`, values) : t("photos.not_found", { count: pictures.length })];
+    };
     tell(() => [...found(), ...unreadableTexts(unreadable)].join(" "));
     if (views === 0 && pictures.length) whichBoard.open();
   } catch (error) {
@@ -201,13 +207,14 @@ async function recognise(finder, list, signal) {
   tell(() => t("photos.recognising"));
   const found = await recogniseIn(finder, list, signal);
   if (signal.aborted || !found) return false;
-  if (isSameBoard(found.board, board)) return false;
+  if (isSameBoard(found.board, board) && !found.mirrored) return false;
   tell();
   parts.progress.hidden = true;
   const isRight = await question.ask(found, signal);
   if (signal.aborted) return true;
   if (isRight) {
     whichBoard.show(found.board);
+    mirrored = found.mirrored;
     changeBoard(found.board);
   } else {
     tell(() => t("photos.which_board_then"));
@@ -225,7 +232,8 @@ async function start(without = new Set()) {
   try {
     const { api: address, token, return_origins: returnOrigins } = await loadSettings();
     if (mine !== turn) return;
-    const views = rankByNovelty(group.members.map((index) => pictures[index]).filter((picture) => !without.has(picture)), group.size, MAX_VIEWS);
+    const members = group.members.map((index) => pictures[index]).filter((picture) => !without.has(picture));
+    const views = rankByNovelty(group.kind === "video" ? distinct(members, group.size[0]) : members, group.size, MAX_VIEWS);
     const detectModel = parts.model.value === AUTOMATIC;
     const request = {
       camera: parts.camera.value.trim(), platform: group.kind, img_size: group.size, zoom: Number(parts.focal.value) || 0,
@@ -261,7 +269,7 @@ async function finish({ state, wanted, numbers }, views, returnOrigins, without)
   const helpful = () => (wanted ? [wantedFigure(board, wanted, state.img_size, { addMore: () => parts.files.click(), isFolded })] : []);
   if (!id) {
     const { uncertainty } = state;
-    tell(() => (uncertainty ? t("photos.not_enough", { rms: number(uncertainty.rms, 1) }) : t("photos.nothing_taken")));
+    tell(() => (uncertainty ? t("photos.not_enough") : t("photos.nothing_taken")));
     want(helpful);
     return;
   }
@@ -281,7 +289,7 @@ async function finish({ state, wanted, numbers }, views, returnOrigins, without)
 async function canvasOf(picture) {
   const file = picture && origins.get(picture);
   if (!file) return null;
-  for await (const shot of shots(file, new AbortController().signal)) {
+  for await (const shot of shots(file, new AbortController().signal, { samples: 1, mirrored })) {
     const { width, height } = shot.picture;
     const canvas = el("canvas", { width, height });
     canvas.getContext("2d")?.drawImage(shot.picture, 0, 0);
@@ -336,7 +344,7 @@ parts.form.addEventListener("submit", (event) => {
 parts.clear.addEventListener("click", () => {
   run.abort();
   discard();
-  [files, pictures] = [[], []];
+  [files, pictures, mirrored] = [[], [], false];
   origins.clear();
   if (isSameBoard(board, DEFAULT_BOARD)) whichBoard.show(board, isChosen = false);
   parts.progress.hidden = true;

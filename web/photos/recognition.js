@@ -1,9 +1,9 @@
 // The board in files of which nobody said what board they show: a few pictures are looked at, and one question is asked.
 import { isTelling, recognise } from "../lib/board-recognition.js";
+import { boardWords } from "../lib/board-words.js";
 import { el, part } from "../lib/dom.js";
 import { liveRegion } from "../lib/live-region.js";
 import { t } from "../lib/i18n.js";
-import { boardWords } from "../lib/board-form.js";
 import { thumbnail } from "./card.js";
 import { UnreadableError, shots } from "./files.js";
 
@@ -11,53 +11,48 @@ import { UnreadableError, shots } from "./files.js";
  * @typedef {import("../lib/board.js").SentBoard} SentBoard
  * @typedef {import("../lib/detector.js").Detector} Detector
  * @typedef {import("../lib/board-recognition.js").Sighting} Sighting
- * @typedef {{board: SentBoard, picture: HTMLCanvasElement}} Recognised
+ * @typedef {import("../lib/board-recognition.js").Recognised & {image: HTMLCanvasElement}} Shown image: a picture with its corners
  */
 
-const MAX_PICTURES = 4; // that are looked at: rows that one does not show another does
-const MAX_INVERTED = 2; // pictures in which white markers are looked for, where there are no black ones
+const MAX_PICTURES = 8; // that are looked at: rows that one does not show another does, and a board may come late in a video
+const ENOUGH = 4; // pictures that show a board: more would say the same
 const TIMEOUT_MS = 120_000; // ms for one picture, which may have a hundred times the pixels of a frame
 const PICTURE_WIDTH = 480; // px
 
 /**
  * The board that the files show.
  * @param {Detector} detector @param {File[]} files @param {AbortSignal} signal
- * @returns {Promise<Recognised | null>}
+ * @returns {Promise<Shown | null>}
  */
 export async function recogniseIn(detector, files, signal) {
   /** @type {Sighting[]} */
   const sightings = [];
   /** @type {HTMLCanvasElement[]} */
-  const pictures = [];
-  for (const inverted of [false, true]) {
-    for await (const shot of samples(files, inverted ? MAX_INVERTED : MAX_PICTURES, signal)) {
-      if (signal.aborted) return null;
-      const small = await createImageBitmap(shot, { resizeWidth: Math.min(shot.width, PICTURE_WIDTH), resizeQuality: "high" });
-      const families = sightings.flatMap(({ family }) => family ?? []);
-      const sighting = await detector.sight(shot, { families, inverted: inverted || sightings.some((each) => each.inverted), timeout: TIMEOUT_MS });
-      sightings.push(sighting);
-      const scale = small.width / sighting.size[0];
-      const points = isTelling(sighting) ? sighting.markers.flatMap(({ corners }) => corners) : sighting.chessboard?.points ?? [];
-      pictures.push(thumbnail(small, points.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5])));
-      small.close();
-    }
-    const plain = sightings.some(({ chessboard }) => chessboard?.isPlain);
-    if (plain || sightings.some(isTelling)) break;
+  const images = [];
+  for await (const shot of samples(files, signal)) {
+    if (signal.aborted) return null;
+    const small = await createImageBitmap(shot, { resizeWidth: Math.min(shot.width, PICTURE_WIDTH), resizeQuality: "high" });
+    const sighting = await detector.sight(shot, { timeout: TIMEOUT_MS });
+    sightings.push(sighting);
+    const [scale, width] = [small.width / sighting.size[0], sighting.size[0]];
+    const points = isTelling(sighting) ? sighting.markers.flatMap(({ corners }) => corners) : sighting.chessboard?.points ?? [];
+    const places = sighting.mirrored ? points.map(([x, y]) => [width - 1 - x, y]) : points;
+    images.push(thumbnail(small, places.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5])));
+    small.close();
+    if (sightings.filter((each) => each.chessboard?.isPlain || isTelling(each)).length === ENOUGH) break;
   }
-  const found = recognise(sightings.filter((each) => each.family !== null || each.chessboard?.isPlain));
-  if (!found) return null;
-  const shown = sightings.filter((each) => each.family !== null || each.chessboard?.isPlain)[found.picture];
-  return { board: found.board, picture: pictures[sightings.indexOf(shown)] };
+  const found = recognise(sightings);
+  return found && { ...found, image: images[found.picture] };
 }
 
-/** Pictures from all over the files. @param {File[]} files @param {number} most @param {AbortSignal} signal @returns {AsyncGenerator<ImageBitmap>} */
-async function* samples(files, most, signal) {
-  const count = Math.min(most, files.length);
+/** Pictures from all over the files, in an order that shows much of them soon. @param {File[]} files @param {AbortSignal} signal @returns {AsyncGenerator<ImageBitmap>} */
+async function* samples(files, signal) {
+  const count = Math.min(MAX_PICTURES, files.length);
   for (let index = 0; index < count && !signal.aborted; index++) {
     const file = files[Math.floor(((index + 0.5) * files.length) / count)];
     try {
       // Of a single video as many frames as of several photographs.
-      for await (const { picture } of shots(file, signal, Math.ceil(most / count))) yield picture;
+      for await (const { picture } of shots(file, signal, { samples: Math.ceil(MAX_PICTURES / count) })) yield picture;
     } catch (error) {
       if (!(error instanceof UnreadableError)) throw error; // is told when all are read
     }
@@ -77,10 +72,11 @@ export class BoardQuestion {
     }
   }
 
-  /** @param {Recognised} recognised @param {AbortSignal} signal @returns {Promise<boolean>} whether it is the board; false once aborted */
-  ask({ board, picture }, signal) {
-    part("question-picture", HTMLElement).replaceChildren(el("div", { class: "frame" }, picture));
-    this.#say(() => t("photos.looks_like", { board: boardWords(board) }));
+  /** @param {Shown} shown @param {AbortSignal} signal @returns {Promise<boolean>} whether it is the board; false once aborted */
+  ask({ board, image, mirrored, isCut }, signal) {
+    part("question-picture", HTMLElement).replaceChildren(el("div", { class: "frame" }, image));
+    const question = () => t(mirrored ? "photos.looks_mirrored" : "photos.looks_like", { board: boardWords(board) });
+    this.#say(() => [question(), isCut && t("photos.board_cut")].filter(Boolean).join(" "));
     this.#section.hidden = false;
     part("use-board", HTMLButtonElement).focus();
     return new Promise((resolve) => {

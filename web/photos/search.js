@@ -2,7 +2,7 @@
 import { observedOutline } from "../lib/board-outline.js";
 import { t } from "../lib/i18n.js";
 import { thumbnail } from "./card.js";
-import { UnreadableError, shots } from "./files.js";
+import { UnreadableError, conversion, shots } from "./files.js";
 
 /**
  * @typedef {import("./card.js").Picture} Picture
@@ -16,16 +16,16 @@ const DETECTION_TIMEOUT_MS = 120_000; // ms for the board in one picture: they m
 /**
  * Looks for the board in files.
  * @param {Detector} detector @param {import("../lib/board.js").Board} board that it looks for @param {File[]} files @param {AbortSignal} signal
- * @param {Listener} listener
+ * @param {Listener & {mirrored: boolean}} options mirrored: the pictures are, and are turned back
  * @returns {Promise<UnreadableError[]>} files that could not be read
  */
-export async function search(detector, board, files, signal, { onFile, onPicture }) {
+export async function search(detector, board, files, signal, { onFile, onPicture, mirrored }) {
   /** @type {UnreadableError[]} */
   const unreadable = [];
   for (const [index, file] of files.entries()) {
     onFile(file, index / files.length);
     try {
-      for await (const shot of shots(file, signal)) {
+      for await (const shot of shots(file, signal, { mirrored })) {
         const picture = await find(detector, board, shot);
         if (signal.aborted) return unreadable;
         onPicture(picture, file);
@@ -43,15 +43,18 @@ export async function search(detector, board, files, signal, { onFile, onPicture
 /** Files that were not read: by name, and why. @param {UnreadableError[]} errors @returns {string[]} */
 export function unreadableTexts(errors) {
   const codes = [...new Set(errors.map(({ code }) => code))];
-  return codes.map((code) => t(`photos.unreadable_${code}`, { names: errors.filter((each) => each.code === code).map(({ message }) => message).join(", ") }));
+  return codes.map((code) => {
+    const names = errors.filter((each) => each.code === code).map(({ message }) => message);
+    return t(`photos.unreadable_${code}`, { names: names.join(", "), command: conversion(names[0]) });
+  });
 }
 
 /** @param {Detector} detector @param {import("../lib/board.js").Board} board @param {import("./files.js").Shot} shot @returns {Promise<Picture>} */
-async function find(detector, board, { name, picture, camera, focal, kind }) {
+async function find(detector, board, { name, picture, camera, focal, focal35, kind }) {
   const kept = await createImageBitmap(picture, { resizeWidth: Math.min(picture.width, 480), resizeQuality: "high" });
   const { ids, points, size } = await detector.detect(picture, { full: true, timeout: DETECTION_TIMEOUT_MS });
   const scale = kept.width / size[0];
   const small = thumbnail(kept, points.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]));
   kept.close();
-  return { name, camera, focal, kind, size, ids, points, outline: observedOutline(board, { ids, points }), thumbnail: small };
+  return { name, camera, focal, focal35, kind, size, ids, points, outline: observedOutline(board, { ids, points }), thumbnail: small };
 }

@@ -7,7 +7,7 @@ import { RigLink } from "./link.js";
 import { Outbox } from "./outbox.js";
 import { takeView } from "./view.js";
 import { Watch } from "./watch.js";
-import { isAccurate, isAlone, remotePositions, silentPositions } from "./progress.js";
+import { isAlone, isComplete, remotePositions, silentPositions } from "./progress.js";
 
 /**
  * @typedef {import("./service.js").RigState} RigState
@@ -41,7 +41,8 @@ export class RigCapture {
   /** Moments in a row that not all other devices have answered: they need more time. */
   #unanswered = 0;
   /** ms, since when the result is accurate enough. */
-  #accurateSince = Infinity;
+  #completeSince = Infinity;
+  #momentAt = performance.now();
 
   /** @param {Resources} resources */
   constructor(resources) {
@@ -108,6 +109,7 @@ export class RigCapture {
     const isFirst = this.model.state === null;
     const joined = remotePositions(state, this.#own).length;
     if (joined !== this.#joined) [this.#joined, this.#joinedAt] = [joined, performance.now()];
+    if (state.moments.length !== this.model.state?.moments.length) this.#momentAt = performance.now();
     this.model.state = state;
     this.model.patience = this.#patience;
     if (opened && !this.#known.has(opened.id)) {
@@ -117,8 +119,6 @@ export class RigCapture {
     }
     for (const { id } of state.moments) this.#known.add(id);
     this.#aim();
-    if (!isAccurate(state)) this.#accurateSince = Infinity;
-    else if (this.#accurateSince === Infinity) this.#accurateSince = performance.now();
     this.#changed();
   }
 
@@ -135,10 +135,13 @@ export class RigCapture {
   }
 
   /** Whether the capture ends by itself: cameras that may have views to deliver are waited for. */
-  get #isConverged() {
+  #checkConverged() {
     const { state } = this.model;
-    if (!state || !isAccurate(state) || this.#outbox.letters.length > 0) return false;
-    return silentPositions(state, this.#own).length === 0 || performance.now() - this.#accurateSince > SILENT_MS;
+    const now = performance.now();
+    if (!state || !isComplete(state, now - this.#momentAt)) this.#completeSince = Infinity;
+    else if (this.#completeSince === Infinity) this.#completeSince = now;
+    if (!state || this.#completeSince === Infinity || this.#outbox.letters.length > 0) return false;
+    return silentPositions(state, this.#own).length === 0 || now - this.#completeSince > SILENT_MS;
   }
 
   /** @param {boolean} offline */
@@ -174,7 +177,7 @@ export class RigCapture {
     if (moment && !moment.over) {
       for (const member of members) await this.#answer(member, moment);
       this.#settle(moment);
-    } else if (record.leads && this.#isConverged) {
+    } else if (record.leads && this.#checkConverged()) {
       void this.finish();
     } else if (record.leads && !opening && this.#isSettled) {
       // One camera alone says nothing of where the others are.

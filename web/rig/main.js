@@ -35,7 +35,6 @@ import { HALVES } from "./streams.js";
  */
 
 openPage({ capture: captureMessages, rig: rigMessages });
-addMessages({ capture: captureMessages });
 const parameters = new URLSearchParams(location.search);
 const parts = findParts();
 const { board, problem } = boardFrom(parameters);

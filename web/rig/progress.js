@@ -3,6 +3,8 @@
 /** @typedef {import("./service.js").RigState} RigState */
 
 export const MIN_VIEWS = 4; // of each camera
+const MAX_MOMENTS = 20; // with which a capture ends at the accuracy reached so far
+const IDLE_MS = 30_000; // without another moment, after which a capture ends if it can
 const MAX_MISSED = 2; // moments in a row that a camera has not answered, before it is waited for
 
 /** Positions of the cameras of other devices that have joined. @param {RigState} state @param {readonly number[]} own positions of this device */
@@ -19,9 +21,14 @@ export const isAlone = (state) => state.cameras.length - freePositions(state).le
 export const isFinishable = ({ status, cameras, unlinked, rms }) =>
   status === "capturing" && rms !== null && unlinked.length === 0 && cameras.every(({ views }) => views >= MIN_VIEWS);
 
-/** Whether the accuracy that was asked for is reached. @param {RigState} state */
-export const isAccurate = (state) =>
-  isFinishable(state) && state.uncertainty !== null && state.uncertainty.rms <= state.target_error;
+/**
+ * True if the capture ends without a click: it is accurate, or more moments would hardly help, or none come any more.
+ * @param {RigState} state @param {number} idle ms since the last moment
+ */
+export function isComplete(state, idle) {
+  const isAccurate = state.uncertainty !== null && state.uncertainty.rms <= state.target_error;
+  return isFinishable(state) && (isAccurate || state.moments.length >= MAX_MOMENTS || idle > IDLE_MS);
+}
 
 /**
  * Positions of other devices that have answered none of the last moments: they may hold views that they cannot deliver.

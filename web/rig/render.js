@@ -37,8 +37,8 @@ export function render(parts, model, { members, leads, board, invitation, time, 
   const own = members.map(({ position }) => position);
   const wanted = text.instruct(model, members, leads);
   const since = wanted === before.next ? before.since : time;
-  // Steady enough to be read; what one must do at once is said at once.
-  const code = !before.code || wanted === "hold" || time - since >= MIN_CHOSEN_MS ? wanted : before.code;
+  // Steady enough to be read; what one must do at once is said at once, and what is done need not be done any more.
+  const code = !before.code || wanted === "hold" || (before.code === "hold" && model.moment?.over) || time - since >= MIN_CHOSEN_MS ? wanted : before.code;
   const said = text.instruction(code, model);
   const line = text.detail(model, members, leads, code);
   write(parts.instruction, said);

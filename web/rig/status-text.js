@@ -73,7 +73,8 @@ export function detail({ state, moment, notice, offline, waiting, opening }, mem
     const missing = remote.filter((position) => !there.includes(position));
     if (missing.length > 0) return t("rig.waiting_for", { cameras: cameraNames(missing) });
   }
-  if (notice) return t(notice.key, notice.values);
+  // “Move on” would contradict an order to hold still.
+  if (notice && !(code === "hold" && notice.kind === "good")) return t(notice.key, notice.values);
   if (!state) return "";
   const silent = silentPositions(state, own);
   if (leads && silent.length > 0) return t("rig.silent", { cameras: cameraNames(silent) });

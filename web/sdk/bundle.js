@@ -7,6 +7,8 @@
 // `python -m infra.ops bundle` writes the file. Which label means which camera it has found by the service's own rules, label by label:
 // here they are only compared, so what it does not name, it does not know.
 
+import { CROPPED } from "./key.js";
+
 /**
  * @typedef {import("./key.js").CameraKey} CameraKey
  * @typedef {import("./calibration.js").CalibrationData} CalibrationData
@@ -24,7 +26,6 @@
  * @property {Record<string, Record<string, number>>} places the same of labels that mean a camera on one system only
  */
 
-const CROPPED = "crop-and-scale";
 const SAME_ASPECT = 0.01; // log of the ratio
 /**
  * Platform patterns of known systems; others match none.
@@ -74,13 +75,13 @@ export class Bundle {
  * @param {Record<string, any>} row @param {{camera: string, platform: string}} whose @param {readonly [number, number]} asked
  * @returns {CalibrationData}
  */
-function answerOf({ intrinsics, uncertainty: [rms, max], at, ...row }, whose, asked) {
+function answerOf({ intrinsics, uncertainty: [rms, max, inside, covered], at, ...row }, whose, asked) {
   const { zoom, distortion_coefficients } = /** @type {Record<string, any>} */ (row);
   const matrix = (/** @type {number[]} */ [fx, fy, cx, cy]) => [[fx, 0, cx], [0, fy, cy], [0, 0, 1]];
   const [relation, ...carried] = own(at, asked.join("x")) ?? [row.relation];
   const adapted = carried.length ? { img_size: asked, zoom, camera_matrix: matrix(carried), distortion_coefficients, interpolated: false } : null;
   return /** @type {any} */ ({
-    ...row, ...whose, camera_matrix: matrix(intrinsics), uncertainty: { rms, max }, reliable: true, exact_size: same(row.img_size, asked),
+    ...row, ...whose, camera_matrix: matrix(intrinsics), uncertainty: { rms, max, inside, covered }, reliable: true, exact_size: same(row.img_size, asked),
     relation, adapted,
   });
 }

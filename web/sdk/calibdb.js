@@ -10,6 +10,8 @@
  * @typedef {import("./key.js").CameraKey} CameraKey
  * @typedef {import("./calibration.js").CalibrationData} CalibrationData
  * @typedef {import("./calibration.js").Adapted} Adapted
+ * @typedef {import("./calibration.js").CameraData} CameraData
+ * @typedef {import("./calibration.js").EstimateData} EstimateData
  * @typedef {import("./pinhole.js").Frustum} Frustum
  * @typedef {import("./lookup.js").Answer} Answer
  * @typedef {import("./lookup.js").Options} Options
@@ -19,7 +21,7 @@
  * @typedef {import("./pair-rectifier.js").PairRectifier} PairRectifier
  * @typedef {import("./views.js").View} View
  */
-export { Calibration } from "./calibration.js";
+export { Calibration, Estimate } from "./calibration.js";
 export { calibrate, returned } from "./guidance.js";
 export { cameraKey, platformHere, platformOf } from "./key.js";
 export { lookup, watch } from "./lookup.js";

@@ -1,4 +1,4 @@
-// Calibrations: what the service answers, and functions of it.
+// Cameras that the service answers with, calibrated or estimated, and functions of them.
 import { projectionMatrix } from "./pinhole.js";
 import { lensOf } from "./projection.js";
 
@@ -30,8 +30,23 @@ import { lensOf } from "./projection.js";
  * @property {number} contributors
  * @property {boolean} reliable
  * @property {boolean} exact_size false: the closest known size, not the one asked for
- * @property {{rms: number, max: number}} uncertainty predicted projection error over the image, px
+ * @property {{rms: number, max: number, inside?: number | null, covered?: number | null}} uncertainty predicted projection error, px: over the
+ *   image, and `inside` the part that the boards have shown, a share `covered` of the image
  * @property {number} calibration_time unix seconds
+ *
+ * @typedef {object} CameraData what projects
+ * @property {[number, number]} img_size
+ * @property {number[][]} camera_matrix row-major 3x3, px; the centre of the top-left pixel is (0, 0)
+ * @property {number[]} distortion_coefficients in the order that the model's name says
+ * @property {string} distortion_model
+ *
+ * @typedef {object} OnlyEstimated
+ * @property {number} hfov_deg horizontal field of view, degrees
+ * @property {{hfov_deg: [number, number]}} interval_90 contains the true value with a probability of 90 %
+ * @property {"calibrations" | "views" | "device" | "other_size" | "published" | "family" | "population"} basis best evidence
+ * @property {{title: string, url: string}[]} sources publications that it rests on
+ *
+ * @typedef {CameraData & OnlyEstimated} EstimateData of a camera of which nothing reliable is known
  *
  * @typedef {object} OpenCV
  * @property {[number, number]} imageSize
@@ -43,16 +58,16 @@ import { lensOf } from "./projection.js";
 
 /** The service's answer, field by field, whatever fields it has. */
 class Fields {
-  /** @param {CalibrationData} data */
+  /** @param {CameraData} data */
   constructor(data) {
     Object.assign(this, data);
   }
 }
 
-const Data = /** @type {new (data: CalibrationData) => CalibrationData} */ (/** @type {unknown} */ (Fields));
+const Data = /** @type {new (data: CameraData) => CameraData} */ (/** @type {unknown} */ (Fields));
 
-/** A calibration: its data, unchanged, with functions. */
-export class Calibration extends Data {
+/** A camera: its data, unchanged, with functions. */
+export class Camera extends Data {
   /** @type {ReturnType<typeof lensOf> | undefined} */
   #lens;
 
@@ -107,3 +122,12 @@ export class Calibration extends Data {
     return new Distorter(this, options);
   }
 }
+
+const OfCalibration = /** @type {new (data: CalibrationData) => Camera & CalibrationData} */ (/** @type {unknown} */ (Camera));
+const OfEstimate = /** @type {new (data: EstimateData) => Camera & EstimateData} */ (/** @type {unknown} */ (Camera));
+
+/** A calibration, with functions. */
+export class Calibration extends OfCalibration {}
+
+/** A likely camera, to draw with until it is calibrated; never a calibration. */
+export class Estimate extends OfEstimate {}

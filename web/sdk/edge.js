@@ -1,4 +1,5 @@
 // Answers at the edge: cameras that are known are answered by files, which are cached near the caller and stay there while no server runs.
+import { CROPPED } from "./key.js";
 import { address, reach } from "./request.js";
 
 /**
@@ -10,7 +11,6 @@ import { address, reach } from "./request.js";
  * @typedef {{outcome: Outcome, calibration: CalibrationData | null}} EdgeAnswer
  */
 
-const CROPPED = "crop-and-scale";
 const FOLDER = "../known/"; // beside the API
 const CONFIG = "../config.json";
 

@@ -1,6 +1,9 @@
 // Camera key: identifies the camera that a page has open.
 /// <reference path="./dom.d.ts" preserve="true" />
 
+/** `resize_mode` of a track whose picture is a part of the camera's. */
+export const CROPPED = "crop-and-scale";
+
 /**
  * @typedef {object} CameraKey what identifies the optics that a browser opened
  * @property {string} camera the track's label
@@ -37,6 +40,15 @@ export async function platformHere(browser = navigator) {
 }
 
 /**
+ * The platform with a phone's model identifier, "iPhone17,3", which Safari does not say.
+ * @param {string} platform @param {string} [device] "" or undefined: not known
+ */
+export function withDevice(platform, device) {
+  if (!device || platform.split(";").some((part) => part.trim().toLowerCase() === device.toLowerCase())) return platform;
+  return `${platform}; ${device}`;
+}
+
+/**
  * Camera, resolution and zoom of a track.
  * @param {MediaStreamTrack} track of a camera that the user has permitted: without permission labels are empty
  * @param {string} [userAgent]
@@ -58,13 +70,14 @@ export function cameraKey(track, userAgent = navigator.userAgent) {
 /**
  * The same with all that the browser tells when it is asked.
  * @param {MediaStreamTrack | CameraKey} source a key is taken as it is, which is what a worker has
+ * @param {string} [device] model identifier of the phone
  * @returns {Promise<CameraKey>} rejects with a TypeError for no camera, and for a track that shows nothing
  */
-export async function keyOf(source) {
+export async function keyOf(source, device) {
   if (!source) throw new TypeError("there is no camera: lookup(track) or lookup({ camera, platform, img_size, zoom })");
-  if (!("getSettings" in source)) return { ...source, zoom: source.zoom ?? 0 };
+  if (!("getSettings" in source)) return { ...source, platform: withDevice(source.platform, device), zoom: source.zoom ?? 0 };
   const { resizeMode } = /** @type {MediaTrackSettings & {resizeMode?: string}} */ (source.getSettings());
-  const key = { ...cameraKey(source), platform: await platformHere() };
+  const key = { ...cameraKey(source), platform: withDevice(await platformHere(), device) };
   // Of a stream that the browser crops nothing is known, whatever is known of its camera.
   return resizeMode ? { ...key, resize_mode: resizeMode } : key;
 }

@@ -1,5 +1,5 @@
 // Lookup of an open camera's calibration, cached as long as the tab.
-import { Calibration } from "./calibration.js";
+import { Calibration, Estimate } from "./calibration.js";
 import { keyOf } from "./key.js";
 import { askEdge, readEdgeSwitch } from "./edge.js";
 import { LookupError, address, ask, calibrationIn } from "./request.js";
@@ -7,15 +7,20 @@ import { LookupError, address, ask, calibrationIn } from "./request.js";
 /**
  * @typedef {import("./key.js").CameraKey} CameraKey
  * @typedef {import("./calibration.js").CalibrationData} CalibrationData
+ * @typedef {import("./calibration.js").EstimateData} EstimateData
  *
  * @typedef {object} Answer
  * @property {Calibration | null} calibration null: nothing is known that is good enough
  * @property {string | null} guidanceUrl where this camera can be calibrated, then
- * @property {string | null} reason "unknown_camera", "too_few", "disagree" or "few_contributors", as the service says; "other_size" where
+ * @property {string | null} reason "unknown_camera", "too_few", "disagree", "few_contributors" or "imprecise", as the service says; "other_size" where
  *   `exact`, "too_uncertain" where `maxError` asked for more than is known
+ * @property {Estimate | null} estimate where nothing reliable is known: what is likely, and how likely
+ * @property {Calibration | Estimate | null} camera to draw with: the calibration; the estimate, too, if `accept` is "estimate"
  *
  * @typedef {object} LookupOptions
+ * @property {"calibration" | "estimate"} [accept] "estimate": `camera` may be an estimate
  * @property {string} [model] distortion model, "rectilinear" unless told
+ * @property {string} [device] model identifier of the phone, "iPhone17,3", if the application knows it
  * @property {boolean} [exact] nothing but what is known of this very size, or verified for it
  * @property {number} [maxError] px: largest uncertainty, and largest difference between the calibrations that agree
  * @property {(answer: Answer) => void} [onNeedCalibration] told when nothing is known
@@ -31,14 +36,16 @@ import { LookupError, address, ask, calibrationIn } from "./request.js";
  * @typedef {LookupOptions & (RequestOptions | Omit<RequestOptions, "token"> & {token?: string | undefined, bundle: Offline})} Options without a token only the bundle is asked
  */
 
-/** @typedef {{calibration: CalibrationData | null, guidanceUrl: string | null, reason: string | null}} Found */
+/** @typedef {{calibration: CalibrationData | null, guidanceUrl: string | null, reason: string | null, estimate?: EstimateData | null}} Found */
 
 /** ms: a cached answer takes tens; what takes longer is likely to be no hit. */
 const EDGE_TIMEOUT_MS = 300;
+/** ms between a lookup that failed, while a camera is watched, and the next. */
+const WATCH_RETRY_MS = 30_000;
 
 /** @type {Map<string, string>} */
 const memory = new Map();
-const remembered = {
+const worker = {
   getItem: (/** @type {string} */ name) => memory.get(name) ?? null,
   setItem: (/** @type {string} */ name, /** @type {string} */ value) => void memory.set(name, value),
 };
@@ -50,24 +57,25 @@ const remembered = {
  * @returns {Promise<Answer>} rejects with LookupError, with a TypeError for a track that shows nothing, or as its signal says
  */
 export async function lookup(source, options) {
-  const { model = "rectilinear", exact = false, maxError = Infinity, onNeedCalibration, cache = tabs(), bundle, ...manner } = /** @type {Options} */ (options ?? {});
-  const key = await keyOf(source);
+  const { model = "rectilinear", accept = "calibration", device, exact = false, maxError = Infinity, onNeedCalibration, cache = tabs(), bundle, ...manner } = /** @type {Options} */ (options ?? {});
+  const key = await keyOf(source, device);
   manner.signal?.throwIfAborted();
   const guidance = () => guidanceUrl(key, model, manner.api);
   const name = `calibdb ${JSON.stringify([address(manner.api).href, key, model])}`;
-  const known = bundle?.find(key, model) ?? JSON.parse(cache?.getItem(name) ?? "null");
+  const known = bundle?.find(key, model) ?? remembered(cache, name);
   /** @type {Found} */
   let answer = { calibration: known, guidanceUrl: null, reason: null };
   if (!known && bundle && !manner.token) answer = { ...answer, guidanceUrl: guidance(), reason: "unknown_camera" };
   else if (!known) answer = await fetchCalibration(key, model, /** @type {RequestOptions} */ (manner));
   if (answer.calibration && !known) keep(cache, name, answer.calibration);
-  const enough = applyRequirements(answer, { exact, maxError }, guidance);
+  const enough = applyRequirements(answer, { accept, exact, maxError }, guidance);
   if (!enough.calibration) onNeedCalibration?.(enough);
   return enough;
 }
 
 /**
- * Looks a camera up, and again whenever its picture changes: another size, another zoom, a phone that is turned.
+ * Looks a camera up, and again whenever its picture changes: another size, another zoom, a phone that is turned. After a failure that
+ * may pass, it asks again every half minute.
  * @param {MediaStreamTrack} track
  * @param {Options} options its signal ends the watch, as the end of the track does
  * @param {(answer: Answer | Error) => void} onAnswer
@@ -78,6 +86,8 @@ export function watch(track, options, onAnswer, every = 500) {
   let shown = "";
   /** @type {AbortController | undefined} */
   let running;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  let retry;
   const look = () => {
     if (track.readyState === "ended" || options.signal?.aborted) return stop();
     const { width, height, zoom } = /** @type {MediaTrackSettings & {zoom?: number}} */ (track.getSettings());
@@ -85,9 +95,15 @@ export function watch(track, options, onAnswer, every = 500) {
     if (!width || now === shown) return;
     shown = now;
     running?.abort();
+    clearTimeout(retry);
     const own = (running = new AbortController());
     const tell = (/** @type {Answer | Error} */ answer) => own.signal.aborted || onAnswer(answer);
-    lookup(track, { ...options, signal: own.signal }).then(tell, tell);
+    lookup(track, { ...options, signal: own.signal }).then(tell, (error) => {
+      if (error instanceof LookupError && (error.status === 0 || error.status === 429 || error.status >= 500)) {
+        retry = setTimeout(() => { shown = ""; look(); }, WATCH_RETRY_MS);
+      }
+      tell(error);
+    });
   };
   const timer = setInterval(look, every);
   const stop = () => {
@@ -95,6 +111,7 @@ export function watch(track, options, onAnswer, every = 500) {
     track.removeEventListener("configurationchange", look);
     options.signal?.removeEventListener("abort", stop);
     running?.abort();
+    clearTimeout(retry);
   };
   track.addEventListener("configurationchange", look);
   options.signal?.addEventListener("abort", stop);
@@ -170,34 +187,47 @@ async function askService(key, model, options) {
   // A redirect's Location is hidden from fetch(), and browsers report a 404 as an error: ask for a miss in words.
   const asked = { ...key, distortion_model: model, redirect: false, miss: "ok" };
   const answer = await ask("lookup", { method: "POST", body: JSON.stringify(asked) }, options);
-  const { calibration, guidance_url: guidanceUrl, reason = null } = answer.body;
+  const { calibration, guidance_url: guidanceUrl, reason = null, estimate = null } = answer.body;
   // 404: as a service answers that does not know `miss`.
-  if (guidanceUrl && (answer.response.status === 404 || (answer.response.ok && calibration === null))) return { calibration: null, guidanceUrl, reason };
+  if (guidanceUrl && (answer.response.status === 404 || (answer.response.ok && calibration === null))) return { calibration: null, guidanceUrl, reason, estimate };
   return answerOf(calibrationIn(answer));
 }
 
 /**
  * As it is for the size asked for, where that could be verified, and if it is good enough.
- * @param {Found} answer @param {{exact: boolean, maxError: number}} requirements @param {() => string} guidance
+ * @param {Found} answer @param {{accept: string, exact: boolean, maxError: number}} requirements @param {() => string} guidance
  * @returns {Answer}
  */
-function applyRequirements({ calibration: known, guidanceUrl, reason }, { exact, maxError }, guidance) {
-  if (!known) return { calibration: null, guidanceUrl, reason };
+function applyRequirements({ calibration: known, guidanceUrl, reason, estimate: likely }, { accept, exact, maxError }, guidance) {
+  const estimate = likely ? new Estimate(likely) : null;
+  const missed = (/** @type {string | null} */ url, /** @type {string | null} */ why) =>
+    ({ calibration: null, guidanceUrl: url, reason: why, estimate, camera: accept === "estimate" ? estimate : null });
+  if (!known) return missed(guidanceUrl, reason);
   const { adapted } = known;
   const data = adapted && !known.exact_size ? { ...known, ...adapted, exact_size: true } : known;
-  if (exact && !data.exact_size) return { calibration: null, guidanceUrl: guidance(), reason: "other_size" };
-  if (Math.max(data.uncertainty?.rms ?? 0, data.spread ?? 0) > maxError) {
-    return { calibration: null, guidanceUrl: guidance(), reason: "too_uncertain" };
-  }
-  return { calibration: new Calibration(data), guidanceUrl: null, reason: null };
+  if (exact && !data.exact_size) return missed(guidance(), "other_size");
+  if (Math.max(data.uncertainty?.rms ?? 0, data.spread ?? 0) > maxError) return missed(guidance(), "too_uncertain");
+  const calibration = new Calibration(data);
+  return { calibration, guidanceUrl: null, reason: null, estimate: null, camera: calibration };
 }
 
 /** Storage of a tab; in memory in workers, and where a page may keep none. */
 function tabs() {
   try {
-    return globalThis.sessionStorage ?? remembered;
+    return globalThis.sessionStorage ?? worker;
   } catch (error) {
-    if (error instanceof DOMException) return remembered;
+    if (error instanceof DOMException) return worker;
+    throw error;
+  }
+}
+
+/** Calibration that the cache holds; null where its text is damaged: then it is asked for again. @param {Options["cache"]} cache @param {string} name */
+function remembered(cache, name) {
+  try {
+    const kept = JSON.parse(cache?.getItem(name) ?? "null");
+    return kept?.camera_matrix ? kept : null;
+  } catch (error) {
+    if (error instanceof SyntaxError) return null;
     throw error;
   }
 }

@@ -17,12 +17,12 @@
  * @typedef {object} Lens
  * @property {(ray: readonly number[]) => [number, number] | null} project ray of any length, camera frame → px
  * @property {(pixel: readonly number[]) => [number, number, number] | null} unproject px → unit ray
- * @property {number} limit largest angle from the axis at which the model is one-to-one, radians
+ * @property {number} limit half-angle of the valid domain, radians: the cone about the axis on which the model is one-to-one
  *
  * @typedef {object} Curve how far from the axis a ray meets the plane of unit focal length, before tangential terms
  * @property {(t: number) => number} at
  * @property {(t: number) => number} slope
- * @property {number} end the argument's end, at most
+ * @property {number} end argument up to which it grows
  */
 
 /** Names of the coefficients, in the order of `distortion_coefficients`. @type {Record<string, string[]>} */
@@ -33,11 +33,16 @@ export const COEFFICIENTS = {
   omnidirectional: ["xi", "k1", "k2", "p1", "p2"],
 };
 
-const MAX_TANGENT = 50; // tan of the largest angle, 88.9°, at which a pinhole's models are used
+/** Largest distance from the axis on the plane of unit focal length at which a planar model is used. */
+const MAX_RADIUS = 50;
+/** Radial derivative over r |(p1, p2)| above which a planar model is one-to-one; see docs/conventions.md, "Valid domain". */
+const MIN_TANGENTIAL_RATIO = 7;
 const INVERSE_STEPS = 512;
 const TOLERANCE = 1e-13;
-/** Newton's method settles in four or five; where it has not in these, there is no such ray. */
-const MAX_ITERATIONS = 30;
+/** Step of Newton's method after which the next, about its square, would be rounding. */
+const LAST_STEP = 1e-9;
+/** Newton's method settles in four or five, except at the very edge of the domain. */
+const MAX_ITERATIONS = 20;
 
 /** A calibration is of a camera model that is newer than this SDK. */
 export class UnknownModelError extends RangeError {
@@ -59,11 +64,13 @@ export const isKnownModel = (model) => Object.hasOwn(COEFFICIENTS, model);
  */
 export function lensOf({ camera_matrix: [[fx, , cx], [, fy, cy]], distortion_coefficients: d, distortion_model }) {
   const { distort, undistort, limit } = plane(distortion_model, d);
+  const cosine = Math.cos(limit);
   return {
     limit,
     project([x, y, z]) {
+      if (!(z > cosine * Math.sqrt(x * x + y * y + z * z))) return null;
       const at = distort(x, y, z);
-      return at && [fx * at[0] + cx, fy * at[1] + cy];
+      return [fx * at[0] + cx, fy * at[1] + cy];
     },
     unproject([u, v]) {
       return undistort((u - cx) / fx, (v - cy) / fy);
@@ -81,11 +88,11 @@ function plane(model, d) {
 
 /** Rectilinear and rational; the former has no denominator. @param {number[]} d */
 function pinhole(d) {
-  const brown = brownConrady(d, MAX_TANGENT);
+  const brown = brownConrady(d, MAX_RADIUS);
   return {
     limit: Math.atan(brown.end),
     /** @param {number} x @param {number} y @param {number} z */
-    distort: (x, y, z) => (z > 0 ? brown.distort(x / z, y / z) : null),
+    distort: (x, y, z) => brown.distort(x / z, y / z),
     /** @param {number} u @param {number} v */
     undistort(u, v) {
       const at = brown.undistort(u, v);
@@ -96,56 +103,48 @@ function pinhole(d) {
 
 /** The unit sphere seen from xi behind its centre, then Brown's distortion without k3. @param {number[]} d */
 function unified([xi, k1, k2, p1, p2]) {
-  // The image radius sin t / (cos t + xi) grows up to here.
-  const widest = xi <= 1 ? Math.acos(-xi) : Math.acos(-1 / xi);
-  const radius = (/** @type {number} */ t) => Math.sin(t) / (Math.cos(t) + xi);
-  const brown = brownConrady([k1, k2, p1, p2, 0], Math.min(radius(widest - 1e-6), 1e4));
-  const limit = bisect((t) => radius(t) < brown.end, 0, widest);
+  // Where xi > 1, the image radius sin t / (cos t + xi) of the sphere grows up to here.
+  const { end, distort, undistort } = brownConrady([k1, k2, p1, p2, 0], xi > 1 ? 1 / Math.sqrt(xi * xi - 1) : MAX_RADIUS);
+  /** Distance to the sphere along the ray (x, y, 1), in its units; s = x² + y². @param {number} s */
+  const along = (s) => (xi + Math.sqrt(Math.max(1 + (1 - xi * xi) * s, 0))) / (1 + s);
+  const atEnd = along(end * end);
   return {
-    limit,
+    limit: xi > -1 ? Math.atan2(end * atEnd, atEnd - xi) : 0,
     /** @param {number} x @param {number} y @param {number} z */
     distort(x, y, z) {
-      if (Math.atan2(Math.hypot(x, y), z) > limit) return null;
-      const depth = z + xi * Math.hypot(x, y, z);
-      return brown.distort(x / depth, y / depth);
+      const depth = z + xi * Math.sqrt(x * x + y * y + z * z);
+      return distort(x / depth, y / depth);
     },
     /** @param {number} u @param {number} v */
     undistort(u, v) {
-      const at = brown.undistort(u, v);
+      const at = undistort(u, v);
       if (!at) return null;
-      const s = at[0] * at[0] + at[1] * at[1];
-      const inside = 1 + (1 - xi * xi) * s;
-      if (inside < 0) return null;
-      const eta = (xi + Math.sqrt(inside)) / (s + 1);
-      return unit(eta * at[0], eta * at[1], eta - xi);
+      const length = along(at[0] * at[0] + at[1] * at[1]);
+      return unit(length * at[0], length * at[1], length - xi);
     },
   };
 }
 
 /** The image radius is a polynomial of the angle, which atan2 gives beyond 90° too. @param {number[]} d */
 function kannalaBrandt([k1, k2, k3, k4]) {
-  /** @type {Curve} */
-  const curve = {
+  const inverse = invert({
     at: (t) => t * (1 + t * t * (k1 + t * t * (k2 + t * t * (k3 + t * t * k4)))),
     slope: (t) => 1 + t * t * (3 * k1 + t * t * (5 * k2 + t * t * (7 * k3 + t * t * 9 * k4))),
-    end: Math.PI,
-  };
-  const inverse = invert(curve);
+    end: Math.sqrt(firstRoot([1, 3 * k1, 5 * k2, 7 * k3, 9 * k4], Math.PI ** 2)),
+  });
   return {
     limit: inverse.end,
-    /** @param {number} x @param {number} y @param {number} z */
+    /** @param {number} x @param {number} y @param {number} z @returns {[number, number]} */
     distort(x, y, z) {
       const r = Math.hypot(x, y);
-      const t = Math.atan2(r, z);
-      if (t > inverse.end) return null;
-      const m = r > 0 ? curve.at(t) / r : 0;
-      return /** @type {[number, number]} */ ([x * m, y * m]);
+      const m = r > 0 ? inverse.at(Math.atan2(r, z)) / r : 0;
+      return [x * m, y * m];
     },
     /** @param {number} u @param {number} v */
     undistort(u, v) {
       const r = Math.hypot(u, v);
+      if (!(r < inverse.reach)) return null;
       const t = inverse.find(r);
-      if (t === null) return null;
       const m = r > 0 ? Math.sin(t) / r : 0;
       return unit(u * m, v * m, Math.cos(t));
     },
@@ -154,9 +153,9 @@ function kannalaBrandt([k1, k2, k3, k4]) {
 
 /**
  * Radial and tangential distortion of the plane z = 1, k1 k2 p1 p2 k3 [k4 k5 k6], and its inverse.
- * @param {number[]} d @param {number} end largest radius
+ * @param {number[]} d @param {number} last largest radius
  */
-function brownConrady([k1, k2, p1, p2, k3, k4 = 0, k5 = 0, k6 = 0], end) {
+function brownConrady([k1, k2, p1, p2, k3, k4 = 0, k5 = 0, k6 = 0], last) {
   const above = (/** @type {number} */ s) => 1 + s * (k1 + s * (k2 + s * k3));
   const below = (/** @type {number} */ s) => 1 + s * (k4 + s * (k5 + s * k6));
   /** Of above / below, by s. @param {number} s */
@@ -164,25 +163,22 @@ function brownConrady([k1, k2, p1, p2, k3, k4 = 0, k5 = 0, k6 = 0], end) {
     const [n, m] = [above(s), below(s)];
     return ((k1 + s * (2 * k2 + s * 3 * k3)) * m - n * (k4 + s * (2 * k5 + s * 3 * k6))) / (m * m);
   };
-  /** @type {Curve} */
-  const curve = {
-    at: (r) => (r * above(r * r)) / below(r * r),
-    slope: (r) => (below(r * r) > 0 ? above(r * r) / below(r * r) + 2 * r * r * growth(r * r) : -1),
-    end,
-  };
-  const inverse = invert(curve);
+  const tangential = Math.hypot(p1, p2);
+  const end = Math.min(last, domainRadius([1, k1, k2, k3], [1, k4, k5, k6], tangential));
+  const inverse = invert({ at: (r) => (r * above(r * r)) / below(r * r), slope: (r) => above(r * r) / below(r * r) + 2 * r * r * growth(r * r), end });
+  // The tangential part moves points by at most 3 P r². A pole at the end reaches everywhere.
+  const reach = 1.01 * Math.abs(inverse.at(end)) + 3 * tangential * end * end;
 
   /** @param {number} x @param {number} y @returns {[number, number]} */
-  const bend = (x, y) => {
+  const distort = (x, y) => {
     const s = x * x + y * y;
     const radial = above(s) / below(s);
     return [x * radial + 2 * p1 * x * y + p2 * (s + 2 * x * x), y * radial + p1 * (s + 2 * y * y) + 2 * p2 * x * y];
   };
 
   return {
-    end: inverse.end,
-    /** @param {number} x @param {number} y */
-    distort: (x, y) => (Math.sqrt(x * x + y * y) < inverse.end ? bend(x, y) : null),
+    end,
+    distort,
     /**
      * Newton's method from the inverse of the radial part.
      * @param {number} u
@@ -191,63 +187,91 @@ function brownConrady([k1, k2, p1, p2, k3, k4 = 0, k5 = 0, k6 = 0], end) {
      */
     undistort(u, v) {
       const length = Math.sqrt(u * u + v * v);
-      // A little beyond the end is tried too: the tangential part moves the edge.
-      const first = inverse.find(length) ?? (length < 1.05 * inverse.reach ? inverse.end : null);
-      if (first === null) return null;
+      if (!(length < reach)) return null;
+      const first = inverse.find(length);
       let [x, y] = length > 0 ? [(u * first) / length, (v * first) / length] : [0, 0];
+      let [a, b] = distort(x, y);
       for (let iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const s = x * x + y * y;
         const [radial, slope] = [above(s) / below(s), 2 * growth(s)];
-        const [a, b] = bend(x, y);
         const [ex, ey] = [a - u, b - v];
         const xx = radial + x * x * slope + 2 * p1 * y + 6 * p2 * x;
         const xy = x * y * slope + 2 * p1 * x + 2 * p2 * y;
         const yy = radial + y * y * slope + 6 * p1 * y + 2 * p2 * x;
         const determinant = xx * yy - xy * xy;
-        if (!(determinant > 0)) return null;
-        const [dx, dy] = [(yy * ex - xy * ey) / determinant, (xx * ey - xy * ex) / determinant];
-        x -= dx;
-        y -= dy;
-        if (Math.abs(dx) + Math.abs(dy) < TOLERANCE * (1 + length)) return Math.sqrt(x * x + y * y) < inverse.end ? [x, y] : null;
+        let [nextX, nextY] = [x - (yy * ex - xy * ey) / determinant, y - (xx * ey - xy * ex) / determinant];
+        // A step across the edge ends before it: beyond, another ray may meet the same pixel.
+        const back = (Math.sqrt(s) + 7 * end) / 8 / Math.sqrt(nextX * nextX + nextY * nextY);
+        if (back < 1) [nextX, nextY] = [nextX * back, nextY * back];
+        const step = Math.abs(nextX - x) + Math.abs(nextY - y);
+        [x, y] = [nextX, nextY];
+        [a, b] = distort(x, y);
+        if (!(step > LAST_STEP)) break;
       }
-      return null;
+      const [ex, ey] = [a - u, b - v];
+      return Math.sqrt(ex * ex + ey * ey) < TOLERANCE * (1 + length) && Math.sqrt(x * x + y * y) < end ? [x, y] : null;
     },
   };
 }
 
 /**
- * The inverse of a curve, up to where it first turns back.
- * @param {Curve} curve
- * @returns {{end: number, reach: number, find: (value: number) => number | null}} reach: the curve's value at its end
+ * Radius below which the denominator is positive and the radial derivative h > 7 r P: a polynomial of r once it is
+ * multiplied by the denominator's square.
+ * @param {number[]} above numerator of the radial factor, by s = r² @param {number[]} below @param {number} tangential P = |(p1, p2)|
  */
-function invert({ at, slope, end: last }) {
-  // Dense near the axis, where the picture is, and still out to the end.
-  const widest = Math.atan(last);
-  const places = Array.from({ length: INVERSE_STEPS + 1 }, (_, step) => Math.min(last, Math.tan((widest * step) / INVERSE_STEPS)));
-  const turn = places.findIndex((t) => slope(t) <= 0);
-  const end = turn < 0 ? last : bisect((t) => slope(t) > 0, places[turn - 1], places[turn]);
-  const grid = turn < 0 ? places : [...places.slice(0, turn), end];
+function domainRadius(above, below, tangential) {
+  const polynomial = new Array(14).fill(0);
+  above.forEach((n, i) => below.forEach((m, j) => (polynomial[2 * (i + j)] += n * m * (1 + 2 * i - 2 * j))));
+  below.forEach((n, i) => below.forEach((m, j) => (polynomial[2 * (i + j) + 1] -= MIN_TANGENTIAL_RATIO * tangential * n * m)));
+  return Math.min(firstRoot(polynomial, MAX_RADIUS), Math.sqrt(firstRoot(below, MAX_RADIUS ** 2)));
+}
+
+/** Smallest root of a polynomial in (0, limit), its constant first; `limit` if there is none. @param {number[]} polynomial @param {number} limit */
+function firstRoot(polynomial, limit) {
+  return rootsBetween(polynomial, limit)[0] ?? limit;
+}
+
+/** Roots in (0, limit) at which the polynomial changes its sign, by bisection between those of its derivative. @param {number[]} polynomial @param {number} limit @returns {number[]} */
+function rootsBetween(polynomial, limit) {
+  const degree = polynomial.findLastIndex((c) => c !== 0);
+  if (degree < 1) return [];
+  const value = (/** @type {number} */ t) => polynomial.reduceRight((sum, c) => sum * t + c, 0);
+  const turns = rootsBetween(polynomial.slice(1, degree + 1).map((c, i) => c * (i + 1)), limit);
+  return [...turns, limit].flatMap((high, i) => {
+    const low = turns[i - 1] ?? 0;
+    const isPositive = value(low) > 0;
+    return value(high) > 0 === isPositive ? [] : [bisect((t) => value(t) > 0 === isPositive, low, high)];
+  });
+}
+
+/**
+ * The inverse of a curve that grows.
+ * @param {Curve} curve
+ * @returns {Curve & {reach: number, find: (value: number) => number}} reach: the curve's value at its end
+ */
+function invert({ at, slope, end }) {
+  // Dense near the axis, where the picture is. Not at the end itself, where a rational model may have a pole.
+  const grid = Array.from({ length: INVERSE_STEPS }, (_, step) => Math.tan((Math.atan(end) * step) / INVERSE_STEPS));
   const values = grid.map(at);
-  const reach = values[values.length - 1];
   return {
+    at,
+    slope,
     end,
-    reach,
+    reach: at(end),
     find(value) {
-      if (!(value < reach)) return null;
-      let [low, high] = [0, grid.length - 1];
+      let [low, high] = [0, grid.length];
       while (high - low > 1) {
         const middle = (low + high) >> 1;
         if (values[middle] > value) high = middle;
         else low = middle;
       }
-      const part = (value - values[low]) / (values[high] - values[low]);
-      let t = grid[low] + part * (grid[high] - grid[low]);
+      let t = grid[low];
       for (let iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
-        // Kept where the table says it is: near the turn the slope vanishes and the step runs away.
-        const next = Math.min(grid[high], Math.max(grid[low], t - (at(t) - value) / slope(t)));
+        // Kept where the table says it is: near the end the slope may vanish and the step run away.
+        const next = Math.min(grid[high] ?? end, Math.max(grid[low], t - (at(t) - value) / slope(t)));
         const step = Math.abs(next - t);
         t = next;
-        if (step < TOLERANCE * (1 + t)) break;
+        if (!(step > TOLERANCE * (1 + t))) break;
       }
       return t;
     },
@@ -261,12 +285,12 @@ function invert({ at, slope, end: last }) {
  * @param {number} high
  */
 function bisect(holds, low, high) {
-  for (let iteration = 0; iteration < 60; iteration++) {
+  for (;;) {
     const middle = (low + high) / 2;
+    if (middle === low || middle === high) return low;
     if (holds(middle)) low = middle;
     else high = middle;
   }
-  return low;
 }
 
 /** @param {number} x @param {number} y @param {number} z @returns {[number, number, number]} */

@@ -22,8 +22,8 @@ from infra.web_build.sdk import import_map
 
 OVERVIEW = f"{FOLDER}index.html"
 SEARCH_KEY = f"{FOLDER}search.json"
-NOT_SEARCHED = "changelog"
-"""Document that says again, by date, what the others explain."""
+NOT_SEARCHED = frozenset({"changelog", "decisions"})
+"""Documents for contributors, which say again, by date or by reason, what the others explain."""
 _LEAD = (
     "calibDB tells a program what the lens in front of it does: the camera matrix, the distortion, and how "
     "far to trust them. Begin with the quickstart, or search."
@@ -88,7 +88,7 @@ def search_texts(web: Path, rendered: Sequence[tuple[Entry, Document]]) -> str:
     """Return the sections of all documents as JSON: `[[address, page, title, text], …]`, from `/docs/`."""
     found = []
     for entry, document in rendered:
-        if entry.slug == NOT_SEARCHED:
+        if entry.slug in NOT_SEARCHED:
             continue
         found += [_row(entry.slug, document.title, section) for section in document.sections]
     for folder, section in reference.sections(_openapi(web)):
@@ -104,7 +104,7 @@ def _row(folder: str, name: str, section: Section) -> list[str]:
     anchor = f"#{section.anchor}" if section.anchor else ""
     # Nobody searches for a cell of digits, or for the name of a test.
     said = " ".join(part for part in section.text if re.search("[A-Za-z]", part))
-    text = re.sub(r"\s+", " ", re.sub(r"tests/\S+::\S+", "", said)).strip()
+    text = re.sub(r"\s+", " ", re.sub(r"tests/\S+", "", said)).strip()
     return [f"{folder}/{anchor}", name, section.title, text]
 
 

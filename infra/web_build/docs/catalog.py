@@ -85,6 +85,12 @@ GROUPS: dict[str, tuple[Entry, ...]] = {
         ),
         Entry("docs/formats.md", "formats", "Formats", "Files of other tools: export and import."),
         Entry("docs/camera-keys.md", "camera-keys", "Camera keys", "Which label finds which camera."),
+        Entry(
+            "docs/estimates.md",
+            "estimates",
+            "Estimates",
+            "What is likely of a camera that nobody calibrated.",
+        ),
         Entry("docs/accuracy.md", "accuracy", "Accuracy and speed", "Every figure, with its command."),
         Entry("docs/webxr.md", "webxr", "WebXR", "Intrinsics and distortion for WebXR views."),
         Entry(

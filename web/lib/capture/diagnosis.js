@@ -1,4 +1,5 @@
 // Diagnosis of a board that is not seen, or not seen well, from frame metrics over time. Pure: the time comes in.
+import { isSameBoard } from "../board.js";
 
 /**
  * @typedef {import("../detector.js").Detection} Detection
@@ -11,12 +12,13 @@
  * @property {number} probedAt ms, when something else was looked for last
  * @property {number} probes how often
  * @property {string | null} probed what was found instead of the board; it stands until corners are seen
- * @property {number[]} motions px a frame at 1280 px image width, of the last frames with a board
+ * @property {number} seenAt ms, when the frame before was seen
+ * @property {{time: number, speed: number}[]} speeds px/s at 1280 px image width, of the last frames with a board
  */
 
 /** @type {Diagnosis} */
 export const HEALTHY = {
-  trouble: null, suspected: null, since: 0, blindSince: Infinity, probedAt: 0, probes: 0, probed: null, motions: [],
+  trouble: null, suspected: null, since: 0, blindSince: Infinity, probedAt: 0, probes: 0, probed: null, seenAt: -Infinity, speeds: [],
 };
 
 const PERSISTS = 700; // ms that something must look wrong before it is said
@@ -26,10 +28,12 @@ const FEW_MARKERS = 3; // recognised markers that are no accident
 const DARK = 40; // of 255: the brighter parts of the picture (95 %) are below twice this
 const BURNT = 0.25; // share of the picture that is white without structure
 const BLURRED = 0.072; // sharpness of a picture with edges: below, a square's edge is wider than about 6 px
+const WHOLE = 0.5; // share of the corners: blur loses them before it moves them (half of them at 0.2 px), so while they are found, none is said
 const SMALL = 16; // px: side of a square below which corners cannot be measured
-const STRIPES = 0.06; // standard deviation within the white of the board, of its contrast
-const FAST = 12; // px a frame: a rolling shutter bends what moves so fast
-const RECENT = 24; // frames
+const STRIPES = 0.1; // standard deviation within the bright squares, of their contrast: harmful stripes have more
+const FAST = 360; // px/s at 1280 px image width: a rolling shutter bends what moves so fast
+const RECENT = 800; // ms over which speed is taken
+const MIN_SPEEDS = 3; // frames with a speed: one alone may be a wrong corner
 
 /** Alternatives that are looked for, one after the other. @type {("mirrored" | "legacy" | "DICT_4X4_1000" | "DICT_5X5_1000" | "DICT_6X6_1000" | "DICT_7X7_1000" | "DICT_ARUCO_ORIGINAL" | "DICT_APRILTAG_36h11")[]} */
 export const PROBES = [
@@ -47,13 +51,14 @@ export function diagnose(before, detection, motion, time) {
   const { ids, size, probe } = detection;
   const blind = ids.length === 0;
   const blindSince = blind ? Math.min(before.blindSince, time) : Infinity;
-  const motions = blind ? [] : [...before.motions, (motion * 1280) / size[0]].filter(Number.isFinite).slice(-RECENT);
+  const speed = (1000 * motion * 1280) / (size[0] * (time - before.seenAt));
+  const speeds = blind ? [] : [...before.speeds, { time, speed }].filter((each) => Number.isFinite(each.speed) && time - each.time < RECENT);
   const probed = blind ? (probe ? (found(probe) ?? before.probed) : before.probed) : null;
-  const suspected = suspect(detection, blindSince === Infinity ? 0 : time - blindSince, probed, motions);
+  const suspected = suspect(detection, blindSince === Infinity ? 0 : time - blindSince, probed, speeds);
   const since = suspected === before.suspected ? before.since : time;
   return {
     trouble: time - since >= PERSISTS ? suspected : before.trouble === suspected ? suspected : stillSaid(before, suspected),
-    suspected, since, blindSince, motions, probed,
+    suspected, since, blindSince, speeds, probed, seenAt: time,
     probedAt: probe ? time : before.probedAt,
     probes: before.probes + (probe ? 1 : 0),
   };
@@ -78,10 +83,10 @@ function found({ kind, markers, corners }) {
 
 /**
  * @param {Detection} detection @param {number} blind ms without a corner @param {string | null} probed
- * @param {number[]} motions
+ * @param {Diagnosis["speeds"]} speeds
  * @returns {string | null}
  */
-function suspect({ ids, markers, metrics }, blind, probed, motions) {
+function suspect({ ids, markers, metrics }, blind, probed, speeds) {
   if (!metrics) return null;
   if (ids.length === 0) {
     if (blind < PERSISTS) return null;
@@ -92,10 +97,16 @@ function suspect({ ids, markers, metrics }, blind, probed, motions) {
     return metrics.sharpness !== null && metrics.sharpness < BLURRED ? "blurred" : null;
   }
   if (metrics.square > 0 && metrics.square < SMALL) return "far";
-  if (motions.length >= RECENT / 2 && median(motions) > FAST) return "moving";
-  if (metrics.sharpness !== null && metrics.sharpness < BLURRED) return "blurred";
+  if (speeds.length >= MIN_SPEEDS && median(speeds.map(({ speed }) => speed)) > FAST) return "moving";
+  if (metrics.share < WHOLE && metrics.sharpness !== null && metrics.sharpness < BLURRED) return "blurred";
   return metrics.moire !== null && metrics.moire > STRIPES ? "moire" : null;
 }
 
 /** @param {number[]} values */
 const median = (values) => [...values].sort((a, b) => a - b)[values.length >> 1] ?? 0;
+
+/** The trouble that another board is, as the diagnosis names it. @param {import("../board-recognition.js").Recognised} suggestion @param {import("../board.js").SentBoard} expected */
+export function troubleOf({ board, mirrored }, expected) {
+  if (mirrored) return "mirrored";
+  return isSameBoard(board, { ...expected, legacy: !expected.legacy }) ? "legacy" : "wrong_board";
+}

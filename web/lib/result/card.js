@@ -1,10 +1,10 @@
 // Card at the head of a result: which camera, how good, what to do with it, and what is known of its making.
 import { el } from "../dom.js";
 import { splitLabel } from "../camera-name.js";
-import { joinFacts, language, pageUrl, rough, formatSize, t } from "../i18n.js";
+import { joinFacts, language, number, pageUrl, rough, formatSize, t } from "../i18n.js";
 import { isVirtual } from "../virtual/name.js";
 import { copyButton, hint } from "./menu.js";
-import { levelOf } from "./numbers.js";
+import { isFairInside, levelOf, millimetres } from "./numbers.js";
 import { downloadPart } from "./download.js";
 import { reasonTexts } from "./reasons.js";
 import { returnAddress, withResult } from "./return-address.js";
@@ -59,11 +59,24 @@ export function card(result, trial, id) {
       el("p", { id: "verdict", class: `verdict tint ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
       el("p", { class: "lead" },
         el("span", {}, t("result.sentence", { rms: rough(uncertainty.rms), max: rough(uncertainty.max) })), hint(t("result.uncertainty"), t("result.uncertainty_hint")),
-        ...(practice ? [] : [" ", el("span", { class: "means" }, t(`result.means_${level}`))]))),
+        ...(practice ? [] : [" ", el("span", { class: "means" }, t(`result.means_${level === "fair" && isFairInside(calibration) ? "fair_inside" : level}`))]))),
+    el("p", { class: "errors" }, detailSentences(calibration).join(" ")),
+    ...(reasons.length > 1 ? [el("p", { class: "muted" }, t("result.improve"))] : []),
     ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map((text) => el("li", {}, text)))] : []),
     nextSteps(result, trial, id),
     el("p", { class: "facts muted number" }, factsText(calibration, report, factsOf(id)?.board ?? null)),
     ...(practice || trial || !id ? [] : [el("p", { class: "agreement", id: "agreement" }, "\u00a0")]));
+}
+
+/** The error where the board was, and both errors in millimetres. @param {Calibration} calibration */
+function detailSentences(calibration) {
+  const { rms, inside, covered } = calibration.uncertainty;
+  const mm = rough(millimetres(rms, calibration));
+  if (typeof inside !== "number" || typeof covered !== "number") return [t("result.millimetres", { mm })];
+  return [
+    t("result.inside_sentence", { inside: rough(inside), covered: number(100 * covered, 0) }),
+    t("result.millimetres_inside", { mm, inside: rough(millimetres(inside, calibration)) }),
+  ];
 }
 
 /** @param {Result} result @param {Trial | null} trial @param {string | null} id */

@@ -36,6 +36,7 @@ export function numbersPart(calibration, report, { pending = false } = {}) {
     el("table", {}, el("caption", {}, t("result.quality")),
       el("tbody", {},
         ...px([t("result.uncertainty"), hint(t("result.uncertainty"), t("result.uncertainty_hint"))], calibration.uncertainty.rms),
+        ...px([t("result.inside")], calibration.uncertainty.inside),
         ...px([t("result.largest")], calibration.uncertainty.max),
         ...px([t("result.reprojection"), hint(t("result.reprojection"), t("result.reprojection_hint"))], calibration.avg_reprojection_error),
         // The row is there before its number: what stands below stays where it is when the report arrives.

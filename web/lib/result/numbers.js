@@ -30,6 +30,11 @@ import { COEFFICIENTS, isKnownModel, lensOf } from "../../sdk/projection.js";
  * @property {"px" | ""} unit
  */
 
+// px at an image width of 1280, as in the solver's `quality.assessment`
+const MAX_GOOD_PX = 1;
+const MAX_FAIR_PX = 3;
+const MAX_FAIR_INSIDE_PX = 1; // inside the part of the picture that the board has shown
+const MIN_FAIR_COVERED = 0.1; // share of the picture that this part must be
 const MAX_RMS_RATIO = 2.5; // times the median rms of the views
 const MIN_COSINE = 0.2; // of the angle to the axis: beyond 78° a plane picture is all edge
 const MIN_NOTABLE_RMS_PX = 0.3; // px; below this nobody looks for a reason
@@ -39,10 +44,19 @@ const MIN_NOTABLE_RMS_PX = 0.3; // px; below this nobody looks for a reason
  * @param {Calibration} calibration
  * @returns {"good" | "fair" | "poor"}
  */
-export function levelOf({ uncertainty: { rms }, img_size: [width] }) {
-  const relative = (rms * 1280) / width;
-  return relative <= 0.6 ? "good" : relative <= 2 ? "fair" : "poor";
+export function levelOf({ uncertainty: { rms, inside = null, covered = null }, img_size: [width] }) {
+  const at1280 = (/** @type {number} */ px) => (px * 1280) / width;
+  if (at1280(rms) <= MAX_GOOD_PX) return "good";
+  const isFairInside = inside !== null && at1280(inside) <= MAX_FAIR_INSIDE_PX && (covered ?? 0) >= MIN_FAIR_COVERED;
+  return at1280(rms) <= MAX_FAIR_PX || isFairInside ? "fair" : "poor";
 }
+
+/** Tells if a fair calibration is so only where the board has been. @param {Calibration} calibration */
+export const isFairInside = ({ uncertainty: { rms, inside }, img_size: [width] }) =>
+  typeof inside === "number" && (rms * 1280) / width > MAX_FAIR_PX;
+
+/** An error in the image, px, as mm at a distance of 1 m. @param {number} px @param {Calibration} calibration */
+export const millimetres = (px, { camera_matrix: [[fx], [, fy]] }) => (1000 * px) / Math.sqrt(fx * fy);
 
 /** Digits after the point that a value with this standard deviation carries. @param {number} std */
 export function digitsFor(std) {

@@ -6,7 +6,7 @@
 const SHADES = {
   dark: (value) => value * 0.02,
   bright: (value) => 240 + value,
-  moire: (value, x, y) => value * (0.85 + 0.15 * Math.sin(0.35 * x + 0.21 * y)),
+  moire: (value, x, y) => value * (0.8 + 0.2 * Math.sin(0.35 * x + 0.21 * y)),
 };
 
 /** Names of the faults. */

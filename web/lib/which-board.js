@@ -1,9 +1,10 @@
 // The form of the board within the page: the files stay while the board changes.
-import { BoardForm, boardWords } from "../lib/board-form.js";
-import { part } from "../lib/dom.js";
-import { t } from "../lib/i18n.js";
+import { BoardForm } from "./board-form.js";
+import { boardWords } from "./board-words.js";
+import { part } from "./dom.js";
+import { t } from "./i18n.js";
 
-/** @typedef {import("../lib/board.js").SentBoard} SentBoard */
+/** @typedef {import("./board.js").SentBoard} SentBoard */
 
 export class WhichBoard {
   #details = part("which-board", HTMLDetailsElement);
@@ -25,7 +26,7 @@ export class WhichBoard {
         onChoice(chosen);
       },
       onArrange: () => this.#say(),
-      problemText: (reason) => t("photos.board_impossible", { reason }),
+      problemText: (reason) => t("boards.impossible", { reason }),
     });
   }
 
@@ -47,6 +48,6 @@ export class WhichBoard {
   }
 
   #say() {
-    part("board", HTMLElement).textContent = this.#isChosen ? boardWords(this.#board) : t("photos.automatic");
+    part("board", HTMLElement).textContent = this.#isChosen ? boardWords(this.#board) : t("boards.automatic");
   }
 }

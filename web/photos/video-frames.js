@@ -1,0 +1,68 @@
+// Frames of a video file, each once: the browser plays it, and says of each picture which frame it is.
+
+/**
+ * @typedef {{time: number, picture: ImageBitmap}} VideoPicture time: s, of the frame in the video
+ */
+
+const FRAMES_PER_S = 10; // that are played, as many as a detector manages; a video of fewer is played faster
+const MAX_RATE = 4; // of playing: beyond, browsers leave out frames
+const MAX_WAITING = 4; // pictures that have not been looked at; with more the video waits
+const UNKNOWN_STRIDE_S = 0.1; // between frames, of a video that does not say how long it is
+const TOLERANCE_S = 0.001; // s, of the times of frames
+const STALLED_MS = 15_000; // ms without another frame
+
+/**
+ * Frames one after the other, all or as many as wanted, spread evenly.
+ * @param {HTMLVideoElement} video that has data @param {number} most frames @param {AbortSignal} signal
+ * @returns {AsyncGenerator<VideoPicture>}
+ */
+export async function* playedFrames(video, most, signal) {
+  const stride = Number.isFinite(video.duration) ? video.duration / most : UNKNOWN_STRIDE_S;
+  /** @type {{time: number, picture: Promise<ImageBitmap>}[]} */
+  const waiting = [];
+  let [last, due, previous, isOver] = [-Infinity, 0, NaN, false];
+  let wake = () => {};
+  const over = () => {
+    isOver = true;
+    wake();
+  };
+  /** @param {number} _ @param {{mediaTime: number}} frame */
+  const take = (_, { mediaTime }) => {
+    if (isOver) return;
+    if (mediaTime > previous) video.playbackRate = Math.min(MAX_RATE, Math.max(1, FRAMES_PER_S * Math.max(stride, mediaTime - previous)));
+    previous = mediaTime;
+    if (mediaTime > last && mediaTime >= due) {
+      last = mediaTime;
+      due = stride * (Math.floor((mediaTime + TOLERANCE_S) / stride) + 1) - TOLERANCE_S;
+      waiting.push({ time: mediaTime, picture: createImageBitmap(video) });
+      wake();
+    }
+    if (waiting.length >= MAX_WAITING) video.pause();
+    video.requestVideoFrameCallback(take);
+  };
+  const end = new AbortController();
+  for (const name of ["ended", "error"]) video.addEventListener(name, over, { signal: end.signal });
+  document.addEventListener("visibilitychange", () => void (document.hidden ? video.pause() : play(video)), { signal: end.signal });
+  signal.addEventListener("abort", over, { signal: end.signal });
+  try {
+    take(0, { mediaTime: video.currentTime });
+    await play(video);
+    while (!signal.aborted && (waiting.length || !isOver)) {
+      const next = waiting.shift();
+      if (next) yield { time: next.time, picture: await next.picture };
+      else {
+        if (!document.hidden) void play(video);
+        const timer = setTimeout(() => !document.hidden && over(), STALLED_MS);
+        await new Promise((resolve) => (wake = () => resolve(undefined)));
+        clearTimeout(timer);
+      }
+    }
+  } finally {
+    isOver = true;
+    end.abort();
+    for (const { picture } of waiting) void picture.then((each) => each.close());
+  }
+}
+
+/** A video that is let go of meanwhile rejects. @param {HTMLVideoElement} video */
+const play = (video) => video.play().catch(() => {});
