@@ -14,7 +14,8 @@ from collections.abc import Sequence
 import boto3
 from botocore.exceptions import BotoCoreError, ClientError
 
-from calibdb.settings import SettingsError, Thresholds
+from calibdb.access.plans import multiplied
+from calibdb.settings import Thresholds, parse_plan_factors
 from infra.deploy import aws
 from infra.deploy.aws import DeployError
 from infra.deploy.deployment import deploy
@@ -36,6 +37,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--rotate-edge", action="store_true", help="only rotate the secret that CloudFront sends"
     )
     parser.add_argument(
+        "--back", action="store_true", help="only point all aliases at the version before their own"
+    )
+    parser.add_argument("--stop", action="store_true", help="only disable the distribution")
+    parser.add_argument("--resume", action="store_true", help="only enable the distribution again")
+    parser.add_argument(
         "--dirty", action="store_true", help="deploy although the checkout differs from its commit"
     )
     parser.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help="of the template")
@@ -48,7 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(f"the template has no parameter {', '.join(unknown)}")
     try:
         Thresholds.from_environment({"THRESHOLDS": parameters.get("Thresholds", "")})
-    except SettingsError as error:
+        multiplied(parse_plan_factors(parameters.get("PlanFactors", "")))
+    except ValueError as error:
         parser.error(str(error))
     domain = parameters.get("DomainName")
     target = Target(asked.stack, asked.region, parameters, f"https://{domain}" if domain else None)
@@ -56,7 +63,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("\n".join(plan(target)))
         return 0
     try:
-        if asked.rotate:
+        if asked.back:
+            go_back(target)
+        elif asked.stop or asked.resume:
+            switch(target, enabled=asked.resume)
+        elif asked.rotate:
             aws.rotate(boto3.client("ssm", target.region), target.stack)
         elif asked.rotate_edge:
             version = aws.rotate_edge(boto3.client("ssm", target.region), target.stack)
@@ -75,6 +86,34 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
+def go_back(target: Target) -> None:
+    """Return the API to the release before; raises DeployError if there is none."""
+    region = target.region
+    moved = aws.step_back(
+        boto3.client("cloudformation", region), boto3.client("lambda", region), target.stack
+    )
+    if not moved:
+        raise DeployError("no function has an earlier version")
+    for function, (current, earlier) in moved.items():
+        print(f"   {function}: version {current} -> {earlier}")
+    print(
+        "Not undone: the site's files, the template's other resources and parameters, RefitFunction and "
+        "BackfillFunction, and stored data. Deploy a commit that works; it moves the aliases forward again."
+    )
+
+
+def switch(target: Target, *, enabled: bool) -> None:
+    """Enable or disable the site's distribution; raises DeployError if there is none."""
+    made = aws.outputs(boto3.client("cloudformation", target.region), target.stack)
+    if "DistributionId" not in made:
+        raise DeployError(f"there is no stack {target.stack} with a distribution")
+    state = "enabled" if enabled else "disabled"
+    changed = aws.switch(boto3.client("cloudfront"), made["DistributionId"], enabled=enabled)
+    print(f"The distribution is {'being ' if changed else ''}{state}{'' if changed else ' already'}.")
+    if not enabled:
+        print(f"{made['ApiUrl']} still answers: deploy with RequestRate=1 to stop it too.")
+
+
 def plan(target: Target) -> list[str]:
     """Describe the steps of `deploy`, line by line."""
     lines = [f"{target.stack} in {target.region}"]
@@ -82,6 +121,7 @@ def plan(target: Target) -> list[str]:
         lines.append(f"{number}. {step.text}")
         if step.command:
             lines.append(f"   {shlex.join(step.command)}")
+        lines += [f"   {name}={shlex.quote(value)}" for name, value in sorted(step.parameters.items())]
         if step.kind == "upload":
             files = list(uploads(ROOT / "web", {}))
             lines += [

@@ -22,7 +22,15 @@ from infra.local.intrinsics import parse
 # Concurrent executions that Lambda leaves to functions without a reservation.
 # Source: AWS Lambda developer guide, "Configuring reserved concurrency".
 MIN_UNRESERVED = 100
-_RESERVED = ("SubmitConcurrency", "RefitConcurrency")
+# Parameter -> functions that each reserve so much
+RESERVED = {
+    "SubmitConcurrency": 1,
+    "RefitConcurrency": 1,
+    "LookupConcurrency": 1,
+    "PoseConcurrency": 1,
+    "ComputeConcurrency": 3,
+}
+_UNRESERVED = " ".join(f"{name}=0" for name in RESERVED)
 _VERIFICATION = re.compile(r"account must be verified", re.IGNORECASE)
 _UNVERIFIED = (
     "CloudFront does not make distributions for this account before AWS has verified it: open a support case "
@@ -34,7 +42,7 @@ _CAUSES = (
     (
         re.compile(r"UnreservedConcurrentExecution below its minimum", re.IGNORECASE),
         "Lambda has no concurrency left to reserve: ask Service Quotas for 1,000 concurrent executions "
-        "(L-B99A9384), or add SubmitConcurrency=0 RefitConcurrency=0.",
+        f"(L-B99A9384), or add {_UNRESERVED}.",
     ),
     (
         re.compile(r"already exists", re.IGNORECASE),
@@ -112,14 +120,14 @@ def _status(name: str, status: str) -> Iterator[str]:
 
 def _concurrency(lambda_: Any, values: Mapping[str, str], kept: Mapping[str, str]) -> Iterator[str]:
     limit = lambda_.get_account_settings()["AccountLimit"]
-    wanted = sum(int(values[name]) for name in _RESERVED)
-    own = sum(int(kept.get(name, 0)) for name in _RESERVED)
+    wanted = sum(functions * int(values[name]) for name, functions in RESERVED.items())
+    own = sum(functions * int(kept.get(name, 0)) for name, functions in RESERVED.items())
     left = int(limit["UnreservedConcurrentExecutions"]) + own - wanted
     if wanted and left < MIN_UNRESERVED:
         yield (
             f"Lambda allows this account {limit['ConcurrentExecutions']} concurrent executions; with "
             f"{wanted} reserved {left} would be left, and {MIN_UNRESERVED} must be: ask Service Quotas for "
-            "1,000 (L-B99A9384), or add SubmitConcurrency=0 RefitConcurrency=0."
+            f"1,000 (L-B99A9384), or add {_UNRESERVED}."
         )
 
 

@@ -18,7 +18,7 @@ SECRETS = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRETS", "EDGE_SECRET
 # CloudFormation reads this one for CloudFront's header, and of secure ones it can read none there.
 _READ_BY_CLOUDFORMATION = "EDGE_SECRET"
 _MAX_KEYS = 3  # of one list: the one in use, the next, the one before
-_PROBE = "Probe"  # its code stands in the template: it belongs to no release
+_INLINE = ("Probe", "CutoffFunction")  # their code stands in the template: they belong to no release
 UNCREATED = ("REVIEW_IN_PROGRESS", "DELETE_COMPLETE")  # status of a stack that has no resources
 
 
@@ -163,7 +163,7 @@ def releases(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, str]:
     names = [
         r["PhysicalResourceId"]
         for r in resources
-        if r["ResourceType"] == "AWS::Lambda::Function" and r["LogicalResourceId"] != _PROBE
+        if r["ResourceType"] == "AWS::Lambda::Function" and r["LogicalResourceId"] not in _INLINE
     ]
     aliased = {
         r["PhysicalResourceId"].split(":")[-2] for r in resources if r["ResourceType"] == "AWS::Lambda::Alias"
@@ -174,6 +174,39 @@ def releases(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, str]:
         configuration = lambda_.get_function_configuration(FunctionName=name, **qualifier)
         found[name] = configuration.get("Environment", {}).get("Variables", {}).get("RELEASE", "")
     return found
+
+
+def step_back(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, tuple[str, str]]:
+    """Point every alias of the stack at the version before its own; return each function's two versions.
+
+    A function without an earlier version stays. Run again, it goes back one more version.
+    """
+    moved = {}
+    pages = cloudformation.get_paginator("list_stack_resources").paginate(StackName=stack)
+    aliases = [
+        r["PhysicalResourceId"]
+        for page in pages
+        for r in page["StackResourceSummaries"]
+        if r["ResourceType"] == "AWS::Lambda::Alias"
+    ]
+    for arn in sorted(aliases):
+        function, name = arn.split(":")[-2:]
+        current = int(lambda_.get_alias(FunctionName=function, Name=name)["FunctionVersion"])
+        versions = [
+            int(version["Version"])
+            for page in lambda_.get_paginator("list_versions_by_function").paginate(FunctionName=function)
+            for version in page["Versions"]
+            if version["Version"] != "$LATEST"
+        ]
+        earlier = max((version for version in versions if version < current), default=None)
+        if earlier is None:
+            continue
+        routing: dict[str, Any] = {"AdditionalVersionWeights": {}}
+        lambda_.update_alias(
+            FunctionName=function, Name=name, FunctionVersion=str(earlier), RoutingConfig=routing
+        )
+        moved[function] = str(current), str(earlier)
+    return moved
 
 
 def failures(cloudformation: Any, stack: str) -> list[str]:
@@ -268,6 +301,18 @@ def remove_answers(s3: Any, bucket: str) -> int:
                 )
         number += len(found)
     return number
+
+
+def switch(cloudfront: Any, distribution: str, *, enabled: bool) -> bool:
+    """Enable or disable the distribution; False if it is so already. It takes effect within minutes."""
+    current = cloudfront.get_distribution_config(Id=distribution)
+    config = current["DistributionConfig"]
+    if config["Enabled"] == enabled:
+        return False
+    cloudfront.update_distribution(
+        Id=distribution, IfMatch=current["ETag"], DistributionConfig={**config, "Enabled": enabled}
+    )
+    return True
 
 
 def invalidate(cloudfront: Any, distribution: str, caller: str) -> None:

@@ -7,7 +7,7 @@ import os
 import shlex
 import subprocess
 import time
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 
@@ -19,7 +19,7 @@ from infra.deploy.aws import DeployError
 from infra.deploy.package import ROOT, TEMPLATE, complete_template, package_template, release_digest
 from infra.deploy.prune import prune
 from infra.deploy.site import uploads
-from infra.deploy.steps import Step, Target, steps
+from infra.deploy.steps import PARAMETERS, Step, Target, parameter_file, steps
 from infra.local.pages import contacts, public_settings
 from infra.web_build.site import Options
 
@@ -61,7 +61,13 @@ def _do(step: Step, target: Target, source: str) -> None:
             if found := list(account_check.problems(target, account_check.Account.of(region))):
                 raise DeployError("\n".join(found))
         case "build" | "run":
-            _run(_fill_in(step.command, target), target)
+            parameters = _fill_in(step.parameters, target)
+            if parameters:
+                PARAMETERS.parent.mkdir(parents=True, exist_ok=True)
+                PARAMETERS.write_text(parameter_file(parameters), encoding="utf-8")
+            _run(step.command, target)
+            if different := _different(parameters, target):
+                raise DeployError(f"the stack has other values than asked for: {', '.join(different)}")
         case "package":
             print(f"   release {_package(target, source)}")
         case "secrets":
@@ -93,7 +99,8 @@ def _do(step: Step, target: Target, source: str) -> None:
             print(f"   {versions} versions, {artifacts} artifacts")
         case "smoke":
             if found := list(_smoke(target, source)):
-                raise DeployError("\n".join(found))
+                advice = ["Return to the release before: make deploy ARGS=--back"] if target.exists else []
+                raise DeployError("\n".join([*found, *advice]))
 
 
 def release(target: Target, source: str) -> str:
@@ -107,8 +114,10 @@ def release(target: Target, source: str) -> str:
 
 def _package(target: Target, source: str) -> str:
     named = release(target, source)
+    stack = aws.describe(boto3.client("cloudformation", target.region), target.stack)
+    tracing = {**(stack.parameters if stack else {}), **target.parameters}.get("Tracing")
     TEMPLATE.parent.mkdir(parents=True, exist_ok=True)
-    TEMPLATE.write_text(package_template(source, named), encoding="utf-8")
+    TEMPLATE.write_text(package_template(source, named, traced=tracing == "Active"), encoding="utf-8")
     return named
 
 
@@ -128,19 +137,32 @@ def _smoke(target: Target, source: str) -> Iterator[str]:
     yield from smoke_capture.problems(site, settings.get("token", ""), remove)
 
 
-def _fill_in(command: tuple[str, ...], target: Target) -> list[str]:
-    """Fill the stack's outputs, and the version of the edge's secret, into a command."""
-    text = "\0".join(command)
+def _fill_in(parameters: Mapping[str, str], target: Target) -> dict[str, str]:
+    """Parameters with the stack's outputs and the version of the edge's secret in place of their names."""
+    values: dict[str, str] = {}
+    text = "".join(parameters.values())
     if "{SiteUrl}" in text:
         made = aws.outputs(boto3.client("cloudformation", target.region), target.stack)
-        text = text.replace("{SiteUrl}", made["SiteUrl"])
+        values["{SiteUrl}"] = made["SiteUrl"]
     if "{EdgeSecretVersion}" in text:
         version = aws.edge_secret_version(boto3.client("ssm", target.region), target.stack)
-        text = text.replace("{EdgeSecretVersion}", str(version))
-    return text.split("\0")
+        values["{EdgeSecretVersion}"] = str(version)
+    filled = dict(parameters)
+    for place, value in values.items():
+        filled = {name: given.replace(place, value) for name, given in filled.items()}
+    return filled
 
 
-def _run(command: list[str], target: Target) -> None:
+def _different(parameters: Mapping[str, str], target: Target) -> list[str]:
+    """Names of parameters whose values the stack has not taken as they were given."""
+    if not parameters:
+        return []
+    stack = aws.describe(boto3.client("cloudformation", target.region), target.stack)
+    values = stack.parameters if stack else {}
+    return [name for name, value in parameters.items() if values.get(name) != value]
+
+
+def _run(command: Sequence[str], target: Target) -> None:
     quiet = {**os.environ, "SAM_CLI_TELEMETRY": "0"}
     done = subprocess.run(command, cwd=ROOT, env=quiet, check=False)  # noqa: S603 - our own steps
     if done.returncode:

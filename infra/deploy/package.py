@@ -22,10 +22,16 @@ TEMPLATE = ROOT / ".build" / "deploy" / "template.yaml"
 DASHBOARD = ROOT / "infra" / "deploy" / "dashboard.json"
 # Resources that stand in files of their own
 FRAGMENTS = (
-    *(ROOT / "infra" / "edge" / name for name in ("headers.yaml", "caching.yaml", "distribution.yaml")),
+    *(
+        ROOT / "infra" / "edge" / name
+        for name in ("headers.yaml", "caching.yaml", "distribution.yaml", "logs.yaml")
+    ),
     *(
         ROOT / "infra" / "deploy" / name
-        for name in ("alarms.yaml", "canary.yaml", "monitoring.yaml", "policies.yaml", "replication.yaml")
+        for name in (
+            *("alarms.yaml", "canary.yaml", "cutoff.yaml", "monitoring.yaml", "policies.yaml"),
+            "replication.yaml",
+        )
     ),
 )
 UNRELEASED = "source"  # the release of a template that nobody packaged
@@ -33,6 +39,7 @@ UNRELEASED = "source"  # the release of a template that nobody packaged
 _CODE = (ROOT / ".build" / "layers", ROOT / "functions")
 _RELEASE_DIGITS = 16
 _FUNCTION_TYPE = "AWS::Serverless::Function"
+_TRACING = "    Tracing: !Ref Tracing\n"
 _UNCOUNTED = ("__pycache__",)  # of `functions/`: a test run leaves it there
 
 
@@ -50,11 +57,14 @@ def complete_template(source: str) -> str:
     return re.sub(r"FunctionCode: (infra/edge/\S+\.js)\n", inline, whole)
 
 
-def package_template(complete: str, release: str = UNRELEASED) -> str:
+def package_template(complete: str, release: str = UNRELEASED, *, traced: bool = False) -> str:
     """Convert the complete template to the one in `.build/deploy`, of this release.
 
-    Its paths are relative to that folder; its layers are the built ones.
+    Its paths are relative to that folder; its layers are the built ones. Only with `traced` may functions
+    write traces.
     """
+    if not traced:
+        complete = complete.replace(_TRACING, "")
     return (
         complete.replace(f"        RELEASE: {UNRELEASED}\n", f'        RELEASE: "{release}"\n')
         .replace("DefinitionUri: infra/", "DefinitionUri: ../../infra/")

@@ -12,14 +12,15 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from infra.deploy import hashed_names
 from infra.local.pages import FOREVER, media_type
 from infra.web_build import site
 from infra.web_build.precache_manifest import shell_of
 from infra.web_build.root_files import robots_text, security_text, sitemap
 from infra.web_build.sdk import VERSIONED
 
-# What others made, under a name that changes with its content, is kept for good. Everything else the edge
-# keeps until the upload says otherwise, and browsers ask the edge whether it changed.
+# Files whose names change with their contents are kept for good. Everything else the edge keeps until the
+# upload says otherwise, and browsers ask the edge whether it changed.
 FRESH = "public, max-age=0, s-maxage=31536000, must-revalidate"
 _NO_STORE = "no-store"  # of the settings, which hold the page's token
 _MAX_EDGE_COMPRESSED_BYTES = 10_000_000  # CloudFront developer guide, "Serving compressed files"
@@ -68,11 +69,15 @@ def uploads(
     } | dict(site.made_files(web, options))
     origin = options.origin if options else ""
     vendor = f"vendor-{digest({k: v for k, v in files.items() if k.startswith(_VENDOR)})}/"
+    own = hashed_names.hashed(files)
+    named = digest({**own, vendor: b""})
+    files = hashed_names.rename(files, named)
     digests: dict[str, str] = {}
     for key in sorted(files, key=lambda key: (key.endswith(".html"), key)):
-        file = _upload(key, files[key], vendor)
+        file = _upload(key, files[key], vendor, named)
         content = gzip.decompress(file.content) if file.content_encoding else file.content
-        digests[file.key] = hashlib.sha256(content).hexdigest()
+        if key not in own:  # pages load their hashed copy
+            digests[file.key] = hashlib.sha256(content).hexdigest()
         yield file
     # What the service worker of the pages keeps, by the names and contents that a browser gets.
     yield Upload("shell.json", json.dumps(shell_of(digests)).encode(), "application/json", FRESH)
@@ -89,9 +94,9 @@ def uploads(
     yield Upload("config.json", json.dumps(dict(settings)).encode(), "application/json", _NO_STORE)
 
 
-def _upload(key: str, content: bytes, vendor: str) -> Upload:
-    kept = key.startswith(_VENDOR)
-    if kept:
+def _upload(key: str, content: bytes, vendor: str, named: str) -> Upload:
+    kept = key.startswith(_VENDOR) or f"-{named}." in key
+    if key.startswith(_VENDOR):
         key = vendor + key.removeprefix(_VENDOR)
     elif key.endswith(_REFERENCING_SUFFIXES) and not VERSIONED.match(key):
         content = rename_vendor_folder(content, vendor)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
@@ -9,6 +11,8 @@ from typing import Literal
 from infra.deploy.package import ROOT, TEMPLATE
 
 _SAM = ".build/sam/bin/sam"  # `make deploy` installs it
+PARAMETERS = ROOT / ".build" / "parameters.yaml"  # written before each command that reads it
+_FIREWALL_REGION = "us-east-1"  # the only one in which a web ACL for CloudFront can be made
 ROLLOUT = "Canary10Percent5Minutes"  # unless told otherwise
 Kind = Literal[
     "account", "build", "run", "package", "secrets", "upload", "invalidate", "protect", "prune", "smoke"
@@ -44,16 +48,19 @@ class Target:
         CloudFormation keeps the value of a parameter that is not named. `Rollout` is one deployment's alone.
         """
         known = {"GuidanceUrl": f"{self.site}/calibrate/"} if self.site else {}
+        if self.region != _FIREWALL_REGION:
+            known["WafRate"] = "0"
         return {**known, "EdgeSecretVersion": "{EdgeSecretVersion}", "Rollout": ROLLOUT, **self.parameters}
 
 
 @dataclass(frozen=True)
 class Step:
-    """One thing to do: a command, or something that is done with AWS's interface."""
+    """One thing to do: a command with the template's parameters, or a call to AWS's interface."""
 
     kind: Kind
     text: str
     command: tuple[str, ...] = ()
+    parameters: Mapping[str, str] = field(default_factory=dict)
 
 
 def steps(target: Target) -> Iterator[Step]:
@@ -74,10 +81,13 @@ def steps(target: Target) -> Iterator[Step]:
     )
     if region := target.parameters.get("ReplicaRegion"):
         yield Step("run", f"make the bucket for the replica in {region}", _replica(target, region))
-    yield Step("run", "create or change the stack", _command(target, target.effective))
+    yield Step("run", "create or change the stack", _command(target), target.effective)
     if target.site is None:
         yield Step("package", "name the release again: its functions learn where the site is")
-        yield Step("run", "tell the functions, now that the site has an address", _again(target))
+        # There are no calls to move gradually yet.
+        parameters = {**target.effective, "GuidanceUrl": "{SiteUrl}/calibrate/", "Rollout": "AllAtOnce"}
+        command = _command(target, first=False)
+        yield Step("run", "give the functions the address of the site", command, parameters)
     yield Step("upload", "upload web/, what pages load before the pages, and a token for them")
     yield Step("invalidate", "have the edge forget what it kept")
     yield Step("protect", "protect stack and table from deletion")
@@ -98,14 +108,7 @@ def _replica(target: Target, region: str) -> tuple[str, ...]:
     )
 
 
-def _again(target: Target) -> tuple[str, ...]:
-    # Nobody uses the functions yet, so all calls move at once.
-    known = {"GuidanceUrl": "{SiteUrl}/calibrate/", "Rollout": "AllAtOnce"}
-    return _command(target, {**target.effective, **known}, first=False)
-
-
-def _command(target: Target, parameters: Mapping[str, str], *, first: bool = True) -> tuple[str, ...]:
-    overrides = [f"{name}={value}" for name, value in sorted(parameters.items())]
+def _command(target: Target, *, first: bool = True) -> tuple[str, ...]:
     return (
         _SAM,
         "deploy",
@@ -119,5 +122,19 @@ def _command(target: Target, parameters: Mapping[str, str], *, first: bool = Tru
         "--no-fail-on-empty-changeset",
         # A creation that fails leaves nothing behind that stands in the way of the next.
         *(("--on-failure", "DELETE") if first and not target.exists else ()),
-        *(("--parameter-overrides", *overrides) if overrides else ()),
+        *("--parameter-overrides", f"file://{PARAMETERS.relative_to(ROOT)}"),
     )
+
+
+def parameter_file(parameters: Mapping[str, str]) -> str:
+    """Text of a parameter file, as the SAM CLI reads it (YAML).
+
+    The CLI removes wrapping quotes and unescapes a backslash before a blank or a quote, twice for a file
+    (`CfnParameterOverridesType.convert`). So each value is quoted twice.
+    """
+    quoted = {name: _quoted(_quoted(value)) for name, value in sorted(parameters.items())}
+    return json.dumps(quoted, indent=1, ensure_ascii=False)
+
+
+def _quoted(value: str) -> str:
+    return '"' + re.sub(r"\\(?=[ \"'])", r"\\\\", value) + '"'

@@ -19,7 +19,8 @@ function handler(event) {
       headers: {
         'content-type': { value: 'text/html; charset=utf-8' },
         'cache-control': { value: 'no-store' },
-        'content-security-policy': { value: "default-src 'self'; frame-ancestors 'none'" },
+        'content-security-policy': { value: "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'; object-src 'none'" },
+        'cross-origin-opener-policy': { value: 'same-origin' },
         'strict-transport-security': { value: 'max-age=31536000' },
         'x-content-type-options': { value: 'nosniff' },
       },

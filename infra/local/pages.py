@@ -29,11 +29,10 @@ _POLICY = {
     "style-src": "'self'",
     "worker-src": "'self'",
     "frame-ancestors": "'none'",
+    "base-uri": "'none'",
+    "form-action": "'self'",
+    "object-src": "'none'",
 }
-# OpenCV.js makes its glue functions from strings. A worker has the policy it was served with, so this stays
-# in there.
-_WORKER_POLICY = _POLICY | {"script-src": "'self' 'unsafe-eval' 'wasm-unsafe-eval'"}
-_WORKER_SUFFIX = ".worker.js"
 # What pages of other origins load: a module is always asked for with CORS, whoever asks.
 SHARED = ("/sdk/", "/webxr/", "/vendor/webxr/", "/openapi.json")
 FOREVER = "public, max-age=31536000, immutable"
@@ -138,11 +137,11 @@ def media_type(path: str) -> str:
 
 def headers(path: str) -> dict[str, str]:
     """Return the headers that a file is served with, besides those about its content."""
-    policy = _WORKER_POLICY if path.endswith(_WORKER_SUFFIX) else _POLICY
     return {
         # A file may have changed with the next save: ask each time, mostly to hear 304.
         "cache-control": FOREVER if VERSIONED.match(path) else "no-cache",
-        "content-security-policy": "; ".join(f"{name} {value}" for name, value in policy.items()),
+        "content-security-policy": "; ".join(f"{name} {value}" for name, value in _POLICY.items()),
+        "cross-origin-opener-policy": "same-origin",
         "referrer-policy": "strict-origin-when-cross-origin",
         "x-content-type-options": "nosniff",
     }

@@ -19,13 +19,12 @@ from typing import Any
 import yaml
 from botocore.awsrequest import AWSPreparedRequest
 
-from calibdb.settings import Thresholds
 from infra.console.progress import track
 from infra.local import LocalStack, intercept
 from infra.local.stack import DEVELOPMENT_TOKEN
 from infra.local.storage import Answer
 from infra.measure import edge_month, load_test
-from infra.measure.fixed_costs import FixedCost, fixed_costs, places
+from infra.measure.fixed_costs import FixedCost, firewall, fixed_costs, places
 from infra.measure.usage import (
     PRICES,
     Usage,
@@ -229,7 +228,10 @@ def report(uses: Mapping[str, Usage], prices: Mapping[str, Any], fixed: list[Fix
             enough = max(0.0, (asked - MAX_USD[name]) / (asked - known))
             yield f"  through CloudFront {asked:.2f} where it must ask, {known:.2f} where it has the answer:"
             yield f"  at most {MAX_USD[name]} where it has {math.ceil(100 * enough)} % of them"
-    yield f"a month without any request: {sum(f.usd for f in fixed):.2f} USD, at most {MAX_FIXED_USD}"
+    base, wall = sum(f.usd for f in fixed), firewall(prices)
+    yield f"a month without any request: {base:.2f} USD, at most {MAX_FIXED_USD}"
+    yield f"  with the firewall {base + wall.usd:.2f}"
+    yield f"  {'firewall (WafRate)':28} {wall.usd:8.2f}  {', '.join(wall.places)}"
     for cost in fixed:
         yield f"  {cost.what:28} {cost.usd:8.2f}  {', '.join(cost.places)}"
     yield f"prices of us-east-1, {prices['sources']['month']}; not in it:"
@@ -244,22 +246,21 @@ def main(say: Callable[[str], None] = print) -> int:
     for line in report(uses, prices, fixed):
         say(line)
     over = [n for n, use in uses.items() if sum(price_of(n, use, prices).values()) > MAX_USD[n]]
-    month = measured_at_edge(uses, prices)
-    for line in edge_month.report(month, prices):
+    asked, cached = at_edge(uses[LOOKUPS], prices)
+    for line in edge_month.report(asked, cached, prices["assumed"]["edge_locations"]):
         say(line)
-    expensive = edge_month.later_month_usd(month, prices) > edge_month.MAX_MONTH_USD
+    expensive = edge_month.price(asked, cached) > edge_month.MAX_EDGE_USD
     return 1 if over or expensive or sum(cost.usd for cost in fixed) > MAX_FIXED_USD else 0
 
 
-def measured_at_edge(uses: Mapping[str, Usage], prices: Mapping[str, Any]) -> edge_month.MeasuredCosts:
-    """Collect what a simulated month needs of the measurements."""
-    lookup, alias = uses[LOOKUPS], price_of(ALIAS, uses[ALIAS], prices)
-    sent = lookup.sent / lookup.requests
-    asked, _ = price_at_edge(price_of(LOOKUPS, lookup, prices), 1e6 * sent, prices)
-    # Every source that is needed is reported by itself; the objects are written once.
-    times = Thresholds().min_contributors
-    written = times * sum(alias.values()) - (times - 1) * alias["objects"]
-    return edge_month.MeasuredCosts(asked / 1e6, written, sent)
+def at_edge(lookup: Usage, prices: Mapping[str, Any]) -> tuple[float, float]:
+    """Price a million cacheable lookups, USD: if CloudFront forwards them, and if it has them in its cache.
+
+    They need no preflight.
+    """
+    size = lookup.sent / lookup.requests + prices["assumed"]["edge_header_bytes"]
+    parts = price_of(LOOKUPS, lookup, prices)
+    return price_at_edge({**parts, "preflights": 0.0}, 1e6 * size, prices)
 
 
 if __name__ == "__main__":

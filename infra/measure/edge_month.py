@@ -1,136 +1,69 @@
-"""A simulated month of lookups, answered at the edge wherever it can: hits, fetches, functions, price.
+"""Hit rate and price of lookups at the edge, for a number of lookups per month.
 
-Cameras are asked for by Zipf's law, each under many labels and platforms, and these by Zipf's law again.
-Every edge location keeps an answer for five minutes. An alias is answered there from its n-th lookup on, n
-being the contributors that a reliable consensus needs; the lookups before go to the functions.
+Lookups are a Poisson process. Cameras are asked for by Zipf's law, each under many labels and platforms, and
+these by Zipf's law again. Edge locations share nothing and keep a response for five minutes: an address that
+is asked for at the rate r there hits with the probability r T / (1 + r T).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibdb.settings import Thresholds
-
-CAMERAS, ALIASES, LOOKUPS = 2_000, 40, 1_000_000
-TTL_S = 300.0  # seconds for which a location keeps an answer: s-maxage
+CAMERAS, ALIASES = 2_000, 40
+TTL_S = 300.0  # s for which a location keeps a response: s-maxage
 MONTH_S = 730 * 3600.0
-#: USD for the million lookups of a month in which the aliases are known
-MAX_MONTH_USD = 1.50
-_SIMULATION_SEED = 17
-_GB = 1e9
+HIT_RATE = 0.8
+"""Hit rate for which the price of a million lookups is stated."""
+MAX_EDGE_USD = 1.50
+"""USD for a million lookups at that hit rate."""
 
 
-@dataclass(frozen=True)
-class Month:
-    """Lookups of a month: all, those that a location had the answer to, those by functions, new aliases."""
-
-    lookups: int
-    hits: int
-    by_function: int
-    new_aliases: int
-
-    @property
-    def fetches(self) -> int:
-        """Requests of the edge to the bucket, those for answers that are not there included."""
-        return self.lookups - self.hits
+def hit_rate(lookups: float, locations: int) -> float:
+    """Compute the share of so many lookups per month that the edge answers from its caches."""
+    share = np.multiply.outer(np.multiply.outer(_zipf(CAMERAS), _zipf(ALIASES)), _zipf(locations))
+    expected = share * (lookups / MONTH_S * TTL_S)
+    return float((share * expected / (1 + expected)).sum())
 
 
-def simulate(locations: int, *, known: bool, lookups: int = LOOKUPS, seed: int = _SIMULATION_SEED) -> Month:
-    """Simulate a month.
+def lookups_for(rate: float, locations: int) -> float:
+    """Compute the lookups per month from which on the hit rate is at least `rate`."""
+    low, high = 1.0, 1e12
+    while high / low > 1.01:
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if hit_rate(middle, locations) < rate else (low, middle)
+    return high
+
+
+def price(asked: float, cached: float, rate: float = HIT_RATE) -> float:
+    """Price a million lookups, USD.
 
     Parameters
     ----------
-    locations
-        Edge locations, which share nothing and have users by Zipf's law.
-    known
-        Whether every alias was written down in earlier months.
-    lookups
-        Spread evenly over the month.
-    seed
-        Of the random numbers.
+    asked, cached
+        Price of a million that CloudFront forwards to the function, and that it answers from its cache.
+    rate
+        Share of the latter.
     """
-    rng = np.random.default_rng(seed)
-    cameras, aliases, places = (_zipf(rng, n, lookups) for n in (CAMERAS, ALIASES, locations))
-    times = np.sort(rng.uniform(0, MONTH_S, lookups))
-    needed = 0 if known else Thresholds().min_contributors
-    asked = np.zeros(CAMERAS * ALIASES, dtype=np.int64)
-    kept_until: dict[int, float] = {}
-    hits = by_function = 0
-    for name, place, now in zip((cameras * ALIASES + aliases).tolist(), places.tolist(), times, strict=True):
-        asked[name] += 1
-        if asked[name] <= needed:
-            by_function += 1
-            continue
-        key = name * locations + place
-        if kept_until.get(key, -1.0) >= now:
-            hits += 1
-        else:
-            kept_until[key] = now + TTL_S
-    new = 0 if known else int((asked >= needed).sum())
-    return Month(lookups, hits, by_function, new)
+    return (1 - rate) * asked + rate * cached
 
 
-@dataclass(frozen=True)
-class MeasuredCosts:
-    """Measured prices and sizes that a month is made of.
-
-    Attributes
-    ----------
-    by_function_usd
-        Of a lookup that a function answers, CloudFront's part included.
-    alias_usd
-        Of writing down an alias.
-    sent
-        Bytes of an answer's body. CloudFront compresses none of less than a thousand.
-    """
-
-    by_function_usd: float
-    alias_usd: float
-    sent: float
+def report(asked: float, cached: float, locations: int) -> Iterator[str]:
+    """Yield price and hit rate line by line; parameters as of `price`."""
+    usd = price(asked, cached)
+    yield f"a million lookups at the edge, {HIT_RATE:.0%} cached: {usd:.2f} USD, at most {MAX_EDGE_USD:.2f}"
+    yield f"  modelled: {CAMERAS:,} cameras of {ALIASES} aliases by Zipf's law, {locations} locations:"
+    for lookups in (1e6, 1e7, 1e8, 1e9):
+        rate = hit_rate(lookups, locations)
+        usd = price(asked, cached, rate)
+        yield f"  {lookups:>13,.0f} lookups per month: {rate:5.1%} cached, {usd:.2f} USD per million"
+    yield f"  {HIT_RATE:.0%} from {lookups_for(HIT_RATE, locations):,.0f} lookups per month"
 
 
-def price_month(month: Month, measured: MeasuredCosts, prices: Mapping[str, Any]) -> dict[str, float]:
-    """Price a month; USD by kind of cost. `prices`: list prices and assumptions."""
-    size = measured.sent + prices["assumed"]["edge_header_bytes"]
-    return {
-        "edge requests": month.lookups * prices["cloudfront_request"],
-        "edge transfer": month.lookups * size / _GB * prices["cloudfront_gb"],
-        "fetches from the bucket": month.fetches * prices["s3_get"],
-        "lookups by functions": month.by_function * measured.by_function_usd,
-        "new aliases": month.new_aliases * measured.alias_usd,
-    }
-
-
-def report(measured: MeasuredCosts, prices: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the first month of a deployment and a later one, line by line."""
-    locations = prices["assumed"]["edge_locations"]
-    alone = LOOKUPS * measured.by_function_usd
-    yield f"simulated: {LOOKUPS:,} lookups, {CAMERAS:,} cameras of {ALIASES} aliases, {locations} locations"
-    for what, known in (("the first month", False), ("a later month", True)):
-        month = simulate(locations, known=known)
-        parts = price_month(month, measured, prices)
-        bound = f", at most {MAX_MONTH_USD:.2f}" if known else ""
-        yield f"{what}: {sum(parts.values()):.2f} USD{bound}; {alone:.2f} by functions alone"
-        shares = (
-            f"{month.hits / month.lookups:.1%} cached",
-            f"{month.by_function / month.lookups:.1%} by functions",
-        )
-        yield f"  {', '.join(shares)}"
-        for part, usd in parts.items():
-            yield f"  {part:28} {usd:.6f}"
-
-
-def later_month_usd(measured: MeasuredCosts, prices: Mapping[str, Any]) -> float:
-    """Compute the price of a month in which every alias is known, USD."""
-    month = simulate(prices["assumed"]["edge_locations"], known=True)
-    return sum(price_month(month, measured, prices).values())
-
-
-def _zipf(rng: np.random.Generator, count: int, size: int) -> NDArray[np.int64]:
-    weights = 1.0 / np.arange(1, count + 1)
-    return rng.choice(count, size, p=weights / weights.sum()).astype(np.int64)
+def _zipf(count: int) -> NDArray[np.float64]:
+    weights: NDArray[np.float64] = 1.0 / np.arange(1, count + 1)
+    weights /= weights.sum()
+    return weights

@@ -28,7 +28,7 @@ class FixedCost:
 
 
 def fixed_costs(prices: Mapping[str, Any]) -> list[FixedCost]:
-    """Price a month of the deployment with the default parameters, without any request."""
+    """Price a month of the deployment with the default parameters, without any request or the firewall."""
     return [cost for cost in _items(prices) if cost.usd > 0]
 
 
@@ -45,8 +45,25 @@ def places(*names: str) -> tuple[str, ...]:
 
 def custom_metrics() -> list[str]:
     """List the metrics that functions publish; those that are also counted by reason once for each."""
-    reasoned = [f"{name} {reason}" for name in metrics.REASONED for reason in get_args(Refusal)]
+    reasoned = [
+        f"{name} {reason}"
+        for name in metrics.REASONED
+        for reason in get_args(Refusal)
+        if reason not in metrics.RARE
+    ]
     return [*metrics.UNITS, *reasoned]
+
+
+def firewall(prices: Mapping[str, Any]) -> FixedCost:
+    """Price a month of the firewall, without any request."""
+    ((name, acl),) = (
+        (name, resource["Properties"])
+        for file in TEMPLATES
+        for name, resource in parse(ROOT / file)["Resources"].items()
+        if resource["Type"] == "AWS::WAFv2::WebACL"
+    )
+    usd = prices["web_acl_month"] + len(acl["Rules"]) * prices["web_acl_rule_month"]
+    return FixedCost("firewall", usd, places(name))
 
 
 def _items(prices: Mapping[str, Any]) -> Iterator[FixedCost]:
@@ -76,9 +93,6 @@ def _items(prices: Mapping[str, Any]) -> Iterator[FixedCost]:
         detailed = api["DefaultRouteSettings"].get("DetailedMetricsEnabled", False)
         usd = routes * _METRICS_OF_A_ROUTE * prices["metric_month"] if detailed else 0.0
         yield FixedCost("metrics of routes", usd, places(name))
-    for name, acl in of_type("AWS::WAFv2::WebACL").items():
-        usd = prices["web_acl_month"] + len(acl["Rules"]) * prices["web_acl_rule_month"]
-        yield FixedCost("firewall", usd if parameters["WafRate"] else 0.0, places(name))
     for name, table in of_type("AWS::DynamoDB::Table").items():
         recovery = table["PointInTimeRecoverySpecification"]["PointInTimeRecoveryEnabled"]
         gb = prices["dynamodb_gb_month"] + recovery * prices["dynamodb_recovery_gb_month"]

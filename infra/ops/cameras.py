@@ -96,7 +96,7 @@ def detail(context: OpsContext, camera_key: str) -> CameraDetail:
     modes: dict[StreamMode, list[tuple[CalibrationDocument, bool]]] = {}
     for document, withdrawn in found:
         modes.setdefault(reindex.mode_of(document), []).append((document, withdrawn))
-    newest = found[-1][0]
+    newest = max((document for document, _ in found), key=lambda document: document.time)
     return CameraDetail(
         # Stored before labels were cleaned, it may hold what a terminal would obey.
         visible(newest.camera),

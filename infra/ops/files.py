@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from calibdb.rules.calibration_file import FormError, parse
 from calibsolver import CalibrationError
 from calibsolver.formats import ImportedFile
 from calibsolver.formats.reader_options import ReaderOptions
-from calibsolver.formats.reading import READERS, is_text_kind
+from calibsolver.formats.reading import read_bytes
 from infra.ops.errors import OpsError
 
 _MAX_JSON_BYTES = 64 * 2**20  # bytes; keypoints make files large
@@ -20,12 +19,9 @@ def read_file(path: Path, options: ReaderOptions = ReaderOptions()) -> ImportedF
     Raises OpsError, which says what is wrong with it.
     """
     try:
-        parsed = parse(_bytes(path), path.suffix, is_text_kind)
-        return READERS[parsed.form](parsed.content, options)
-    except (CalibrationError, FormError) as error:
+        return read_bytes(_bytes(path), path.suffix, options)
+    except CalibrationError as error:
         raise OpsError(f"{path}: {error}") from error
-    except RecursionError:
-        raise OpsError(f"{path}: nested too deeply") from None
 
 
 def _bytes(path: Path) -> bytes:

@@ -15,6 +15,7 @@ from calibdb.schema import Board, CalibrationDocument, FitRecord, PriorDocument,
 from calibdb.schema.licence import Licence
 from calibdb.schema.session import SetAside
 from calibsolver import CalibrationError, Camera, View, fit, models
+from calibsolver.fitting.coverage import Coverage, record_covered
 from calibsolver.formats import ImportedFile
 from calibsolver.formats.grid import grid
 from calibsolver.formats.reader_options import ReaderOptions
@@ -156,7 +157,9 @@ def _document(
                 for i in range(len(ours))
                 if i not in kept
             ),
-            fits={chosen: FitRecord.model_validate(calibration.record())},
+            fits={
+                chosen: FitRecord.model_validate(record_covered(calibration, Coverage.of(calibration, ours)))
+            },
             report=describe(calibration, ours),
             solver=calibsolver.FIT_VERSION,
             contributor=f"import-{digest[:12]}",

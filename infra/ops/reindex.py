@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from calibdb.access.plans import TRIAL_PERIOD_S
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
-from calibdb.rules import session_rules
+from calibdb.rules import session_result
 from calibdb.schema import CalibrationDocument, RefitRequest
 from calibdb.store import (
     Calibrations,
@@ -171,7 +171,7 @@ def publish_finished(context: OpsContext, *, dry_run: bool = False) -> int:
         finish = session.finish
         if finish is not None and context.store.calibrations.get(finish.calibration_id) is None:
             if not dry_run:
-                context.store.calibrations.publish(session_rules.to_calibration(session))
+                context.store.calibrations.publish(session_result.to_calibration(session))
             published += 1
     return published
 

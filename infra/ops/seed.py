@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.schema import FitRecord, PriorDocument
-from calibsolver import models
+from calibsolver import Camera, models
 from infra.ops.context import OpsContext
 from infra.ops.errors import OpsError
 
@@ -169,4 +169,5 @@ def _number(text: str) -> float:
 
 
 def _focal(row: _Row) -> float:
-    return row.fit.camera_matrix[0][0]
+    """Pixels per radian at the axis: of omnidirectional fits of one lens, fx differs with xi."""
+    return float(Camera.from_record(row.fit.model_dump()).focal[0])

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from calibdb.access.tokens import SessionIds, contributor
 from calibdb.camera_key import current_key
-from calibdb.rules.session_rules import calibration_name
+from calibdb.rules.session_result import calibration_name
 from calibdb.schema import CalibrationDocument, RigDocument, SessionDocument
 from calibdb.store import StreamMode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
@@ -19,7 +19,7 @@ from infra.ops.errors import OpsError
 from infra.ops.public_dump import replace_dumps
 
 _MIN_DIGITS = 12  # hex digits of a contributor that name one
-_NAME_DIGITS = 20  # of a calibration's id, after the camera's key
+_HASH_DIGITS = 12  # at the end of a calibration's id; earlier ids have another time before them
 _MAX_VERSIONS = 1_000  # of a session that was started anew
 
 
@@ -92,11 +92,11 @@ def find_contributors_by_receipt(context: OpsContext, receipt: str) -> set[str]:
     sid = SessionIds(context.settings.session_secrets, lambda: context.now).sid_of(receipt.strip())
     if sid is None:
         raise OpsError("no key of SESSION_SECRETS has signed this receipt: it is forged, or the key is gone")
-    names = {calibration_name(sid, version) for version in range(1, _MAX_VERSIONS + 1)}
+    hashes = {calibration_name(sid, version)[-_HASH_DIGITS:] for version in range(1, _MAX_VERSIONS + 1)}
     found = {
         document.contributor
         for document in context.store.calibrations.all()
-        if document.id[-_NAME_DIGITS:] in names
+        if document.id[-_HASH_DIGITS:] in hashes
     }
     sessions = (one for one in context.store.sessions.all() if one.session == sid)
     found |= {who for session in sessions for who in _contributors_of(session)}

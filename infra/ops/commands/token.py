@@ -95,6 +95,16 @@ def count_made(as_json: Json = False) -> None:
         run.output.value([{"day": day, "tokens": count} for day, count in days])
 
 
+@app.command("sweep")
+def sweep_tokens(dry_run: DryRun = False) -> None:
+    """Remove trial tokens that expired unused, a week after their end."""
+    with open_run() as run:
+        store = run.context.store.tokens
+        orphans = store.orphans(run.context.now)
+        count = len(orphans) if dry_run else store.remove(orphans)
+        run.output.line(f"{count} trial tokens {'would be ' if dry_run else ''}removed")
+
+
 @app.command("revoke")
 def revoke_token(token_id: TokenId, dry_run: DryRun = False, yes: Yes = False) -> None:
     """Revoke a token for good, within a minute."""

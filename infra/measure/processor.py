@@ -1,0 +1,70 @@
+"""Processor time of a computation here, relative to the machine on which the limits of requests were set.
+
+`python -m infra.measure.processor` prints the factor for the parameter `ProcessorFactor`; with `--check` it
+fails if the template's default is less than this processor needs. A virtual processor of Lambda is slower
+than a core of a machine of the same kind: `SHARE_OF_A_CORE` is an assumption, which no run on AWS confirms.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from calibsolver import Board, View, fit
+from infra.deploy.package import ROOT
+from infra.local.intrinsics import parse
+from infra.measure.load_test import observe_board
+
+REFERENCE_S = 0.066
+"""Processor time of `workload` on the machine on which `calibdb.http.call.MAX_COMPUTE_S` was set, s."""
+SHARE_OF_A_CORE = 0.8
+_RUNS = 15
+_IMG_SIZE = (1280, 720)
+
+
+def workload() -> None:
+    """Fit the views of twenty captures, as `submit` and `refit` do."""
+    board = Board()
+    for seed in range(20):
+        views = [View(board.points[ids], np.array(points)) for ids, points in observe_board(seed)]
+        fit(views, _IMG_SIZE)
+
+
+def measure(compute: Callable[[], None] = workload, runs: int = _RUNS) -> float:
+    """Measure the least processor time of several runs, s."""
+    times = []
+    for _ in range(runs):
+        begun = time.process_time()
+        compute()
+        times.append(time.process_time() - begun)
+    return min(times)
+
+
+def factor(seconds: float) -> float:
+    """Compute the factor of Lambda from the processor time of the workload on a core like its own."""
+    return seconds / REFERENCE_S / SHARE_OF_A_CORE
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Print the factor; with `--check` return 1 if the template's default is less."""
+    parser = argparse.ArgumentParser(prog="python -m infra.measure.processor")
+    parser.add_argument("--check", action="store_true", help="fail if the template's default is less")
+    checked = parser.parse_args(arguments).check
+    seconds = measure()
+    default = float(parse(ROOT / "template.yaml")["Parameters"]["ProcessorFactor"]["Default"])
+    print(
+        f"{seconds:.4f} s of processor time, {seconds / REFERENCE_S:.2f} of the reference's {REFERENCE_S} s"
+    )
+    print(f"ProcessorFactor {factor(seconds):.2f}, by default {default}")
+    if checked and factor(seconds) > default:
+        print("calibDB: raise ProcessorFactor in template.yaml", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
