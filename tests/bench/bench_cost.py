@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 import yaml
 
-from infra.measure.cost import MAX_FIXED_USD, MAX_USD, measure, price_of
+from infra.measure import edge_month
+from infra.measure.cost import LOOKUPS, MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of
 from infra.measure.fixed_costs import fixed_costs
 from infra.measure.usage import PRICES
 from tests.bench.table import Row
@@ -12,8 +13,11 @@ from tests.bench.table import Row
 
 def rows() -> Iterator[Row]:
     prices = yaml.safe_load(PRICES.read_text())
-    for name, use in measure().items():
+    uses = measure()
+    for name, use in uses.items():
         total = sum(price_of(name, use, prices).values())
         yield Row(f"price of {name}", total, MAX_USD[name], "USD", "list prices")
+    edge = edge_month.price(*at_edge(uses[LOOKUPS], prices))
+    yield Row("price of a million lookups, 80 % cached", edge, edge_month.MAX_EDGE_USD, "USD", "list prices")
     fixed = sum(cost.usd for cost in fixed_costs(prices))
     yield Row("price of a month without requests", fixed, MAX_FIXED_USD, "USD", "list prices")

@@ -3,19 +3,21 @@
 import time
 import tracemalloc
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 from unittest import mock
 
 import cv2
 import numpy as np
 
-from calibsolver import Board, Camera, View, fit, guidance, rotation
+from calibsolver import Board, CalibrationError, Camera, View, fit, guidance, rotation
 from calibsolver.capture import Capture
 from calibsolver.consensus.pooling import Member, pool
 from calibsolver.fitting import robust_covariance
 from calibsolver.fitting.fit import _Fit
 from calibsolver.guidance import overlay
-from tests.bench.table import Row, p50, ratio
+from tests.bench import corners
+from tests.bench.table import Row, least_times, p50, ratio
 from tests.helpers import data
 from tests.helpers.solver import populations, synthetic
 
@@ -24,7 +26,7 @@ def rows() -> Iterator[Row]:
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
     try:
-        yield rectilinear(10, 0.6)
+        yield from real_corners()
         yield rectilinear(100, 0.7)
         for model in ("rectilinear", "fisheye", "rational"):
             yield covariance(model, 10)
@@ -37,6 +39,27 @@ def rows() -> Iterator[Row]:
         yield from convergence()
     finally:
         cv2.setNumThreads(threads)
+
+
+def real_corners() -> Iterator[Row]:
+    """Median and worst ratio of processor times over the real sets that the model fits."""
+    ratios = {}
+    for name in data.available(corners.NAMES):
+        views, size = data.corner_views(name)
+        objects = [v.object_points.astype(np.float32) for v in views]
+        images = [v.image_points.astype(np.float32) for v in views]
+        try:
+            fit(views, size)
+        except CalibrationError:
+            continue
+        mine, theirs = least_times(
+            partial(fit, views, size), partial(cv2.calibrateCamera, objects, images, size, None, None)
+        )
+        ratios[name] = mine / theirs
+    note = ", ".join(f"{name} {value:.2f}" for name, value in ratios.items())
+    what = "fit, rectilinear, real corners, / cv2.calibrateCamera"
+    yield Row(f"{what}, median", float(np.median([*ratios.values()])), 0.6, "x", note)
+    yield Row(f"{what}, worst", max(ratios.values()), 1.1, "x", max(ratios, key=ratios.__getitem__))
 
 
 def rectilinear(count: int, budget: float) -> Row:
@@ -53,10 +76,10 @@ def rectilinear(count: int, budget: float) -> Row:
 
     ours = fit(views, camera.img_size)
     r, a, b = ratio(lambda: fit(views, camera.img_size), peer)
-    corners = sum(len(v) for v in views)
+    count = sum(len(v) for v in views)
     rms = f"rms {ours.avg_reprojection_error:.4f} and {peer():.4f} px"
-    note = f"{a:.1f} ms against {b:.1f} ms; {corners} corners; {rms}"
-    return Row(f"fit, rectilinear, {count} views, / cv2.calibrateCamera", r, budget, "x", note)
+    note = f"{a:.1f} ms against {b:.1f} ms; {count} corners; {rms}"
+    return Row(f"fit, rectilinear, {len(views)} views, / cv2.calibrateCamera", r, budget, "x", note)
 
 
 def spread(board: Board, camera: Camera, count: int, rng: np.random.Generator) -> list[View]:
@@ -107,9 +130,7 @@ def covariance(model: str, count: int) -> Row:
 
 
 def fisheye(name: str) -> Row:
-    corners = data.corner_set(name)
-    img_size = tuple(corners["image_size"])
-    views = [View(np.array(v["obj"], float), np.array(v["img"], float)) for v in corners["views"]]
+    views, img_size = data.corner_views(name)
     objects = [v.object_points[None] for v in views]
     images = [v.image_points[None] for v in views]
     flags = cv2.CALIB_RECOMPUTE_EXTRINSIC | cv2.CALIB_FIX_SKEW
@@ -126,9 +147,7 @@ def fisheye(name: str) -> Row:
 
 def omnidirectional(name: str) -> Row:
     """OpenCV's own takes many seconds to its optimum: once, and not warmed up."""
-    corners = data.corner_set(name)
-    img_size = tuple(corners["image_size"])
-    views = [View(np.array(v["obj"], float), np.array(v["img"], float)) for v in corners["views"]]
+    views, img_size = data.corner_views(name)
     objects = [v.object_points[None] for v in views]
     images = [v.image_points[None] for v in views]
     criteria = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 500, 1e-12)

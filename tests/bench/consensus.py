@@ -60,6 +60,11 @@ def poisoning(cameras: int) -> str:
         trials = [run_trial(i, variation) for i in track(range(number), f"variation {variation}", number)]
         rows.append(row(variation, trials))
         print(*rows[-1], flush=True)
+    for name, effort in attacks.EFFORTS.items():
+        number = int(cameras * 0.1)
+        trials = [run_trial(i, 0.001, effort) for i in track(range(number), name, number)]
+        rows.append(row(0.001, trials, f", attackers with {name}"))
+        print(*rows[-1], flush=True)
     return document.table(HEADER, rows)
 
 
@@ -77,21 +82,23 @@ class Outcome:
     by_honest: float | None
 
 
-def run_trial(number: int, variation: float) -> Outcome:
+def run_trial(number: int, variation: float, effort: attacks.Effort | None = None) -> Outcome:
     """Run the trial of this number, the same one every time."""
     rng, others = np.random.default_rng((7, number)), np.random.default_rng((8, number))
-    trial = attacks.trial(rng, attacks.KINDS[number % 4], int(rng.integers(5, 13)), variation, others=others)
+    trial = attacks.trial(
+        rng, attacks.KINDS[number % 4], int(rng.integers(5, 13)), variation, others=others, effort=effort
+    )
     clean = trial.clean.total < 5 or trial.clean.reliable
     spread = trial.attacked.spread if trial.attacked else 0.0
     return Outcome(clean, trial.reliable, trial.moved, spread, trial.by_honest)
 
 
-def row(variation: float, trials: Sequence[Outcome]) -> list[str]:
+def row(variation: float, trials: Sequence[Outcome], remark: str = "") -> list[str]:
     answered = [t for t in trials if t.reliable]
     moved = [t.moved for t in answered]
     scatter = [t.by_honest for t in trials if t.by_honest is not None]
     return [
-        f"{variation:.1%}",
+        f"{variation:.1%}{remark}",
         f"{len(trials):,}",
         f"{np.mean([t.clean for t in trials]):.1%}",
         f"{len(answered) / len(trials):.1%}",

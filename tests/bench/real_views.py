@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calibsolver import Board, Calibration, CalibrationError, Camera, View, fit, rotation
-from calibsolver.arrays import whitening
+from calibsolver.arrays import Array, whitening
 from calibsolver.camera import pixel_grid
 from calibsolver.fitting import prior
 from calibsolver.fitting.observations import Observations
@@ -38,9 +38,12 @@ MAX_NOISE_RATIO = 2.0
 Chooser = Callable[[Sequence[View], tuple[int, int], str, int], list[int]]
 
 
-def distance(one: Camera, other: Camera) -> float:
-    """Difference of two cameras' projections, px rms where both have rays; infinite for less than half."""
-    q = pixel_grid(one.img_size, (20, 15)).reshape(2, -1).T
+def distance(one: Camera, other: Camera, q: Array | None = None) -> float:
+    """Difference of two cameras' projections, px rms where both have rays; infinite for less than half.
+
+    `q` (n, 2): pixels at which they are compared; None: all over the image.
+    """
+    q = pixel_grid(one.img_size, (20, 15)).reshape(2, -1).T if q is None else q
     a, b = one.unproject(q), other.unproject(q)
     seen = np.isfinite(a[:, 0]) & np.isfinite(b[:, 0])
     if seen.mean() < 0.5:

@@ -102,6 +102,25 @@ def test_the_board_fills_the_window_where_there_is_no_full_screen(page: Page) ->
     page.locator("#frame:not(.filling)").wait_for()
 
 
+def test_back_closes_the_full_screen_and_not_the_page(page: Page) -> None:
+    page.add_init_script("delete Element.prototype.requestFullscreen")
+    page.goto("/privacy/")
+    page.goto("/board/")
+    for _ in range(2):
+        page.locator("#full-screen").click()
+        page.locator("#frame.filling").wait_for()
+        page.evaluate("history.back()")
+        page.locator("#frame:not(.filling)").wait_for()
+        assert page.url.endswith("/board/")
+    page.locator("#full-screen").click()
+    page.locator("#frame.filling").wait_for()
+    page.keyboard.press("Escape")
+    page.locator("#frame:not(.filling)").wait_for()
+    until(page, lambda: page.evaluate("!history.state?.isBoardFull"))
+    page.go_back()
+    assert page.url.endswith("/privacy/")
+
+
 def test_a_board_of_ones_own_is_the_same_on_both_pages(page: Page) -> None:
     page.add_init_script(BLIND_DETECTOR)
     page.goto("/calibrate/?squares=8x11&marker_ratio=0.75&dictionary=DICT_5X5_100")

@@ -251,3 +251,19 @@ def test_secrets_that_nothing_keeps_are_not_left_unasked(context: BrowserContext
     until(page, lambda: asked)
     assert asked == ["beforeunload"]
     expect(page.locator("#secret-api_token")).to_be_visible()
+
+
+def test_a_closed_question_is_gone_before_the_next_is_asked(page: Page) -> None:
+    """The event that removes it comes later than its closing."""
+    page.goto("/developers/")
+    dialogs = page.evaluate("""async () => {
+        const { askConfirmation } = await import("/developers/confirmation.js");
+        const question = { heading: "Revoke?", text: "For good.", yes: "Revoke for good" };
+        const first = askConfirmation(question);
+        document.querySelector("dialog").close();
+        const second = askConfirmation(question);
+        const count = document.querySelectorAll("dialog").length;
+        document.querySelector("dialog button[value=yes]").click();
+        return [count, await first, await second, document.querySelectorAll("dialog").length];
+    }""")
+    assert dialogs == [1, False, True, 0]

@@ -127,10 +127,19 @@ def test_a_camera_that_is_of_no_use_is_let_go(context: BrowserContext) -> None:
     page.locator("#start").dblclick()
     page.locator("#problem:not(:empty)").wait_for()
     assert page.evaluate("window.given.map((track) => track.readyState)") == ["ended"], "opened but once"
-    page.locator("#start").click()
-    page.locator("#problem a", has_text="Calibrate").wait_for()
-    assert page.evaluate("window.given.map((track) => track.readyState)") == ["ended", "ended"]
     expect(page.locator("#stage")).to_be_hidden()
+
+
+def test_an_unknown_camera_is_drawn_over_with_its_estimate(page: Page) -> None:
+    page.add_init_script(GIVEN)
+    page.goto("/examples/three/")
+    page.locator("#start").click()
+    link = page.locator("#problem a", has_text="Calibrate")
+    link.wait_for()
+    expect(page.locator("#problem")).to_contain_text("drawn with an estimate, ±")
+    assert "return_to=" in (link.get_attribute("href") or "")
+    expect(page.locator("#stage")).to_be_visible()
+    assert page.evaluate("window.given.map((track) => track.readyState)") == ["live"]
 
 
 def offset(page: Page) -> float:

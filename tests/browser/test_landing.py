@@ -26,3 +26,35 @@ def test_a_lookup_answers_with_a_card_beside_the_counts_of_the_database(page: Pa
     assert page.evaluate(DRAWN) == still, "nothing moves for who asks for that"
     page.locator("#loop-toggle").click()
     page.wait_for_function(f"(before) => {DRAWN} !== before", arg=still)
+
+
+def test_an_unknown_camera_has_an_estimate_beside_the_way_to_calibrate_it(page: Page) -> None:
+    likely = {
+        "img_size": [1280, 720],
+        "camera_matrix": [[968.0, 0, 639.5], [0, 968.0, 359.5], [0, 0, 1]],
+        "distortion_model": "rectilinear",
+        "distortion_coefficients": [0, 0, 0, 0, 0],
+        "hfov_deg": 66.9,
+        "interval_90": {"hfov_deg": [64.4, 69.5]},
+        "basis": "published",
+        "sources": [
+            {"title": "A data sheet", "url": "https://sheets.example/c920"},
+            {"title": "No page", "url": "javascript:alert(1)"},
+        ],
+    }
+    page.add_init_script(CAMERA)
+    miss = {"calibration": None, "reason": "unknown_camera", "guidance_url": "/calibrate/", "detail": "None."}
+    answer(page, "**/v1/lookup", lambda: miss | {"estimate": likely})
+    answer(page, "**/v1/cameras?*", cameras)
+    page.goto("/")
+    page.locator("#look").click()
+    shown = page.locator(".estimate")
+    expect(shown).to_contain_text("Until then: an estimate")
+    expect(shown).to_contain_text("about 67°")
+    expect(shown).to_contain_text("64° to 70°")
+    expect(shown).to_contain_text("published values of this model")
+    expect(page.locator(".answer a.primary")).to_have_attribute("href", "/calibrate/")
+    addresses = shown.locator("a").evaluate_all("links => links.map((link) => link.getAttribute('href'))")
+    assert addresses == ["https://sheets.example/c920", "#"]
+    expect(shown).not_to_contain_text("{")
+    assert violations(page) == []

@@ -100,7 +100,7 @@ def test_no_frame_of_english_is_painted_for_who_reads_another_language(
     page.expose_function("shown", lambda text: shown.append(text))
     page.expose_function("painted", lambda spoken: painted.append(spoken))
     page.add_init_script(EVERY_FRAME)
-    page.route("**/opencv*", lambda route: route.abort())
+    page.route("**/*.wasm", lambda route: route.abort())
     session = context.new_cdp_session(page)
     session.send("Network.enable")
     session.send("Network.emulateNetworkConditions", LINE)

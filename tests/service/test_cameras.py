@@ -97,6 +97,7 @@ def test_badge_needs_no_credential_and_is_a_picture_whatever_is_asked(stack: Loc
         assert says in answer.body.decode(), path
         assert "<script" not in answer.body.decode()
         assert answer.headers["cache-control"] == "public, max-age=300"
+        assert answer.headers["x-content-type-options"] == "nosniff"
     assert client.call("POST", f"/badge/{key}/1280x720.svg").status == 405
 
 

@@ -44,6 +44,8 @@ def test_a_new_session_has_the_contracts_defaults(client: Client) -> None:
         "systematic": None,
         "calibration": None,
         "calibration_id": None,
+        "end": None,
+        "verdict": None,
         "advice": [],
         "suggested_model": None,
     }
@@ -173,11 +175,11 @@ def test_a_refused_view_changes_nothing(running: Client, change, reason: str) ->
     assert running.view(0, ids, points).json["accepted"]
 
 
-def test_the_same_place_again_brings_no_information(running: Client) -> None:
+def test_the_same_place_again_is_a_duplicate(running: Client) -> None:
     held = Truth().see(running.pose().json)
     assert running.view(0, *held).json["accepted"]
     again = running.view(1, *held).json
-    assert (again["accepted"], again["reason"]) == (False, "no_information")
+    assert (again["accepted"], again["reason"]) == (False, "duplicate")
 
 
 def test_undo_takes_a_view_back(running: Client) -> None:

@@ -91,6 +91,9 @@ def test_five_of_five_contributors_are_reliable(stack: LocalStack) -> None:
     found = pooled(stack, calibration("Five people", 0))
     assert found.calibration is not None
     assert (found.reliable, found.calibration.contributors) == (True, 5)
+    answer = Client(stack).lookup(camera="Five people", platform=PLATFORM).json
+    assert 0 < answer["uncertainty"]["inside"] <= 1.5
+    assert 0.5 < answer["uncertainty"]["covered"] <= 1
 
 
 @pytest.mark.parametrize("lie", [1045.0, 969.0, 960.0])
@@ -158,10 +161,17 @@ def test_honest_checks_confirm_no_wrong_calibration_however_noisy(
     assert (found.status, found.json["reason"]) == (307, "disagree")
 
 
-def test_imprecise_session_does_not_count(stack: LocalStack) -> None:
+def test_session_that_states_more_than_3_px_does_not_count(stack: LocalStack) -> None:
     camera = "A careless one"
     client = Client(stack, api_token=TOKENS[0], address="198.51.100.9")
-    state = Truth(seed=1).calibrate(client, camera=camera, platform=PLATFORM, target_error=100.0)
+    truth = Truth(seed=1, noise=0.5)
+    client.open(camera=camera, platform=PLATFORM, target_error=0.001)
+    for index in range(4):  # facing the camera, so that focal length and distance trade places
+        pose = {"rvec": [0.0, 0.0, 0.4 * index], "tvec": [-3.0 - 2 * (index % 2), -2.0 - index, 22.0]}
+        assert client.view(index, *truth.see(pose)).json["accepted"]
+    state = client.call("POST", "/v1/session/finish").json
+    assert (state["status"], state["end"]) == ("converged", "asked")
+    assert state["uncertainty"]["inside"] > 3
     document = store(stack).calibrations.get(str(state["calibration_id"]))
     assert document is not None, "it is kept, and its maker has it"
     answer = store(stack).refit.now(asked(mode_of(document), "rectilinear"))
@@ -194,7 +204,7 @@ def test_cropped_stream_is_not_compared_with_native_streams(stack: LocalStack) -
     pooled(stack, document)
     client = Client(stack, address=CHECKERS[0])
     client.session_id = client.call("POST", "/v1/auth", token=TOKENS[1]).json["session_id"]
-    views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=0), 3)]
+    views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=100), 3)]
     body = {**CAMERA, "camera": camera, "platform": PLATFORM, "views": views}
     cropped = client.call("POST", "/v1/checks", {**body, "resize_mode": "crop-and-scale"})
     assert cropped.status == 404

@@ -8,8 +8,9 @@ import pytest
 import yaml
 
 from infra.local.intrinsics import parse
-from infra.measure.cost import MAX_FIXED_USD, MAX_USD, measure, price_of, report
-from infra.measure.fixed_costs import ROOT, fixed_costs
+from infra.measure import edge_month
+from infra.measure.cost import MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of, report
+from infra.measure.fixed_costs import ROOT, firewall, fixed_costs
 from infra.measure.usage import PRICES, Usage, price, price_at_edge, price_preflights, read_units, write_units
 from tests.helpers.service.storage_calls import lasting_tokens
 
@@ -34,6 +35,8 @@ def test_a_lookup_and_a_calibration_are_affordable() -> None:
     parts = price_of("a million lookups", lookup, prices)
     # One in twenty asks first whether it may; each of these is at least a request.
     assert parts["preflights"] >= 0.05
+    edge = at_edge(replace(lookup, gb_seconds=0.0), prices)
+    assert edge_month.price(*edge) <= 1.50 - 0.2 * MAX_COMPUTE_USD["a million lookups"]
     every_line_names_its_place(report(uses, prices, fixed_costs(prices)))
     assert calibration.kept > 1000
     assert calibration.puts >= 3
@@ -56,8 +59,22 @@ def test_fixed_costs_are_bounded_and_the_budget_is_above_them() -> None:
     assert 5 < total <= MAX_FIXED_USD == 12.0
     assert all(cost.places for cost in costs)
     budget = parse(ROOT / "template.yaml")["Parameters"]["MonthlyBudget"]["Default"]
-    assert 0.8 * budget > 2 * total  # it rings at 80 %
+    with_firewall = total + firewall(prices).usd
+    assert with_firewall <= MAX_FIXED_USD + 6.0
+    assert 0.8 * budget > 2 * with_firewall  # it rings at 80 %
     assert {"dashboard", "ServerErrorAlarm", "index and its recovery"} <= {cost.what for cost in costs}
+
+
+def test_more_lookups_are_cached_more_often() -> None:
+    rates = [edge_month.hit_rate(lookups, 13) for lookups in (1e5, 1e6, 1e8, 1e12)]
+    assert rates == sorted(rates)
+    assert rates[0] < 0.02
+    assert rates[-1] > 0.95
+    # One address at one location, asked for once in the time for which it is kept
+    assert edge_month.hit_rate(edge_month.MONTH_S / edge_month.TTL_S, 1) < 0.5
+    enough = edge_month.lookups_for(edge_month.HIT_RATE, 13)
+    assert edge_month.hit_rate(enough, 13) >= edge_month.HIT_RATE > edge_month.hit_rate(0.9 * enough, 13)
+    assert edge_month.MAX_EDGE_USD == 1.50
 
 
 def test_every_price_has_a_source_and_a_date() -> None:

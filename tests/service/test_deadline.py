@@ -1,17 +1,22 @@
 """Deadline of a request: where the budget of time ends, the answer says so and nothing is half done."""
 
+import json
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from starlette.requests import Request
 
+from calibdb.access.plans import PLANS
 from calibdb.errors import ConflictError, UnavailableError
 from calibdb.http import call as calls
 from calibdb.http.call import Call
+from calibdb.rules.rig_state import Rig
+from calibdb.service import Service
 from infra.local import LocalStack
 from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.rigs import RigTruth
+from tests.helpers.service.strangers import standing_clock
 
 
 @pytest.fixture(scope="module")
@@ -84,17 +89,47 @@ def test_rig_that_takes_too_long_is_a_conflict_and_stays(
 ) -> None:
     rig = RigTruth(stack, seed=3).open()
     rig.moment("m0")
+    rig.moment("m1")
     with monkeypatch.context() as patch:
         patch.setattr(calls, "MAX_RIG_COMPUTE_S", 0.0)
         for answer in (rig.call("GET"), rig.call("POST", "/finish")):
             assert (answer.status, answer.json["type"].rpartition("#")[2]) == (409, "too-slow")
+    undone = rig.call("DELETE", "/moments/m1")
+    assert undone.status == 200, undone.body
     assert [moment["positions"] for moment in rig.state()["moments"]] == [[0, 1]]
 
 
-def made(remaining_ms: int, used_s: float) -> Call:
+def test_rig_that_took_too_long_is_charged_as_a_view_and_not_computed_by_every_read(
+    stack: LocalStack, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    computed: list[str] = []
+    solver_record = Rig.solver_record
+
+    def counted(rig: Rig, basis: str) -> dict[str, Any]:
+        computed.append(basis)
+        return solver_record(rig, basis)
+
+    monkeypatch.setattr(Rig, "solver_record", counted)
+    with standing_clock(plans={**PLANS, "development": PLANS["page"]}) as clock:
+        quotas = Service.of(stack.environment).store.quotas
+        rig = RigTruth(stack, seed=4).open()
+        rig.moment("m0")
+        for bound, status, times in ((0.0, 409, 1), (5.2, 409, 0)):
+            monkeypatch.setattr(calls, "MAX_RIG_COMPUTE_S", bound)
+            computed.clear()
+            before = quotas.used("dev", int(clock()))["views"]
+            assert [rig.call("GET", position=n % 2).status for n in range(6)] == [status] * 6
+            pose = rig.clients[1].call("GET", "/v1/session/pose", headers={"accept": "application/json"})
+            assert pose.status == status
+            assert len(computed) == times
+            assert quotas.used("dev", int(clock()))["views"] - before == times
+
+
+def made(remaining_ms: int, used_s: float, factor: float = 1.0) -> Call:
     context = SimpleNamespace(get_remaining_time_in_millis=lambda: remaining_ms)
     request = Request({"type": "http", "headers": [], "aws.context": context})
-    service: Any = None
+    settings = SimpleNamespace(processor_factor=factor)
+    service: Any = SimpleNamespace(settings=settings, clock=lambda: 1.7e9)
     return Call(request, b"", service, processor_s=lambda: used_s, begun_s=0.0)
 
 
@@ -106,6 +141,26 @@ def test_time_left_is_the_lesser_of_processor_and_invocation(
     remaining_ms: int, used_s: float, left: float
 ) -> None:
     assert made(remaining_ms, used_s).seconds_left() == pytest.approx(left)
+
+
+@pytest.mark.parametrize(
+    ("remaining_ms", "used_s", "left"), [(29_000, 0.0, 2.8), (29_000, 4.0, 0.8), (3_500, 0.0, 1.0)]
+)
+def test_slower_processor_has_more_time_in_the_same_unit(
+    remaining_ms: int, used_s: float, left: float
+) -> None:
+    call = made(remaining_ms, used_s, factor=2.0)
+    assert call.seconds_left() == pytest.approx(left)
+    rig = made(29_000, used_s, factor=2.0).with_time_for_a_rig()
+    assert rig.seconds_left() == pytest.approx(5.2 - used_s / 2)
+
+
+def test_request_that_ran_out_of_time_is_counted(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
+    made(10_000, 2.8).out_of_time(ConflictError("too slow"))
+    assert json.loads(capsys.readouterr().out)["ComputeTimeouts"] == 1
 
 
 def test_request_about_a_rig_has_five_seconds_however_many_cameras() -> None:

@@ -109,13 +109,15 @@ def test_pages_have_strict_media_types(client: httpx.Client, path: str, kind: st
     assert response.headers["x-content-type-options"] == "nosniff"
 
 
-def test_scripts_may_not_eval_but_the_opencv_worker_may(client: httpx.Client) -> None:
+def test_no_script_may_evaluate_strings(client: httpx.Client) -> None:
     page = client.get("/").headers["content-security-policy"]
     assert "script-src 'self' 'wasm-unsafe-eval';" in page
     assert "'unsafe-eval'" not in page
-    assert "frame-ancestors 'none'" in page
+    for directive in ("frame-ancestors 'none'", "base-uri 'none'", "form-action 'self'", "object-src 'none'"):
+        assert directive in page.split("; "), directive
+    assert client.get("/").headers["cross-origin-opener-policy"] == "same-origin"
     worker = client.get("/lib/detector.worker.js").headers["content-security-policy"]
-    assert "script-src 'self' 'unsafe-eval' 'wasm-unsafe-eval';" in worker
+    assert worker == page
 
 
 def test_pages_of_other_origins_may_load_the_sdk_and_nothing_else(client: httpx.Client) -> None:

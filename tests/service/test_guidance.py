@@ -1,8 +1,8 @@
 """Guidance over HTTP: hints, excluded views, advice, the report, and the seed from other captures."""
 
 import json
+from typing import Any
 
-import boto3
 import numpy as np
 
 from calibdb.schema import SessionDocument
@@ -20,14 +20,8 @@ def store(stack: LocalStack) -> Store:
 
 def latest(stack: LocalStack, camera: str) -> SessionDocument:
     """The document of the one session of a camera."""
-    bucket, s3 = stack.environment["BUCKET_NAME"], boto3.client("s3")
-    names = [item["Key"] for item in s3.list_objects_v2(Bucket=bucket, Prefix="sessions/")["Contents"]]
-    found = {
-        name: SessionDocument.model_validate_json(s3.get_object(Bucket=bucket, Key=name)["Body"].read())
-        for name in names
-    }
-    versions = {int(name.split("/")[-1][:-5]): one for name, one in found.items() if one.camera == camera}
-    return versions[max(versions)]
+    [document] = [one for one in store(stack).sessions.all() if one.camera == camera]
+    return document
 
 
 def take(client: Client, truth: Truth, views: int) -> None:
@@ -49,18 +43,19 @@ def test_poses_have_hint_and_purpose(running: Client) -> None:
 
 def test_refusals_have_hints(running: Client) -> None:
     truth = Truth()
-    take(running, truth, 2)
+    first = truth.see(running.pose().json)
+    assert running.view(0, *first).json["accepted"]
     pose = running.pose().json
     ids, points = truth.see(pose)
     mirrored = [[1279 - x, y] for x, y in points]
     shuffled = [points[i] for i in np.random.default_rng(0).permutation(len(points))]
-    far = truth.see({"rvec": [0.0, 0, 0], "tvec": [-4.5, -3, 40.0]})
+    again = first
     before = running.state()
     for sent, reason, code in (
         ((ids[:4], points[:4]), "too_few_points", "show_more"),
         ((ids, mirrored), "mirrored", "unmirror"),
         ((ids, shuffled), "outlier", "hold_still"),
-        (far, "no_information", None),
+        (again, "duplicate", None),
     ):
         answer = running.view(pose["index"], *sent).json
         assert (answer["accepted"], answer["reason"]) == (False, reason)
@@ -110,11 +105,12 @@ def test_finished_capture_stores_its_report(stack: LocalStack, client: Client) -
     assert kept.report is not None
     report = json.loads(json.dumps(kept.report))
     assert report["verdict"]["level"] in ("good", "fair")
+    assert state["verdict"] == report["verdict"]
     assert np.array(report["error_map"]["px"]).shape == (15, 20)
     assert [view["index"] for view in report["views"]] == [view["index"] for view in state["views"]]
 
 
-def test_capture_ends_after_fifteen_views_with_advice(client: Client) -> None:
+def test_capture_ends_when_its_error_stops_falling(client: Client) -> None:
     client.open(camera="Camera never good enough", target_error=0.001)
     truth = Truth(seed=4)
     state = client.state()
@@ -123,11 +119,75 @@ def test_capture_ends_after_fifteen_views_with_advice(client: Client) -> None:
         state = client.view(pose["index"], *truth.see(pose)).json
         if state["status"] == "converged":
             break
-    assert state["status"] == "converged"
-    assert len(state["views"]) == 15
-    assert "limit_reached" in [advice["code"] for advice in state["advice"]]
-    assert state["progress"] == 1
+    assert (state["status"], state["end"], state["progress"]) == ("converged", "plateau", 1)
+    assert 10 <= len(state["views"]) < 15
+    assert all(view["on_target"] for view in state["views"][-3:])
     assert state["calibration_id"]
+
+
+def elsewhere(number: int) -> dict[str, Any]:
+    """A pose far from any target."""
+    rng = np.random.default_rng(number)
+    rvec, tvec = np.radians(25) * rng.normal(size=3), rng.uniform((-7, -4.5, 11), (-2, -1.5, 16))
+    return {"rvec": rvec.tolist(), "tvec": tvec.tolist()}
+
+
+def test_capture_off_the_target_ends_after_fifteen_views_with_advice(client: Client) -> None:
+    """A user who ignores the outline is refused duplicates only."""
+    client.open(camera="Camera off its targets", target_error=0.001)
+    truth = Truth(seed=4)
+    answers = []
+    for number in range(40):
+        pose = client.pose().json
+        answers.append(client.view(pose["index"], *truth.see(elsewhere(number))).json)
+        if answers[-1]["status"] == "converged":
+            break
+    state = answers[-1]
+    assert (state["status"], state["end"]) == ("converged", "limit")
+    assert len(state["views"]) == 15
+    assert not all(view["on_target"] for view in state["views"])
+    assert {answer["reason"] for answer in answers} <= {None, "duplicate"}
+    assert "limit_reached" in [advice["code"] for advice in state["advice"]]
+
+
+def test_six_duplicates_in_a_row_end_a_capture(client: Client) -> None:
+    client.open(camera="Camera on a shelf", target_error=0.001)
+    truth = Truth(seed=5)
+    take(client, truth, 4)
+    index, last = 4, truth.see(elsewhere(1))
+    assert client.view(index, *last).json["accepted"]
+    for number in range(5):
+        answer = client.view(index + 1, *last).json
+        assert (answer["reason"], answer["status"]) == ("duplicate", "capturing"), number
+    # An accepted view resets the count.
+    pose = client.pose().json
+    assert client.view(pose["index"], *truth.see(pose)).json["accepted"]
+    for _ in range(6):
+        answer = client.view(pose["index"] + 1, *last).json
+        assert (answer["accepted"], answer["reason"]) == (False, "duplicate")
+    assert (answer["status"], answer["end"]) == ("converged", "nothing_new")
+    assert answer["calibration_id"]
+    assert client.state()["calibration"]["id"] == answer["calibration_id"]
+
+
+def test_undo_cuts_the_course_of_a_capture(stack: LocalStack, client: Client) -> None:
+    camera = "Undone camera"
+    client.open(camera=camera, target_error=0.001)
+    truth = Truth(seed=5)
+    take(client, truth, 4)
+    last = truth.see(elsewhere(1))
+    assert client.view(4, *last).json["accepted"]
+    for _ in range(5):
+        assert client.view(5, *last).json["reason"] == "duplicate"
+    before = latest(stack, camera)
+    assert (before.duplicates, len(before.views)) == (5, 5)
+    assert all(view.stated for view in before.views[1:])
+    assert client.call("DELETE", "/v1/session/views/4").status == 200
+    after = latest(stack, camera)
+    assert (after.duplicates, len(after.views)) == (0, 4)
+    assert [view.stated for view in after.views] == [view.stated for view in before.views[:4]]
+    # What was undone may be shown again.
+    assert client.view(5, *last).json["accepted"]
 
 
 def test_capture_starts_from_a_reliable_consensus(stack: LocalStack, client: Client) -> None:
@@ -140,7 +200,7 @@ def test_capture_starts_from_a_reliable_consensus(stack: LocalStack, client: Cli
         fresh.open(camera=name, platform=PLATFORM, target_error=0.2)
         distances.append(fresh.pose().json["tvec"][2])
         assert fresh.state()["calibration"] is None
-    client.open(camera="Camera that nobody measured")
+    client.open(camera="Camera that nobody measured", platform=PLATFORM, target_error=0.2)
     # Through a wider lens the same picture is seen from nearer.
     assert distances[0] < 0.75 * client.pose().json["tvec"][2]
     assert distances[1] == client.pose().json["tvec"][2]

@@ -46,24 +46,30 @@ def test_misses_are_counted_by_camera_and_written_later(clock: Clock) -> None:
                 answer = client.lookup(camera=label, platform=LINUX, redirect=False)
                 assert answer.status == 404
 
-        ask(*[C920] * 3, "Cheap drugs (046d:0825)", "Buy it now! 12", "Integrated Camera")
-        stack.wait_until_idle(60)
-        assert not [pk for pk, _ in items(stack) if pk.startswith("ASKED#")], "no lookup writes"
+        def written() -> dict[str, int]:
+            stack.wait_until_idle(60)
+            return {
+                sk: int(i["asked"]["N"]) for (pk, sk), i in items(stack).items() if pk.startswith("ASKED#")
+            }
+
+        ask(C920)
+        assert written() == {f"CAMERA#{known.camera_key}": 1}, (
+            "an instance may not live to see a second report"
+        )
+        ask(*[C920] * 2, "Cheap drugs (046d:0825)", "Buy it now! 12", "Integrated Camera")
+        assert written() == {f"CAMERA#{known.camera_key}": 1}, "few lookups write"
         clock.ahead = REPORT_S + 1
         ask(C920)
-        stack.wait_until_idle(60)
-        written = {
-            sk: int(item["asked"]["N"]) for (pk, sk), item in items(stack).items() if pk.startswith("ASKED#")
-        }
-        assert written == {f"CAMERA#{known.camera_key}": 4, "CAMERA#usb#046d:0825": 1}
+        assert written() == {f"CAMERA#{known.camera_key}": 4, "CAMERA#usb#046d:0825": 1}
         assert store(stack).miss_counts.most(int(clock())) == [(known.camera_key, 4), ("usb#046d:0825", 1)]
         assert store(stack).miss_counts.most(int(clock()) + 92 * 86_400) == []
 
 
 def test_miss_counter_is_bounded() -> None:
     counter = MissCounter()
+    assert counter.count("usb#046d:0000", 0.0) == {"usb#046d:0000": 1}, "the first is reported at once"
     for n in range(3 * MAX_CAMERAS):
-        assert counter.count(f"usb#046d:{n:04x}", 0.0) == {}
+        assert counter.count(f"usb#046d:{n:04x}", 1.0) == {}
     reported = counter.count("usb#046d:0000", REPORT_S)
     assert (len(reported), reported["usb#046d:0000"]) == (MAX_CAMERAS, 2)
     assert counter.count("usb#046d:0000", REPORT_S + 1) == {}

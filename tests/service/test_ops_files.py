@@ -267,6 +267,35 @@ def test_contradictory_rows_seed_nothing(
         assert complaint in capsys.readouterr().err
 
 
+def test_fits_of_one_lens_with_other_xi_seed_one_camera(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """At the axis both have 800 px per radian."""
+    monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
+    file = tmp_path / "omni.csv"
+    file.write_text(
+        "brand,model,lens,w,h,fx,fy,cx,cy,xi,k1,k2,p1,p2\n"
+        "A,One camera,,1280,960,800,800,640,480,0,0,0,0,0\n"
+        "A,One camera,,1280,960,1600,1600,640,480,1,0,0,0,0\n"
+    )
+    assert (
+        main(
+            [
+                "seed",
+                str(file),
+                "--camera",
+                "{brand} {model}",
+                "--platform",
+                "p",
+                "--model",
+                "omnidirectional",
+            ]
+        )
+        == 0
+    )
+    assert "2 rows: 1 first guesses for 1 cameras" in capsys.readouterr().out
+
+
 def test_bundle_reports_bytes_per_camera(
     data_dir: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

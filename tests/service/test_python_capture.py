@@ -75,7 +75,7 @@ def captured(site: str) -> Captured:
 
 def test_service_guides_by_words_in_at_most_eight_views(served: str, captured: Captured) -> None:
     result = captured.result
-    assert result.verdict[0] == "converged"
+    assert result.verdict[0] in ("good", "fair")
     assert result.used <= 8
     assert captured.recording.board == Board()
     sigma = result.calibration.uncertainty["rms"]

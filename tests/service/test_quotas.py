@@ -1,6 +1,5 @@
 """Plans, as a caller meets them: 429 with the seconds to wait, and only for the token that is used up."""
 
-import functools
 import zlib
 from collections.abc import Iterator
 
@@ -12,9 +11,10 @@ from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store
+from calibdb.store.quotas import SHARDS
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, Answer, Client
-from tests.helpers.service.strangers import Time
+from tests.helpers.service.strangers import standing_clock
 
 SMALL = Plan(Allowance(3, 4, 5, 6), Allowance(3, 4, 5, 6))
 
@@ -23,11 +23,7 @@ SMALL = Plan(Allowance(3, 4, 5, 6), Allowance(3, 4, 5, 6))
 def small_plan() -> Iterator[None]:
     """A service that knows the small plan, too."""
 
-    @functools.cache
-    def make(settings: Settings) -> Service:
-        return Service.build(settings, Store.of(settings), Time(), plans=PLANS | {"small": SMALL})
-
-    with Service.override(make):
+    with standing_clock(plans=PLANS | {"small": SMALL}):
         yield
 
 
@@ -158,12 +154,17 @@ def test_a_revoked_token_ends_its_sessions(client: Client, store: Store, token: 
 
 def test_the_counters_expire(client: Client, stack: LocalStack, token: str) -> None:
     client.call("POST", "/v1/auth", token=token)
-    items = boto3.client("dynamodb").query(
-        TableName=stack.environment["TABLE_NAME"],
-        KeyConditionExpression="pk = :pk",
-        FilterExpression="sk <> :meta",
-        ExpressionAttributeValues={":pk": {"S": f"TOKEN#{token.split('_')[1]}"}, ":meta": {"S": "META"}},
-    )["Items"]
+    index = f"TOKEN#{token.split('_')[1]}"
+    items = [
+        item
+        for key in (index, *(f"{index}#{shard}" for shard in range(1, SHARDS)))
+        for item in boto3.client("dynamodb").query(
+            TableName=stack.environment["TABLE_NAME"],
+            KeyConditionExpression="pk = :pk",
+            FilterExpression="sk <> :meta",
+            ExpressionAttributeValues={":pk": {"S": key}, ":meta": {"S": "META"}},
+        )["Items"]
+    ]
     assert {item["sk"]["S"].partition("#")[0] for item in items} == {"QUOTA", "SHARE"}  # all, the contributor
     assert len(items) == 2
     assert all("ttl" in item and item["sessions"]["N"] == "1" for item in items)

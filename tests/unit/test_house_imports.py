@@ -11,8 +11,10 @@ ROOT = Path(__file__).parents[2]
 SOLVER = ROOT / "layers/solver/calibsolver"
 SERVICE = ROOT / "layers/service/calibdb"
 
-#: modules of the solver that belong to no package: the public values, of which these two know the models
-CAMERA = {"camera", "image_transform"}
+#: modules of the solver that belong to no package: the public values, of which these know the models
+CAMERA = {"camera", "image_transform", "undistortion"}
+#: modules that use a fit
+USES = {"circles", "locate", "plots"}
 VALUES = {"arrays", "board", "deadline", "errors", "phrasing", "rotation", "view"}
 _FITTED = {"values", "models", "camera", "fitting"}
 #: what each package of the solver may import, itself aside
@@ -21,6 +23,7 @@ SOLVER_ARROWS: dict[str, set[str]] = {
     "models": {"values"},
     "camera": {"values", "models"},
     "fitting": {"values", "models", "camera"},
+    "uses": _FITTED,
     "quality": _FITTED,
     "guidance": _FITTED,
     "consensus": _FITTED,
@@ -39,7 +42,8 @@ SERVICE_ARROWS: dict[str, set[str]] = {
     "rules": _RULED,
     "proof": _RULED,
     "store": _RULED | {"access", "rules"},
-    "lookup": _RULED | {"access", "rules", "store"},
+    "estimate": {"camera_key", "schema"},
+    "lookup": _RULED | {"access", "rules", "store", "estimate"},
     "dump": _RULED | {"access", "rules", "store", "lookup"},
     "service": _RULED | {"access", "rules", "store", "lookup"},
     "http": _RULED | {"access", "rules", "store", "lookup", "service"},
@@ -133,6 +137,8 @@ def part(name: str, top: str) -> str | None:
     first = name.split(".")[1]
     if top == "calibsolver" and first in VALUES | CAMERA:
         return "values" if first in VALUES else "camera"
+    if top == "calibsolver" and first in USES:
+        return "uses"
     return first
 
 
@@ -160,7 +166,7 @@ def test_service_packages_import_one_way() -> None:
 @pytest.mark.parametrize(
     ("root", "packages", "values"),
     [
-        (SOLVER, set(SOLVER_ARROWS) - {"values", "camera"}, VALUES | CAMERA),
+        (SOLVER, set(SOLVER_ARROWS) - {"values", "camera", "uses"}, VALUES | CAMERA | USES),
         (SERVICE, set(SERVICE_ARROWS) - {"errors", "settings", "service"}, {"errors", "settings", "service"}),
     ],
     ids=["solver", "service"],

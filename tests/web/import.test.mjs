@@ -155,3 +155,13 @@ test("a table of corners is read once its board is known", () => {
   assert.equal(squaresIn("a.png 1 2\n"), null);
   assert.ok(isTable("# c\n\na.png - -\n") && !isTable("a: 1\n") && !isTable("%YAML:1.0\n---\n"));
 });
+
+test("measurements of a practice run are refused, whatever the file; its camera is read", () => {
+  const views = seen();
+  const named = { observations: JSON.parse(photonVision(views)).observations.map((each, n) => ({ ...each, snapshotName: `calibDB virtual camera, view ${n}` })) };
+  refused("practice", () => read(photonVision(views, named)));
+  refused("practice", () => read("# calibDB virtual camera\n# filename x y\na.png 1.0 2.0 1.0\n"));
+  refused("practice", () => read("# calibDB virtual camera\n{ 'lensmodel': 'LENSMODEL_OPENCV5', 'optimization_inputs': b'abc' }"));
+  assert.equal(read('{"name": "calibDB virtual camera", "K": [[900, 0, 640], [0, 900, 360], [0, 0, 1]]}').kind, "guess");
+  assert.equal(read(photonVision(views)).kind, "keypoints");
+});

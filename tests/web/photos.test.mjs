@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { UnreadableError } from "../../web/photos/files.js";
 import { cameraName, readExif, unturned } from "../../web/photos/exif.js";
 import { groups } from "../../web/photos/group.js";
+import { questionOf } from "../../web/photos/likely.js";
 import { sortByGain, rankByNovelty } from "../../web/lib/rank.js";
 import { calibrate } from "../../web/lib/series.js";
 
@@ -149,15 +150,33 @@ test("what was used is shown first, in the order in which the error fell", () =>
   assert.deepEqual(sortByGain(["a", "b", "c", "d", "e"], (name) => judgements[name]), ["e", "d", "b", "a", "c"]);
 });
 
-test("views that do not lead far enough are not stored; what would help is asked for", async () => {
-  const { api, calls } = service({ reached: [9, 7, 5, 4] });
+test("a poor result is kept for its maker", async () => {
+  const { api, calls } = service({ reached: [9, 7, 5, 40] });
   const { state, wanted } = await calibrate(api, "t", request, views, () => {});
-  assert.equal(state.calibration_id, null);
+  assert.equal(state.calibration_id, "id");
   assert.deepEqual(wanted, { index: 4 });
+  assert.ok(calls.includes("POST /session/finish"));
+});
+
+test("views that are too few are not stored; what would help is asked for", async () => {
+  const { api, calls } = service({ reached: [9, 7, 5] });
+  const { state, wanted } = await calibrate(api, "t", request, views.slice(0, 3), () => {});
+  assert.equal(state.calibration_id, null);
+  assert.deepEqual(wanted, { index: 1 });
   assert.ok(!calls.includes("POST /session/finish"));
 });
 
 test("a file that cannot be read is told apart by its name where it has no type", () => {
   const codes = [["a.HEIC", ""], ["b.nef", "image/x-nikon-nef"], ["c.mov", ""], ["d.webm", "video/webm"], ["e.jpg", "image/jpeg"], ["f.txt", "text/plain"]];
   assert.deepEqual(codes.map(([name, type]) => new UnreadableError({ name, type }).code), ["heic", "raw", "video", "video", "image", "other"]);
+});
+
+test("the first photograph that names its camera is asked for, with what it reports", () => {
+  const nameless = { name: "a", camera: "", focal: 0, kind: "photographs", size: [640, 480], ids: [], points: [], outline: null };
+  const phone = { ...nameless, name: "b", camera: "Apple iPhone 13", focal: 5.1, focal35: 26, size: [4032, 3024] };
+  assert.equal(questionOf([nameless, { ...phone, kind: "video" }]), null);
+  assert.deepEqual(questionOf([nameless, phone]), {
+    camera: "Apple iPhone 13", platform: "photographs", img_size: [4032, 3024], zoom: 5.1, reported: { focal_35mm: 26 }, redirect: false, miss: "ok",
+  });
+  assert.equal("reported" in questionOf([{ ...phone, focal35: 0 }]), false);
 });

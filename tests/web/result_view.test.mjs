@@ -48,8 +48,10 @@ test("coverage counts cells of the picture", () => {
 });
 
 test("without a report the predicted error decides, relative to the picture", () => {
-  const at = (rms, width) => levelOf({ uncertainty: { rms, max: rms }, img_size: [width, 720] });
-  assert.deepEqual([at(0.3, 1280), at(0.3, 320), at(3, 1280)], ["good", "fair", "poor"]);
+  const at = (rms, width, more = {}) => levelOf({ uncertainty: { rms, max: rms, ...more }, img_size: [width, 720] });
+  assert.deepEqual([at(1, 1280), at(0.3, 320), at(3.1, 1280)], ["good", "fair", "poor"]);
+  assert.deepEqual([at(9, 1280, { inside: 1, covered: 0.4 }), at(9, 1280, { inside: 1.1, covered: 0.4 })], ["fair", "poor"]);
+  assert.equal(at(9, 1280, { inside: 0.3, covered: 0.05 }), "poor", "too little of the picture");
 });
 
 test("axes are numbered roundly", () => {

@@ -9,7 +9,7 @@ import { RigLink } from "../../web/rig/link.js";
 import { JoinError, enter } from "../../web/rig/membership.js";
 import { BLIND, answer, isReady, observeFrame, remoteHold, requiredHold } from "../../web/rig/moments.js";
 import { Outbox } from "../../web/rig/outbox.js";
-import { isAccurate, isAlone, isFinishable, silentPositions } from "../../web/rig/progress.js";
+import { isAlone, isComplete, isFinishable, silentPositions } from "../../web/rig/progress.js";
 import { boardInRig, relationOf, sceneOf } from "../../web/rig/relations.js";
 import { boardPose, cameraPose, setupAt } from "../../web/rig/scene.js";
 import { labelOfHalf, placeOf } from "../../web/rig/streams.js";
@@ -202,14 +202,18 @@ test("a stereo camera's picture is cut in halves, whose cameras have names of th
   assert.equal(labelOfHalf("ZED 2", null), "ZED 2");
 });
 
-test("a rig ends by itself when it is accurate, and no camera keeps silent", () => {
+test("a rig ends without a click when it is accurate or nothing more comes, and no camera keeps silent", () => {
   const cameras = [0, 1].map((position) => ({ position, status: "capturing", views: 4 }));
   const moment = (id, ...positions) => ({ id, positions });
   const state = { status: "capturing", cameras, unlinked: [], rms: 0.1, target_error: 0.3, uncertainty: { rms: 0.2 }, moments: [moment("a", 0, 1), moment("b", 0, 1)] };
-  assert.ok(isAccurate(state) && !isAlone(state));
+  assert.ok(isComplete(state, 0) && !isAlone(state));
   assert.deepEqual(silentPositions(state, [0]), []);
   assert.deepEqual(silentPositions({ ...state, moments: [moment("a", 0, 1), moment("b", 0), moment("c", 0)] }, [0]), [1]);
-  assert.ok(!isAccurate({ ...state, uncertainty: { rms: 0.31 } }));
+  const inaccurate = { ...state, uncertainty: { rms: 0.31 } };
+  assert.ok(!isComplete(inaccurate, 30_000));
+  assert.ok(isComplete(inaccurate, 30_001), "without another moment for 30 s it ends as it is");
+  assert.ok(isComplete({ ...inaccurate, moments: Array(20).fill(moment("a", 0, 1)) }, 0), "so it does with 20 moments");
+  assert.ok(!isComplete({ ...state, unlinked: [1] }, 60_000), "without a result there is nothing to end with");
   assert.ok(!isFinishable({ ...state, unlinked: [1] }));
   assert.ok(!isFinishable({ ...state, cameras: [cameras[0], { ...cameras[1], views: 3 }] }));
   assert.ok(isAlone({ ...state, cameras: [cameras[0], { ...cameras[1], status: "waiting" }] }));

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Api } from "../../web/lib/api.js";
-import { Calibration, LookupError, calibrate, cameraKey, lookup, platformHere, platformOf, returned, watch } from "../../web/sdk/calibdb.js";
+import { Calibration, Estimate, LookupError, calibrate, cameraKey, lookup, platformHere, platformOf, returned, watch } from "../../web/sdk/calibdb.js";
 
 const KEY = { camera: "C920 (046d:082d)", platform: "X11; Linux x86_64", img_size: [1280, 720], zoom: 0 };
 const KNOWN = {
@@ -9,6 +9,11 @@ const KNOWN = {
   distortion_model: "rectilinear", reliable: true, exact_size: true, spread: 0.2, uncertainty: { rms: 0.3, max: 0.9 },
 };
 const MISS = { status: 404, guidance_url: "https://calibdb.example/calibrate/?camera=x", reason: "too_few" };
+const NOTHING = { calibration: null, estimate: null, camera: null };
+const LIKELY = {
+  img_size: [1280, 720], camera_matrix: [[920, 0, 639.5], [0, 920, 359.5], [0, 0, 1]], distortion_coefficients: [0, 0, 0, 0, 0],
+  distortion_model: "rectilinear", hfov_deg: 69.6, interval_90: { hfov_deg: [66, 73.2] }, basis: "published", sources: [],
+};
 const API = "https://calibdb.example/v1";
 const json = (status, body, headers = {}) => new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json", ...headers } });
 /** A service that gives one answer after the other, the last for ever, and remembers what it was asked; its edge knows nothing. */
@@ -48,14 +53,46 @@ test("a known camera is answered with its calibration", async () => {
 
 test("a miss that is no error is answered as one is", async () => {
   const { options } = service(json(200, { calibration: null, ...MISS }));
-  assert.deepEqual(await lookup(KEY, options), { calibration: null, guidanceUrl: MISS.guidance_url, reason: "too_few" });
+  assert.deepEqual(await lookup(KEY, options), { ...NOTHING, guidanceUrl: MISS.guidance_url, reason: "too_few" });
+});
+
+test("an unknown camera has an estimate, which is the camera to draw with only if that is accepted", async () => {
+  const miss = json(200, { calibration: null, ...MISS, estimate: LIKELY });
+  const cautious = await lookup(KEY, service(miss).options);
+  assert.ok(cautious.estimate instanceof Estimate && !(cautious.estimate instanceof Calibration));
+  assert.deepEqual(JSON.parse(JSON.stringify(cautious.estimate)), LIKELY);
+  assert.deepEqual([cautious.calibration, cautious.camera], [null, null]);
+  const { calibration, camera, guidanceUrl } = await lookup(KEY, { ...service(miss).options, accept: "estimate" });
+  assert.deepEqual([calibration, guidanceUrl], [null, MISS.guidance_url]);
+  assert.ok(camera instanceof Estimate);
+  assert.deepEqual(camera.project([0, 0, 1]), [639.5, 359.5]);
+  assert.equal(camera.projectionMatrix().length, 16);
+  const known = await lookup(KEY, { ...service(json(200, KNOWN)).options, accept: "estimate" });
+  assert.equal(known.camera, known.calibration);
+  assert.equal(known.estimate, null);
+});
+
+test("a phone's model is part of the camera's key", async () => {
+  const { asked, options } = service(json(200, KNOWN));
+  const phone = { ...KEY, camera: "Back Camera", platform: "iPhone; CPU iPhone OS 17_5 like Mac OS X" };
+  await lookup(phone, { ...options, device: "iPhone14,5" });
+  await lookup({ ...phone, platform: `${phone.platform}; iPhone14,5` }, { ...options, device: "iPhone14,5" });
+  const platforms = asked.map(({ body }) => body.platform);
+  assert.deepEqual(platforms, Array(2).fill("iPhone; CPU iPhone OS 17_5 like Mac OS X; iPhone14,5"));
+});
+
+test("an estimate is never cached", async () => {
+  const cache = storage();
+  const { options } = service(json(200, { calibration: null, ...MISS, estimate: LIKELY }));
+  await lookup(KEY, { ...options, cache, accept: "estimate" });
+  assert.equal(cache.kept.size, 0);
 });
 
 test("an unknown camera is answered with where to calibrate it, and whoever asked is told", async () => {
   const { asked, options } = service(json(404, MISS));
   const told = [];
   const answer = await lookup(KEY, { ...options, api: `${API}/`, onNeedCalibration: (each) => told.push(each) });
-  assert.deepEqual(answer, { calibration: null, guidanceUrl: MISS.guidance_url, reason: "too_few" });
+  assert.deepEqual(answer, { ...NOTHING, guidanceUrl: MISS.guidance_url, reason: "too_few" });
   assert.deepEqual(told, [answer]);
   assert.equal(asked[0].address, `${API}/lookup`);
 });
@@ -152,6 +189,8 @@ test("a camera is asked for once a tab; what is not known is asked for again", a
   await lookup(KEY, { ...options, cache, model: "fisheye" });
   await lookup(KEY, { ...options, cache, api: "https://other.example/v1" });
   assert.equal(asked.length, 5, "another size, model or service is another question");
+  const damaged = { getItem: () => '{"camera_mat', setItem() {} };
+  assert.ok((await lookup(KEY, { ...options, cache: damaged })).calibration, "what cannot be read is asked for again");
   const full = { getItem: () => null, setItem() { throw new DOMException("full", "QuotaExceededError"); } };
   assert.ok((await lookup(KEY, { ...options, cache: full })).calibration);
 });
@@ -229,6 +268,34 @@ test("a picture that changes its size, or is turned, is looked up again; its end
   track.dispatchEvent(new Event("configurationchange"));
   await turn();
   assert.equal(asked.length, 3);
+});
+
+test("a watched camera is looked up again after a failure that may pass", async (t) => {
+  const userAgent = "Mozilla/5.0 (X11; Linux x86_64) Firefox/140.0";
+  Object.defineProperty(globalThis, "navigator", { value: { userAgent }, configurable: true });
+  const turn = async (holds) => { do await new Promise(setImmediate); while (!holds()); };
+  const settle = async () => { for (let turns = 0; turns < 20; turns++) await new Promise(setImmediate); };
+  for (const [status, calls] of [[503, 2], [403, 1]]) {
+    t.mock.timers.enable({ apis: ["setInterval", "setTimeout"] });
+    const answers = [];
+    let failing = true;
+    const { asked, options } = service(() => (failing ? json(status, { title: "no" }) : json(200, KNOWN)));
+    const stop = watch(camera({ width: 1280, height: 720 }), options, (answer) => answers.push(answer));
+    await turn(() => answers.length === 1);
+    assert.equal(answers[0].status, status);
+    failing = false;
+    const before = asked.length;
+    t.mock.timers.tick(29_000);
+    await settle();
+    assert.equal(asked.length, before, "not at once");
+    t.mock.timers.tick(2_000);
+    await settle();
+    assert.equal(answers.length, calls, `${status}`);
+    assert.equal(asked.length, before + calls - 1);
+    if (calls === 2) assert.ok(answers[1].calibration);
+    stop();
+    t.mock.timers.reset();
+  }
 });
 
 test("the way to the guidance page and back", async () => {

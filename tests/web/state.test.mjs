@@ -4,7 +4,7 @@ import { DEFAULT_BOARD, corners, outline } from "../../web/lib/board.js";
 import { HOLD_MS, LONG_HOLD_MS, decide, holdProgress, lenience } from "../../web/calibrate/hold.js";
 import { initial, reduce } from "../../web/calibrate/reducer.js";
 import { visibility } from "../../web/calibrate/overlay-layer.js";
-import { isEnough, isFinishable, offlineGoal } from "../../web/calibrate/state.js";
+import { isEnough, isFinishable, isRestless, isSharpestOffered, offlineGoal } from "../../web/calibrate/state.js";
 import { HEALTHY } from "../../web/lib/capture/diagnosis.js";
 import { asMirrored } from "../../web/calibrate/instruction.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
@@ -68,9 +68,36 @@ test("nothing is sent while a view is on its way, nor the same hold twice", () =
   assert.equal(decide(again, 650 + HOLD_MS), null);
   assert.equal(refused.ui.notice.key, "capture.useless");
   assert.equal(refused.capture.pose.index, 0, "a refused view leaves the target where it is");
-  const moved = { rvec: [0.45, -0.5, 0.1], tvec: [-4.3, -3, 12] };
+  const moved = { rvec: [0.45, -0.5, 0.1], tvec: [-3.6, -2.6, 12] };
   const better = frames(frame(moved), HOLD_MS, 2000).reduce(reduce, again);
   assert.equal(decide(better, 2000 + HOLD_MS), "submit");
+});
+
+test("a capture that is shown nothing new for 30 s ends with its four views, in sight or not", () => {
+  const views = (count) => Array.from({ length: count }, (_, index) => ({ index, points: 40, rms: 0.1 }));
+  const answer = (count) => ({ ...SESSION, views: views(count), calibration: {}, accepted: true, reason: null });
+  const after = (count) => {
+    const taken = reduce(capturing(), { type: "answer", answer: answer(count), corners: frame(THERE), time: 10_000 });
+    return reduce(taken, { type: "pose", pose: target(THERE), picture: null, time: 10_500 });
+  };
+  assert.equal(decide(after(4), 40_000), null);
+  assert.equal(decide(after(4), 40_001), "finish");
+  assert.notEqual(decide(after(3), 60_000), "finish");
+  const refused = reduce(after(4), { type: "answer", answer: { ...answer(4), accepted: false, reason: "duplicate" }, corners: frame(THERE), time: 30_000 });
+  assert.equal(refused.ui.notice.key, "capture.refused_duplicate");
+  assert.equal(decide(refused, 40_001), "finish", "a refusal is nothing new");
+  const ended = { ...answer(4), accepted: false, reason: "duplicate", status: "converged", end: "nothing_new" };
+  assert.equal(reduce(after(4), { type: "answer", answer: ended, corners: frame(THERE), time: 30_000 }).phase, "done");
+  const back = reduce(after(4), { type: "visible", time: 35_000 });
+  assert.equal(decide(back, 40_001), null, "time in a hidden tab does not count");
+});
+
+test("a view that was taken off the target is said to be, with what helps more", () => {
+  const view = { index: 0, points: 40, rms: 0.1, on_target: false };
+  const taken = (views) => reduce(capturing(), { type: "answer", answer: { ...SESSION, views, accepted: true, reason: null }, corners: frame(THERE), time: 1 }).ui.notice.key;
+  assert.equal(taken([view]), "capture.view_taken_aside");
+  assert.equal(taken([view, { ...view, on_target: true }]), "capture.view_taken");
+  assert.equal(taken([{ ...view, on_target: null }]), "capture.view_taken");
 });
 
 test("a target refused in its own place is given up soon: after 1 s where nothing can be done about it, after 3 s to read why else", () => {
@@ -121,6 +148,25 @@ test("instructions say what is missing, and stand for 400 ms", () => {
   assert.equal(later.ui.instruction.code, "tilt_left", "the largest difference first");
   const there = frames(frame(THERE), 450, 1100).reduce(reduce, later);
   assert.equal(there.ui.instruction.code, "hold");
+  const sent = reduce(there, { type: "sent", corners: there.detector.corners });
+  assert.equal(sent.ui.instruction.code, "wait", "what is taken need not be held any more");
+  assert.equal(sent.capture.unsteady, false, "it did not move");
+  const slid = { ids: there.detector.corners.ids, points: there.detector.corners.points.map(([x, y]) => [x + 4, y]) };
+  assert.equal(reduce(there, { type: "sent", corners: slid }).capture.unsteady, true);
+});
+
+test("a board that is never held still is told so after 12 s, and its sharpest frames are offered after 60", () => {
+  const swaying = (time) => frame({ ...ELSEWHERE, tvec: [ELSEWHERE.tvec[0] + 0.4 * Math.sin(time / 300), ...ELSEWHERE.tvec.slice(1)] });
+  const moved = (until) => {
+    let state = capturing([]);
+    for (let time = 100; time <= until; time += 100) state = reduce(state, { type: "frame", detection: swaying(time), time });
+    return state;
+  };
+  const [early, later, late] = [moved(11_000), moved(14_000), moved(62_000)];
+  assert.deepEqual([early, later, late].map(isRestless), [false, true, true]);
+  assert.deepEqual([later, late].map(isSharpestOffered), [false, true]);
+  assert.equal(isSharpestOffered(reduce(late, { type: "sent", corners: late.detector.corners })), false, "a view was held");
+  assert.equal(isRestless(frames(NOTHING, 20_000).reduce(reduce, capturing([]))), false, "there is no board to hold");
 });
 
 test("what was said of one target does not stand for the next", () => {
@@ -292,12 +338,12 @@ test("the target's squares are gone before the board lies on them", () => {
   assert.ok(at(0, 1) < at(0), "who has taken a view knows what a target is");
 });
 
-test("a capture can be ended by hand from four views that are worth something", () => {
+test("a capture can be ended by hand from four views, whatever they are worth", () => {
   const having = (count, rms, more = {}) => isFinishable({
     capture: { session: { views: Array(count).fill({}), calibration: {}, uncertainty: { rms }, img_size: [640, 480] } },
     link: { offline: false, stored: 0, ...more },
   });
-  assert.deepEqual([having(3, 0.5), having(4, 0.5), having(4, 1.6)], [false, true, false]);
+  assert.deepEqual([having(3, 0.5), having(4, 0.5), having(4, 16)], [false, true, true]);
   assert.equal(having(4, 0.5, { offline: true }), false);
   assert.equal(having(4, 0.5, { stored: 1 }), false);
 });

@@ -84,30 +84,38 @@ test("a model that would fit better is offered, unless it is the one", () => {
 
 test("what is waited for is named", () => {
   assert.match(statusText.opening(having({ ui: { waiting: "camera" } })), /If your browser asks, allow it/);
-  assert.match(statusText.opening(having({ ui: { waiting: "detector" }, detector: { loading: 0.5 } })), /Loading the board detector/);
   assert.match(statusText.opening(having({ ui: { waiting: "service" } })), /Opening a session at calibDB/);
   assert.match(statusText.opening(having({ ui: { waiting: "service" }, link: { attempts: 2 } })), /lost. Trying again/);
 });
 
+test("the status line says that the detector is loading", () => {
+  assert.match(statusText.statusLine(having({ detector: { loading: 0.5 } })), /Loading the board detector/);
+  assert.doesNotMatch(statusText.statusLine(having({ detector: { loading: 1 } })), /Loading/);
+});
+
 test("the cause of what is systematic is told while the capture runs", () => {
-  const told = (...advice) => statusText.statusLine(having({ capture: { session: { advice, suggested_model: "fisheye", views: [] } }, ui: { saved: true } }));
+  const told = (...advice) => statusText.statusLine(having({ capture: { session: { advice, suggested_model: "fisheye", views: Array(4).fill({}) } }, ui: { saved: true } }));
   assert.match(told({ code: "board_bent", text: "" }, { code: "limit_reached", text: "" }), /Glue it to something rigid/);
-  assert.match(told({ code: "motion", text: "" }), /Hold it still for longer/);
+  assert.equal(told({ code: "motion", text: "" }), "", "the corners did not move while the views were held");
+  const shaken = having({ capture: { unsteady: true, session: { advice: [{ code: "motion", text: "" }], views: Array(4).fill({}) } }, ui: { saved: true } });
+  assert.match(statusText.statusLine(shaken), /Hold it still for longer/);
+  const early = having({ capture: { session: { advice: [{ code: "board_bent", text: "" }], views: Array(3).fill({}) } }, ui: { saved: true } });
+  assert.equal(statusText.statusLine(early), "", "three views do not tell");
   assert.match(told({ code: "focus_changed", text: "" }), /Switch autofocus off/);
   assert.match(told({ code: "model_too_simple", text: "" }), /“Fisheye” would fit better/);
 });
 
-test("the view that comes next is counted, and four are said to be the least", () => {
+test("the views taken are counted, and four are said to be the least", () => {
   const views = (count) => Array.from({ length: count }, (_, index) => ({ index, points: 40, rms: 0.1 }));
   const counted = (count, rms) => statusText.counts(having({ capture: { session: {
     views: views(count), uncertainty: rms === null ? null : { rms, max: 1 }, target_error: 0.3, status: "capturing",
   } } })).join(" · ");
-  assert.equal(counted(0, null), "View 1 of about 5 · at least 4");
-  assert.equal(counted(1, 19), "View 2 of about 5 · at least 4");
-  assert.equal(counted(2, 0.2), "View 3 of about 5 · accurate enough; 2 more to confirm", "passing the goal early is not passed over");
-  assert.equal(counted(3, 0.17), "View 4 of about 5 · accurate enough; 1 more to confirm");
-  assert.equal(counted(4, 0.5), "View 5 of about 5");
-  assert.equal(counted(6, 0.5), "View 7 of about 7");
+  assert.equal(counted(0, null), "0 of about 5 views · at least 4");
+  assert.equal(counted(1, 19), "1 of about 5 views · at least 4");
+  assert.equal(counted(2, 0.2), "2 of about 4 views · accurate enough; 2 more to confirm", "passing the goal early is not passed over");
+  assert.equal(counted(3, 0.17), "3 of about 4 views · accurate enough; 1 more to confirm");
+  assert.equal(counted(4, 0.5), "4 of about 5 views");
+  assert.equal(counted(6, 0.5), "6 of about 7 views");
 });
 
 test("pixels are for who opens the details", () => {

@@ -15,7 +15,7 @@ CAMERA = """
   };
 """
 # A detector that is there at once and sees no board, for pages of which something else is tested: the real
-# one is 12 MB, loaded as soon as a page that captures is open.
+# one is 3 MB, loaded as soon as a page that captures is open.
 BLIND_DETECTOR = """
   const Real = window.Worker;
   window.Worker = class {

@@ -152,7 +152,7 @@ def prepare(page: Page) -> None:
     answer(page, "**/v1/calibrations/x", result)
     answer(page, "**/dumps/statistics.json", statistics)
     answer(page, "**/dumps/latest.json", dump)
-    page.route("**/opencv*", refuse)  # 12 MB that show nothing
+    page.route("**/opencv*", refuse)  # 3 MB that show nothing
     page.add_init_script(_LATE_ANSWERS)
     page.add_init_script(_WATCH)
 

@@ -12,6 +12,7 @@ import calibsolver.consensus
 from calibdb import schema
 from calibdb.camera_key import camera_key
 from calibdb.store.names import with_current_key
+from calibsolver.fitting.coverage import Coverage
 from infra.local import LocalStack
 from infra.ops import withdrawal
 from infra.ops.context import OpsContext
@@ -82,6 +83,7 @@ def pool(members: Any, img_size: tuple[int, int], model: str, rule: Any) -> Simp
     }
     return SimpleNamespace(
         calibration=SimpleNamespace(record=lambda: record),
+        coverage=Coverage(0.6, 0.2),
         members=tuple(ids),
         contributors=contributors,
         reliable=reason is None,

@@ -18,6 +18,17 @@ KINDS = ("focal", "shift", "each", "junk")
 
 
 @dataclass(frozen=True)
+class Effort:
+    """Views of each calibration of an attacker, and the noise of their corners, px."""
+
+    views: int
+    noise: float = 0.2
+
+
+EFFORTS = {"very poor views": Effort(3, 2.0), "very many views": Effort(60, 0.05)}
+
+
+@dataclass(frozen=True)
 class Trial:
     """One camera: what is answered without the liars and with them, and how far the answer moved, px.
 
@@ -50,12 +61,15 @@ def trial(
     variation: float = 0.0,
     views: int = 5,
     others: np.random.Generator | None = None,
+    effort: Effort | None = None,
 ) -> Trial:
     """Forty in a hundred of a camera's calibrations are lies, all from two contributors.
 
     `variation` is the standard deviation of the focal lengths of honest specimens, as a share; that of the
     principal point is as many image widths. `others` makes two honest contributors to compare the liars with.
+    `effort`: what the attackers' views are like; None: like those of the others.
     """
+    effort = effort or Effort(views)
     cameras = synthetic.rectilinear_cameras()
     camera = cameras[int(rng.integers(len(cameras)))]
     bad = int(0.4 * total)
@@ -65,7 +79,7 @@ def trial(
     ]
     liars = [
         Member(f"l{i}", f"l{i % 2}", seen)
-        for i, seen in enumerate(lies(kind, camera, bad, variation, rng, views))
+        for i, seen in enumerate(lies(kind, camera, bad, variation, rng, effort))
     ]
     size = camera.img_size
     clean = pool(honest, size, "rectilinear", RULE)
@@ -104,7 +118,7 @@ def vary(camera: Camera, variation: float, rng: np.random.Generator) -> Camera:
 
 
 def lies(
-    kind: str, camera: Camera, count: int, variation: float, rng: np.random.Generator, views: int
+    kind: str, camera: Camera, count: int, variation: float, rng: np.random.Generator, effort: Effort
 ) -> Sequence[tuple[View, ...]]:
     """Views of the sessions of liars: from just beside the truth to far from it."""
 
@@ -121,7 +135,7 @@ def lies(
     out = []
     for _ in range(count):
         source = wrong() if kind == "each" else vary(common, variation, rng)
-        seen = populations.views(source, rng, count=views)
+        seen = populations.views(source, rng, effort.noise, effort.views)
         if kind == "junk":
             w, h = camera.img_size
             seen = [View(v.object_points, rng.uniform((0, 0), (w, h), (len(v), 2))) for v in seen]

@@ -13,7 +13,7 @@ import numpy as np
 from calibsolver import Board, Calibration, Camera, View
 from calibsolver import rotation as rotations
 from calibsolver.camera import pixel_grid
-from calibsolver.capture import Capture, Estimate
+from calibsolver.capture import Capture, Estimate, History
 from calibsolver.fitting.initial_guess import plane_poses
 from calibsolver.guidance import FixedPlan, Guide
 from calibsolver.guidance.target import TargetPose
@@ -239,6 +239,7 @@ def run(
     skipped: tuple[TargetPose, ...] = ()
     unreached: tuple[TargetPose, ...] = ()
     quarantined: list[View] = []
+    history = History()
     target = chooser.next_pose([], None)
     while session.attempts < max_attempts and len(session.views) < max(
         views, (max_views or 0) if session.stopped is None else 0
@@ -250,10 +251,11 @@ def run(
         rvec, tvec = user.hold(board, asked, rng)
         view = seen(board, camera, rvec, tvec, rng, noise, wild, blur, hand, corners)
         wanted = target if guide is None else capture.next_target(session.views, estimate)
-        decision = capture.judge(session.views, wanted, view, estimate.excluded, quarantined)
+        decision = capture.judge(session.views, wanted, view, estimate.excluded, quarantined, history)
         if decision.estimate is None or decision.estimate.calibration is None:
             session.reasons.append(str(decision.reason))
             quarantined += [view] if decision.quarantine else []
+            history = decision.after(history)
             if len(session.reasons) % 4 == 0:  # gives up on this one
                 skipped = (*skipped, target)
                 target = chooser.next_pose(session.views, estimate.calibration, skipped, unreached)
@@ -261,6 +263,7 @@ def run(
         estimate = decision.estimate
         unreached, skipped, quarantined = (*unreached, *skipped), (), []
         session.views.append(view)
+        history = decision.after(history)
         session.note(camera, decision.estimate)
         if estimate.converged and session.stopped is None:
             session.stopped = len(session.views)

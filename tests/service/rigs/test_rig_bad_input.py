@@ -1,18 +1,14 @@
 """Bad input to rigs: each is a problem that names the field, and changes nothing."""
 
-import functools
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
-from calibdb.service import Service
-from calibdb.settings import Settings
-from calibdb.store import Store
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, EDGE, TOKEN, Answer, Client
 from tests.helpers.service.rigs import RigTruth
-from tests.helpers.service.strangers import Time
+from tests.helpers.service.strangers import standing_clock
 
 WRONG = "no rig can be joined by this code; codes last 15 minutes: ask for a new one"
 
@@ -20,12 +16,7 @@ WRONG = "no rig can be joined by this code; codes last 15 minutes: ask for a new
 @pytest.fixture(scope="module")
 def stack() -> Iterator[LocalStack]:
     """A stack whose clock stands: guesses are counted anew in each quarter of an hour."""
-
-    @functools.cache
-    def make(settings: Settings) -> Service:
-        return Service.build(settings, Store.of(settings), Time())
-
-    with Service.override(make), LocalStack(environment={"EDGE_SECRETS": EDGE}) as stack:
+    with standing_clock(), LocalStack(environment={"EDGE_SECRETS": EDGE}) as stack:
         yield stack
 
 

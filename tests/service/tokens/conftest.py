@@ -1,18 +1,14 @@
 """A stack behind an edge, a clock to turn, a client for each test, and hosts with proofs."""
 
-import functools
 import zlib
 from collections.abc import Iterator
 
 import pytest
 
 from calibdb.proof.fetch import ProofError
-from calibdb.service import Service
-from calibdb.settings import Settings
-from calibdb.store import Store
 from infra.local import LocalStack
 from tests.helpers.service.client import EDGE, Client
-from tests.helpers.service.strangers import Time
+from tests.helpers.service.strangers import Time, standing_clock
 
 
 @pytest.fixture(scope="module")
@@ -24,13 +20,7 @@ def stack() -> Iterator[LocalStack]:
 @pytest.fixture
 def clock() -> Iterator[Time]:
     """A service that remembers no token, at a time that a test says."""
-    moved = Time()
-
-    @functools.cache
-    def make(settings: Settings) -> Service:
-        return Service.build(settings, Store.of(settings), moved, token_ttl_s=0)
-
-    with Service.override(make):
+    with standing_clock(token_ttl_s=0) as moved:
         yield moved
 
 

@@ -5,10 +5,11 @@ import logging
 import pytest
 
 from calibdb.access.plans import TRIAL_PERIOD_S
+from infra.local import LocalStack
 from infra.ops.reindex import reindex
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, Client
-from tests.helpers.service.strangers import SITE, Time, ask, context, make, manage, states
+from tests.helpers.service.strangers import SITE, Time, ask, context, make, manage, standing_clock, states
 
 
 def test_loopback_origins_are_verified_at_once_and_stand_for_all_their_ports(client: Client) -> None:
@@ -26,6 +27,8 @@ def test_loopback_origins_are_verified_at_once_and_stand_for_all_their_ports(cli
         "http://127.0.0.1:80",
         "https://evil.example",
         "null",
+        "http://localhost:99999",
+        "http://localhost:080",
     ):
         answer = ask(client, made["token"], origin)
         assert (answer.status, answer.json["type"].rpartition("#")[2]) == (403, "origin")
@@ -49,6 +52,33 @@ def test_origin_that_cannot_be_proved_is_refused_and_not_counted(client: Client,
         assert answer.status == 422
         assert answer.json["errors"][0]["field"] == "origins.0"
     make(client, "http://localhost")
+
+
+@pytest.mark.parametrize(
+    ("kind", "origin", "status"),
+    [
+        ("application/json", "https://evil.example", 403),
+        ("application/json", "null", 403),
+        ("application/json", "http://127.0.0.1.evil.example", 403),
+        ("application/json", "http://127.0.0.1:99999", 403),
+        ("text/plain", "https://evil.example", 415),
+        ("text/plain", None, 415),
+        ("application/x-www-form-urlencoded", "http://localhost:8000", 415),
+        ("", None, 415),
+    ],
+)
+def test_token_for_a_page_of_another_origin_is_refused_and_not_counted(
+    client: Client, kind: str, origin: str | None, status: int
+) -> None:
+    headers = {"content-type": kind} | ({} if origin is None else {"origin": origin})
+    body = b'{"origins": ["http://localhost"]}'
+    for _ in range(6):
+        answer = client.call("POST", "/v1/tokens", body, token="", headers=headers)
+        assert answer.status == status
+    own = {"content-type": "application/json; charset=utf-8", "origin": "http://localhost:5173"}
+    for n in range(6):
+        made = client.call("POST", "/v1/tokens", body, token="", headers=own if n else None)
+        assert made.status == (201 if n < 5 else 429)
 
 
 def test_origin_is_admitted_once_its_proof_is_found(client: Client, site: dict[str, str]) -> None:
@@ -137,6 +167,29 @@ def test_secret_is_rotated_and_earlier_ones_keep_their_time(client: Client, cloc
     assert last["former_until"] is None
     assert [ask(client, token).status for token in (newest["token"], last["token"])] == [403, 200]
     assert manage(client, "POST", made, "/rotate", body={"grace_s": 10**9}).status == 422
+
+
+def test_new_secret_works_in_the_next_request_where_the_token_is_remembered(stack: LocalStack) -> None:
+    """Functions remember a token for half a minute; three seconds pass here."""
+    with standing_clock() as clock:
+        client = Client(stack, address="198.51.100.77")
+        made = make(client, "http://localhost")
+        assert ask(client, made["token"]).status == 200
+        secret = made["token"]
+        for _ in range(3):
+            rotated = manage(client, "POST", made, "/rotate", body={"grace_s": 0}).json["token"]
+            assert [ask(client, token).status for token in (rotated, secret)] == [200, 403]
+            secret = rotated
+            clock.ahead += 1  # for which the wrong one keeps the token from being read again
+
+
+def test_five_rotations_within_their_grace_leave_every_secret_valid(client: Client) -> None:
+    made = make(client, "http://localhost")
+    rotated = [manage(client, "POST", made, "/rotate", body={"grace_s": 3600}).json for _ in range(10)]
+    secrets = [made["token"], *(answer["token"] for answer in rotated)]
+    assert [ask(client, secret).status for secret in secrets] == [200] * 11
+    manage(client, "POST", made, "/rotate", body={"grace_s": 3600})
+    assert [ask(client, secret).status for secret in secrets] == [200, 403] + [200] * 9
 
 
 def test_revoked_token_opens_nothing_and_says_so_to_its_owner(client: Client) -> None:

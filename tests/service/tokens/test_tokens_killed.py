@@ -154,6 +154,7 @@ def test_killed_while_a_token_is_made_leaves_none_half_made(stack: LocalStack) -
     for number in range(4):
         client = Client(stack, address=f"198.19.0.{number}")
         edge = {"x-calibdb-edge": EDGE, "x-forwarded-for": client.address}
+        edge["content-type"] = "application/json"
         with killed_at(number) as process:
             stack.request("POST", "/v1/tokens", edge, body=b'{"origins": ["http://localhost"]}')
         assert process.killed

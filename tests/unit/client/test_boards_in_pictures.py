@@ -6,8 +6,12 @@ import pytest
 
 from calibdb_client import Board, UsageError
 from calibdb_client.detection import Detector, recognise
+from calibdb_client.errors import CaptureError, MirroredError
+from calibdb_client.pictures import FoundViews, picture_paths, read, recognise_board
 from calibsolver import Board as SolverBoard
+from calibsolver import fit
 from tests.helpers import board_pictures
+from tests.helpers.data import data_dir, external_data
 
 KINDS = (
     Board(),
@@ -77,6 +81,39 @@ def test_kalibrs_tags_have_a_wider_border_and_another_turn() -> None:
     assert (recognised.kind, recognised.squares, recognised.tag_spacing) == ("aprilgrid", (4, 3), 0.3)
 
 
+@pytest.mark.parametrize("board", [KINDS[0], KINDS[1]], ids=str)
+@pytest.mark.parametrize("inverted", [False, True])
+def test_mirrored_pictures_are_recognised_as_mirrored(board: Board, inverted: bool) -> None:
+    shown = Board(**{**vars_of(board), "inverted": inverted})
+    pictures = [board_pictures.picture(shown, tilt, 1.2 * max(board.size))[:, ::-1] for tilt in TILTS]
+    with pytest.raises(MirroredError, match="--mirrored"):
+        recognise(pictures)
+    assert recognise(pictures, mirrored=True) == shown
+
+
+def test_partly_hidden_markers_suffice() -> None:
+    """Half of a board is covered in each picture, another half each time."""
+    board = Board((9, 6))
+    pictures = []
+    for n, tilt in enumerate(TILTS):
+        picture = board_pictures.picture(board, tilt, 1.2 * max(board.size)).copy()
+        w = picture.shape[1]
+        picture[:, : w // 2 if n % 2 else 0] = 128
+        picture[:, w if n % 2 else w // 2 :] = 128
+        pictures.append(picture)
+    assert recognise(pictures) == board
+
+
+def test_chessboard_on_which_pictures_differ_is_asked_for() -> None:
+    pictures = [
+        board_pictures.picture(Board(squares, kind="chessboard"), tilt, 1.2 * squares[0])
+        for squares in ((9, 7), (9, 6), (8, 6))
+        for tilt in TILTS[:2]
+    ]
+    with pytest.raises(CaptureError, match=r"9x7 or 9x6 or 8x6 squares.*Count its squares"):
+        recognise(pictures)
+
+
 def test_nothing_is_recognised_in_a_picture_of_nothing() -> None:
     noise = np.random.default_rng(0).integers(0, 255, (240, 320), dtype=np.uint8)
     assert recognise([np.full((240, 320), 128, dtype=np.uint8), cv2.GaussianBlur(noise, (0, 0), 3)]) is None
@@ -97,9 +134,63 @@ def test_corners_are_numbered_as_the_solver_numbers_them(board: Board) -> None:
         {"kind": "aprilgrid", "squares": (1, 1)},
         {"kind": "aprilgrid", "dictionary": "DICT_4X4_50"},
         {"kind": "aprilgrid", "tag_spacing": 3.0},
-        {"kind": "circles"},
+        {"kind": "dots"},
     ],
 )
 def test_board_of_a_kind_that_cannot_exist_is_refused(wrong: dict[str, object]) -> None:
     with pytest.raises(UsageError):
         Board(**wrong)
+
+
+@external_data
+@pytest.mark.parametrize(
+    ("name", "squares", "count"),
+    [
+        ("omnidir_left", (9, 7), 12),
+        ("omnidir_right", (9, 7), 12),
+        ("arizonat_fe", (8, 6), 10),
+        ("mint_isaw", (11, 8), 14),
+        ("picam_640", (8, 8), 25),
+    ],
+)
+def test_every_chessboard_in_real_photographs_is_recognised_and_detected(
+    name: str, squares: tuple[int, int], count: int
+) -> None:
+    paths = picture_paths([data_dir() / "photos" / f"chessboard_{name}"])
+    board = recognise_board(paths)
+    assert board == Board(squares, kind="chessboard")
+    result = FoundViews()
+    read(paths, board, result)
+    assert len(result.views) == len(paths) == count
+    assert min(len(view.ids) for _, view in result.views) == board.corner_count
+
+
+@external_data
+def test_spacing_of_an_aprilgrid_is_found_behind_a_fisheye() -> None:
+    """TUM-VI: printed with spacing 0.3; published focal length 382 px."""
+    paths = picture_paths([data_dir() / "photos" / "aprilgrid_tumvi"])
+    board = recognise_board(paths)
+    assert board == Board((6, 6), kind="aprilgrid")
+    assert board.tag_spacing == 0.3
+    result = FoundViews()
+    read(paths, board, result)
+    views = [board.view(view.ids, view.points) for _, view in result.views]
+    calibration = fit(views, (1024, 1024), "fisheye")
+    assert len(views) == 5
+    assert not calibration.cut_views
+    assert calibration.camera.matrix[0, 0] == pytest.approx(382, rel=0.01)
+
+
+@pytest.mark.parametrize("spacing", [0.2, 0.25, 0.43])
+def test_spacing_of_an_aprilgrid_is_estimated(spacing: float) -> None:
+    board = Board((5, 4), kind="aprilgrid", tag_spacing=spacing)
+    drawn = [board_pictures.picture(board, tilt, 8.5) for tilt in TILTS]
+    result = recognise(drawn)
+    assert result is not None
+    assert result.tag_spacing == pytest.approx(spacing, abs=0.005)
+
+
+def test_spacing_on_which_pictures_disagree_is_refused() -> None:
+    boards = [Board((5, 4), kind="aprilgrid", tag_spacing=spacing) for spacing in (0.2, 0.5)]
+    drawn = [board_pictures.picture(board, tilt, 8.5) for board in boards for tilt in TILTS[:2]]
+    assert recognise(drawn) is None

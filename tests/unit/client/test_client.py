@@ -324,5 +324,7 @@ assert set(calibdb_client.__all__) <= {n for n in calibdb_client.__all__ if geta
 
 def test_import_loads_nothing_heavy_works_without_opencv_and_leaves_no_thread() -> None:
     subprocess.run(
-        [sys.executable, "-c", IMPORT], check=True, env={"PYTHONPATH": str(ROOT / "clients" / "python")}
+        [sys.executable, "-c", IMPORT],
+        check=True,
+        env={"PYTHONPATH": f"{ROOT}/clients/python:{ROOT}/layers/solver"},
     )

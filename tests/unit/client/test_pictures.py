@@ -13,9 +13,11 @@ from calibdb_client import Board, Calibration, CaptureError, Recording, UsageErr
 from calibdb_client.cli import main
 from calibdb_client.detection import Detector
 from calibdb_client.pictures import FoundViews, picture_paths, read
+from calibsolver import fit
 from calibsolver.capture.rules import MAX_POINTS
 from tests.helpers import board_pictures
-from tests.helpers.data import data_dir, external_data
+from tests.helpers.data import corner_views, data_dir, external_data
+from tests.helpers.recordings import recording_of
 
 PHOTOGRAPHS = ["--squares", "8x8", "--marker-ratio", "0.75", "--dictionary", "DICT_4X4_1000"]
 
@@ -83,8 +85,15 @@ def test_service_that_is_not_there_loses_no_corner(
 def test_interruption_keeps_what_was_found(
     folder: Path, working: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    def stop(paths: Any, board: Board, found: FoundViews, progress: Callable[[int, int], None]) -> None:
-        read(paths[:5], board, found, progress)
+    def stop(
+        paths: Any,
+        board: Board,
+        found: FoundViews,
+        progress: Callable[[int, int], None],
+        most: None,
+        mirrored: bool,
+    ) -> None:
+        read(paths[:5], board, found, progress, most, mirrored)
         raise KeyboardInterrupt
 
     monkeypatch.setattr("calibdb_client.cli.calibrate.read", stop)
@@ -121,7 +130,7 @@ def test_too_few_pictures_and_another_board_are_said(
 ) -> None:
     three = [str(path) for path in sorted(folder.iterdir())[:3]]
     assert main(["calibrate", *three, "--offline"]) == 7
-    assert "3 pictures show the board, and 4 are needed" in capfd.readouterr().err
+    assert "detected in 3 pictures, and 4 are needed" in capfd.readouterr().err
     assert main(["calibrate", *three, "--offline", "--dictionary", "DICT_7X7_50"]) == 7
     assert "--dictionary" in capfd.readouterr().err
     for wrong in ([str(working)], [str(working / "absent")], [str(folder)]):
@@ -177,3 +186,25 @@ def test_real_photographs_give_opencvs_focal_length(working: Path) -> None:
     off = np.abs([found[0, 0] - matrix[0, 0], found[1, 1] - matrix[1, 1]])
     assert off.max() < 0.05
     assert (off / std.ravel()[:2]).max() < 1
+
+
+@external_data
+def test_model_is_chosen_for_photographs_of_a_fisheye(
+    working: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    photographs = str(data_dir() / "photos" / "chessboard_omnidir_left")
+    assert main(["calibrate", photographs, "--offline", "-o", "camera.json"]) == 0
+    lens = Calibration.load(working / "camera.json").lens
+    views, size = corner_views("jy_left")
+    assert lens.model in ("fisheye", "omnidirectional")
+    assert lens.focal[0] == pytest.approx(fit(views, size, "fisheye").camera.focal[0], rel=0.01)
+    assert "board: chessboard, 9 x 7 squares" in capfd.readouterr().err
+
+
+def test_failure_names_the_model_that_fits(working: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    recording_of("jy_left").save(working / "left.json")
+    assert main(["submit", "left.json", "--offline", "--model", "rectilinear"]) == 0
+    assert "--model omnidirectional explains these pictures better" in capfd.readouterr().err
+    recording_of("babel_ov_plane").save(working / "wide.json")
+    assert main(["submit", "wide.json", "--offline", "--model", "rectilinear"]) == 7
+    assert "--model fisheye fits them" in capfd.readouterr().err

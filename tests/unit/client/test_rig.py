@@ -104,8 +104,9 @@ def test_files_are_written_and_read_again(tmp_path: Path) -> None:
     rig.save(tmp_path / "rig.json")
     again = Rig.load(tmp_path / "rig.json")
     assert again.pose(1) == pytest.approx(rig.pose(1))
-    with pytest.raises(UsageError, match="only 'json' can be written"):
-        again.save(tmp_path / "camchain.yaml", format="kalibr")
+    assert b"T_cn_cnm1" in again.save(tmp_path / "camchain.yaml", format="kalibr").content
+    with pytest.raises(UsageError, match="suffix of json"):
+        again.save(tmp_path / "camchain.json", format="kalibr")
     (tmp_path / "list.json").write_text("[]")
     for name, content in (("none.json", "{}"), ("half.json", json.dumps({**RESULT, "calibrations": []}))):
         (tmp_path / name).write_text(content)

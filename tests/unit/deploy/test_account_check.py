@@ -101,22 +101,26 @@ def test_stack_that_can_be_changed_is_no_problem(status: str) -> None:
     assert found(status=status) == []
 
 
-@pytest.mark.parametrize(("limit", "problems"), [(10, 1), (169, 1), (170, 0), (1000, 0)])
+@pytest.mark.parametrize(("limit", "problems"), [(10, 1), (379, 1), (380, 0), (1000, 0)])
 def test_reserved_concurrency_leaves_a_hundred(limit: int, problems: int) -> None:
     complaints = found(limit=limit, unreserved=limit)
     assert len(complaints) == problems
     for complaint in complaints:
         assert f"{limit} concurrent executions" in complaint
         assert "SubmitConcurrency=0 RefitConcurrency=0" in complaint
-    assert found(with_parameters(SubmitConcurrency="0", RefitConcurrency="0"), limit=10, unreserved=10) == []
+    none = with_parameters(**dict.fromkeys(account_check.RESERVED, "0"))
+    assert found(none, limit=10, unreserved=10) == []
 
 
 def test_concurrency_that_the_stack_has_reserved_already_is_its_own() -> None:
     kept = (
         {"ParameterKey": "SubmitConcurrency", "ParameterValue": "50"},
         {"ParameterKey": "RefitConcurrency", "ParameterValue": "20"},
+        {"ParameterKey": "LookupConcurrency", "ParameterValue": "100"},
+        {"ParameterKey": "PoseConcurrency", "ParameterValue": "50"},
+        {"ParameterKey": "ComputeConcurrency", "ParameterValue": "20"},
     )
-    assert found(status="CREATE_COMPLETE", parameters=kept, limit=170, unreserved=100) == []
+    assert found(status="CREATE_COMPLETE", parameters=kept, limit=270, unreserved=100) == []
 
 
 def test_account_that_cloudfront_does_not_serve_yet_is_told_so() -> None:

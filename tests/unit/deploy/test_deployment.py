@@ -1,14 +1,18 @@
 """A deployment knows what is there already, and which release each alias runs."""
 
-import os
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import boto3
 import pytest
+import yaml
 from botocore.exceptions import ClientError
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 from infra.deploy import aws, deployment
-from infra.deploy.steps import ROLLOUT, Target, steps
+from infra.deploy.steps import ROLLOUT, Target, parameter_file, steps
 
 
 class Cloudformation:
@@ -85,19 +89,19 @@ def cloud(monkeypatch: pytest.MonkeyPatch) -> Cloudformation:
 def test_first_deployment_tells_the_functions_where_the_site_is(cloud: Cloudformation) -> None:
     target = deployment.find_out(Target("mine", "us-east-1"))
     assert (target.exists, target.site) == (False, None)
-    deploys = [s.command for s in steps(target) if s.command[1:2] == ("deploy",)]
+    deploys = [s for s in steps(target) if s.command[1:2] == ("deploy",)]
     assert len(deploys) == 2
-    assert "GuidanceUrl={SiteUrl}/calibrate/" in deploys[1]
-    assert "Rollout=AllAtOnce" in deploys[1]  # there are no calls to move yet
+    assert deploys[1].parameters["GuidanceUrl"] == "{SiteUrl}/calibrate/"
+    assert deploys[1].parameters["Rollout"] == "AllAtOnce"  # there are no calls to move yet
     assert cloud.changes == []
 
 
 def test_later_deployment_knows_the_site_and_changes_the_stack_once(cloud: Cloudformation) -> None:
     cloud.status, cloud.outputs = "UPDATE_COMPLETE", {"DistributionDomain": "d1.cloudfront.net"}
     target = deployment.find_out(Target("mine", "us-east-1", {"AlarmEmail": "a@example.org"}))
-    (command,) = (s.command for s in steps(target) if s.command[1:2] == ("deploy",))
-    assert "GuidanceUrl=https://d1.cloudfront.net/calibrate/" in command
-    assert f"Rollout={ROLLOUT}" in command
+    (step,) = (s for s in steps(target) if s.command[1:2] == ("deploy",))
+    assert step.parameters["GuidanceUrl"] == "https://d1.cloudfront.net/calibrate/"
+    assert step.parameters["Rollout"] == ROLLOUT
     # A domain that the stack has already, and one that is given now or taken away.
     cloud.parameters = {"DomainName": "calib.example"}
     assert deployment.find_out(Target("mine", "us-east-1")).site == "https://calib.example"
@@ -122,6 +126,39 @@ def test_release_is_read_at_the_alias_that_the_api_calls() -> None:
             return {"Environment": {"Variables": {"RELEASE": release}}}
 
     assert aws.releases(cloudformation, Lambda(), "mine") == {"lookup": "old", "refit": "new"}
+
+
+def test_step_back_points_aliases_at_the_version_before() -> None:
+    versions = {"lookup": (["$LATEST", "3", "7", "9", "10"], "9"), "refit": (["$LATEST", "4"], "4")}
+    changes: list[dict[str, Any]] = []
+
+    class Lambda:
+        def get_alias(self, **asked: str) -> Any:
+            return {"FunctionVersion": versions[asked["FunctionName"]][1]}
+
+        def get_paginator(self, name: str) -> Any:
+            assert name == "list_versions_by_function"
+            return self
+
+        def paginate(self, **asked: str) -> Any:
+            return [{"Versions": [{"Version": v} for v in versions[asked["FunctionName"]][0]]}]
+
+        def update_alias(self, **change: Any) -> None:
+            changes.append(change)
+
+    class Resources:
+        def get_paginator(self, _: str) -> Any:
+            return self
+
+        def paginate(self, **_: str) -> Any:
+            names = [f"arn:aws:lambda:us-east-1:123456789012:function:{name}:live" for name in versions]
+            rows = [{"ResourceType": "AWS::Lambda::Alias", "PhysicalResourceId": name} for name in names]
+            return [{"StackResourceSummaries": rows}]
+
+    assert aws.step_back(Resources(), Lambda(), "mine") == {"lookup": ("9", "7")}
+    (change,) = changes
+    assert (change["FunctionName"], change["Name"], change["FunctionVersion"]) == ("lookup", "live", "7")
+    assert change["RoutingConfig"] == {"AdditionalVersionWeights": {}}
 
 
 def test_failed_resources_of_the_newest_stack_are_read() -> None:
@@ -161,21 +198,70 @@ def test_stack_and_table_are_protected_once_they_are_there() -> None:
     assert changes == [{"TableName": "table", "DeletionProtectionEnabled": True}]
 
 
-def test_commands_are_filled_in_from_the_account(
-    cloud: Cloudformation, monkeypatch: pytest.MonkeyPatch
+def test_parameters_are_filled_in_from_the_account(
+    cloud: Cloudformation, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     cloud.status, cloud.outputs = "UPDATE_COMPLETE", {"SiteUrl": "https://d1.cloudfront.net"}
     monkeypatch.setattr(aws, "edge_secret_version", lambda *_: 7)
-    run: list[list[str]] = []
-    monkeypatch.setattr(deployment, "_run", lambda command, _: run.append(command))
+    monkeypatch.setattr(deployment, "PARAMETERS", tmp_path / "parameters.yaml")
+    read: list[dict[str, str]] = []
+
+    def run(command: Sequence[str], _: Target) -> None:
+        if command[1] == "deploy":
+            read.append(as_sam_reads((tmp_path / "parameters.yaml").read_text()))
+            cloud.parameters = read[-1]
+
+    monkeypatch.setattr(deployment, "_run", run)
     monkeypatch.setattr(deployment, "find_out", lambda target: target)
     every = ("account", "build", "package", "secrets", "upload", "invalidate", "protect", "prune", "smoke")
-    deployment.deploy(Target("mine", "us-east-1"), "unused", every)
-    _validated, first, again = run
-    assert "EdgeSecretVersion=7" in first
-    assert "GuidanceUrl=https://d1.cloudfront.net/calibrate/" in again
-    assert not any("{" in word for command in run for word in command)
-    assert os.sep not in first[-1]
+    target = Target("mine", "us-east-1", {"OperatorName": "Jane Doe", "AlarmEmail": ""})
+    deployment.deploy(target, "unused", every)
+    first, again = read
+    assert first["EdgeSecretVersion"] == "7"
+    assert again["GuidanceUrl"] == "https://d1.cloudfront.net/calibrate/"
+    assert (again["OperatorName"], again["AlarmEmail"]) == ("Jane Doe", "")
+    assert not any("{" in value for value in (*first.values(), *again.values()))
+
+
+def test_deployment_fails_if_the_stack_has_other_parameters(
+    cloud: Cloudformation, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    cloud.status, cloud.outputs = "UPDATE_COMPLETE", {"SiteUrl": "https://d1.cloudfront.net"}
+    cloud.parameters = {"OperatorName": "Jane", "EdgeSecretVersion": "7", "Rollout": ROLLOUT}
+    monkeypatch.setattr(aws, "edge_secret_version", lambda *_: 7)
+    monkeypatch.setattr(deployment, "PARAMETERS", tmp_path / "parameters.yaml")
+    monkeypatch.setattr(deployment, "_run", lambda *_: None)
+    monkeypatch.setattr(deployment, "find_out", lambda target: target)
+    every = ("account", "build", "package", "secrets", "upload", "invalidate", "protect", "prune", "smoke")
+    with pytest.raises(aws.DeployError, match=r"other values than asked for: OperatorName$"):
+        deployment.deploy(Target("mine", "us-east-1", {"OperatorName": "Jane Doe"}), "unused", every)
+
+
+@example("Foo Ltd|12 High Street|\"Room\" 'B'")
+@example('C:\\ \\" \\')
+@example("")
+@given(st.text(st.characters(codec="utf-8", exclude_categories=["C"])))
+def test_values_survive_the_parameter_file(value: str) -> None:
+    assert as_sam_reads(parameter_file({"Imprint": value, "Other": "x"})) == {"Imprint": value, "Other": "x"}
+
+
+def as_sam_reads(text: str) -> dict[str, str]:
+    """Parameters as SAM CLI 1.170 reads a file of them: it takes the outer quotes off twice.
+
+    `make verify ONLY=rehearsal` asks the SAM CLI itself.
+    """
+    values: dict[str, str] = yaml.safe_load(text)
+    for _ in range(2):
+        values = {name: unquoted(value) for name, value in values.items()}
+    return values
+
+
+def unquoted(value: str) -> str:
+    if value and value[0] == value[-1] and value[0] in "\"'":
+        value = value[1:-1]
+    for character in " \"'":
+        value = value.replace("\\" + character, character)
+    return value
 
 
 @pytest.mark.parametrize("denied", [False, True])

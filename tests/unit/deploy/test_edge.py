@@ -54,6 +54,22 @@ def test_no_custom_header_is_one_that_cloudfront_refuses() -> None:
     assert shared["OriginOverride"] is True
 
 
+def test_responses_of_the_edge_itself_can_be_read_by_other_origins() -> None:
+    """As those of the gateway, whose headers stay where a function made the response."""
+    cors = resources()["ApiHeaders"]["Properties"]["ResponseHeadersPolicyConfig"]["CorsConfig"]
+    gateway = resources()["HttpApi"]["Properties"]["CorsConfiguration"]
+    assert cors["AccessControlAllowOrigins"]["Items"] == gateway["AllowOrigins"]
+    assert cors["AccessControlExposeHeaders"]["Items"] == gateway["ExposeHeaders"]
+    assert cors["AccessControlAllowHeaders"]["Items"] == gateway["AllowHeaders"]
+    assert cors["OriginOverride"] is False
+    paths = {
+        behaviour["PathPattern"]
+        for behaviour in distribution()["CacheBehaviors"]
+        if behaviour.get("ResponseHeadersPolicyId") == {"Ref": "ApiHeaders"}
+    }
+    assert paths == {"/v1/lookup", "/v1/*"}
+
+
 def test_double_slash_leads_to_no_other_host() -> None:
     addresses = [
         "//evil.example/foo",

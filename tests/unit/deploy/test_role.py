@@ -6,17 +6,24 @@ import re
 from typing import Any
 
 import pytest
+import yaml
 
+from calibdb.camera_key import camera_key
+from calibdb.store.keys import calibration_object
+from infra.deploy import smoke_capture
 from infra.local.intrinsics import parse
 from tests.helpers.data import ROOT
+from tests.helpers.sam import as_created, complete, parsed
 
 MAX_POLICY_CHARACTERS = 6144  # IAM quotas, "managed policy size", whitespace not counted
 #: actions that take no resource, by AWS's service authorization reference
 UNSCOPED = {
-    *("cloudformation:ValidateTemplate", "lambda:GetAccountSettings", "cloudfront:ListDistributions"),
-    *("acm:DescribeCertificate", "logs:DescribeLogGroups", "logs:CreateLogDelivery"),
+    *("cloudformation:ValidateTemplate", "cloudformation:ListStacks", "lambda:GetAccountSettings"),
+    *("cloudfront:ListDistributions", "acm:DescribeCertificate"),
+    *("logs:DescribeLogGroups", "logs:CreateLogDelivery"),
     *("logs:UpdateLogDelivery", "logs:DeleteLogDelivery", "logs:GetLogDelivery", "logs:ListLogDeliveries"),
     *("logs:PutResourcePolicy", "logs:DescribeResourcePolicies"),
+    "logs:DescribeDeliveries",
 }
 #: types of resources whose service goes by another name in actions
 SERVICES = {
@@ -33,11 +40,21 @@ def role() -> dict[str, Any]:
     return parse(ROOT / "infra/deploy/role.yaml")["Resources"]
 
 
+HANDLERS = yaml.safe_load((ROOT / "tests/unit/deploy/handler_actions.yaml").read_text())
+
+
+@pytest.fixture(scope="module")
+def created() -> dict[str, Any]:
+    """Resources that CloudFormation makes, with every parameter that adds some of them."""
+    found: dict[str, Any] = as_created(parsed(complete()), {"Tracing": "Active"})["Resources"]
+    return found
+
+
 def statements(role: dict[str, Any]) -> list[dict[str, Any]]:
     return [
         statement
-        for resource in role.values()
-        if resource["Type"] == "AWS::IAM::ManagedPolicy"
+        for name, resource in role.items()
+        if resource["Type"] == "AWS::IAM::ManagedPolicy" and name != "Boundary"
         for statement in resource["Properties"]["PolicyDocument"]["Statement"]
     ]
 
@@ -74,14 +91,134 @@ def test_role_cannot_change_itself_nor_attach_strange_policies(role: dict[str, A
     assert own[0].endswith(f":role/{role['DeployRole']['Properties']['RoleName']['Fn::Sub']}")
     assert all(
         resource["Properties"]["ManagedPolicyName"]["Fn::Sub"].startswith("${Stack}-deploy-")
-        for resource in role.values()
-        if resource["Type"] == "AWS::IAM::ManagedPolicy"
+        for name, resource in role.items()
+        if resource["Type"] == "AWS::IAM::ManagedPolicy" and name != "Boundary"
     )
     attached = known["AttachOwnPolicies"]["Condition"]["ArnLike"]["iam:PolicyARN"]
     assert not [arn for arn in attached if "Administrator" in arn["Fn::Sub"] or arn["Fn::Sub"].endswith(":*")]
     assert set(known["PassRoles"]["Condition"]["StringEquals"]["iam:PassedToService"]) == {
         f"{service}.amazonaws.com" for service in ("lambda", "states", "codedeploy", "s3")
     }
+
+
+def test_every_managed_policy_of_the_stack_may_be_attached(
+    role: dict[str, Any], created: dict[str, Any]
+) -> None:
+    """SAM's transform attaches policies that no file of the project names."""
+    (allowed,) = (s for s in statements(role) if s["Sid"] == "AttachOwnPolicies")
+    patterns = [
+        pattern["Fn::Sub"].replace("${AWS::Partition}", "aws")
+        for pattern in allowed["Condition"]["ArnLike"]["iam:PolicyARN"]
+    ]
+    attached = {
+        arn.replace("${AWS::Partition}", "aws")
+        for resource in created.values()
+        if resource["Type"] == "AWS::IAM::Role"
+        for arn in strings(resource["Properties"].get("ManagedPolicyArns", []))
+        if arn.startswith("arn:")
+    }
+    assert len(attached) >= 4
+    assert [a for a in attached if not any(fnmatch.fnmatchcase(a, pattern) for pattern in patterns)] == []
+
+
+def strings(value: Any) -> list[str]:
+    """Collect the texts in nested lists and intrinsic functions."""
+    if isinstance(value, str):
+        return [value]
+    items = value.values() if isinstance(value, dict) else value
+    return [text for item in items for text in strings(item)]
+
+
+def test_every_handler_of_the_stack_s_resources_is_allowed(
+    role: dict[str, Any], created: dict[str, Any]
+) -> None:
+    allowed = {a for s in statements(role) if s["Effect"] == "Allow" for a in listed(s["Action"])}
+    types = {resource["Type"] for resource in created.values()}
+    assert types == HANDLERS.keys(), "types whose actions are not listed, or that the stack lacks"
+    required = {
+        f"{service}:{name}"
+        for kind in types
+        for service, names in HANDLERS[kind].items()
+        for name in names.split()
+    }
+    assert len(required) > 100
+    assert sorted(required - allowed) == []
+
+
+def test_no_version_of_an_object_can_be_removed(role: dict[str, Any]) -> None:
+    actions = [a for s in statements(role) if s["Effect"] == "Allow" for a in listed(s["Action"])]
+    assert not [a for a in actions if fnmatch.fnmatchcase("s3:DeleteObjectVersion", a)]
+    removing = [s for s in statements(role) if "s3:DeleteObject" in listed(s["Action"])]
+    places = [r["Fn::Sub"].rpartition(":::")[2] for s in removing for r in listed(s["Resource"])]
+    key = camera_key(smoke_capture.CAMERA, "X11; Linux x86_64")
+    data = [place for place in places if "keypointbucket" in place or "replica" in place]
+    assert len(data) == 2
+    for place in data:
+        pattern = place.partition("/")[2]
+        assert fnmatch.fnmatchcase(calibration_object(f"{key}-{'0' * 20}"), pattern)
+        assert not fnmatch.fnmatchcase("calibrations/c4-another-63e5891877a7/x.json", pattern)
+
+
+def test_every_role_of_the_stack_has_the_boundary(created: dict[str, Any]) -> None:
+    roles = {name: r["Properties"] for name, r in created.items() if r["Type"] == "AWS::IAM::Role"}
+    assert len(roles) >= 20
+    boundary = {"Fn::If": ["Bounded", {"Ref": "PermissionsBoundary"}, {"Ref": "AWS::NoValue"}]}
+    assert [name for name, role in roles.items() if role.get("PermissionsBoundary") != boundary] == []
+
+
+def test_boundary_allows_what_the_roles_are_given(role: dict[str, Any], created: dict[str, Any]) -> None:
+    """Without the wildcards of AWS's own policies: they stand for these actions."""
+    allowed = {
+        action
+        for statement in role["Boundary"]["Properties"]["PolicyDocument"]["Statement"]
+        for action in listed(statement["Action"])
+    }
+    given = {
+        action
+        for resource in created.values()
+        for document in documents(resource)
+        for statement in document["Statement"]
+        for action in listed(statement["Action"])
+    }
+    of_aws = {
+        *("logs:CreateLogStream", "logs:PutLogEvents", "xray:PutTraceSegments", "xray:PutTelemetryRecords"),
+        *("sqs:ReceiveMessage", "sqs:DeleteMessage", "sqs:GetQueueAttributes"),
+        *("lambda:UpdateAlias", "lambda:GetAlias", "lambda:GetProvisionedConcurrencyConfig"),
+        "cloudwatch:DescribeAlarms",
+    }
+    assert len(given) >= 15
+    assert sorted((given | of_aws) - allowed) == []
+
+
+def documents(resource: dict[str, Any]) -> list[dict[str, Any]]:
+    """Policies that a role has, or that can be attached to it."""
+    properties = resource["Properties"]
+    if resource["Type"] in ("AWS::IAM::ManagedPolicy", "AWS::IAM::RolePolicy"):
+        return [properties["PolicyDocument"]]
+    if resource["Type"] == "AWS::IAM::Role":
+        return [policy["PolicyDocument"] for policy in properties.get("Policies", [])]
+    return []
+
+
+def test_roles_are_made_and_changed_with_the_boundary_only(role: dict[str, Any]) -> None:
+    granting = {
+        "iam:CreateRole",
+        "iam:PutRolePermissionsBoundary",
+        "iam:PutRolePolicy",
+        "iam:AttachRolePolicy",
+    }
+    boundary = role["Boundary"]["Properties"]["ManagedPolicyName"]["Fn::Sub"]
+    found = set()
+    for statement in statements(role):
+        if statement["Effect"] == "Allow" and (actions := granting & set(listed(statement["Action"]))):
+            required = statement["Condition"]["StringEquals"]["iam:PermissionsBoundary"]["Fn::Sub"]
+            assert required.endswith(f":policy/{boundary}"), statement["Sid"]
+            found |= actions
+    assert found == granting
+    (denied,) = (s for s in statements(role) if s["Effect"] == "Deny")
+    assert any(resource["Fn::Sub"].endswith(f":policy/{boundary}") for resource in denied["Resource"])
+    actions = [a for s in statements(role) for a in listed(s["Action"])]
+    assert "iam:DeleteRolePermissionsBoundary" not in actions
 
 
 def test_policies_fit_into_iam(role: dict[str, Any]) -> None:

@@ -47,7 +47,7 @@ def test_half_turn_leaves_a_chessboard_of_equal_corners() -> None:
 @pytest.mark.parametrize(
     "values",
     [
-        {"kind": "circles"},
+        {"kind": "dots"},
         {"kind": "chessboard", "squares": (2, 7)},
         {"kind": "aprilgrid"},  # its dictionary is no AprilTag family
         {"kind": "aprilgrid", "dictionary": "DICT_APRILTAG_16h5", "squares": (6, 6)},

@@ -7,6 +7,7 @@ import pytest
 
 from calibsolver import Board, CalibrationError, DeadlineError, View, deadline, fit
 from calibsolver.capture import Capture
+from calibsolver.capture.consistency import Consistency
 from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import ExportSource, write
 from calibsolver.quality.model_selection import suggest_model
@@ -111,7 +112,7 @@ def test_contradicting_view_is_refused_where_the_search_runs_out_of_time(
         while True:
             deadline.check()
 
-    monkeypatch.setattr(Capture, "_resolve_conflict", search_for_ever)
+    monkeypatch.setattr(Consistency, "find_conflicting_view", search_for_ever)
     left = Steps(1e6)  # far more than its share of a second
     with deadline.limit(left):
         decision = Capture(BOARD, SIZE, target_error=1e-3).judge(VIEWS, target, lie)

@@ -1,23 +1,44 @@
 """Test vectors of the browser's projections and rectifications equal what the solver computes."""
 
 import json
+from collections import Counter
 from typing import Any
 
 import numpy as np
+import pytest
 
-from calibsolver import Camera
+from calibsolver import Camera, models
+from calibsolver.models.planar import Planar
 from infra.web_build.rig_vectors import RIGS_PATH, pair_record
-from infra.web_build.vectors import VECTORS_PATH, vectors
+from tests.helpers.lens_vectors import EXAMPLE, SIZE, assert_agrees, recorded
 
 
-def test_the_recorded_vectors_are_the_solvers() -> None:
-    recorded = json.loads(VECTORS_PATH.read_text())
-    computed = vectors()
-    assert [each["distortion_model"] for each in recorded] == [each["distortion_model"] for each in computed]
-    for old, new in zip(recorded, computed, strict=True):
-        assert [ray is None for ray in old["rays"]] == [ray is None for ray in new["rays"]]
-        rays = [np.array([ray for ray in each["rays"] if ray is not None]) for each in (old, new)]
-        assert np.abs(rays[0] - rays[1]).max() < 1e-9
+def test_recorded_rays_and_pixels_are_the_solvers() -> None:
+    assert_agrees(lambda model, k: Camera.from_intrinsics(model, k, SIZE))
+    counts = Counter(record["model"] for record in recorded())
+    assert counts == {"rectilinear": 101, "fisheye": 100, "rational": 100, "omnidirectional": 100}
+
+
+def test_ray_whose_stretch_the_tangential_part_exceeds_has_no_pixel() -> None:
+    model, k, ray = EXAMPLE
+    assert np.isnan(Camera.from_intrinsics(model, np.array(k), SIZE).project(np.array([ray]))).all()
+    assert recorded()[0]["pixels"][0] is None
+
+
+@pytest.mark.parametrize("model", ["rectilinear", "rational", "omnidirectional"])
+def test_planar_models_are_one_to_one_out_to_the_edge_of_the_domain(model: str) -> None:
+    """Positive definite Jacobians up to the edge: the map is a gradient, and the domain is convex."""
+    circle = np.linspace(0, 2 * np.pi, 60)
+    for record in recorded():
+        if record["model"] != model:
+            continue
+        planar, d = models.get(model), np.array(record["k"][4:])
+        assert isinstance(planar, Planar)
+        for share in (0.2, 0.5, 0.8, 1 - 1e-9):
+            r = share * planar.domain_radius(d)
+            _, _, ux, uy, vy = planar.distort_plane_jacobian(d, r * np.cos(circle), r * np.sin(circle))
+            assert (ux + vy > 0).all()
+            assert (ux * vy - uy * uy > 0).all()
 
 
 def test_the_recorded_rectifications_are_the_solvers() -> None:

@@ -63,7 +63,7 @@ def test_one_header_and_one_footer_on_all_pages(made: Mapping[str, bytes]) -> No
 
 def test_pages_share_the_fields_of_boards_and_the_consent(made: Mapping[str, bytes]) -> None:
     sources = site.sources()
-    for part, sharing in (("board-fields", 2), ("consent", 4)):
+    for part, sharing in (("board-fields", 3), ("consent", 4)):
         place = f'<div data-part="{part}"></div>'
         holding = [key for key, source in sources.items() if place in source]
         assert len(holding) == sharing

@@ -1,5 +1,6 @@
 """Quotas: what counts, when it is written down, and who is stopped by what."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any, cast
 
@@ -7,7 +8,7 @@ import pytest
 
 from calibdb.access.plans import PLANS, Allowance, Plan, plan
 from calibdb.access.token_cache import FLUSH_INTERVAL_S, LOOKUPS_PER_FLUSH, TOKEN_TTL_S, TokenCache
-from calibdb.access.tokens import ApiToken, Ticket, contributor
+from calibdb.access.tokens import ApiToken, Ticket, contributor, secret_hash
 from calibdb.errors import ForbiddenError, TooManyError, UnavailableError
 from calibdb.service import Service
 from calibdb.settings import Settings
@@ -150,6 +151,78 @@ def test_failed_count_refuses_no_lookup(memory: TokenCache, quotas: Quotas, cloc
     clock.now += int(TOKEN_TTL_S)
     look_up(memory)
     assert quotas.writes == [LOOKUPS_PER_FLUSH + 5]
+
+
+def test_lookups_are_charged_to_the_hour_in_which_they_came(
+    memory: TokenCache, quotas: Quotas, clock: Clock
+) -> None:
+    hour = clock.now // 3600
+    for _ in range(7):
+        look_up(memory)
+    clock.now += 3600
+    for _ in range(3):
+        look_up(memory)
+    assert quotas.counts == {("t", "lookups", hour, ""): 7}
+    clock.now += 3600
+    look_up(memory)
+    assert quotas.counts == {("t", "lookups", hour, ""): 7, ("t", "lookups", hour + 1, ""): 3}
+
+
+def test_failed_count_of_an_earlier_hour_is_repeated_for_that_hour(
+    memory: TokenCache, quotas: Quotas, clock: Clock
+) -> None:
+    hour = clock.now // 3600
+    look_up(memory)
+    clock.now += 3600
+    quotas.down = True
+    for _ in range(5):
+        look_up(memory)
+    assert quotas.failed == 1
+    quotas.down = False
+    clock.now += int(TOKEN_TTL_S)
+    look_up(memory)
+    clock.now += 3600
+    look_up(memory)
+    assert quotas.counts == {("t", "lookups", hour, ""): 1, ("t", "lookups", hour + 1, ""): 6}
+
+
+def test_wrong_secrets_cost_at_most_one_read_a_second(service: Service, tokens: Tokens, clock: Clock) -> None:
+    tokens.known["t"] = replace(TOKEN, secret_sha256=secret_hash("right"))
+    service.api_token("cdb_t_right")
+    assert tokens.reads == 1
+    for second in range(1, 6):
+        for n in range(50):
+            with pytest.raises(ForbiddenError):
+                service.api_token(f"cdb_t_wrong{n}")
+            service.api_token("cdb_t_right")
+        assert tokens.reads == 1 + second
+        clock.now += 1
+
+
+def test_threads_with_wrong_secrets_cost_one_read_together(
+    service: Service, tokens: Tokens, clock: Clock
+) -> None:
+    tokens.known["t"] = replace(TOKEN, secret_sha256=secret_hash("right"))
+    service.api_token("cdb_t_right")
+    clock.now += 5
+
+    def refuse(n: int) -> None:
+        with pytest.raises(ForbiddenError):
+            service.api_token(f"cdb_t_wrong{n}")
+
+    with ThreadPoolExecutor(16) as threads:
+        list(threads.map(refuse, range(64)))
+    assert tokens.reads == 2
+
+
+def test_new_secrets_work_at_once_one_after_another(service: Service, tokens: Tokens) -> None:
+    for n in range(5):
+        tokens.known["t"] = replace(TOKEN, secret_sha256=secret_hash(f"secret{n}"))
+        service.api_token(f"cdb_t_secret{n}")
+    assert tokens.reads == 5
+    with pytest.raises(ForbiddenError):
+        service.api_token("cdb_t_secret0")
+    assert tokens.reads == 6
 
 
 def test_a_larger_plan_helps_within_a_minute(

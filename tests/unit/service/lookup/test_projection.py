@@ -8,6 +8,7 @@ import pytest
 from calibdb.lookup.projection import distort_ray, rays_in_view
 from calibdb.schema import Calibration
 from calibsolver import Camera
+from tests.helpers.lens_vectors import recorded
 from tests.helpers.service.known import LENS, consensus, fit
 
 LENSES = {
@@ -39,9 +40,28 @@ def test_plain_projection_matches_solver(model: str) -> None:
     assert np.ptp(q, axis=0) == pytest.approx(np.array(stored.img_size), rel=0.25)
 
 
+def test_plain_projection_matches_the_shared_vectors() -> None:
+    count = 0
+    for record in recorded():
+        fx, fy, cx, cy, *d = record["k"]
+        for (x, y, z), expected in zip(record["rays"], record["pixels"], strict=True):
+            if not x and not y and not z:
+                continue  # the centre of the camera has no direction
+            theta, phi = math.atan2(math.hypot(x, y), z), math.atan2(y, x)
+            at = distort_ray(record["model"], tuple(d), theta, phi)
+            assert (at is None) == (expected is None), record
+            if at is not None:
+                assert math.dist((fx * at[0] + cx, fy * at[1] + cy), expected) < 1e-9, record
+            count += 1
+    assert count > 2000
+
+
 def test_folding_model_ends_at_its_fold() -> None:
     folding = consensus(fit(f=300.0, distortion=(-0.4, 0, 0, 0, 0))).calibration
     assert folding is not None
     fold = math.atan(math.sqrt(1 / 1.2))  # d/dr of r (1 - 0.4 r^2) is 0 at r^2 = 1 / 1.2
     assert fold - 0.06 < max(theta for theta, _, _ in rays_in_view(folding)) < fold + 0.06  # to a step
-    assert distort_ray("rectilinear", (-0.4, 0, 0, 0, 0), fold, 0.0)[0] == pytest.approx(0.6086, abs=1e-4)
+    inside = distort_ray("rectilinear", (-0.4, 0, 0, 0, 0), fold - 1e-9, 0.0)
+    assert inside is not None
+    assert inside[0] == pytest.approx(0.6086, abs=1e-4)
+    assert distort_ray("rectilinear", (-0.4, 0, 0, 0, 0), fold + 1e-9, 0.0) is None

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calibdb.errors import ConflictError, InvalidError, NotFoundError
-from calibdb.rules import session_rules
+from calibdb.rules import session_result, session_rules
 from calibdb.schema import EstimateDocument, SessionDocument, SessionRequest, ViewDocument
 
 NOW = 1_700_000_000
@@ -106,15 +106,16 @@ def test_skipped_targets_are_kept_until_the_next_view() -> None:
 
 def test_the_calibrations_id_follows_from_the_session() -> None:
     def identify(document: SessionDocument, now: int) -> str:
-        finish = session_rules.with_finish(document, now, "contributor", "0.1.0").finish
+        finish = session_result.with_finish(document, now, "contributor", "0.1.0").finish
         assert finish is not None
         return finish.calibration_id
 
     assert identify(DOCUMENT, NOW) == identify(DOCUMENT, NOW + 9)
-    assert identify(DOCUMENT, NOW).startswith(f"{DOCUMENT.camera_key}-{SID[:8]}")
+    day = int(SID[:8], 16) // 86_400 * 86_400
+    assert identify(DOCUMENT, NOW).startswith(f"{DOCUMENT.camera_key}-{day:08x}"), "not the second"
     assert identify(session_rules.begin(REQUEST, SID, 5, NOW), NOW) != identify(DOCUMENT, NOW)
     with pytest.raises(ValueError, match="converged"):
-        session_rules.to_calibration(DOCUMENT)
+        session_result.to_calibration(DOCUMENT)
 
 
 COORDINATE = st.floats(-1, 16384)

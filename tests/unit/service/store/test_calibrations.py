@@ -3,7 +3,7 @@
 import pytest
 
 from calibdb.camera_key import camera_key
-from calibdb.rules import session_rules
+from calibdb.rules import session_result, session_rules
 from calibdb.schema import (
     CalibrationDocument,
     ConsensusDocument,
@@ -32,7 +32,7 @@ FIT = FitRecord(
 )
 
 
-VAGUE = Uncertainty(rms=0.7, max=2.0)
+VAGUE = Uncertainty(rms=3.01, max=9.0)
 
 
 def mode(document: CalibrationDocument) -> StreamMode:
@@ -43,12 +43,12 @@ def finished(now: int = NOW, sid: str = SID) -> SessionDocument:
     document = session_rules.begin(REQUEST, sid, 1, now).model_copy(
         update={"estimate": EstimateDocument(fit=FIT)}
     )
-    return session_rules.with_finish(document, now, "contributor", "0.1.0")
+    return session_result.with_finish(document, now, "contributor", "0.1.0")
 
 
 def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> None:
     calibrations = Calibrations(table, objects)
-    document = session_rules.to_calibration(finished())
+    document = session_result.to_calibration(finished())
     calibrations.publish(document)
     calibrations.publish(document.model_copy(update={"time": NOW + 9}))
     assert calibrations.get(document.id) == document  # never overwritten
@@ -60,7 +60,7 @@ def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> 
 
 def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, objects: Objects) -> None:
     calibrations = Calibrations(table, objects)
-    documents = [session_rules.to_calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}")) for n in range(12)]
+    documents = [calibrated(n * 86_400) for n in range(12)]
     for document in documents:
         calibrations.publish(document)
     calibrations.publish(
@@ -74,7 +74,7 @@ def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, obje
 
 def calibrated(n: int, contributor: str = "", **changes: object) -> CalibrationDocument:
     """The `n`th calibration of one camera, finished n seconds from now."""
-    document = session_rules.to_calibration(finished(NOW + n, f"{NOW + n:08x}{n:016x}"))
+    document = session_result.to_calibration(finished(NOW + n, f"{NOW + n:08x}{abs(n):016x}"))
     return document.model_copy(update={"contributor": contributor or f"contributor {n}", **changes})
 
 
@@ -89,14 +89,16 @@ def test_uncounted_calibrations_are_skipped(table: Table, objects: Objects) -> N
     calibrations.publish(documents[2])  # the client repeats its last view
     place = mode(documents[0])
     assert [c.id for c in calibrations.newest(place, 200)] == [documents[3].id, documents[0].id]
-    assert list(calibrations.everything()) == [(document, n == 2) for n, document in enumerate(documents)]
+    everything = sorted(calibrations.everything(), key=lambda one: one[0].time)
+    assert everything == [(document, n == 2) for n, document in enumerate(documents)]
     assert calibrations.modes(place.camera_key) == [place]
 
 
 def test_contributor_counts_once_in_a_period(table: Table, objects: Objects) -> None:
     calibrations = Calibrations(table, objects)
+    yesterday = -86_400
     for n in range(3):
-        calibrations.index(calibrated(n, "honest"))
+        calibrations.index(calibrated(yesterday + n, "honest"))
     for n in range(3, 30):
         calibrations.index(calibrated(n, "busy"))
     place = mode(calibrated(0))
@@ -104,7 +106,7 @@ def test_contributor_counts_once_in_a_period(table: Table, objects: Objects) -> 
     once = calibrations.newest(place, 5, 86_400)
     assert once == [
         CountedCalibration(calibrated(29).id, "busy", "Camera", "Linux"),
-        CountedCalibration(calibrated(2).id, "honest", "Camera", "Linux"),
+        CountedCalibration(calibrated(yesterday + 2).id, "honest", "Camera", "Linux"),
     ]
 
 
@@ -123,20 +125,32 @@ def test_source_counts_three_times_at_most(table: Table, objects: Objects) -> No
 
 @pytest.mark.parametrize(
     "changes",
-    [{"target_error": 0.61}, {"fits": {"rectilinear": FIT.model_copy(update={"uncertainty": VAGUE})}}],
-    ids=["asked for too little", "ended at the limit"],
+    [
+        {"uncertainty": VAGUE},
+        {"uncertainty": VAGUE.model_copy(update={"inside": 3.01, "covered": 0.4})},
+        {"avg_reprojection_error": 3.01},
+    ],
+    ids=["3 px off", "3 px off where its board was", "of its own views"],
 )
-def test_imprecise_calibration_does_not_count(
+def test_calibration_that_is_no_evidence_does_not_count(
     table: Table, objects: Objects, changes: dict[str, object]
 ) -> None:
+    """The error that it states where its board was decides."""
     calibrations = Calibrations(table, objects)
-    wide = {"img_size": (1280, 720), "target_error": 0.6}
-    precise, vague = calibrated(0, **wide), calibrated(1, **{**wide, **changes})
-    calibrations.index(precise)
-    calibrations.index(vague)
-    place = mode(precise)
-    assert [c.id for c in calibrations.newest(place, 200, 86_400)] == [precise.id]
+    wide = {"img_size": (1280, 720), "target_error": 100.0}
+    inside = VAGUE.model_copy(update={"inside": 2.99, "covered": 0.4})
+    evidence = calibrated(0, **wide, fits=of_fit({"uncertainty": inside}))
+    other = calibrated(1, **wide, fits=of_fit(changes))
+    calibrations.index(evidence)
+    calibrations.index(other)
+    place = mode(evidence)
+    assert [c.id for c in calibrations.newest(place, 200, 86_400)] == [evidence.id]
     assert len(calibrations.newest(place, 200)) == 2, "on a machine of one's own it does"
+
+
+def of_fit(changes: dict[str, object]) -> dict[str, FitRecord]:
+    """Fits of a calibration whose rectilinear one has other figures."""
+    return {"rectilinear": FIT.model_copy(update=changes)}
 
 
 def rests_on(basis: str) -> ConsensusDocument:

@@ -15,7 +15,7 @@ from calibdb.schema import (
     SessionDocument,
     SessionRequest,
 )
-from calibdb.store import Objects, Quotas, Sessions, Table, Tokens
+from calibdb.store import Objects, Sessions, Table, Tokens
 
 NOW = 1_700_000_000
 SID = "6553f1000123456789abcdef"
@@ -50,6 +50,76 @@ def test_a_session_is_kept_version_by_version(sessions: Sessions, objects: Objec
     assert sessions.update(SID, NOW, opened) == 2
     assert sessions.get(SID).next_index == 2
     assert versions(objects) == ["1.json", "2.json", "3.json"]
+
+
+def aimed(n: int) -> Callable[[SessionDocument], tuple[SessionDocument, int]]:
+    """A change: another target, and the one before not wanted."""
+
+    def change(document: SessionDocument) -> tuple[SessionDocument, int]:
+        return session_rules.with_target(session_rules.without_target(document), {"n": n}), n
+
+    return change
+
+
+def test_another_target_writes_no_object(sessions: Sessions, objects: Objects, table: Table) -> None:
+    sessions.start(SID, NOW, begin)
+    for n in range(12):
+        assert sessions.update(SID, NOW, aimed(n)) == n
+    document = sessions.get(SID)
+    assert document.target == {"n": 11}
+    assert [target["n"] for target in document.skipped] == list(range(3, 11))
+    assert list(sessions.all()) == [document]
+    assert versions(objects) == ["1.json"]
+    assert sessions.update(SID, NOW, opened) == 1
+    after = sessions.get(SID)
+    assert (after.target, after.skipped, after.next_index) == (document.target, document.skipped, 1)
+    assert versions(objects) == ["1.json", "14.json"]
+    table.delete(f"SESSION#{SID}", "META")
+    sessions.index(NOW)
+    assert sessions.get(SID) == after
+    assert sessions.forget(SID, NOW)
+    assert versions(objects) == []
+
+
+def test_of_a_target_and_a_view_at_once_neither_is_lost(sessions: Sessions) -> None:
+    sessions.start(SID, NOW, begin)
+    raced = []
+
+    def slow(document: SessionDocument) -> tuple[SessionDocument, int]:
+        if not raced:
+            raced.append(1)
+            sessions.update(SID, NOW, opened)
+        return aimed(7)(document)
+
+    sessions.update(SID, NOW, slow)
+    raced.clear()
+
+    def slower(document: SessionDocument) -> tuple[SessionDocument, int]:
+        if not raced:
+            raced.append(1)
+            sessions.update(SID, NOW, aimed(8))
+        return opened(document)
+
+    assert sessions.update(SID, NOW, slower) == 2
+    document = sessions.get(SID)
+    assert (document.target, document.next_index) == ({"n": 8}, 2)
+
+
+def test_session_that_is_deleted_during_a_read_is_missing(
+    sessions: Sessions, objects: Objects, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not denied: the roles may list `sessions/`, so S3 says 404 of the object that is gone."""
+    sessions.start(SID, NOW, begin)
+    get = objects.get
+
+    def late(name: str) -> bytes | None:
+        sessions.forget(SID, NOW)
+        return get(name)
+
+    monkeypatch.setattr(objects, "get", late)
+    assert sessions.find(SID) is None
+    with pytest.raises(NotFoundError):
+        sessions.get(SID)
 
 
 def test_empty_change_writes_nothing(sessions: Sessions, objects: Objects) -> None:
@@ -163,25 +233,6 @@ def test_tokens(table: Table, objects: Objects) -> None:
     table.delete("TOKEN#other", "META")
     assert tokens.reindex() == 1
     assert tokens.get("other") == other
-
-
-def test_a_counter_stops_at_its_limit(table: Table) -> None:
-    quotas = Quotas(table)
-    assert [quotas.take("t", "views", NOW, 3) for _ in range(5)] == [1, 2, 3, None, None]
-    assert quotas.take("t", "views", NOW, 3, "someone")  # counted apart
-    assert quotas.take("t", "sessions", NOW, 3)
-    assert quotas.take("t", "views", NOW + 3600, 3)  # the next hour
-    assert not quotas.take("t", "views", NOW, 0)
-    assert quotas.add("t", "lookups", NOW, 250) == 250
-    assert quotas.add("t", "lookups", NOW, 250) == 500
-    assert table.get("TOKEN#t", "QUOTA#2023-11-14T22") == {
-        "pk": "TOKEN#t",
-        "sk": "QUOTA#2023-11-14T22",
-        "views": 3,
-        "sessions": 1,
-        "lookups": 500,
-        "ttl": 1_700_002_800 + 31 * 86_400,
-    }
 
 
 def test_purged_object_leaves_no_version(objects: Objects) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calibsolver import Board, Camera, View, rotation
-from calibsolver.capture import MAX_VIEWS, Capture, Estimate, Exclusion
+from calibsolver.capture import MAX_VIEWS, Capture, Estimate, Exclusion, History
 from calibsolver.guidance import TargetPose
 from tests.helpers.solver import synthetic
 
@@ -15,7 +15,7 @@ BOARD = Board()
 CAMERA = synthetic.rectilinear_cameras()[6]
 SIZE = CAMERA.img_size
 HEAVY = pytest.mark.thorough
-WRONG = ("outlier", "mirrored", "degenerate", "no_information")
+WRONG = ("outlier", "mirrored", "degenerate", "duplicate")
 Hostile = Callable[["Session", View], View]
 
 
@@ -31,6 +31,7 @@ class Session:
 
     def __post_init__(self) -> None:
         self.rules = Capture(BOARD, SIZE, seed=self.seed_camera)
+        self.history = History()
         self.rng = np.random.default_rng(self.seed)
         self.estimate: Estimate = self.rules.estimate([])
         self.target: TargetPose = self.rules.next_target([], self.estimate)
@@ -41,7 +42,10 @@ class Session:
         return synthetic.seen(BOARD, camera, *synthetic.User().hold(BOARD, asked, self.rng), self.rng)
 
     def submit(self, view: View) -> bool:
-        decision = self.rules.judge(self.views, self.target, view, self.estimate.excluded, self.quarantined)
+        decision = self.rules.judge(
+            self.views, self.target, view, self.estimate.excluded, self.quarantined, self.history
+        )
+        self.history = decision.after(self.history)
         if decision.estimate is None:
             assert decision.reason is not None
             assert decision.hint is not None
@@ -129,7 +133,7 @@ def test_session_converges_after_hostile_views(kind: str, good_first: int, seeds
     assert not_counted >= 3 * len(seeds)
 
 
-def test_copies_of_a_view_bring_no_information() -> None:
+def test_copies_of_a_view_are_duplicates() -> None:
     session = Session(seed=1)
     view = session.honest()
     assert session.submit(view)
@@ -137,8 +141,8 @@ def test_copies_of_a_view_bring_no_information() -> None:
         copy = View(view.object_points, view.image_points + 0.02 * session.rng.normal(size=(len(view), 2)))
         session.submit(copy)
         assert not session.estimate.converged
-    assert len(session.views) < 4
-    assert "no_information" in session.reasons
+    assert len(session.views) == 1
+    assert session.reasons == ["duplicate"] * 9
     assert session.finish() < 0.6
 
 
@@ -212,7 +216,7 @@ def test_undo_refits_the_remaining_views() -> None:
         assert synthetic.projection_error(CAMERA, found).mean() < 1.5
 
 
-def test_capture_ends_at_max_views_with_advice() -> None:
+def test_capture_ends_where_the_error_falls_no_more() -> None:
     rules = Capture(BOARD, SIZE, target_error=0.001)
     session = Session(seed=7)
     session.rules = rules
@@ -220,11 +224,29 @@ def test_capture_ends_at_max_views_with_advice() -> None:
         if session.estimate.converged:
             break
         session.submit(session.honest())
+    assert session.estimate.end == "plateau"
+    assert 10 <= len(session.views) < MAX_VIEWS
+    assert session.estimate.progress == 1
+    assert session.estimate.advice == ()
+
+
+def test_capture_off_the_target_ends_at_max_views_with_advice() -> None:
+    """A user who ignores the outline is refused duplicates only, and the capture ends."""
+    session = Session(seed=7)
+    session.rules = Capture(BOARD, SIZE, target_error=0.001)
+    for _ in range(40):
+        if session.estimate.converged:
+            break
+        rvec = np.radians(25) * session.rng.normal(size=3)
+        tvec = session.rng.uniform((-7, -4.5, 11), (-2, -1.5, 16))
+        session.submit(synthetic.seen(BOARD, CAMERA, rvec, tvec, session.rng))
     assert len(session.views) == MAX_VIEWS
+    assert session.estimate.end == "limit"
+    assert set(session.reasons) <= {"duplicate"}
     assert session.estimate.progress == 1
     assert [advice.code for advice in session.estimate.advice] == ["limit_reached"]
     assert session.estimate.uncertainty is not None
-    assert session.estimate.uncertainty.rms > 0.001
+    assert 0.001 < session.estimate.uncertainty.rms < 5
 
 
 def test_excluded_view_still_gets_an_error() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calibsolver import Calibration, Camera, View, fit, rotation
+from calibsolver import Camera, View, fit, rotation
 from calibsolver.fitting import focal_profile
 from calibsolver.fitting.fit import refine
 from tests.bench.honesty import ratios, splits
@@ -44,12 +44,9 @@ def test_the_bars_reach_the_other_optimum() -> None:
     assert other.camera.focal[0] > 1.2 * found.camera.focal[0]
     difference = np.sqrt(np.mean(synthetic.projection_error(found.camera, other.camera) ** 2))
 
-    def predicted(calibration: Calibration) -> float:
-        return float(np.sqrt(np.mean(calibration.projection_std() ** 2)))
-
-    assert difference < 2 * predicted(found)
+    assert difference < 2 * found.uncertainty().rms
     # By the curvature at the optimum alone it would be far outside.
-    assert difference > 4 * predicted(refine(views, found.camera, found.poses))
+    assert difference > 4 * refine(views, found.camera, found.poses).uncertainty().rms
 
 
 @external_data

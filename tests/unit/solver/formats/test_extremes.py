@@ -6,7 +6,8 @@ import time
 import numpy as np
 import pytest
 
-from calibsolver import CalibrationError, DeadlineError, deadline, formats, image_transform
+from calibsolver import CalibrationError, Camera, DeadlineError, deadline, formats, image_transform
+from calibsolver.formats.convert import share_behind
 from tests.helpers.solver import synthetic
 
 
@@ -32,3 +33,11 @@ def test_small_part_is_written_with_a_finite_error_or_refused(name: str, size: t
         written = formats.write(formats.ExportSource(camera), name, part)
         error, coverage = written.error, written.coverage
     assert np.isfinite([error, coverage]).all()
+
+
+def test_share_behind_of_a_fisheye_without_a_ray_is_none() -> None:
+    """Of a lens that folds at once, far from its principal point, no pixel has a ray."""
+    k = np.array([[0.5, 0, 1e7], [0, 0.5, 1e7], [0, 0, 1]])
+    camera = Camera("fisheye", k, np.array([-9e3, 0, 0, 0]), (1280, 720))
+    assert not np.isfinite(camera.unproject(np.array([[0.0, 0.0], [640.0, 360.0]]))).any()
+    assert share_behind(camera) == 0.0

@@ -178,7 +178,7 @@ REFUSED = {
     "estimator.yaml": ('%YAML:1.0\nimu: 1\ncam0_calib: "cam0_mei.yaml"\n', "cam0_mei.yaml"),
     "nothing.yaml": ("", "empty"),
     "prose.txt": ("Dear reader,\nthis is no calibration.\n", "no object|no kind"),
-    "entity.xml": ('<!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', "document type"),
+    "entity.xml": ('<!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', "declares entities"),
     "cut.xml": ("<opencv_storage><K>", "no XML"),
     "pickle.pkl": (b"\x80\x04\x95", "pickle"),
     "ros.tar.gz": (b"\x1f\x8b\x08\x00", "unpack"),

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from calibsolver import Board, Calibration, View, fit, rotation
-from calibsolver.quality.assessment import residual_vectors
+from calibsolver.fitting.coverage import Coverage
+from calibsolver.quality.assessment import EDGES, level_of, residual_vectors
 from calibsolver.quality.report import assess, describe
 from tests.helpers.data import corner_views
 from tests.helpers.solver import populations, synthetic
@@ -66,8 +67,11 @@ def test_cut_views_count_for_neither_tilt_nor_coverage() -> None:
 
 def test_noise_outliers_and_views_left_out() -> None:
     rng = np.random.default_rng(0)
-    views = populations.views(CAMERA, rng, noise=0.8)
-    assert codes(fit(views, CAMERA.img_size), views) == {"noisy", "uncertain"}
+    views = populations.views(CAMERA, rng, noise=2.5)
+    noisy = fit(views, CAMERA.img_size)
+    assert 1 < noisy.uncertainty().rms < 3
+    assert assess(noisy, views).level == "fair"
+    assert codes(noisy, views) == {"noisy", "uncertain"}
     views = populations.views(CAMERA, rng)
     wild = []
     for view in views:
@@ -85,6 +89,42 @@ def test_systematic_residuals_are_reported() -> None:
     views, size = corner_views("jy_left")
     assert codes(fit(views, size), views) == {"model_too_simple", "uncertain"}
     assert codes(fit(views, size, "fisheye"), views) == {"uncertain"}
+
+
+@pytest.mark.parametrize(
+    ("whole", "inside", "covered", "level"),
+    [
+        (1.0, 1.0, 0.5, "good"),
+        (1.01, 0.2, 0.5, "fair"),
+        (3.0, 2.9, 0.5, "fair"),
+        (30.0, 1.0, 0.5, "fair"),
+        (30.0, 1.0, 0.05, "poor"),
+        (3.01, 1.01, 0.9, "poor"),
+    ],
+)
+def test_level_follows_from_two_errors(whole: float, inside: float, covered: float, level: str) -> None:
+    assert level_of(whole, inside, covered) == level
+
+
+@pytest.mark.parametrize("side", EDGES)
+def test_side_that_has_not_seen_the_board_is_named_first(side: str) -> None:
+    """Views of a good capture without the corners in the outer third at one side."""
+    width, height = CAMERA.img_size
+    limit = {"left": (width / 3, 0), "right": (2 * width / 3, 0), "top": (height / 3, 1)}
+    bound, axis = limit.get(side, (2 * height / 3, 1))
+    sign = 1 if side in ("left", "top") else -1
+    views = []
+    for view in populations.views(CAMERA, np.random.default_rng(0), noise=1.5, count=12):
+        inner = sign * view.image_points[:, axis] > sign * bound
+        if inner.sum() >= 12:
+            views.append(View(view.object_points[inner], view.image_points[inner]))
+    calibration = fit(views, CAMERA.img_size)
+    assessment = assess(calibration, views)
+    coverage = Coverage.of(calibration, views)
+    assert assessment.level != "good"
+    assert coverage.rms < calibration.uncertainty().rms
+    assert 0.3 < coverage.share < 0.75
+    assert f"{side}_edge_not_covered" in [reason.code for reason in assessment.reasons[:2]]
 
 
 def test_overfitting_is_reported_by_held_out_views() -> None:

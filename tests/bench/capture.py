@@ -1,0 +1,246 @@
+"""`make bench DOCS=capture`: the rule that accepts views and ends captures, on real corners.
+
+Of a set, views set aside at random give the reference. The others, the pool, are offered to a capture in
+random order, twice: the board is held anywhere, and the outline is ignored. The camera that the capture ends
+with is compared with the fit of the whole pool, by the distance of each from the reference: px rms at 1280 px
+width, over the image and inside the hull of the reference's corners. The table goes to docs/accuracy.md.
+
+SEEDS=3 draws of each set; ONLY=jy_left,babel_ov_plane.
+"""
+
+import os
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from calibdb_client.board import Board as ClientBoard
+from calibdb_client.detection import Detector
+from calibsolver import Board, CalibrationError, Camera, View, fit
+from calibsolver.camera import pixel_grid
+from calibsolver.capture import Capture, History
+from calibsolver.capture.admission import rejection_reason
+from calibsolver.fitting.coverage import COVERAGE_GRID, hull
+from calibsolver.formats.grid import grid
+from calibsolver.quality.assessment import level_of
+from infra.console.progress import track
+from tests.bench import document
+from tests.bench.corners import NAMES
+from tests.bench.real_views import distance, usable_views
+from tests.helpers.data import EXTERNAL, available
+
+FISHEYE = ("jy_left", "derlunz", "mint_isaw", "arizonat_fe", "ocam_fisheye2", "babel_ov_plane")
+INVERTED = {"squares": (4, 5), "marker_ratio": 0.75, "dictionary": "DICT_4X4_50", "inverted": True}
+VIDEOS: dict[str, tuple[str, dict[str, object], int]] = {
+    "opt1": ("caliscope_opt1.mp4", INVERTED, 15),
+    "char0": ("caliscope_char0_mpeg4.mp4", INVERTED, 15),
+    "pre1": ("caliscope_pre1_mirrored.mp4", INVERTED, 8),
+    "yubin": ("chessboard_yubin.mp4", {"squares": (9, 7), "kind": "chessboard"}, 15),
+    "uk": ("chessboard_uk.avi", {"squares": (11, 8), "kind": "chessboard"}, 15),
+}
+"""File in the folder of videos, board, and px between the views taken from it."""
+MIRRORED = ("pre1",)
+ASIDE_SHARE = 0.35
+"""Share of the views that give the reference."""
+MAX_RATIO = 1.3
+"""Error of a capture / error of its pool, up to which the capture lost little."""
+
+
+@dataclass(frozen=True)
+class Footage:
+    """Views of one camera, and the board that they show."""
+
+    name: str
+    board: Board
+    img_size: tuple[int, int]
+    views: Sequence[View]
+
+    @property
+    def model(self) -> str:
+        return "fisheye" if self.name in FISHEYE else "rectilinear"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """End of one capture. Errors are px at 1280 px width: over the image, inside the hull."""
+
+    end: str
+    posts: int
+    views: int
+    stated: tuple[float, float]
+    covered: float
+    actual: tuple[float, float]
+    pool: tuple[float, float]
+
+    @property
+    def ratios(self) -> tuple[float, float]:
+        return self.actual[0] / self.pool[0], self.actual[1] / self.pool[1]
+
+
+def footage() -> Iterator[Footage]:
+    """Read every set that is at hand."""
+    only = set(filter(None, os.environ.get("ONLY", "").split(",")))
+    for name in available(NAMES):
+        if not only or name in only:
+            views, size = usable_views(name)
+            found = grid(views)
+            board = Board(found.squares, dictionary="DICT_4X4_1000")
+            shown = [board.view(i, view.image_points) for i, view in zip(found.ids, views, strict=True)]
+            if rejection_reason(shown[0], size) == "mirrored":  # numbered from below
+                shown = [upside_down(board, view) for view in shown]
+            yield Footage(name, board, size, shown)
+    for name in VIDEOS if EXTERNAL is not None else ():
+        if not only or name in only:
+            yield read_video(name)
+
+
+def upside_down(board: Board, view: View) -> View:
+    """View of a board whose rows are numbered from the other side."""
+    points = view.object_points.copy()
+    points[:, 1] = board.squares[1] - points[:, 1]
+    return View(points, view.image_points)
+
+
+def read_video(name: str) -> Footage:
+    """Detect the board in a video, in frames in which it moved."""
+    file, described, apart = VIDEOS[name]
+    board, views = Board(**described), list[View]()  # type: ignore[arg-type]
+    detector = Detector(ClientBoard(**described))  # type: ignore[arg-type]
+    video = cv2.VideoCapture(str(EXTERNAL / "videos" / file)) if EXTERNAL else cv2.VideoCapture()
+    size = (0, 0)
+    while (read := video.read())[0]:
+        frame = cv2.flip(read[1], 1) if name in MIRRORED else read[1]
+        size = (frame.shape[1], frame.shape[0])
+        corners = detector.find(frame)
+        if corners is None:
+            continue
+        view = board.view(corners.ids, corners.points)
+        if not views or moved(views[-1], view) >= apart:
+            views.append(view)
+    return Footage(name, board, size, views)
+
+
+def moved(one: View, other: View) -> float:
+    """Mean distance, px, of the corners that two views share; infinite if they share none."""
+    places = {tuple(p): q for p, q in zip(one.object_points.tolist(), one.image_points, strict=True)}
+    pairs = zip(other.object_points.tolist(), other.image_points, strict=True)
+    lengths = [np.linalg.norm(q - places[tuple(p)]) for p, q in pairs if tuple(p) in places]
+    return float(np.mean(lengths)) if lengths else np.inf
+
+
+def run(source: Footage, seed: int) -> Outcome | None:
+    """One capture; None if a fit fails that it is compared with."""
+    rng = np.random.default_rng(seed)
+    order = rng.permutation(len(source.views))
+    aside = round(ASIDE_SHARE * len(order))
+    held_out, pool = ([source.views[i] for i in part] for part in (order[:aside], order[aside:]))
+    size, model = source.img_size, source.model
+    try:
+        reference, whole = fit(held_out, size, model), fit(pool, size, model)
+    except CalibrationError:
+        return None
+    offered = [pool[i] for _ in range(2) for i in rng.permutation(len(pool))]
+    capture, views, history = (
+        Capture(source.board, size, model, target_error=0.3 / 1280 * size[0]),
+        [],
+        History(),
+    )
+    estimate = capture.estimate(views)
+    quarantined: list[View] = []
+    target, end, posts = capture.next_target(views, estimate), "never", 0
+    for view in offered:
+        posts += 1
+        decision = capture.judge(views, target, view, estimate.excluded, quarantined, history)
+        history = decision.after(history)
+        if decision.estimate is None:
+            quarantined += [view] if decision.quarantine else []
+            if history.is_exhausted(len(views) - len(estimate.excluded)):
+                end = "nothing_new"
+                break
+            continue
+        views, estimate, quarantined = [*views, view], decision.estimate, []
+        if estimate.end:
+            end = estimate.end
+            break
+        target = capture.next_target(views, estimate)
+    if estimate.calibration is None or estimate.uncertainty is None or estimate.coverage is None:
+        return None
+    seen = np.concatenate([v.image_points[u] for v, u in zip(held_out, reference.used, strict=True)])
+    scale = 1280 / size[0]
+
+    def errors(camera: Camera) -> tuple[float, float]:
+        cells = pixel_grid(size, COVERAGE_GRID).reshape(2, -1).T[hull(seen, size)]
+        return scale * distance(reference.camera, camera), scale * distance(reference.camera, camera, cells)
+
+    return Outcome(
+        end,
+        posts,
+        len(views) - len(estimate.excluded),
+        (scale * estimate.uncertainty.rms, scale * estimate.coverage.rms),
+        estimate.coverage.share,
+        errors(estimate.calibration.camera),
+        errors(whole.camera),
+    )
+
+
+def row(source: Footage, outcomes: Sequence[Outcome]) -> list[str]:
+    """Medians of the draws of one set."""
+
+    def middle(pairs: Sequence[tuple[float, float]], digits: int = 1) -> str:
+        return " / ".join(f"{value:.{digits}f}" for value in np.median(np.array(pairs), axis=0))
+
+    levels = Counter(level_of(*o.stated, o.covered) for o in outcomes)
+    ends = Counter(o.end for o in outcomes)
+    return [
+        source.name,
+        str(len(source.views)),
+        f"{np.median([o.views for o in outcomes]):.0f} ({np.median([o.posts for o in outcomes]):.0f})",
+        ", ".join(f"{end} {count}" for end, count in ends.most_common()),
+        middle([o.stated for o in outcomes]),
+        middle([o.actual for o in outcomes]),
+        middle([o.ratios for o in outcomes], 2),
+        ", ".join(f"{level} {count}" for level, count in levels.most_common()),
+    ]
+
+
+def main() -> int:
+    """Measure every set that is at hand."""
+    seeds = int(os.environ.get("SEEDS", "3"))
+    rows, near, ended, total, true = [], np.zeros(2), 0, 0, 0
+    for source in footage():
+        outcomes = [
+            o for seed in track(range(seeds), source.name, seeds) if (o := run(source, seed)) is not None
+        ]
+        if not outcomes:
+            continue
+        rows.append(row(source, outcomes))
+        print(*rows[-1], sep=" | ", flush=True)
+        near += np.median([o.ratios for o in outcomes], axis=0) <= MAX_RATIO
+        ended += sum(o.end != "never" for o in outcomes)
+        true += sum(o.actual[0] <= 2 * o.stated[0] for o in outcomes)
+        total += len(outcomes)
+    header = [
+        "set",
+        "views",
+        "taken (offered)",
+        "ends",
+        "stated, px",
+        "actual, px",
+        "actual / pool's",
+        "verdicts",
+    ]
+    conclusion = (
+        f"{ended} of {total} captures end. The error is at most {MAX_RATIO} times that of the whole pool in "
+        f"{near[0]:.0f} of {len(rows)} sets over the image, and in {near[1]:.0f} inside the hull (medians of "
+        f"{seeds} draws). {true} of {total} ends are within twice their stated error of the reference, which "
+        "has an error of its own."
+    )
+    document.replace("capture", f"{document.table(header, rows)}\n\n{conclusion}")
+    print(conclusion)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,47 @@
+"""Boards of other kinds before the camera: named soon, and no wrong order before that."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import pytest
+from playwright.sync_api import Playwright, expect
+
+from calibdb_client import Board
+from tests.helpers import board_pictures
+from tests.helpers.browser import stop_and_go
+
+SUGGESTION_S = 4.0
+SHOWN = {
+    "10 × 7 chessboard": Board((10, 7), kind="chessboard"),
+    "8 × 8 ChArUco, DICT_4X4_50, markers 0.75": Board((8, 8), 0.75),
+}
+LISTEN = """
+  window.told = [];
+  document.addEventListener("DOMContentLoaded", () => {
+    const place = document.getElementById("instruction");
+    new MutationObserver(() => window.told.push([performance.now(), place.textContent]))
+      .observe(place, { childList: true, characterData: true, subtree: true });
+  });
+"""
+
+
+@pytest.mark.parametrize("words", SHOWN)
+def test_board_is_suggested_within_four_seconds(
+    playwright: Playwright, stack: str, tmp_path: Path, words: str
+) -> None:
+    board = SHOWN[words]
+    grey = board_pictures.picture(board, board_pictures.TILTS[1], 1.5 * max(board.size))
+    frame = cv2.cvtColor(cv2.resize(grey, (1280, 720)), cv2.COLOR_GRAY2BGR)
+    source = stop_and_go.write(tmp_path / "camera.y4m", [frame] * 4)
+    with stop_and_go.camera(playwright, stack, source) as page:
+        page.add_init_script(LISTEN)
+        page.goto("/calibrate/")
+        page.locator("#start").click()
+        page.locator("#instruction", has_text="This is a different board").wait_for()
+        expect(page.locator("#remedy")).to_contain_text(words)
+        told = page.evaluate("window.told")
+        (began, _), (ended, _) = told[0], told[-1]
+        assert ended - began < 1000 * SUGGESTION_S
+        assert not [text for _, text in told if "Move closer" in text]

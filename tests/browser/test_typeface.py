@@ -1,0 +1,78 @@
+"""The typeface of the pages at a first visit, before anything is cached."""
+
+import re
+
+import pytest
+from playwright.sync_api import Browser, Page, Route
+
+from tests.helpers.browser.waiting import TIMEOUT_S
+
+PATHS = ("/", "/calibrate/", "/ar/", "/rig/", "/cameras/", "/photos/")
+SIZES = ((1440, 900), (390, 844))
+MAX_SHIFT = 0.01
+# CLS: the largest sum of shifts within 5 s that follow one another within 1 s
+SHIFTS = """window.shift = 0;
+window.sources = [];
+let [sum, first, last] = [0, -Infinity, -Infinity];
+new PerformanceObserver((list) => {
+  for (const { value, startTime, sources } of list.getEntries()) {
+    if (startTime - last > 1000 || startTime - first > 5000) [sum, first] = [0, startTime];
+    [sum, last] = [sum + value, startTime];
+    window.shift = Math.max(window.shift, sum);
+    window.sources.push(`${value.toFixed(4)} ${sources.map(({ node }) => node?.id || node?.nodeName)}`);
+  }
+}).observe({ type: "layout-shift", buffered: true });"""
+# Widths of the heading as it is, and in a typeface of the same file under another name, px
+WIDTHS = """async () => {
+  const heading = [...document.querySelectorAll("h1")].find((each) => each.checkVisibility());
+  const range = document.createRange();
+  range.selectNodeContents(heading);
+  const width = () => range.getBoundingClientRect().width;
+  const shown = width();
+  const face = new FontFace("Truth", "url(/vendor/font/geologica-latin.woff2)", { weight: "1 1000" });
+  document.fonts.add(await face.load());
+  heading.style.fontFamily = "Truth";
+  const expected = width();
+  heading.style.fontFamily = "monospace";
+  return [shown, expected, width()];
+}"""
+
+
+def hold(page: Page, held: list[Route]) -> None:
+    """Collect the requests for the font instead of answering them."""
+    page.route(re.compile("geologica-latin"), lambda route: held.append(route))
+
+
+@pytest.mark.parametrize("size", SIZES, ids=["laptop", "phone"])
+def test_first_visits_show_the_typeface_without_a_shift(
+    chromium: Browser, stack: str, size: tuple[int, int]
+) -> None:
+    """The font arrives after everything else: text is shown in the stand-in first."""
+    for path in PATHS:
+        context = chromium.new_context(
+            base_url=stack,
+            viewport={"width": size[0], "height": size[1]},
+            service_workers="block",
+            locale="en",
+        )
+        context.set_default_timeout(1000 * TIMEOUT_S)
+        page = context.new_page()
+        page.add_init_script(SHIFTS)
+        held: list[Route] = []
+        hold(page, held)
+        page.goto(path, wait_until="domcontentloaded")
+        page.locator("h1:visible").first.wait_for()
+        page.evaluate("new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
+        assert held, path
+        for route in held:
+            route.continue_()
+        page.unroute_all(behavior="wait")
+        page.evaluate("document.fonts.load('600 20px Geologica').then(() => null)")
+        page.evaluate("new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
+        shift, sources = page.evaluate("[window.shift, window.sources]")
+        shown, expected, other = page.evaluate(WIDTHS)
+        assert shown == pytest.approx(expected, abs=0.05), path
+        assert abs(other - expected) > 1, path
+        print(f"{path} at {size[0]} px: layout shift {shift:.4f}")
+        assert shift < MAX_SHIFT, (path, sources)
+        context.close()

@@ -1,0 +1,161 @@
+"""Files of strangers through `POST /v1/convert`: long, damaged and hostile ones, none of them a 500.
+
+`FILES` small files at random; `make thorough ONLY=fuzz` sends 100,000, with `SEED=1` other ones.
+"""
+
+import base64
+import io
+import json
+import os
+import random
+import time
+import zipfile
+from collections import Counter
+
+import pytest
+
+from tests.helpers.service.client import TOKEN, Answer, Client
+from tests.helpers.service.foreign_files import MATRIX, ForeignFiles
+
+FILES = int(os.environ.get("FILES", "2000"))
+SEED = int(os.environ.get("SEED", "0"))
+LENGTH = 99_000
+MIXED = "a1.- \t[](){}\"'\n/\\:,;=<>#%&*!_eE+x\u00e9"
+CLASSES = {
+    "letters": "a" * LENGTH,
+    "digits": "1" * LENGTH,
+    "dots": "." * LENGTH,
+    "dashes": "-" * LENGTH,
+    "blanks": " " * LENGTH,
+    "brackets": "[" * LENGTH,
+    "quotes": '"' * LENGTH,
+    "newlines": "\n" * LENGTH,
+    "slashes": "/" * LENGTH,
+    "mixed": "".join(random.Random(1).choices(MIXED, k=LENGTH)),
+}
+PLACES = {
+    "alone": "{}",
+    "JSON value": '{{"x": "{}"}}',
+    "JSON name": '{{"{}": 1}}',
+    "JSON matrix": '{{"camera_matrix": "{}", "img_size": "{}"}}',
+    "YAML value": "x: {}",
+    "YAML string": 'x: "{}"',
+    "YAML name": "{}: 1",
+    "XML text": "<a>{}</a>",
+    "XML attribute": '<a b="{}"/>',
+    "assignment": "fx = {}",
+    "ROS .ini": "[image]\ncamera matrix\n{}",
+    "COLMAP": "1 OPENCV 640 480 {}x",
+    "mrcal": "{{'lensmodel': '{}'}}",
+    "mrcal without quotes": "{{'lensmodel': {}}}",
+    "path": '{{"calib": "{}.yaml"}}',
+}
+UNITS = {
+    "number with a dot": ("x: {}e", "1" * (LENGTH // 2) + "." + "1" * (LENGTH // 2)),
+    "elements": ("<r>{}</r>", "<a/>" * (LENGTH // 4)),
+    "paths": ("x: {}", "a-" * (LENGTH // 2)),
+    "blank lines": ("{}//", " \n" * (LENGTH // 2)),
+}
+MAX_S = 1.0
+
+
+def convert(client: Client, file: str | bytes, **more: object) -> Answer:
+    if isinstance(file, bytes):
+        file, more = base64.b64encode(file).decode(), {"encoding": "base64", **more}
+    return client.call("POST", "/v1/convert", {"file": file, "img_size": [1280, 720], **more}, token=TOKEN)
+
+
+def processor_s(client: Client, file: str) -> float:
+    """Processor time of one conversion; of two, if the first is near the bound, the shorter."""
+    times = []
+    while not times or (times[-1] > MAX_S / 2 and len(times) < 2):
+        begun = time.process_time()
+        answer = convert(client, file)
+        times.append(time.process_time() - begun)
+        assert answer.status in (200, 422), (answer.status, file[:50])
+        assert len(answer.body) < 10_000, file[:50]
+    return min(times)
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_long_text_of_one_class_is_read_within_a_second(client: Client, name: str) -> None:
+    slow = {}
+    for place, form in PLACES.items():
+        inside = json.dumps(CLASSES[name])[1:-1] if place.startswith("JSON") else CLASSES[name]
+        taken = processor_s(client, form.format(*[inside[: LENGTH // form.count("{}")]] * 2))
+        if taken >= MAX_S:
+            slow[place] = taken
+    assert slow == {}
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_long_text_of_a_pattern_is_read_within_a_second(client: Client, name: str) -> None:
+    form, text = UNITS[name]
+    assert processor_s(client, form.format(text)) < MAX_S
+
+
+def archive(header: bytes) -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as files:
+        files.writestr("mtx.npy", b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header)
+    return packed.getvalue()
+
+
+CAMERA = json.dumps({"camera_matrix": MATRIX, "dist_coeffs": [0] * 5, "img_size": [1280, 720]})[1:-1]
+
+
+@pytest.mark.parametrize(
+    "file",
+    [
+        '{"\\ud800": 1}',
+        'a: "\\ud800"',
+        '{"cam' + "9" * 5000 + '": {"K": [[1, 2]]}}',
+        "1 OPENCV " + "9" * 5000 + " 480 1 2 3",
+        "{'lensmodel': '\\ud800'}",
+        "{'lensmodel': 1, [1]: 2}",
+        "[image]\nwidth\n640\n[a]\ncamera_name\n1 2 3\ncamera matrix\n1 2 3",
+        "a = 1\n[a]\nb = 2",
+        "x: !!float",
+        "x: !!timestamp noon",
+        archive(b"(" * 9000),
+        archive(b"{'descr':" + b"(" * 250),
+        archive(b"'''"),
+        archive(b"{[1]: 2}"),
+        archive(b"-" * 5000),
+    ],
+)
+def test_file_that_breaks_a_parser_is_refused_in_words(client: Client, file: str | bytes) -> None:
+    answer = convert(client, file)
+    assert answer.status == 422
+    [error] = answer.json["errors"]
+    assert error["field"] == "file"
+    assert error["detail"].isprintable()
+
+
+@pytest.mark.parametrize(
+    ("name", "written"),
+    [
+        ("\\ud800", "camera"),
+        ("\\u202eevil\\u0000<b>", "evil <b>"),
+        ("My \\u200bcamera", "My camera"),
+        ("x" * 5000, "x" * 256),
+    ],
+)
+def test_name_in_a_file_is_cleaned_as_labels_are(client: Client, name: str, written: str) -> None:
+    answer = convert(client, f'{{"camera": "{name}", {CAMERA}}}')
+    assert answer.status == 200, answer.body
+    assert answer.json["camera"] == written
+    as_yaml = convert(client, f'camera_name: "{name}"\n' + CAMERA.replace(', "', '\n"').replace('"', ""))
+    assert as_yaml.json["camera"] == written
+
+
+def test_small_files_at_random_never_make_a_500(client: Client) -> None:
+    files = ForeignFiles(SEED)
+    counts: Counter[int] = Counter()
+    for _ in range(FILES):
+        request = files.request()
+        status = client.call("POST", "/v1/convert", request, token=TOKEN).status
+        counts[status] += 1
+        assert status in (200, 422), request
+    assert counts[200] > FILES / 50, "some files hold a camera"
+    assert counts[422] > FILES / 2

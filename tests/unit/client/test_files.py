@@ -1,0 +1,135 @@
+"""Files of other tools, written and read without a service: of a calibration of real photographs."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+
+from calibdb_client import Board, Calibration, Rig, UsageError, offline
+from calibdb_client.cli import main
+from calibdb_client.conversion import FORMATS, RIG_FORMATS, format_of
+from tests.helpers import board_pictures
+from tests.helpers.recordings import recording_of
+
+
+@pytest.fixture(scope="module")
+def calibrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """File that `calibdb submit --offline` wrote of the photographs opencv_left."""
+    path = tmp_path_factory.mktemp("files") / "left.json"
+    recording_of("opencv_left").save(path)
+    assert main(["submit", str(path), "--offline", "--model", "rectilinear", "--json"]) == 0
+    return path
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_calibration_made_here_is_exported_in_every_format(
+    name: str, calibrated: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "out"
+    assert main(["export", str(calibrated), "--format", name, "-o", str(path)]) == 0
+    assert path.stat().st_size > 80
+
+
+def test_suffix_chooses_the_format_and_never_contradicts_it(calibrated: Path, tmp_path: Path) -> None:
+    calibration = Calibration.load(calibrated)
+    calibration.save(tmp_path / "camera.cameramodel")
+    assert b"optimization_inputs" in (tmp_path / "camera.cameramodel").read_bytes()
+    assert calibration.save(tmp_path / "x.txt").content.count(b"OPENCV") == 1
+    assert calibration.save(tmp_path / "x.yaml", format="kalibr").content.count(b"cam0:") == 1
+    assert format_of("opencv", "x.json") == "opencv-json"
+    assert format_of("opencv", "x.yml") == "opencv-yaml"
+    with pytest.raises(UsageError, match="ros or kalibr"):
+        calibration.save(tmp_path / "y.yaml")
+    with pytest.raises(UsageError, match=r"suffix of mrcal"):
+        calibration.save(tmp_path / "y.cameramodel", format="ros")
+    with pytest.raises(UsageError, match="no format is called 'rosy'"):
+        calibration.save(tmp_path / "y.yaml", format="rosy")
+    assert main(["export", str(calibrated), "-o", str(tmp_path / "z.yaml")]) == 2
+    assert not list(tmp_path.glob("[yz].*"))
+
+
+def test_ros_reads_the_exported_file(calibrated: Path, tmp_path: Path) -> None:
+    """By the rules of camera_calibration_parsers: the members that `readCalibrationYml` asks for."""
+    path = tmp_path / "camera.yaml"
+    assert main(["export", str(calibrated), "--format", "ros", "-o", str(path)]) == 0
+    content = yaml.safe_load(path.read_text())
+    matrix = Calibration.load(calibrated).camera_matrix
+    assert (content["image_width"], content["image_height"]) == (640, 480)
+    assert content["camera_name"] == "Test_camera"
+    assert content["distortion_model"] == "plumb_bob"
+    shapes = {
+        "camera_matrix": (3, 3),
+        "distortion_coefficients": (1, 5),
+        "rectification_matrix": (3, 3),
+        "projection_matrix": (3, 4),
+    }
+    for name, (rows, columns) in shapes.items():
+        assert (content[name]["rows"], content[name]["cols"]) == (rows, columns)
+        assert len(content[name]["data"]) == rows * columns
+    assert content["camera_matrix"]["data"] == matrix.ravel().tolist()
+
+
+def test_changed_picture_is_exported(calibrated: Path, capfdbinary: pytest.CaptureFixture[bytes]) -> None:
+    assert main(["export", str(calibrated), "--format", "calibdb", "--resize", "320x240"]) == 0
+    half = json.loads(capfdbinary.readouterr().out)
+    whole = Calibration.load(calibrated).camera_matrix
+    assert half["img_size"] == [320, 240]
+    assert half["camera_matrix"][0][0] == pytest.approx(whole[0, 0] / 2)
+    assert half["camera_matrix"][0][2] == pytest.approx((whole[0, 2] + 0.5) / 2 - 0.5)
+
+
+def test_file_of_another_tool_is_converted_and_loaded(tmp_path: Path) -> None:
+    source = tmp_path / "camera.yml"
+    storage = cv2.FileStorage(str(source), cv2.FILE_STORAGE_WRITE)
+    matrix = np.array([[810.0, 0, 640], [0, 812, 360], [0, 0, 1]])
+    storage.write("image_width", 1280)
+    storage.write("image_height", 720)
+    storage.write("camera_matrix", matrix)
+    storage.write("distortion_coefficients", np.array([[-0.3, 0.1, 0.001, -0.002, 0.01]]))
+    storage.release()
+    assert main(["convert", str(source), "-o", str(tmp_path / "camera.cameramodel")]) == 0
+    loaded = Calibration.load(tmp_path / "camera.cameramodel")
+    assert np.array_equal(loaded.camera_matrix, matrix)
+    assert np.isnan(loaded.avg_reprojection_error)
+    assert np.array_equal(Calibration.load(source).distortion_coefficients, loaded.distortion_coefficients)
+    (tmp_path / "board.txt").write_text("a board, glued to a table\n")
+    assert main(["convert", str(tmp_path / "board.txt"), "--format", "ros"]) == 2
+
+
+def test_command_calibrates_into_another_tools_file_and_keeps_the_corners(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    board_pictures.write(tmp_path / "photos", Board())
+    assert main(["calibrate", "photos", "--offline", "-o", "camera.yaml"]) == 2
+    assert main(["calibrate", "photos", "--offline", "-o", "camera.yaml", "--format", "ros"]) == 0
+    content = yaml.safe_load(Path("camera.yaml").read_text())
+    kept = Calibration.load("camera.calibdb.json")
+    assert content["camera_matrix"]["data"] == kept.camera_matrix.ravel().tolist()
+
+
+@pytest.mark.parametrize("name", RIG_FORMATS)
+def test_rig_on_disk_is_exported_in_every_format(name: str, tmp_path: Path) -> None:
+    camera: dict[str, Any] = {
+        "camera": "Left",
+        "img_size": [640, 480],
+        "camera_matrix": [[530.0, 0, 320], [0, 530.0, 240], [0, 0, 1]],
+        "distortion_coefficients": [-0.2, 0.05, 0, 0, 0],
+        "distortion_model": "rectilinear",
+    }
+    still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0.0] * 6}
+    moved = {"position": 1, "rvec": [0, 0.02, 0], "tvec": [-3.3, 0, 0.1], "std": [0.01] * 6}
+    record = {"calibrations": [camera, camera], "extrinsics": [still, moved], "unit": "squares"}
+    (tmp_path / "rig.json").write_text(json.dumps(record))
+    assert main(["export", str(tmp_path / "rig.json"), "--format", name, "-o", str(tmp_path / "out")]) == 0
+    assert (tmp_path / "out").stat().st_size > 100
+    assert Rig.load(tmp_path / "rig.json").save(tmp_path / "rig.yaml").content.count(b"T_cn_cnm1") == 1
+
+
+def test_calibration_in_memory_is_saved_with_its_corners(tmp_path: Path) -> None:
+    result = offline.calibrate_recording(recording_of("opencv_left"), "rectilinear")
+    assert result.calibration.save(tmp_path / "corners.vnl").content.count(b"\n") > 13 * 54

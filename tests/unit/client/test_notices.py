@@ -1,0 +1,87 @@
+"""Notices of the command: what it says of files that it does not use, and of uncertain parts of a picture."""
+
+import struct
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from calibdb_client import Board
+from calibdb_client.cli import main
+from calibdb_client.cli.output import calibration_facts
+from calibdb_client.pictures import MAX_VIEWS, FoundViews, turned_by_camera
+from calibdb_client.recording import RecordedView
+from tests.helpers import board_pictures
+
+
+@pytest.fixture(autouse=True)
+def working(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to work in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def said(capfd: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert main(["calibrate", *arguments, "--offline"]) == 2
+    return capfd.readouterr().err
+
+
+def test_folders_without_pictures_are_explained(capfd: pytest.CaptureFixture[str]) -> None:
+    Path("parent/left").mkdir(parents=True)
+    assert "name one of parent/left" in said(capfd, "parent")
+    Path("phone").mkdir()
+    for n in range(3):
+        Path(f"phone/{n}.HEIC").write_bytes(b"")
+    assert "3 HEIC files: convert them" in said(capfd, "phone")
+    Path("camera.json").write_text("{}")
+    assert "calibdb submit camera.json" in said(capfd, "camera.json")
+
+
+def with_orientation(jpeg: bytes, orientation: int) -> bytes:
+    """Insert an EXIF segment with one entry, the orientation."""
+    tiff = b"II*\0" + struct.pack("<IHHHII", 8, 1, 0x112, 3, 1, orientation) + b"\0" * 4
+    body = b"Exif\0\0" + tiff
+    return jpeg[:2] + b"\xff\xe1" + struct.pack(">H", len(body) + 2) + body + jpeg[2:]
+
+
+def test_orientation_of_a_photograph_is_mentioned(capfd: pytest.CaptureFixture[str]) -> None:
+    board_pictures.write(Path("photos"), Board(), 5)
+    for path in Path("photos").iterdir():
+        jpeg = cv2.imencode(".jpg", cv2.imread(str(path)), [cv2.IMWRITE_JPEG_QUALITY, 98])[1].tobytes()
+        path.with_suffix(".jpg").write_bytes(with_orientation(jpeg, 6))
+        path.unlink()
+    assert turned_by_camera(sorted(Path("photos").iterdir()))
+    assert main(["calibrate", "photos", "--offline", "-v"]) == 0
+    told = capfd.readouterr()
+    assert "EXIF orientation" in told.err
+    assert "00.jpg" in told.out, "a row per picture"
+    assert "0.1" in told.out
+
+
+def test_views_are_limited_for_the_service_only() -> None:
+    views = [((640, 480), RecordedView(str(n), (0,), ((0.0, 0.0),))) for n in range(MAX_VIEWS + 25)]
+    assert len(FoundViews(views).of_one_size()[1]) == MAX_VIEWS
+    assert len(FoundViews(views).of_one_size(limited=False)[1]) == MAX_VIEWS + 25
+
+
+def test_uncertainty_is_stated_for_the_covered_part() -> None:
+    record = {
+        "img_size": [1280, 720],
+        "camera_matrix": np.array([[420.0, 0, 652], [0, 418, 351], [0, 0, 1]]).tolist(),
+        "distortion_coefficients": [-0.25, 0, 0, 0, 0],
+        "distortion_model": "rectilinear",
+        "uncertainty": {"rms": 0.4, "max": 1.2},
+    }
+    text = dict(calibration_facts(record))["uncertainty"]
+    assert "% of the image that the model covers" in text
+    assert "reliable" not in dict(calibration_facts(record))
+
+
+def test_command_helps_without_arguments_and_names_a_near_one(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    assert main([]) == 0
+    assert "examples:" in capfd.readouterr().out
+    assert main(["calibrat", "photos"]) == 2
+    assert "Did you mean 'calibrate'?" in capfd.readouterr().err

@@ -1,0 +1,104 @@
+"""Captures in pictures end in time, with an error that is stated, whatever the hand does."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calibdb_client import Board, offline
+from calibdb_client.capture import guide as guide_module
+from calibdb_client.capture.feedback import Scene
+from calibdb_client.capture.guide import Status
+from calibsolver import Camera
+from tests.helpers.real_hand import Habits, RealCamera
+from tests.helpers.solver import synthetic
+from tests.helpers.virtual_person import Listener, VirtualCamera
+
+MAX_CAPTURE_S = 90.0
+MAX_ERROR_RATIO = 2.0
+THOROUGH = tuple(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(12))
+
+
+@pytest.mark.parametrize("seed", THOROUGH)
+def test_capture_at_the_outline_ends_within_90_s(seed: int) -> None:
+    capture(RealCamera(seed=seed))
+
+
+def test_capture_of_a_flat_board_ends_within_90_s_and_within_twice_its_stated_error() -> None:
+    error, stated = capture(RealCamera(size=(480, 360), fx=430, habits=Habits(bend_mm=0)))
+    assert error < MAX_ERROR_RATIO * stated
+
+
+@pytest.mark.parametrize("seed", THOROUGH)
+def test_capture_off_the_outline_ends_within_90_s(seed: int) -> None:
+    capture(RealCamera(seed=seed, habits=Habits(follows=False)))
+
+
+def capture(camera: RealCamera) -> tuple[float, float]:
+    """Capture, and return the error over the image and the stated one, px."""
+    result = offline.calibrate(camera, board=Board(), show=camera, clock=camera.clock)
+    assert 4 <= result.used <= 15
+    assert camera.clock() < MAX_CAPTURE_S
+    assert result.verdict[0] in ("good", "fair", "poor")
+    stated = result.calibration.record["uncertainty"]
+    assert stated["inside"] < stated["rms"]
+    assert 0.3 < stated["covered"] < 1
+    truth = Camera("rectilinear", camera.matrix, camera.distortion, camera.size)
+    error = synthetic.projection_error(truth, Camera.from_record(result.calibration.record))
+    return float(np.sqrt(np.mean(error**2))), stated["rms"]
+
+
+def test_capture_without_another_view_for_30_s_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(guide_module, "TARGET_ERROR_WIDTHS", 1e-9)
+    camera = VirtualCamera(seed=2)
+    listener = Listener(camera)
+    taken_at: list[float] = []
+
+    def follow(scene: Scene) -> str:
+        camera.words = scene.instruction if listener.views < 4 else ""
+        return ""
+
+    def count(status: Status) -> None:
+        listener.views = status.views
+        taken_at.append(camera.clock())
+
+    monkeypatch.setattr(listener, "show", follow)
+    monkeypatch.setattr(listener, "taken", count)
+    result = offline.calibrate(camera, board=Board(), show=listener, clock=camera.clock)
+    assert len(taken_at) == result.used >= 4
+    assert 30 < camera.clock() - taken_at[-1] < 31
+
+
+def test_picture_shows_the_bend_and_a_rolling_shutter() -> None:
+    """Corners of a flat board held still are in place to a tenth of a pixel; in motion rows are late."""
+    steady = Habits(tremor_mm=0, tremor_degrees=0, drift_mm_s=0, drift_degrees_s=0, bend_mm=0)
+    camera = RealCamera(habits=steady)
+    assert np.abs(found(camera) - projected(camera)).mean() < 0.1
+    bent = RealCamera(habits=replace(steady, bend_mm=3))
+    assert np.abs(found(bent) - projected(bent)).mean() > 0.3
+    camera.leave(camera.held(0).moved(np.zeros(3), np.array([1.0, 0, 0])))
+    camera.frames = 5
+    late = found(camera) - projected(camera)
+    rows = projected(camera)[:, 1]
+    slope = np.polyfit(rows, late[:, 0], 1)[0]
+    speed = projected(camera, 0.01)[:, 0] - projected(camera, -0.01)[:, 0]  # px in 20 ms, a readout
+    assert slope * camera.size[1] == pytest.approx(speed.mean(), rel=0.25)
+
+
+def found(camera: RealCamera) -> np.ndarray:
+    """Corners (n, 2) that the detector finds in a picture that shows all of them."""
+    from calibdb_client.detection import Detector
+
+    corners = Detector(camera.board).find(camera.picture())
+    assert corners is not None
+    assert len(corners.ids) == 40
+    return np.asarray(corners.points, dtype=np.float64)
+
+
+def projected(camera: RealCamera, after: float = 0.0) -> np.ndarray:
+    """Corners (n, 2) where a flat board shows them at the camera's time, or a moment `after`."""
+    row, column = np.divmod(np.arange(40), 8)
+    points = np.stack([column + 1.0, row + 1.0, np.zeros(40)], axis=1)
+    pose = camera.held(camera.clock() + after)
+    truth = Camera("rectilinear", camera.matrix, camera.distortion, camera.size)
+    return truth.project((points - camera.middle) @ pose.rotation.T + pose.place)

@@ -1,0 +1,53 @@
+"""Recognition in real videos, which are read where CALIBDB_DATA has them."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from calibdb_client import Board
+from calibdb_client.capture.video import board_in_video, read_video
+from calibdb_client.errors import CaptureError, MirroredError
+from calibdb_client.pictures import FoundViews
+from tests.helpers.data import data_dir, external_data
+
+pytestmark = external_data
+
+WHITE_ON_BLACK = Board((4, 5), 0.75, inverted=True)
+BOARDS = {
+    "caliscope_opt1.mp4": WHITE_ON_BLACK,
+    "caliscope_opt1_mpeg4.mp4": WHITE_ON_BLACK,
+    "caliscope_char0_mpeg4.mp4": WHITE_ON_BLACK,
+    "chessboard_yubin.mp4": Board((9, 7), kind="chessboard"),
+    "chessboard_uk.avi": Board((11, 8), kind="chessboard"),
+}
+VIDEO = "videos"
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_board_of_a_real_video_is_recognised(name: str) -> None:
+    assert board_in_video(data_dir() / VIDEO / name) == BOARDS[name]
+
+
+def test_mirrored_video_is_recognised_and_turned_back() -> None:
+    path = data_dir() / VIDEO / "caliscope_pre1_mirrored.mp4"
+    with pytest.raises(MirroredError):
+        board_in_video(path)
+    found = FoundViews()
+    assert read_video(path, None, found, mirrored=True) == WHITE_ON_BLACK
+    assert found.frames > 40
+    with pytest.raises(CaptureError, match=r"frames show the board, but they are too alike: 3 views"):
+        found.of_one_size()
+
+
+def test_chessboard_video_takes_at_most_twice_as_long_as_charuco() -> None:
+    """Processor time per second of video: that of the ChArUco video is of a camera of 6 frames/s."""
+    seconds = {"caliscope_opt1.mp4": 57 / 6, "chessboard_yubin.mp4": 260 / 24}
+    taken = {}
+    for name, length in seconds.items():
+        began = time.process_time()
+        read_video(data_dir() / VIDEO / name, None, FoundViews())
+        taken[name] = (time.process_time() - began) / length
+    print(taken)
+    assert taken["chessboard_yubin.mp4"] < 2 * taken["caliscope_opt1.mp4"]

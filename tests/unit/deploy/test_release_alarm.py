@@ -1,0 +1,69 @@
+"""A release whose handlers respond with 5xx raises the alarm that rolls it back."""
+
+import json
+from typing import Any
+
+import pytest
+from starlette.responses import Response
+
+from calibdb.errors import UnavailableError
+from calibdb.http import application
+from calibdb.service import Service
+from tests.helpers.sam import as_created, complete, parsed, without_events
+
+EVENT = {
+    "version": "2.0",
+    "routeKey": "GET /v1/broken",
+    "rawPath": "/v1/broken",
+    "rawQueryString": "",
+    "headers": {},
+    "requestContext": {
+        "http": {"method": "GET", "path": "/v1/broken", "sourceIp": "192.0.2.1", "protocol": "HTTP/1.1"},
+        "stage": "$default",
+    },
+    "isBase64Encoded": False,
+}
+
+
+@pytest.fixture
+def in_lambda(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
+    monkeypatch.setenv("STACK_NAME", "calibdb")
+    monkeypatch.setattr(application, "_service", lambda: Service)
+
+
+def printed(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in capsys.readouterr().out.splitlines() if line.startswith('{"_aws"')]
+
+
+@pytest.mark.usefixtures("in_lambda")
+@pytest.mark.parametrize(
+    ("error", "status"), [(KeyError("a bug"), 500), (UnavailableError("storage does not answer"), 503)]
+)
+def test_response_of_5xx_makes_the_metric_of_the_deployment_group_s_alarm(
+    error: Exception, status: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken(_: application.Call) -> Response:
+        raise error
+
+    response = application.handler(application.route("/v1/broken", GET=broken))(EVENT, None)
+    assert response["statusCode"] == status  # an ordinary return, which is no error of Lambda's
+    (line,) = printed(capsys)
+    created = as_created(without_events(parsed(complete())))["Resources"]
+    groups = [r["Properties"] for r in created.values() if r["Type"] == "AWS::CodeDeploy::DeploymentGroup"]
+    watched = [created[a["Name"]["Ref"]]["Properties"] for a in groups[0]["AlarmConfiguration"]["Alarms"]]
+    (alarm,) = (alarm for alarm in watched if alarm["Namespace"] == "calibDB")
+    (metrics,) = line["_aws"]["CloudWatchMetrics"]
+    assert metrics["Namespace"] == alarm["Namespace"]
+    assert [metric["Name"] for metric in metrics["Metrics"]] == [alarm["MetricName"]]
+    assert metrics["Dimensions"] == [[dimension["Name"] for dimension in alarm["Dimensions"]]]
+    assert line["Stack"] == "calibdb"
+    assert line[alarm["MetricName"]] == 1
+    assert alarm["Threshold"] <= 5
+
+
+@pytest.mark.usefixtures("in_lambda")
+def test_response_without_an_error_makes_no_metric(capsys: pytest.CaptureFixture[str]) -> None:
+    handler = application.handler(application.route("/v1/broken", GET=lambda _: Response(status_code=204)))
+    assert handler(EVENT, None)["statusCode"] == 204
+    assert printed(capsys) == []

@@ -1,0 +1,36 @@
+"""Coverage and width of intervals, over every camera of the table, each left out."""
+
+import statistics
+
+import pytest
+
+from tests.bench import estimates
+from tests.bench.estimates import Case
+
+
+@pytest.fixture(scope="module")
+def cases() -> dict[str, list[Case]]:
+    """Cases of each basis that need the committed table only."""
+    steps = [step for name, step in estimates.STEPS.items() if name != "action cameras"]
+    every = [case for step in steps for case in step() if not case.group.startswith(estimates.FILES)]
+    return estimates.grouped(every, lambda case: case.basis)
+
+
+@pytest.mark.parametrize("basis", ["calibrations", "other_size", "published", "family", "population"])
+def test_intervals_of_90_percent_contain_85_to_95(cases: dict[str, list[Case]], basis: str) -> None:
+    assert len(cases[basis]) >= 20
+    share = statistics.mean(case.holds for case in cases[basis])
+    assert 0.85 <= share <= 0.95
+
+
+@pytest.mark.parametrize(
+    ("basis", "group", "width"),
+    [
+        ("published", "webcams, depth cameras and phones, by model", 0.085),
+        ("family", "phones, rear", 0.20),
+        ("population", "", 0.45),
+    ],
+)
+def test_intervals_are_narrow(cases: dict[str, list[Case]], basis: str, group: str, width: float) -> None:
+    widths = [case.width for case in cases[basis] if group in case.group]
+    assert statistics.median(widths) <= width

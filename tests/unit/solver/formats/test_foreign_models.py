@@ -1,0 +1,189 @@
+"""Files of tools whose models are not calibsolver's, and binary ones: the rays of pixels stay the same."""
+
+import json
+import struct
+
+import numpy as np
+import pytest
+
+from calibsolver import CalibrationError, Camera
+from calibsolver.formats import FORMATS, ExportSource
+from calibsolver.formats.reader_options import ReaderOptions
+from calibsolver.formats.reading import read_bytes
+
+DS = {"fx": 158.28, "fy": 158.27, "cx": 254.96, "cy": 256.88, "xi": -0.172, "alpha": 0.593}
+EUCM = {"fx": 460.0, "fy": 459.0, "cx": 370.2, "cy": 250.1, "alpha": 0.62, "beta": 1.05}
+OCAM = """#polynomial coefficients for the DIRECT mapping function
+
+5 -2.065170e+02 0.000000e+00 2.207161e-03 -4.879622e-06 1.865656e-08
+
+#polynomial coefficients for the inverse mapping function
+
+4 294.182260 152.289570 -12.191217 27.959546
+
+#center: "row" and "column", starting from 0 (C convention)
+
+241.800066 394.552874
+
+#affine parameters "c", "d", "e"
+
+1.000330 0.000219 0.000257
+
+#image size: "height" and "width"
+
+480 752
+"""
+METASHAPE = """<?xml version="1.0" encoding="UTF-8"?>
+<document version="1.5.0">
+  <chunk label="Chunk 1" enabled="true">
+    <sensors next_id="1">
+      <sensor id="0" label="FC6540 (35mm)" type="frame">
+        <resolution width="6016" height="4008"/>
+        <property name="focal_length" value="35"/>
+        <calibration type="frame" class="initial">
+          <resolution width="6016" height="4008"/>
+          <f>8688.0</f>
+        </calibration>
+        <calibration type="frame" class="adjusted">
+          <resolution width="6016" height="4008"/>
+          <f>8700.5</f><cx>12.5</cx><cy>-8.25</cy>
+          <k1>-0.05</k1><k2>0.02</k2><k3>-0.01</k3><p1>0.001</p1><p2>-0.002</p2>
+        </calibration>
+      </sensor>
+    </sensors>
+  </chunk>
+</document>
+"""
+LENSFUN = """<!DOCTYPE lensdatabase SYSTEM "lensfun-database.dtd">
+<lensdatabase version="1">
+  <lens>
+    <maker>Example</maker>
+    <model>Example 18-55mm</model>
+    <cropfactor>1.523</cropfactor>
+    <calibration>
+      <distortion model="ptlens" focal="18" a="0.0121" b="-0.0354" c="0.0107"/>
+      <distortion model="poly3" focal="55" k1="0.0021"/>
+      <tca model="linear" focal="18" kr="1.0002" kb="0.9998"/>
+    </calibration>
+  </lens>
+</lensdatabase>
+"""
+
+
+def pixels(w: int, h: int) -> np.ndarray:
+    x, y = np.meshgrid(np.linspace(0, w - 1, 23), np.linspace(0, h - 1, 17))
+    return np.stack([x.ravel(), y.ravel()], axis=1)
+
+
+def projected(kind: str, values: dict[str, float], rays: np.ndarray) -> np.ndarray:
+    """Pixels by the models' forward formulas."""
+    x, y, z = rays.T
+    alpha = values["alpha"]
+    if kind == "ds":
+        near = np.sqrt(x * x + y * y + z * z)
+        shifted = values["xi"] * near + z
+        depth = alpha * np.sqrt(x * x + y * y + shifted**2) + (1 - alpha) * shifted
+    else:
+        depth = alpha * np.sqrt(values["beta"] * (x * x + y * y) + z * z) + (1 - alpha) * z
+    return np.stack(
+        [values["fx"] * x / depth + values["cx"], values["fy"] * y / depth + values["cy"]], axis=1
+    )
+
+
+@pytest.mark.parametrize(("kind", "values", "size"), [("ds", DS, (512, 512)), ("eucm", EUCM, (752, 480))])
+def test_basalt_and_kalibr_have_the_closest_camera_with_its_error(
+    kind: str, values: dict[str, float], size: tuple[int, int]
+) -> None:
+    basalt = {"value0": {"intrinsics": [{"camera_type": kind, "intrinsics": values}], "resolution": [size]}}
+    first = [values["xi"], values["alpha"]] if kind == "ds" else [values["alpha"], values["beta"]]
+    numbers = ", ".join(str(v) for v in (*first, values["fx"], values["fy"], values["cx"], values["cy"]))
+    kalibr = (
+        f"cam0:\n  camera_model: {kind}\n  intrinsics: [{numbers}]\n  distortion_model: none\n"
+        f"  distortion_coeffs: []\n  resolution: [{size[0]}, {size[1]}]\n"
+    )
+    for content, suffix in ((json.dumps(basalt), ".json"), (kalibr, ".yaml")):
+        result = read_bytes(content.encode(), suffix)
+        assert result.camera is not None
+        q = pixels(*size)
+        rays = result.camera.unproject(q)
+        off = np.linalg.norm(projected(kind, values, rays) - q, axis=1)
+        assert np.isfinite(off).mean() > 0.95
+        assert np.nanmax(off) < result.error + 0.2
+        assert result.error < 1.0
+
+
+def test_ocamcalib_looks_along_z_and_counts_rows_first() -> None:
+    result = read_bytes(OCAM.encode(), ".txt")
+    assert result.camera is not None
+    assert result.camera.img_size == (752, 480)
+    assert 1 < result.error < 2, "in the corners, 90 degrees off the axis"
+    axis = result.camera.project(np.array([[0.0, 0.0, 1.0]]))[0]
+    assert axis == pytest.approx([394.55, 241.8], abs=1.0)
+    right = result.camera.unproject(np.array([[600.0, 241.8]]))[0]
+    rho = 600 - 394.553
+    z = 206.517 - 2.207161e-03 * rho**2 + 4.879622e-06 * rho**3 - 1.865656e-08 * rho**4
+    assert np.arctan2(right[0], right[2]) == pytest.approx(np.arctan2(rho, z), abs=0.004)
+
+
+def test_metashape_documents_have_the_adjusted_calibration() -> None:
+    camera = read_bytes(METASHAPE.encode(), ".xml").camera
+    assert camera is not None
+    assert camera.intrinsics == pytest.approx(
+        [8700.5, 8700.5, 3008 + 12.5 - 0.5, 2004 - 8.25 - 0.5, -0.05, 0.02, -0.002, 0.001, -0.01]
+    )
+
+
+def test_lens_database_gives_the_camera_of_each_focal_length() -> None:
+    options = ReaderOptions(img_size=(6000, 4000), number=1)
+    result = read_bytes(LENSFUN.encode(), ".xml", options)
+    assert result.camera is not None
+    assert len(result.cameras) == 2
+    width_mm = 36 / 1.523
+    assert result.camera.focal[0] == pytest.approx(55 / width_mm * 5999, rel=0.01)
+    assert result.error < 1.0
+    with pytest.raises(CalibrationError, match="--img-size"):
+        read_bytes(LENSFUN.encode(), ".xml")
+    with pytest.raises(CalibrationError, match="entities"):
+        read_bytes(LENSFUN.replace('.dtd">', '.dtd" [<!ENTITY a "b">]>').encode(), ".xml")
+
+
+@pytest.mark.parametrize("dictionary", [False, True])
+def test_meshroom_of_both_ages_is_read(dictionary: bool) -> None:
+    old = {
+        "intrinsicId": "1",
+        "width": "1280",
+        "height": "720",
+        "type": "radial3",
+        "pxFocalLength": {"x": 900.0, "y": 900.0} if dictionary else "900.0",
+        "principalPoint": {"x": 650.0, "y": 352.0} if dictionary else ["650.0", "352.0"],
+        "distortionParams": ["-0.2", "0.05", "0.01"],
+    }
+    new = {
+        **{key: old[key] for key in ("intrinsicId", "width", "height", "distortionParams")},
+        "sensorWidth": "36",
+        "focalLength": str(900 / 1280 * 36),
+        "principalPoint": ["10.0", "-8.0"],
+        "distortionType": "radialk3",
+    }
+    for intrinsic in (old, new):
+        camera = read_bytes(
+            json.dumps({"version": ["1", "2", "6"], "intrinsics": [intrinsic]}).encode()
+        ).camera
+        assert camera is not None
+        assert camera.intrinsics == pytest.approx([900, 900, 649.5, 351.5, -0.2, 0.05, 0, 0, 0.01])
+
+
+def test_artoolkits_binary_file_is_read_back() -> None:
+    camera = Camera(
+        "rectilinear",
+        np.array([[900.0, 0, 650], [0, 905, 350], [0, 0, 1]]),
+        np.array([-0.2, 0.05, 0.001, -0.002, 0]),
+        (1280, 720),
+    )
+    form, source = FORMATS["artoolkit"], ExportSource(camera)
+    raw = form.write(source, form.convert(source))
+    result = read_bytes(raw, ".dat").camera
+    assert result is not None
+    assert result.intrinsics == pytest.approx(camera.intrinsics)
+    with pytest.raises(CalibrationError, match="versions 1 to 3"):
+        read_bytes(raw[: struct.calcsize(">2i12d") + 32], ".dat")

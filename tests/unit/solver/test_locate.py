@@ -1,0 +1,107 @@
+"""Poses of boards: exact without noise, and covariances that cover the errors of simulated poses."""
+
+import cv2
+import numpy as np
+import pytest
+
+from calibsolver import Board, Calibration, CalibrationError, Camera, View, fit, locate, rotation
+from tests.helpers.data import corner_views
+
+SIZE = (1280, 720)
+CAMERAS = {
+    "rectilinear": [950.0, 948.0, 652.0, 351.0, -0.32, 0.12, 0.0005, -0.0004, -0.02],
+    "fisheye": [420.0, 418.0, 652.0, 351.0, 0.02, -0.01, 0.004, -0.001],
+    "rational": [950.0, 948.0, 652.0, 351.0, 0.5, -0.2, 0.0003, 0.0002, 0.01, 0.7, -0.1, 0.02],
+    "omnidirectional": [820.0, 818.0, 652.0, 351.0, 0.9, -0.05, 0.01, 0.0004, -0.0003],
+}
+BOARD = Board((9, 6))
+NOISE = 0.3
+POSES = 500
+"""Per model: 2,000 in all."""
+CHI2_68, CHI2_95 = 7.0092, 12.5916
+"""Quantiles of chi square with 6 degrees of freedom at 0.68 and 0.95."""
+
+
+def camera_of(model: str, change: np.ndarray | float = 0.0) -> Camera:
+    return Camera.from_intrinsics(model, np.array(CAMERAS[model]) + change, SIZE)
+
+
+def calibration_of(model: str) -> Calibration:
+    """Calibration with a covariance as of a dozen views."""
+    camera = camera_of(model)
+    sigmas = np.array([1.5, 1.5, 2.0, 2.0, *([0.002] * len(camera.distortion))])
+    names = len(sigmas)
+    mixed = np.eye(names) + 0.3 * np.outer(np.ones(names), np.linspace(-1, 1, names))
+    covariance = np.diag(sigmas) @ (mixed @ mixed.T / 1.3) @ np.diag(sigmas)
+    none: tuple[np.ndarray, ...] = ()
+    return Calibration(
+        camera, np.zeros((0, 6)), NOISE, np.zeros(0), covariance, np.linalg.inv(covariance), NOISE, 1.0,
+        none, none, False,
+    )  # fmt: skip
+
+
+def poses(model: str, count: int, rng: np.random.Generator) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Rotations and translations at which the whole board is in the picture, tilted."""
+    camera, out = camera_of(model), []
+    middle = np.array([*BOARD.points[:, :2].mean(axis=0), 0])
+    while len(out) < count:
+        rvec = np.append(rng.uniform(-0.7, 0.7, 2), rng.uniform(-0.5, 0.5))
+        r = rotation.matrix(rvec)
+        place = rng.uniform([-6, -4, 8], [6, 4, 16])
+        t = place - r @ middle
+        q = camera.project(BOARD.points @ r.T + t)
+        if np.isfinite(q).all() and ((q > 0) & (q < SIZE)).all() and np.linalg.norm(rvec[:2]) > 0.2:
+            out.append((r, t))
+    return out
+
+
+def mahalanobis(model: str, rng: np.random.Generator) -> list[float]:
+    """Squared distances of true poses from estimated ones, in units of the covariance."""
+    calibration = calibration_of(model)
+    root = np.linalg.cholesky(calibration.covariance)
+    distances = []
+    for r, t in poses(model, POSES, rng):
+        true = camera_of(model, root @ rng.normal(size=len(root)))
+        q = true.project(BOARD.points @ r.T + t) + rng.normal(size=(BOARD.corner_count, 2)) * NOISE
+        found = locate(calibration, View(BOARD.points, q))
+        turn = rotation.vector(r @ rotation.matrix(np.asarray(found.rvec)).T)
+        error = np.concatenate([turn, t - found.tvec])
+        distances.append(float(error @ np.linalg.solve(found.covariance, error)))
+    return distances
+
+
+def test_covariance_covers_the_errors_of_simulated_poses() -> None:
+    rng = np.random.default_rng(45)
+    distances = np.array([mahalanobis(model, rng) for model in CAMERAS])
+    for limit, share in ((CHI2_68, 0.68), (CHI2_95, 0.95)):
+        assert float((distances < limit).mean()) == pytest.approx(share, abs=0.03)
+        # of 500 poses a share has a Monte Carlo error of 2.1 and 1.0 points
+        assert (distances < limit).mean(axis=1) == pytest.approx([share] * 4, abs=0.06)
+
+
+@pytest.mark.parametrize("model", CAMERAS)
+def test_pose_without_noise_is_exact(model: str) -> None:
+    (r, t), *_ = poses(model, 1, np.random.default_rng(3))
+    found = locate(camera_of(model), View(BOARD.points, camera_of(model).project(BOARD.points @ r.T + t)))
+    assert np.abs(found.matrix[:3, :3] - r).max() < 1e-9
+    assert np.abs(found.tvec - t).max() < 1e-7
+    assert found.rms < 1e-9
+
+
+def test_poses_in_real_photographs_are_opencvs() -> None:
+    views, size = corner_views("opencv_left")
+    calibration = fit(views, size)
+    k, d = np.asarray(calibration.camera.matrix), np.asarray(calibration.camera.distortion)
+    for view in views:
+        found = locate(calibration, view)
+        points = np.asarray(view.object_points), np.asarray(view.image_points)
+        _, rvec, tvec = cv2.solvePnP(*points, k, d, flags=cv2.SOLVEPNP_ITERATIVE)
+        assert np.abs(found.rvec - rvec.ravel()).max() < 1e-4
+        assert np.abs(found.tvec - tvec.ravel()).max() < 1e-3
+        exact = locate(calibration.camera, view, noise=found.noise)
+        assert np.trace(exact.covariance) < np.trace(found.covariance)
+
+
+def test_too_few_points_are_refused() -> None:
+    with pytest.raises(CalibrationError, match="6 points"):
+        locate(camera_of("fisheye"), View(BOARD.points[:5], np.zeros((5, 2))))

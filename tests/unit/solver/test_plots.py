@@ -1,0 +1,36 @@
+"""Plots of a calibration of real photographs: residuals with signs, and a figure of all."""
+
+import io
+
+import numpy as np
+import pytest
+
+from calibsolver import fit, plots
+from tests.helpers.data import corner_views
+
+
+def test_residuals_have_the_lengths_and_signs_of_the_fit() -> None:
+    views, size = corner_views("opencv_left")
+    calibration = fit(views, size)
+    points, vectors = plots.residual_vectors(calibration, views)
+    assert len(points) == sum(map(len, views))
+    lengths = np.linalg.norm(vectors, axis=1)
+    assert np.sqrt(np.mean(lengths**2)) == pytest.approx(calibration.avg_reprojection_error, rel=1e-6)
+    used = np.concatenate(calibration.used)
+    assert np.abs(vectors[used].mean(axis=0)).max() < 0.02, "least squares leave no shift"
+
+
+@pytest.mark.parametrize(("name", "model"), [("opencv_left", "rectilinear"), ("jy_left", "rectilinear")])
+def test_report_draws_six_plots(name: str, model: str) -> None:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    views, size = corner_views(name)
+    calibration = fit(views, size, model)
+    figure = plots.report(calibration, views, "A camera", np.zeros((size[1], size[0]), dtype=np.uint8))
+    titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
+    assert len(titles) == 6
+    assert titles[1] == f"Corners: {sum(map(len, views))} in {len(views)} views"
+    assert ("of the picture" in titles[2]) == (calibration.camera.domain().covered < 0.9995)
+    content = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(content)
+    assert len(content.getvalue()) > 30_000

@@ -1,0 +1,125 @@
+"""The pages' detector: the committed files are those of its build, and find what the Python package finds."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from tests.helpers.browser import photographs
+from tests.helpers.data import data_dir, external_data
+
+ROOT = Path(__file__).parents[3]
+FOLDER = ROOT / "infra/web_build/detector"
+MADE = json.loads((FOLDER / "opencv.json").read_text())
+MAX_BYTES = 1_000_000  # on the wire, with the fast Brotli of an edge
+BOARD = {
+    "squares": [photographs.SQUARES, photographs.SQUARES],
+    "marker_ratio": photographs.MARKER_RATIO,
+    "dictionary": photographs.DICTIONARY,
+}
+#: px; the package rounds sums of floats in another order
+MAX_CORNER_DIFFERENCE = 2e-4
+#: px, of nine markers in ten: refining a small one may end at another edge
+MAX_MARKER_DIFFERENCE = 1e-3
+
+
+def test_committed_files_are_those_of_the_build() -> None:
+    for name, digest in MADE["sha256"].items():
+        assert hashlib.sha256((FOLDER / name).read_bytes()).hexdigest() == digest, name
+    script = (FOLDER / "build.sh").read_text()
+    for value in (MADE["version"], MADE["source"]["package"], MADE["source"]["sha256"]):
+        assert value in script
+    assert MADE["bytes"] == (FOLDER / "opencv.wasm").stat().st_size
+
+
+def test_its_version_is_that_of_the_python_package() -> None:
+    (locked,) = re.findall(
+        r"^opencv-contrib-python-headless==(\S+)", (ROOT / "requirements.lock").read_text(), re.M
+    )
+    assert MADE["version"] == locked
+
+
+def test_no_function_is_made_from_a_string() -> None:
+    assert not re.search(r"new Function|\beval\(", (FOLDER / "opencv.js").read_text())
+
+
+def test_it_travels_in_a_megabyte() -> None:
+    compress = """const { brotliCompressSync, constants } = require("node:zlib");
+    const params = { [constants.BROTLI_PARAM_QUALITY]: 5 };
+    console.log(brotliCompressSync(require("node:fs").readFileSync(process.argv[1]), { params }).length);"""
+    sizes = {name: int(node(["-e", compress, str(FOLDER / name)])) for name in ("opencv.js", "opencv.wasm")}
+    print(sizes)
+    assert sum(sizes.values()) <= MAX_BYTES
+
+
+def test_corners_in_drawn_pictures_are_those_of_the_python_package(tmp_path: Path) -> None:
+    drawn = photographs.draw(tmp_path)
+    assert corners_agree(drawn, BOARD, tmp_path) > 400
+
+
+@external_data
+@pytest.mark.parametrize("size", ["640x480", "1280x720"])
+def test_corners_in_photographs_are_those_of_the_python_package(size: str, tmp_path: Path) -> None:
+    pictures = sorted((data_dir() / "photos" / f"charuco_{size}").glob("*.jpg"))
+    assert corners_agree(pictures, BOARD, tmp_path) > 400
+
+
+def corners_agree(pictures: list[Path], board: dict[str, Any], folder: Path) -> int:
+    """Compare both detectors in every picture; return the number of the board's corners."""
+    greys = [np.asarray(cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)) for path in pictures]
+    request = []
+    for number, grey in enumerate(greys):
+        path = folder / f"{number}.grey"
+        path.write_bytes(grey.tobytes())
+        request.append({"path": str(path), "size": [grey.shape[1], grey.shape[0]]})
+    task = json.dumps({"pictures": request, "board": board})
+    answers = json.loads(node([str(ROOT / "tests/helpers/detect.mjs")], task))
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board["dictionary"]))
+    charuco = cv2.aruco.CharucoBoard(board["squares"], 1, board["marker_ratio"], dictionary)
+    refinement = cv2.aruco.RefineParameters(10, 3, True)
+    detector = cv2.aruco.CharucoDetector(
+        charuco, cv2.aruco.CharucoParameters(), cv2.aruco.DetectorParameters(), refinement
+    )
+    tags = cv2.aruco.ArucoDetector(dictionary, cv2.aruco.DetectorParameters(), refinement)
+    corner_differences: list[float] = []
+    marker_differences: list[float] = []
+    for grey, answer in zip(greys, answers, strict=True):
+        points, ids, _, _ = detector.detectBoard(grey)
+        assert answer["ids"] == ([] if ids is None else ids.ravel().tolist())
+        if answer["ids"]:
+            corner_differences += (
+                np.abs(np.array(answer["points"]) - points.reshape(-1, 2)).max(axis=1).tolist()
+            )
+        corners, numbers, _ = tags.detectMarkers(grey)
+        theirs = {} if numbers is None else dict(zip(numbers.ravel().tolist(), corners, strict=True))
+        assert {marker["id"] for marker in answer["markers"]} == set(theirs)
+        marker_differences += [
+            float(np.abs(np.array(marker["corners"]) - theirs[marker["id"]].reshape(4, 2)).max())
+            for marker in answer["markers"]
+        ]
+    worst, usual = max(corner_differences), float(np.quantile(marker_differences, 0.9))
+    print(
+        f"{len(pictures)} pictures: {len(corner_differences)} corners at most {worst:.2g} px apart, "
+        f"nine in ten of {len(marker_differences)} markers at most {usual:.2g} px"
+    )
+    assert worst <= MAX_CORNER_DIFFERENCE
+    assert usual <= MAX_MARKER_DIFFERENCE
+    return len(corner_differences)
+
+
+def node(arguments: list[str], text: str = "") -> str:
+    """Run Node.js and return what it prints."""
+    program = shutil.which("node")
+    assert program
+    return subprocess.run(
+        [program, *arguments], input=text, capture_output=True, text=True, check=True
+    ).stdout
