@@ -84,7 +84,7 @@ browser: $(SETUP) ## test the pages in Chromium and Firefox
 	$(PYTEST) $(MODULES) tests/browser
 
 thorough: export THOROUGH := 1
-thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz,edge KILLS=54 CASES=5000 HISTORIES=500
+thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz,edge KILLS=54 CASES=5000 FILES=100000 HISTORIES=500
 	@$(MAKE) --no-print-directory $(addprefix .thorough-,$(call words_of,$(or $(ONLY),browser,unit,kills,fuzz,edge)))
 
 .thorough-browser: browser
@@ -101,16 +101,16 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz,edge 
 	CALIBDB_HISTORIES=$(or $(HISTORIES),500) $(PYTEST) $(TWO) tests/service/test_edge_histories.py \
 		tests/service/test_killed_while_publishing.py
 
-# As many requests made of the OpenAPI document, and values of every schema, as CASES; others with SEED=1
+# As many requests made of the OpenAPI document, and values of every schema, as CASES, and files as FILES; others with SEED=1
 .thorough-fuzz:
-	CASES=$(or $(CASES),5000) SEED=$(or $(SEED),0) $(PYTEST) tests/service/test_openapi_fuzz.py \
-		tests/service/test_fuzz.py tests/unit/service/schema/test_schema_fuzz.py \
-		tests/service/test_raw_requests.py
+	CASES=$(or $(CASES),5000) FILES=$(or $(FILES),100000) SEED=$(or $(SEED),0) $(PYTEST) \
+		tests/service/test_openapi_fuzz.py tests/service/test_fuzz.py tests/service/test_foreign_files.py \
+		tests/unit/service/schema/test_schema_fuzz.py tests/service/test_raw_requests.py
 
 kills fuzz edge:
 	@$(MAKE) --no-print-directory thorough ONLY=$@
 
-bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,guidance,consensus,uncertainty,real-views,board-shape,keys,load,cost,slowest,page-speed
+bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,consensus,uncertainty,real-views,board-shape,keys,estimates,load,cost,slowest,page-speed
 ifdef DOCS
 	@set -e; for name in $(call words_of,$(DOCS)); do $(MAKE) --no-print-directory .bench-$$name; done
 else
@@ -120,6 +120,9 @@ endif
 # SESSIONS=2000 CLIENTS=64
 .bench-load:
 	@$(PY) -m tests.bench.crowd
+
+# SEEDS=3 ONLY=jy_left,uk; it detects boards in videos as the client does
+.bench-capture: export PYTHONPATH := $(PYTHONPATH):clients/python
 
 .bench-cost:
 	@$(ONE_CORE) $(PY) -m infra.measure.cost
@@ -160,7 +163,7 @@ node_modules/.made: package-lock.json
 	npm ci --silent --fetch-retries 5
 	@touch $@
 
-web/vendor/api.d.ts: node_modules/.made infra/web_build/vendor.mjs infra/web_build/engines.mjs web/openapi.json
+web/vendor/api.d.ts: node_modules/.made infra/web_build/vendor.mjs infra/web_build/engines.mjs infra/web_build/detector/opencv.json web/openapi.json
 	node infra/web_build/vendor.mjs
 	@touch $@
 
