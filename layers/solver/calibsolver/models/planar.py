@@ -79,14 +79,21 @@ class Planar(Model):
         """`distort_plane` (2, ...) and ux, uy = vx, vy (...), from x^2, y^2, 2xy, s, and g and dg/ds."""
         (x, y), (xx, yy, xy2, s), (g, slope) = xy, squares, radial
         p1, p2 = d[self.tangential_at[0]], d[self.tangential_at[1]]
-        along = 2 * (p2 * x + p1 * y) + g
+        p2x, p1y = (2 * p2) * x, (2 * p1) * y
+        along = p2x + p1y
+        along += g
         u = np.empty((2, *x.shape))
         np.add(x * along, p2 * s, out=u[0])
         np.add(y * along, p1 * s, out=u[1])
+        uy = xy2 * slope
         slope = 2 * slope
-        ux = along + xx * slope + 4 * p2 * x
-        uy = xy2 * (0.5 * slope) + 2 * (p1 * x + p2 * y)
-        vy = along + yy * slope + 4 * p1 * y
+        ux, vy = xx * slope, yy * slope
+        for by, tangential in ((ux, p2x), (vy, p1y)):
+            by += along
+            tangential *= 2
+            by += tangential
+        uy += (2 * p1) * x
+        uy += (2 * p2) * y
         return u, ux, uy, vy
 
     def undistort_plane(self, d: Array, u: Array) -> tuple[Array, Array]:
