@@ -21,12 +21,18 @@ function boardAddress(board, fill) {
 /**
  * @param {import("./parts.js").Parts} parts
  * @param {{board: import("../lib/board.js").SentBoard, problem: import("../lib/board.js").Problem | null, parameters: URLSearchParams,
- *   wanted: import("./state.js").Wanted, onBoard: (board: import("../lib/board.js").SentBoard) => void}} page onBoard: called when another is chosen
+ *   wanted: import("./state.js").Wanted, onBoard: (board: import("../lib/board.js").SentBoard) => void,
+ *   onSender: () => void}} page onBoard: called when another is chosen; onSender: when the page's sender is named
  */
-export function showFirstSheet(parts, { board, problem, parameters, wanted, onBoard }) {
+export function showFirstSheet(parts, { board, problem, parameters, wanted, onBoard, onSender }) {
   showProblem(parts.problem, problem);
   const returnTo = parameters.get("return_to");
-  if (returnTo !== null) void import("./sender.js").then(({ showSender }) => showSender(parts, returnTo, wanted));
+  if (returnTo !== null) {
+    void import("./sender.js").then(({ showSender }) => {
+      void showSender(parts, returnTo, wanted);
+      onSender();
+    });
+  }
   const show = showWays(parts);
   show(board);
   new WhichBoard(board, (chosen) => {

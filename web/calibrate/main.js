@@ -341,6 +341,7 @@ showFirstSheet(parts, {
     closeDetector();
     dispatch({ type: "board", board: chosen });
   },
+  onSender: () => render(parts, state, null),
 });
 await listed;
 const isResumed = location.hash === RESUME;

@@ -198,7 +198,7 @@ export default {
   view_of: "{number} von etwa {total} Ansichten",
   at_least: "mindestens {count}",
   goal_early: "genau genug; noch {count} zur Bestätigung",
-  finish: "Jetzt fertigstellen",
+  finish: "Fertigstellen",
   turn_device: "Drehen Sie das Handy quer: Das Bild wird größer.",
   fact_camera: "Kamera",
   fact_platform: "Betriebssystem",

@@ -46,7 +46,8 @@ def expect_all_in_reach(page: Page, language: str) -> None:
     page.locator("#language").select_option(language)
     for width, height in SIZES:
         page.set_viewport_size({"width": width, "height": height})
-        assert page.evaluate(AMISS) == [], f"{language} at {width} x {height}"
+        amiss = page.evaluate(f"document.getElementById('finish').hidden = false; ({AMISS})()")
+        assert amiss == [], f"{language} at {width} x {height}: {amiss}"
         if (width, height) == (390, 844):
             assert 0 <= page.evaluate(DOCKED) < 16, "where one looks, not at the far edge of the window"
         if width >= 390 and language == "de":
