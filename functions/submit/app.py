@@ -19,12 +19,14 @@ from calibdb.access.tokens import contributor, source
 from calibdb.errors import ConflictError, InvalidError
 from calibdb.http import application, metrics
 from calibdb.rules import rig_rules, session_result, session_rules
-from calibdb.rules.session_state import state, view_answer
-from calibdb.schema import SessionDocument, ViewDocument, ViewRequest
-from calibdb.schema.session import Hint, Refusal
+from calibdb.rules.session_state import accepted_result, batch_answer, state, view_answer
+from calibdb.schema import BatchRequest, SessionDocument, ViewDocument, ViewRequest
+from calibdb.schema.session import BatchResult, Hint, Refusal
 from calibdb.store import Store, endings
 from calibsolver import CalibrationError, Camera, DeadlineError, View, deadline, guidance
 from calibsolver.capture import Capture, Estimate, Exclusion, History, ViewDecision, stored
+
+BatchOutcome = tuple[SessionDocument, list[BatchResult]]
 
 
 def submit(call: application.Call) -> Response:
@@ -42,7 +44,7 @@ def submit(call: application.Call) -> Response:
             return None, (document, Judgement())
         session_rules.validate_view(document, view)
         begun = service.clock()
-        judged = judge(document, view, service.now, who, where)
+        judged = Course(document, service.now, who, where).judge(view)
         measure(begun, service.clock(), judged)
         if judged.reason is not None and (judged.document is None or judged.document.finish is None):
             return judged.document, (document, judged)  # nothing changes that anyone could see
@@ -53,6 +55,50 @@ def submit(call: application.Call) -> Response:
     if document.finish is not None:
         endings.publish(service.store, document)
     return application.json_response(view_answer(document, judged.reason, judged.hint))
+
+
+def submit_batch(call: application.Call) -> Response:
+    """Judge several views of a recording in their order; respond with their results and the session's state.
+
+    Views that the request has no time left to judge have no result.
+    """
+    ticket = call.session(charge="views")
+    request = call.json(BatchRequest, depth=2)
+    service = call.service
+
+    def change(document: SessionDocument) -> tuple[SessionDocument | None, BatchOutcome]:
+        session_rules.require_recorded(document)
+        replayed = session_rules.replayed_views(document, request.index, request.views)
+        if document.finish is not None and None in replayed:
+            raise session_rules.already_converged()
+        session_rules.validate_batch(document, request.views, replayed)
+        course = Course(document, service.now)
+        results: list[BatchResult] = []
+        for view, known in zip(request.views, replayed, strict=True):
+            if known is not None:
+                results.append(accepted_result(known))
+                continue
+            begun = service.clock()
+            sent = ViewDocument(index=course.document.next_index, ids=view.ids, points=view.points)
+            try:
+                judged = course.judge(sent)
+            except DeadlineError:
+                if not results:
+                    raise
+                break
+            except CalibrationError:
+                judged = Judgement(reason="degenerate")
+            measure(begun, service.clock(), judged)
+            if judged.reason is None:
+                results.append(accepted_result(course.document.views[-1]))
+            else:
+                results.append(BatchResult(accepted=False, index=None, reason=judged.reason, error=None))
+        changed = course.document
+        return (None if changed is document else changed), (changed, results)
+
+    with in_time(call):
+        document, results = service.store.sessions.update(ticket.sid, service.now, change)
+    return application.json_response(batch_answer(document, results))
 
 
 def is_replay(store: Store, document: SessionDocument, view: ViewDocument) -> bool:
@@ -145,36 +191,57 @@ class Judgement:
     hint: Hint | None = None
 
 
-def judge(document: SessionDocument, view: ViewDocument, now: int, who: str, where: str) -> Judgement:
-    """Judge the view. One that contradicts the others is kept as a witness even where it is refused."""
-    rules, views, excluded = stored.parse(document.model_dump())
-    target = None if rules.recorded else open_target(document, rules, views, excluded)
-    seen = rules.board.view(view.ids, view.points)
-    quarantined = rules.board.views([known.model_dump() for known in document.doubted])
-    decision = rules.judge(views, target, seen, excluded, quarantined, history_of(document))
-    if decision.seed_rejected:
-        document, rules = session_rules.without_seed(document), rules.without_seed()
-    estimate = decision.estimate
-    if not decision.accepted or estimate is None:
-        hint = Hint(code=decision.hint.code, text=decision.hint.text) if decision.hint else None
-        refused = refused_document(document, view, decision)
-        if refused is not None and history_of(refused).is_exhausted(len(views) - len(excluded)):
-            estimate = rules.estimate(views, excluded).with_cause(views)
-            estimate = replace(estimate, progress=1.0, end="nothing_new")
-            refused = end_without_view(refused, estimate, views, now, who, where)
-        return Judgement(refused, decision.reason, hint)
-    everything = [*views, seen]
-    following = None
-    if not (estimate.converged or rules.recorded):
-        unreached = stored.parse_targets((*document.unreached, *document.skipped))
-        following = rules.next_target(everything, estimate, unreached=unreached).to_record()
-    known = session_rules.estimate_document(stored.estimate_record(estimate), now)
-    changed = session_rules.with_view(
-        document, view, known, stored.view_statuses(estimate), following, decision.on_target
-    )
-    if estimate.converged:
-        changed = end(changed, estimate, everything, now, who, where)
-    return Judgement(changed)
+class Course:
+    """Course of one session while views are offered to it.
+
+    Parameters
+    ----------
+    document
+        The session. The attribute has the session with all views accepted since.
+    now
+        Unix seconds.
+    who, where
+        Keyed hashes of the contributor and of their source, for a live session, which a view may end.
+    """
+
+    def __init__(self, document: SessionDocument, now: int, who: str = "", where: str = "") -> None:
+        self.document = document
+        self._now, self._who, self._where = now, who, where
+        self._rules, self._views, self._excluded = stored.parse(document.model_dump())
+
+    def judge(self, view: ViewDocument) -> Judgement:
+        """Judge the view. One that contradicts the others is kept as a witness even where it is refused."""
+        document, rules, views, excluded = self.document, self._rules, self._views, self._excluded
+        target = None if rules.recorded else open_target(document, rules, views, excluded)
+        seen = rules.board.view(view.ids, view.points)
+        quarantined = rules.board.views([known.model_dump() for known in document.doubted])
+        decision = rules.judge(views, target, seen, excluded, quarantined, history_of(document))
+        if decision.seed_rejected:
+            document, rules = session_rules.without_seed(document), rules.without_seed()
+        estimate = decision.estimate
+        if not decision.accepted or estimate is None:
+            hint = Hint(code=decision.hint.code, text=decision.hint.text) if decision.hint else None
+            refused = refused_document(document, view, decision)
+            if refused is not None and history_of(refused).is_exhausted(len(views) - len(excluded)):
+                estimate = rules.estimate(views, excluded).with_cause(views)
+                estimate = replace(estimate, progress=1.0, end="nothing_new")
+                refused = end_without_view(refused, estimate, views, self._now, self._who, self._where)
+            self.document, self._rules = refused or self.document, rules
+            return Judgement(refused, decision.reason, hint)
+        everything = [*views, seen]
+        following = None
+        if not (estimate.converged or rules.recorded):
+            unreached = stored.parse_targets((*document.unreached, *document.skipped))
+            following = rules.next_target(everything, estimate, unreached=unreached).to_record()
+        known = session_rules.estimate_document(stored.estimate_record(estimate), self._now)
+        changed = session_rules.with_view(
+            document, view, known, stored.view_statuses(estimate), following, decision.on_target
+        )
+        if estimate.converged:
+            changed = end(changed, estimate, everything, self._now, self._who, self._where)
+        self.document, self._rules = changed, rules
+        self._views, self._excluded = everything, dict(estimate.excluded)
+        return Judgement(changed)
 
 
 def open_target(
@@ -242,6 +309,7 @@ def measure(begun: float, ended: float, judged: Judgement) -> None:
 
 handler = application.handler(
     application.route("/v1/session/views", POST=submit),
+    application.route("/v1/session/batch", POST=submit_batch),
     application.route("/v1/session/views/{index}", DELETE=remove),
     application.route("/v1/session/finish", POST=finish),
 )
