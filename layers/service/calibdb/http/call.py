@@ -125,8 +125,8 @@ class Call:
     def json(self, model: type[Model], depth: int | None = None) -> Model:
         """Return the body as `model`.
 
-        Raises TooLargeError, MalformedError, or InvalidError naming the fields. `depth`: of fields whose paths
-        begin with the same so many members it names the first.
+        Raises TooLargeError, MalformedError, or InvalidError naming the fields: all, or the first of those
+        whose paths begin with the same `depth` members.
         """
         if len(self.body) > MAX_BODY_BYTES:
             raise TooLargeError(f"The body is too large; at most {MAX_BODY_BYTES} bytes are allowed.")
