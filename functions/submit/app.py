@@ -9,7 +9,7 @@ a client that repeats a view whose answer it missed completes what a crash left 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 
 from starlette.responses import Response
@@ -26,6 +26,8 @@ from calibdb.store import Store, endings
 from calibsolver import CalibrationError, Camera, DeadlineError, View, deadline, guidance
 from calibsolver.capture import Capture, Estimate, Exclusion, History, ViewDecision, stored
 
+MIN_BATCH_S = 1.0
+"""Time left of a request, s, below which a batch begins no further view: the advice needs it."""
 BatchOutcome = tuple[SessionDocument, list[BatchResult]]
 
 
@@ -72,12 +74,14 @@ def submit_batch(call: application.Call) -> Response:
         if document.finish is not None and None in replayed:
             raise session_rules.already_converged()
         session_rules.validate_batch(document, request.views, replayed)
-        course = Course(document, service.now)
+        course = Course(document, service.now, explains=False)
         results: list[BatchResult] = []
         for view, known in zip(request.views, replayed, strict=True):
             if known is not None:
                 results.append(accepted_result(known))
                 continue
+            if results and call.seconds_left() < MIN_BATCH_S:
+                break
             begun = service.clock()
             sent = ViewDocument(index=course.document.next_index, ids=view.ids, points=view.points)
             try:
@@ -93,6 +97,8 @@ def submit_batch(call: application.Call) -> Response:
                 results.append(accepted_result(course.document.views[-1]))
             else:
                 results.append(BatchResult(accepted=False, index=None, reason=judged.reason, error=None))
+        if len(results) == len(request.views):
+            course.explain()
         changed = course.document
         return (None if changed is document else changed), (changed, results)
 
@@ -202,11 +208,16 @@ class Course:
         Unix seconds.
     who, where
         Keyed hashes of the contributor and of their source, for a live session, which a view may end.
+    explains
+        False: views are judged without advice, which `explain` adds.
     """
 
-    def __init__(self, document: SessionDocument, now: int, who: str = "", where: str = "") -> None:
+    def __init__(
+        self, document: SessionDocument, now: int, who: str = "", where: str = "", *, explains: bool = True
+    ) -> None:
         self.document = document
-        self._now, self._who, self._where = now, who, where
+        self._now, self._who, self._where, self._explains = now, who, where, explains
+        self._estimate: Estimate | None = None
         self._rules, self._views, self._excluded = stored.parse(document.model_dump())
 
     def judge(self, view: ViewDocument) -> Judgement:
@@ -215,7 +226,9 @@ class Course:
         target = None if rules.recorded else open_target(document, rules, views, excluded)
         seen = rules.board.view(view.ids, view.points)
         quarantined = rules.board.views([known.model_dump() for known in document.doubted])
-        decision = rules.judge(views, target, seen, excluded, quarantined, history_of(document))
+        decision = rules.judge(
+            views, target, seen, excluded, quarantined, history_of(document), explain=self._explains
+        )
         if decision.seed_rejected:
             document, rules = session_rules.without_seed(document), rules.without_seed()
         estimate = decision.estimate
@@ -240,8 +253,16 @@ class Course:
         if estimate.converged:
             changed = end(changed, estimate, everything, self._now, self._who, self._where)
         self.document, self._rules = changed, rules
-        self._views, self._excluded = everything, dict(estimate.excluded)
+        self._views, self._excluded, self._estimate = everything, dict(estimate.excluded), estimate
         return Judgement(changed)
+
+    def explain(self) -> None:
+        """Add the advice about the views accepted, unless the time is up."""
+        if self._estimate is not None:
+            with suppress(DeadlineError):
+                estimate = self._rules.explain(self._views, self._estimate)
+                known = session_rules.estimate_document(stored.estimate_record(estimate), self._now)
+                self.document = session_rules.with_advice(self.document, known)
 
 
 def open_target(

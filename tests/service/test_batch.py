@@ -130,13 +130,19 @@ def test_only_recorded_sessions_take_batches(client: Client, corners: list[Corne
     assert kind(send(client, corners)) == (409, "not-recorded")
 
 
+@pytest.mark.parametrize("left_s", [0.5, 2.0], ids=["before the fourth view", "in the fourth view"])
 def test_batch_without_time_returns_the_results_it_has(
-    recorded: Client, corners: list[Corners], monkeypatch: pytest.MonkeyPatch
+    recorded: Client, corners: list[Corners], monkeypatch: pytest.MonkeyPatch, left_s: float
 ) -> None:
-    """The clock runs out in the fourth view: three have results, and the rest goes on where they end."""
+    """Three views have results, and the next request continues with the others."""
+    judged: list[object] = []
+    after_third = iter([left_s])
+
+    def seconds_left(_: Call) -> float:
+        return 2.0 if len(judged) < 3 else next(after_third, 0.0)
+
     with monkeypatch.context() as patch:
-        patch.setattr(Call, "seconds_left", lambda _: 1.0 if len(judged) < 3 else 0.0)
-        judged: list[object] = []
+        patch.setattr(Call, "seconds_left", seconds_left)
         patch.setattr("calibsolver.capture.Capture.judge", counted(judged))
         answer = send(recorded, corners).json
     assert [result["index"] for result in answer["results"]] == [0, 1, 2]
@@ -152,8 +158,8 @@ def counted(judged: list[object]) -> Any:
     """Make `Capture.judge`, which notes its decisions."""
     judge = Capture.judge
 
-    def run(self: Capture, *arguments: Any) -> Any:
-        decision = judge(self, *arguments)
+    def run(self: Capture, *arguments: Any, **options: Any) -> Any:
+        decision = judge(self, *arguments, **options)
         judged.append(decision)
         return decision
 

@@ -272,6 +272,13 @@ def with_estimate(
     )
 
 
+def with_advice(document: SessionDocument, estimate: EstimateDocument) -> SessionDocument:
+    """Replace the advice of the document's estimate by that of `estimate`."""
+    suggested = estimate.suggested_model or document.estimate.suggested_model
+    advised = {"advice": estimate.advice, "suggested_model": suggested}
+    return document.model_copy(update={"estimate": document.estimate.model_copy(update=advised)})
+
+
 def estimate_document(record: Mapping[str, JsonValue], now: int) -> EstimateDocument:
     """Return the estimate that the solver recorded, as it is stored."""
     return EstimateDocument.model_validate({**record, "time": now})
