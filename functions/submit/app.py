@@ -9,7 +9,7 @@ a client that repeats a view whose answer it missed completes what a crash left 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 
 from starlette.responses import Response
@@ -19,12 +19,16 @@ from calibdb.access.tokens import contributor, source
 from calibdb.errors import ConflictError, InvalidError
 from calibdb.http import application, metrics
 from calibdb.rules import rig_rules, session_result, session_rules
-from calibdb.rules.session_state import state, view_answer
-from calibdb.schema import SessionDocument, ViewDocument, ViewRequest
-from calibdb.schema.session import Hint, Refusal
+from calibdb.rules.session_state import accepted_result, batch_answer, state, view_answer
+from calibdb.schema import BatchRequest, SessionDocument, ViewDocument, ViewRequest
+from calibdb.schema.session import BatchResult, Hint, Refusal
 from calibdb.store import Store, endings
 from calibsolver import CalibrationError, Camera, DeadlineError, View, deadline, guidance
 from calibsolver.capture import Capture, Estimate, Exclusion, History, ViewDecision, stored
+
+MIN_BATCH_S = 1.0
+"""Time left of a request, s, below which a batch begins no further view: the advice needs it."""
+BatchOutcome = tuple[SessionDocument, list[BatchResult]]
 
 
 def submit(call: application.Call) -> Response:
@@ -42,7 +46,7 @@ def submit(call: application.Call) -> Response:
             return None, (document, Judgement())
         session_rules.validate_view(document, view)
         begun = service.clock()
-        judged = judge(document, view, service.now, who, where)
+        judged = Course(document, service.now, who, where).judge(view)
         measure(begun, service.clock(), judged)
         if judged.reason is not None and (judged.document is None or judged.document.finish is None):
             return judged.document, (document, judged)  # nothing changes that anyone could see
@@ -53,6 +57,54 @@ def submit(call: application.Call) -> Response:
     if document.finish is not None:
         endings.publish(service.store, document)
     return application.json_response(view_answer(document, judged.reason, judged.hint))
+
+
+def submit_batch(call: application.Call) -> Response:
+    """Judge several views of a recording in their order; respond with their results and the session's state.
+
+    Views that the request has no time left to judge have no result.
+    """
+    ticket = call.session(charge="views")
+    request = call.json(BatchRequest, depth=2)
+    service = call.service
+
+    def change(document: SessionDocument) -> tuple[SessionDocument | None, BatchOutcome]:
+        session_rules.require_recorded(document)
+        replayed = session_rules.replayed_views(document, request.index, request.views)
+        if document.finish is not None and None in replayed:
+            raise session_rules.already_converged()
+        session_rules.validate_batch(document, request.views, replayed)
+        course = Course(document, service.now, explains=False)
+        results: list[BatchResult] = []
+        for view, known in zip(request.views, replayed, strict=True):
+            if known is not None:
+                results.append(accepted_result(known))
+                continue
+            if results and call.seconds_left() < MIN_BATCH_S:
+                break
+            begun = service.clock()
+            sent = ViewDocument(index=course.document.next_index, ids=view.ids, points=view.points)
+            try:
+                judged = course.judge(sent)
+            except DeadlineError:
+                if not results:
+                    raise
+                break
+            except CalibrationError:
+                judged = Judgement(reason="degenerate")
+            measure(begun, service.clock(), judged)
+            if judged.reason is None:
+                results.append(accepted_result(course.document.views[-1]))
+            else:
+                results.append(BatchResult(accepted=False, index=None, reason=judged.reason, error=None))
+        if len(results) == len(request.views):
+            course.explain()
+        changed = course.document
+        return (None if changed is document else changed), (changed, results)
+
+    with in_time(call):
+        document, results = service.store.sessions.update(ticket.sid, service.now, change)
+    return application.json_response(batch_answer(document, results))
 
 
 def is_replay(store: Store, document: SessionDocument, view: ViewDocument) -> bool:
@@ -145,36 +197,72 @@ class Judgement:
     hint: Hint | None = None
 
 
-def judge(document: SessionDocument, view: ViewDocument, now: int, who: str, where: str) -> Judgement:
-    """Judge the view. One that contradicts the others is kept as a witness even where it is refused."""
-    rules, views, excluded = stored.parse(document.model_dump())
-    target = None if rules.recorded else open_target(document, rules, views, excluded)
-    seen = rules.board.view(view.ids, view.points)
-    quarantined = rules.board.views([known.model_dump() for known in document.doubted])
-    decision = rules.judge(views, target, seen, excluded, quarantined, history_of(document))
-    if decision.seed_rejected:
-        document, rules = session_rules.without_seed(document), rules.without_seed()
-    estimate = decision.estimate
-    if not decision.accepted or estimate is None:
-        hint = Hint(code=decision.hint.code, text=decision.hint.text) if decision.hint else None
-        refused = refused_document(document, view, decision)
-        if refused is not None and history_of(refused).is_exhausted(len(views) - len(excluded)):
-            estimate = rules.estimate(views, excluded).with_cause(views)
-            estimate = replace(estimate, progress=1.0, end="nothing_new")
-            refused = end_without_view(refused, estimate, views, now, who, where)
-        return Judgement(refused, decision.reason, hint)
-    everything = [*views, seen]
-    following = None
-    if not (estimate.converged or rules.recorded):
-        unreached = stored.parse_targets((*document.unreached, *document.skipped))
-        following = rules.next_target(everything, estimate, unreached=unreached).to_record()
-    known = session_rules.estimate_document(stored.estimate_record(estimate), now)
-    changed = session_rules.with_view(
-        document, view, known, stored.view_statuses(estimate), following, decision.on_target
-    )
-    if estimate.converged:
-        changed = end(changed, estimate, everything, now, who, where)
-    return Judgement(changed)
+class Course:
+    """Course of one session while views are offered to it.
+
+    Parameters
+    ----------
+    document
+        The session. The attribute has the session with all views accepted since.
+    now
+        Unix seconds.
+    who, where
+        Keyed hashes of the contributor and of their source, for a live session, which a view may end.
+    explains
+        False: views are judged without advice, which `explain` adds.
+    """
+
+    def __init__(
+        self, document: SessionDocument, now: int, who: str = "", where: str = "", *, explains: bool = True
+    ) -> None:
+        self.document = document
+        self._now, self._who, self._where, self._explains = now, who, where, explains
+        self._estimate: Estimate | None = None
+        self._rules, self._views, self._excluded = stored.parse(document.model_dump())
+
+    def judge(self, view: ViewDocument) -> Judgement:
+        """Judge the view. One that contradicts the others is kept as a witness even where it is refused."""
+        document, rules, views, excluded = self.document, self._rules, self._views, self._excluded
+        target = None if rules.recorded else open_target(document, rules, views, excluded)
+        seen = rules.board.view(view.ids, view.points)
+        quarantined = rules.board.views([known.model_dump() for known in document.doubted])
+        decision = rules.judge(
+            views, target, seen, excluded, quarantined, history_of(document), explain=self._explains
+        )
+        if decision.seed_rejected:
+            document, rules = session_rules.without_seed(document), rules.without_seed()
+        estimate = decision.estimate
+        if not decision.accepted or estimate is None:
+            hint = Hint(code=decision.hint.code, text=decision.hint.text) if decision.hint else None
+            refused = refused_document(document, view, decision)
+            if refused is not None and history_of(refused).is_exhausted(len(views) - len(excluded)):
+                estimate = rules.estimate(views, excluded).with_cause(views)
+                estimate = replace(estimate, progress=1.0, end="nothing_new")
+                refused = end_without_view(refused, estimate, views, self._now, self._who, self._where)
+            self.document, self._rules = refused or self.document, rules
+            return Judgement(refused, decision.reason, hint)
+        everything = [*views, seen]
+        following = None
+        if not (estimate.converged or rules.recorded):
+            unreached = stored.parse_targets((*document.unreached, *document.skipped))
+            following = rules.next_target(everything, estimate, unreached=unreached).to_record()
+        known = session_rules.estimate_document(stored.estimate_record(estimate), self._now)
+        changed = session_rules.with_view(
+            document, view, known, stored.view_statuses(estimate), following, decision.on_target
+        )
+        if estimate.converged:
+            changed = end(changed, estimate, everything, self._now, self._who, self._where)
+        self.document, self._rules = changed, rules
+        self._views, self._excluded, self._estimate = everything, dict(estimate.excluded), estimate
+        return Judgement(changed)
+
+    def explain(self) -> None:
+        """Add the advice about the views accepted, unless the time is up."""
+        if self._estimate is not None:
+            with suppress(DeadlineError):
+                estimate = self._rules.explain(self._views, self._estimate)
+                known = session_rules.estimate_document(stored.estimate_record(estimate), self._now)
+                self.document = session_rules.with_advice(self.document, known)
 
 
 def open_target(
@@ -242,6 +330,7 @@ def measure(begun: float, ended: float, judged: Judgement) -> None:
 
 handler = application.handler(
     application.route("/v1/session/views", POST=submit),
+    application.route("/v1/session/batch", POST=submit_batch),
     application.route("/v1/session/views/{index}", DELETE=remove),
     application.route("/v1/session/finish", POST=finish),
 )

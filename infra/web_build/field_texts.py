@@ -90,6 +90,7 @@ FIELD_TEXTS = {
     "Health.status": "`ok`.",
     "SessionState.status": "`capturing` or `converged`.",
     "ViewAnswer.status": "`capturing` or `converged`.",
+    "BatchAnswer.status": "`capturing` or `converged`.",
     "target_error": "Predicted error at which the session ends, px.",
     "text": "The same for people.",
     "Source.title": "Name of the publication.",
@@ -109,6 +110,8 @@ FIELD_TEXTS = {
     "views": "Views submitted, undone, checked; calibrations converted.",
     "SessionState.views": "The views of the session.",
     "ViewAnswer.views": "The views of the session.",
+    "BatchAnswer.views": "The views of the session.",
+    "BatchRequest.views": "Frames in the order in which they are judged.",
     "CheckRequest.views": "One to five views.",
     "zoom": "`zoom` of the track; 0 where there is none.",
 }

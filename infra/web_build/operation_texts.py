@@ -120,6 +120,13 @@ TEXTS: dict[str, OperationText] = {
         "again is answered again.",
         {"index": 0, "ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS},
     ),
+    "submitViews": OperationText(
+        "Capture",
+        "Submits several views of a session that was started with `capture: recorded`. The service judges "
+        "them in their order, as `POST /v1/session/views` would, and returns a result for each. If one "
+        "has wrong fields, nothing is judged, and `errors` has one entry for each wrong view.",
+        {"index": 0, "views": [{"ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS}]},
+    ),
     "undoView": OperationText(
         "Capture",
         "Takes a view out of the session. Its index is not used again.",

@@ -173,6 +173,16 @@ OPERATIONS = (
         schema.ViewRequest,
     ),
     Operation(
+        "post",
+        "/v1/session/batch",
+        "submitViews",
+        "Submit several views of a recorded session; each has a result",
+        {200: Content("The session's state, and the results of the views.", schema.BatchAnswer)},
+        (400, *_ASKED, 404, 409, 413, 422),
+        _SESSION,
+        schema.BatchRequest,
+    ),
+    Operation(
         "delete",
         "/v1/session/views/{index}",
         "undoView",

@@ -71,6 +71,8 @@ def record(stack: LocalStack, seed: int) -> str:
 def prepare_call(stack: LocalStack, name: str, values: dict[str, str]) -> None:
     """Make what the example of a call wants: a recorded session, one without views, or a whole rig."""
     match name:
+        case "submitViews":
+            values["SESSION_ID"] = start(stack, {"capture": "recorded"})
         case "finishSession":
             values["SESSION_ID"] = record(stack, CALIBRATIONS)
         case "createRig":

@@ -108,7 +108,7 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page, series: Seri
             continue
         assert set(json.loads(body)) <= {
             "camera", "platform", "img_size", "zoom", "distortion_model", "board", "capture",
-            "index", "ids", "points",
+            "index", "views",
         }  # fmt: skip
 
 

@@ -102,8 +102,8 @@ test("the photograph that shows something new comes first, the copy last", () =>
   assert.ok([flat, copy].includes(order[3]));
 });
 
-/** A service that refuses view 1 until it has taken another, never takes view 5, and expects less error with each. */
-function service({ reached }) {
+/** A service that refuses view 1 until it has taken two, never takes view 5, and judges `most` views of a request. */
+function service({ reached, most = Infinity }) {
   const calls = [];
   const bodies = [];
   let taken = [];
@@ -119,12 +119,14 @@ function service({ reached }) {
       if (path === "/auth") return { session_id: "s" };
       if (path === "/session/pose") return { index: taken.length };
       if (path === "/session/finish") done = true;
-      if (path !== "/session/views") return state();
-      const [id] = body.ids;
+      if (path !== "/session/batch") return state();
       assert.equal(body.index, taken.length);
-      const reason = id === 5 ? "degenerate" : id === 1 && taken.length < 2 ? "outlier" : null;
-      if (!reason) taken = [...taken, id];
-      return { ...state(), accepted: !reason, reason };
+      const results = body.views.slice(0, most).map(({ ids: [id] }) => {
+        const reason = id === 5 ? "degenerate" : id === 1 && taken.length < 2 ? "outlier" : null;
+        if (!reason) taken = [...taken, id];
+        return { accepted: !reason, reason, index: reason ? null : taken.length - 1, error: reason ? null : state().uncertainty.rms };
+      });
+      return { ...state(), results };
     },
   };
   return { api, calls, bodies };
@@ -143,6 +145,17 @@ test("every view that agrees counts, however little it adds", async () => {
   assert.deepEqual(judged.filter(({ accepted }) => accepted).map(({ view, before, after }) => [view, before, after]), [[0, null, 3], [3, 3, 1], [4, 1, 0.5], [1, 0.5, 0.5]]);
   assert.equal(judged.filter(({ view }) => view === 2).length, 1, "what no other view can mend is offered once");
   assert.equal(calls.filter((call) => call === "POST /session/finish").length, 1);
+  assert.equal(calls.filter((call) => call === "POST /session/batch").length, 2, "all views, then the one that contradicted them");
+});
+
+test("views for which a request has no time are sent in the next", async () => {
+  const { api, bodies } = service({ reached: [3, 1, 0.5, 0.5], most: 2 });
+  const judged = [];
+  const { numbers } = await calibrate(api, "t", request, views, (judgement) => judged.push(judgement.view));
+  const batches = bodies.filter((body) => body?.views).map(({ index, views: sent }) => [index, sent.map(({ ids }) => ids[0])]);
+  assert.deepEqual(batches, [[0, [0, 1, 5, 2, 3]], [1, [5, 2, 3]], [2, [3]], [3, [1]]]);
+  assert.deepEqual(judged, [0, 1, 2, 3, 4, 1]);
+  assert.deepEqual([...numbers], [[0, 0], [1, 3], [2, 4], [3, 1]]);
 });
 
 test("what was used is shown first, in the order in which the error fell", () => {

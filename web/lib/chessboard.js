@@ -11,6 +11,7 @@ import { refineCorner } from "./subpixel.js";
  */
 
 const WORKING_SIDES_PX = [1400, 700, 350]; // px of the longer side at which corners are looked for: blur hides them at the largest
+const FULL_SIDES_PX = [700, 1400, 350]; // the same of a board whose size is known: where it is seen whole at once, the rest is spared
 const TRACKING_SIDES_PX = [700];
 const MIN_SIDE_CORNERS = 3; // of a board of unknown size: less is found by chance
 const CELL_PLACES = [0.2, 0.35, 0.5, 0.65, 0.8]; // within a square
@@ -27,14 +28,18 @@ const [MIN_WINDOW_PX, MAX_WINDOW_PX] = [2, 9];
  */
 export function findChessboard(image, squares, { inverted = false, full = true } = {}) {
   const wanted = [squares[0] - 1, squares[1] - 1];
-  for (const lattice of lattices(image, full ? WORKING_SIDES_PX : TRACKING_SIDES_PX)) {
+  /** @type {{ids: number[], points: number[][]}} */
+  let best = { ids: [], points: [] };
+  for (const lattice of lattices(image, full ? FULL_SIDES_PX : TRACKING_SIDES_PX)) {
     const sides = [lattice.columns, lattice.rows];
     const turned = sides[0] === wanted[1] && sides[1] === wanted[0];
     if (!(turned || (sides[0] === wanted[0] && sides[1] === wanted[1]))) continue;
     if (lattice.points.filter(Boolean).length < MIN_SEEN_SHARE * lattice.points.length) continue;
-    return numbered(refined(image, lattice), wanted[0], inverted);
+    const seen = numbered(refined(image, lattice), wanted[0], inverted);
+    if (seen.ids.length > best.ids.length) best = seen;
+    if (best.ids.length === wanted[0] * wanted[1]) break;
   }
-  return { ids: [], points: [] };
+  return best;
 }
 
 /**

@@ -6,7 +6,7 @@ import { keepReceipt } from "./receipts.js";
  * @typedef {import("./api.js").Api} Api
  * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
  * @typedef {import("./session.js").SessionState} SessionState
- * @typedef {import("./session.js").ViewAnswer} ViewAnswer
+ * @typedef {import("../vendor/api.js").BatchAnswer} BatchAnswer
  * @typedef {import("../vendor/api.js").Pose} Pose
  *
  * @typedef {{ids: number[], points: number[][]}} View
@@ -20,7 +20,7 @@ import { keepReceipt } from "./receipts.js";
  */
 
 const MIN_VIEWS = 4; // that agree, of which the service makes a calibration
-export const MAX_VIEWS = 150; // offered, so that a video ends within a user's share of requests
+export const MAX_VIEWS = 150; // offered, of the 200 that a session holds: a video of more says little more
 const MAX_POINTS = 20_000; // of all views, that a session holds
 
 /**
@@ -59,22 +59,25 @@ async function offer(api, credential, state, views, onJudgement) {
   const numbers = new Map();
   let room = MAX_POINTS;
   let waiting = [...views.keys()].filter((view) => (room -= views[view].points.length) >= 0);
+  let before = state.uncertainty?.rms ?? null;
   for (let more = true; more && waiting.length;) {
     more = false;
     /** @type {number[]} */
     const contradicting = [];
-    for (const view of waiting) {
-      const { ids, points } = views[view];
-      const index = numbers.size;
-      const before = state.uncertainty?.rms ?? null;
-      /** @type {ViewAnswer} */
-      const answer = await api.json("POST", "/session/views", credential, { body: { index, ids, points } });
+    while (waiting.length) {
+      const body = { index: numbers.size, views: waiting.map((view) => ({ ids: views[view].ids, points: views[view].points })) };
+      /** @type {BatchAnswer} */
+      const answer = await api.json("POST", "/session/batch", credential, { body });
       state = answer;
-      onJudgement({ view, accepted: answer.accepted, reason: answer.reason, before, after: answer.uncertainty?.rms ?? null });
-      if (answer.accepted) {
-        numbers.set(index, view);
-        more = true;
-      } else if (answer.reason === "outlier") contradicting.push(view);
+      for (const { accepted, index, reason, error } of answer.results) {
+        const view = /** @type {number} */ (waiting.shift());
+        onJudgement({ view, accepted, reason, before, after: error });
+        if (accepted) {
+          numbers.set(/** @type {number} */ (index), view);
+          before = error;
+          more = true;
+        } else if (reason === "outlier") contradicting.push(view);
+      }
     }
     waiting = contradicting;
   }

@@ -4,7 +4,11 @@
  * @typedef {{time: number, picture: ImageBitmap}} VideoPicture time: s, of the frame in the video
  */
 
-const FRAMES_PER_S = 10; // that are played, as many as a detector manages; a video of fewer is played faster
+const MIN_FRAMES_PER_S = 10; // that are played at first, as many as any detector manages; a video of fewer is played faster
+const MAX_FRAMES_PER_S = 30; // that are played as long as no frame is missed and all are looked at
+const ACCELERATION = 1.06; // for each frame that came in time
+const MISSED_INTERVALS = 1.6; // between frames, from which one between them was missed
+const RETREAT = 0.7; // of the speed at which a frame was missed: it is played no faster from then on
 const MAX_RATE = 4; // of playing: beyond, browsers leave out frames
 const MAX_WAITING = 4; // pictures that have not been looked at; with more the video waits
 const UNKNOWN_STRIDE_S = 0.1; // between frames, of a video that does not say how long it is
@@ -21,6 +25,7 @@ export async function* playedFrames(video, most, signal) {
   /** @type {{time: number, picture: Promise<ImageBitmap>}[]} */
   const waiting = [];
   let [last, due, previous, isOver] = [-Infinity, 0, NaN, false];
+  let [speed, top, interval] = [MIN_FRAMES_PER_S, MAX_FRAMES_PER_S, Infinity]; // frames/s; s, the shortest between frames so far
   let wake = () => {};
   const over = () => {
     isOver = true;
@@ -29,7 +34,13 @@ export async function* playedFrames(video, most, signal) {
   /** @param {number} _ @param {{mediaTime: number}} frame */
   const take = (_, { mediaTime }) => {
     if (isOver) return;
-    if (mediaTime > previous) video.playbackRate = Math.min(MAX_RATE, Math.max(1, FRAMES_PER_S * Math.max(stride, mediaTime - previous)));
+    if (mediaTime > previous) {
+      const gap = mediaTime - previous;
+      interval = Math.min(interval, gap);
+      if (gap > MISSED_INTERVALS * interval && mediaTime > due + interval - TOLERANCE_S) top = Math.max(MIN_FRAMES_PER_S, RETREAT * speed);
+      speed = Math.min(top, waiting.length < 2 ? speed * ACCELERATION : speed);
+      video.playbackRate = Math.min(MAX_RATE, Math.max(1, speed * Math.max(stride, interval)));
+    }
     previous = mediaTime;
     if (mediaTime > last && mediaTime >= due) {
       last = mediaTime;

@@ -2,7 +2,7 @@
 import { lenienceAfter } from "../lib/capture/at-target.js";
 import { explain } from "../lib/faults.js";
 import { isUnavailable } from "../lib/session.js";
-import { answer, isReady, isSeen, remoteHold } from "./moments.js";
+import { answer, isReady, isSeen, isThere, remoteHold } from "./moments.js";
 import { RigLink } from "./link.js";
 import { Outbox } from "./outbox.js";
 import { takeView } from "./view.js";
@@ -43,6 +43,8 @@ export class RigCapture {
   /** ms, since when the result is accurate enough. */
   #completeSince = Infinity;
   #momentAt = performance.now();
+  /** Of each moment by its id. @type {Map<string, import("./progress.js").Stage>} */
+  #stages = new Map();
 
   /** @param {Resources} resources */
   constructor(resources) {
@@ -110,6 +112,8 @@ export class RigCapture {
     const joined = remotePositions(state, this.#own).length;
     if (joined !== this.#joined) [this.#joined, this.#joinedAt] = [joined, performance.now()];
     if (state.moments.length !== this.model.state?.moments.length) this.#momentAt = performance.now();
+    const last = state.moments.at(-1);
+    if (last?.positions.length) this.#note(last.id, { rms: state.uncertainty?.rms ?? null });
     this.model.state = state;
     this.model.patience = this.#patience;
     if (opened && !this.#known.has(opened.id)) {
@@ -134,11 +138,17 @@ export class RigCapture {
     this.#watch.aim(targets);
   }
 
+  /** Notes what is known of a moment. @param {string} id @param {Partial<import("./progress.js").Stage>} stage */
+  #note(id, stage) {
+    this.#stages.set(id, { rms: null, atTarget: false, ...this.#stages.get(id), ...stage });
+  }
+
   /** Whether the capture ends by itself: cameras that may have views to deliver are waited for. */
   #checkConverged() {
     const { state } = this.model;
     const now = performance.now();
-    if (!state || !isComplete(state, now - this.#momentAt)) this.#completeSince = Infinity;
+    const course = state?.moments.map(({ id }) => this.#stages.get(id) ?? { rms: null, atTarget: false }) ?? [];
+    if (!state || !isComplete(state, now - this.#momentAt, course)) this.#completeSince = Infinity;
     else if (this.#completeSince === Infinity) this.#completeSince = now;
     if (!state || this.#completeSince === Infinity || this.#outbox.letters.length > 0) return false;
     return silentPositions(state, this.#own).length === 0 || now - this.#completeSince > SILENT_MS;
@@ -205,6 +215,7 @@ export class RigCapture {
     const id = crypto.randomUUID();
     const unopenedAt = performance.now();
     this.#known.add(id);
+    this.#note(id, { atTarget: isThere(this.#sights) });
     onSign("hold");
     if (!this.#remote) {
       // Nobody else waits for it: it can be opened later.

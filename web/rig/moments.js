@@ -89,9 +89,11 @@ export function requiredHold(sights, patience) {
   const moved = seeing.some(({ lastTaken, corners, width }) =>
     !lastTaken || motion(lastTaken, corners) >= (MIN_DISPLACEMENT_PX * width) / 1280);
   if (!moved) return null;
-  const there = seeing.some((sight) => sight.target !== null && isAtTarget(sight, sight.aim));
-  return Math.max(there ? HOLD_MS : LONG_HOLD_MS, patience);
+  return Math.max(isThere(sights) ? HOLD_MS : LONG_HOLD_MS, patience);
 }
+
+/** Whether a camera sees the board at its target. @param {Sight[]} sights */
+export const isThere = (sights) => sights.some((sight) => isSeen(sight) && sight.target !== null && isAtTarget(sight, sight.aim));
 
 /** Time for which the board has been still in the camera that sees it best, ms. @param {Sight[]} sights */
 export function holdTime(sights) {

@@ -116,16 +116,19 @@ def submit(
     waiting = list(recording.views)
     while waiting:
         count, contradicting = len(accepted), []
-        for view in waiting:
-            body = {"index": len(accepted), "ids": list(view.ids), "points": [list(q) for q in view.points]}
-            reply = yield Request("POST", "v1/session/views", body, credential=session)
-            answer = reply.json
-            if answer.get("accepted"):
-                accepted.append(view.source)
-                refused.pop(view.source, None)
-            else:
-                refused[view.source] = refusal(answer.get("reason"))
-                contradicting += [view] if answer.get("reason") == "outlier" else []
+        while waiting:
+            corners = [{"ids": list(v.ids), "points": [list(q) for q in v.points]} for v in waiting]
+            body = {"index": len(accepted), "views": corners}
+            reply = yield Request("POST", "v1/session/batch", body, credential=session)
+            results = reply.json["results"]
+            for view, result in zip(waiting, results, strict=False):
+                if result["accepted"]:
+                    accepted.append(view.source)
+                    refused.pop(view.source, None)
+                else:
+                    refused[view.source] = refusal(result["reason"])
+                    contradicting += [view] if result["reason"] == "outlier" else []
+            waiting = waiting[len(results) :]
             if progress:
                 progress(len(accepted) + len(refused), len(recording.views))
         waiting = contradicting if len(accepted) > count else []

@@ -166,6 +166,6 @@ def draw_other(folder: Path) -> Path:
 
 def sent_views(sent: list[Request]) -> list[dict[str, Any]]:
     """Views that a page posted, each once."""
-    posted = [r.post_data or "" for r in sent if r.url.endswith("/session/views") and r.method == "POST"]
-    bodies = [json.loads(each) for each in posted]
-    return list({json.dumps(body["points"]): body for body in bodies}.values())
+    posted = [r.post_data or "" for r in sent if r.url.endswith("/session/batch") and r.method == "POST"]
+    views = [view for each in posted for view in json.loads(each)["views"]]
+    return list({json.dumps(view["points"]): view for view in views}.values())

@@ -122,17 +122,18 @@ class Call:
         remaining: int = context.get_remaining_time_in_millis()
         return remaining / 1000 - MIN_REMAINING_S
 
-    def json(self, model: type[Model]) -> Model:
+    def json(self, model: type[Model], depth: int | None = None) -> Model:
         """Return the body as `model`.
 
-        Raises TooLargeError, MalformedError, or InvalidError naming the fields.
+        Raises TooLargeError, MalformedError, or InvalidError naming the fields: all, or the first of those
+        whose paths begin with the same `depth` members.
         """
         if len(self.body) > MAX_BODY_BYTES:
             raise TooLargeError(f"The body is too large; at most {MAX_BODY_BYTES} bytes are allowed.")
         try:
             return model.model_validate_json(self.body)
         except ValidationError as error:
-            raise refusal(error) from error
+            raise refusal(error, depth) from error
 
     def require_json_of_the_site(self) -> None:
         """Refuse what a page of another origin can send: another media type, or its `Origin`.
@@ -271,13 +272,18 @@ class Call:
         return credential.strip()
 
 
-def refusal(error: ValidationError) -> CalibdbError:
-    """Messages to a caller about fields that a model does not take, without a word of Python."""
+def refusal(error: ValidationError, depth: int | None = None) -> CalibdbError:
+    """Messages to a caller about fields that a model does not take, without a word of Python.
+
+    `depth`: as of `Call.json`.
+    """
     problems = error.errors(include_url=False, include_input=False, include_context=False)
     if any(p["type"] == "json_invalid" for p in problems):
         return MalformedError("The body is not JSON.")
     inside = {p["loc"][:depth] for p in problems for depth in range(len(p["loc"]))}
     said = [p for p in problems if p["type"] != "too_short" or p["loc"] not in inside]  # wrong, not missing
+    if depth is not None:
+        said = list({p["loc"][:depth]: p for p in reversed(said)}.values())[::-1]
     return InvalidError(
         [
             FieldError(".".join(map(str, p["loc"])) or "body", _plain(p["msg"]))

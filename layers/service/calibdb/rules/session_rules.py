@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 from pydantic import JsonValue
 
 from calibdb.camera_key import camera_key, public_label, public_platform
-from calibdb.errors import MAX_FIELD_ERRORS, ConflictError, InvalidError, NotFoundError
+from calibdb.errors import MAX_FIELD_ERRORS, ConflictError, FieldError, InvalidError, NotFoundError
 from calibdb.rules.corners import corner_errors
 from calibdb.rules.quality_gates import TARGET_ERROR_PER_WIDTH
 from calibdb.schema import (
@@ -29,10 +29,10 @@ from calibdb.schema import (
     ViewDocument,
 )
 from calibdb.schema.membership import RigMembership
-from calibdb.schema.session import SetAside
+from calibdb.schema.observed_corners import ObservedCorners
+from calibdb.schema.session import MAX_RECORDED_VIEWS, SetAside
 
 MAX_POINTS = 20_000  # of all views: far more than a calibration needs, few enough to fit within a request
-MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends by itself long before
 MIN_RECORDED_VIEWS = 4  # that agree, to end a recorded session with: fewer can agree by chance
 MAX_SKIPPED_TARGETS = 8  # targets remembered as unwanted
 MAX_QUARANTINED_VIEWS = 4  # refused views kept in quarantine
@@ -111,12 +111,63 @@ def validate_view(document: SessionDocument, view: ViewDocument) -> None:
     wrong = corner_errors(document.board, document.img_size, view.ids, view.points)
     if wrong:
         raise InvalidError(wrong[:MAX_FIELD_ERRORS])
-    if sum(len(v.ids) for v in document.views) + len(view.ids) > MAX_POINTS:
+    _require_room(document, [view])
+
+
+def validate_batch(
+    document: SessionDocument, views: Sequence[ObservedCorners], replayed: Sequence[ViewDocument | None]
+) -> None:
+    """Validate the `views` of a batch that are not `replayed`, as `validate_view` does.
+
+    InvalidError has one error for each bad view: the first that is wrong with it.
+    """
+    wrong: list[FieldError] = []
+    for n, view in enumerate(views):
+        wrong += corner_errors(document.board, document.img_size, view.ids, view.points, f"views.{n}.")[:1]
+    if wrong:
+        raise InvalidError(wrong[:MAX_FIELD_ERRORS])
+    _require_room(document, [view for view, known in zip(views, replayed, strict=True) if known is None])
+
+
+def require_recorded(document: SessionDocument) -> None:
+    """Raise ConflictError unless the session is one of recorded views, and not in a rig."""
+    if document.capture != "recorded" or document.rig is not None:
+        raise ConflictError(
+            "Only a session that was started with `capture: recorded`, outside a rig, takes several views in "
+            "one request.",
+            kind="not-recorded",
+        )
+
+
+def replayed_views(
+    document: SessionDocument, index: int, views: Sequence[ObservedCorners]
+) -> list[ViewDocument | None]:
+    """For each view of a batch with this `index`, the one that an earlier request of the same content added.
+
+    Raises ConflictError if the index is not open yet, or a view was undone that has it or a later one.
+    """
+    added = [(view_fingerprint(view), view) for view in document.views if view.index >= index]
+    if index > document.next_index or len(added) < document.next_index - index:
+        raise ConflictError(
+            f"This index is not open; send the views with index {document.next_index}.",
+            kind="index-not-open",
+        )
+    replayed: list[ViewDocument | None] = []
+    for view in views:
+        fingerprint = view_fingerprint(view)
+        match = next((n for n, (known, _) in enumerate(added) if known == fingerprint), None)
+        replayed.append(None if match is None else added.pop(match)[1])
+    return replayed
+
+
+def _require_room(document: SessionDocument, views: Sequence[ObservedCorners | ViewDocument]) -> None:
+    """Raise ConflictError if the session cannot hold these views too."""
+    if sum(len(view.ids) for view in (*document.views, *views)) > MAX_POINTS:
         raise ConflictError(
             f"The session is full: it holds at most {MAX_POINTS} points.", kind="session-full"
         )
     recorded = document.capture == "recorded" or document.rig is not None
-    if recorded and len(document.views) >= MAX_RECORDED_VIEWS:
+    if recorded and len(document.views) + len(views) > MAX_RECORDED_VIEWS:
         raise ConflictError(
             f"The session is full: it holds at most {MAX_RECORDED_VIEWS} views; finish it.",
             kind="session-full",
@@ -221,6 +272,13 @@ def with_estimate(
     )
 
 
+def with_advice(document: SessionDocument, estimate: EstimateDocument) -> SessionDocument:
+    """Replace the advice of the document's estimate by that of `estimate`."""
+    suggested = estimate.suggested_model or document.estimate.suggested_model
+    advised = {"advice": estimate.advice, "suggested_model": suggested}
+    return document.model_copy(update={"estimate": document.estimate.model_copy(update=advised)})
+
+
 def estimate_document(record: Mapping[str, JsonValue], now: int) -> EstimateDocument:
     """Return the estimate that the solver recorded, as it is stored."""
     return EstimateDocument.model_validate({**record, "time": now})
@@ -275,7 +333,7 @@ def _with_statuses(
     )
 
 
-def view_fingerprint(view: ViewDocument) -> dict[int, tuple[float, float]]:
+def view_fingerprint(view: ViewDocument | ObservedCorners) -> dict[int, tuple[float, float]]:
     """Return the corners by id, the same in whichever order they were sent."""
     return dict(zip(view.ids, view.points, strict=True))
 

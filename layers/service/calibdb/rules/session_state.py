@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Literal
 
-from calibdb.schema import Calibration, SessionDocument, SessionState, ViewAnswer, ViewState
-from calibdb.schema.session import Hint, Refusal
+from calibdb.schema import (
+    BatchAnswer,
+    Calibration,
+    SessionDocument,
+    SessionState,
+    ViewAnswer,
+    ViewDocument,
+    ViewState,
+)
+from calibdb.schema.session import BatchResult, Hint, Refusal
 
 
 def state(document: SessionDocument) -> SessionState:
@@ -17,6 +26,16 @@ def view_answer(document: SessionDocument, reason: Refusal | None, hint: Hint | 
     """Make the answer to a view: the state, and where it was refused why, and what to do."""
     members = {**_members(document), "accepted": reason is None, "reason": reason, "hint": hint}
     return ViewAnswer.model_validate(members)
+
+
+def batch_answer(document: SessionDocument, results: Sequence[BatchResult]) -> BatchAnswer:
+    """Make the answer to a batch of views: the state, and the result of each view that was judged."""
+    return BatchAnswer.model_validate({**_members(document), "results": tuple(results)})
+
+
+def accepted_result(view: ViewDocument) -> BatchResult:
+    """Make the result of an accepted view."""
+    return BatchResult(accepted=True, index=view.index, reason=None, error=view.stated)
 
 
 def _members(document: SessionDocument) -> dict[str, Any]:

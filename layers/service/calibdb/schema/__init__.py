@@ -58,6 +58,8 @@ from calibdb.schema.rig_documents import (
     RigFinish,
 )
 from calibdb.schema.session import (
+    BatchAnswer,
+    BatchRequest,
     Health,
     Pose,
     SessionOpened,
@@ -77,6 +79,8 @@ __all__ = [
     "Adapted",
     "BackfillAnswer",
     "BackfillBatch",
+    "BatchAnswer",
+    "BatchRequest",
     "Board",
     "Calibration",
     "CalibrationDocument",

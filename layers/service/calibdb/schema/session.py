@@ -27,6 +27,7 @@ from calibdb.schema.licence import Licence, LicenceVersion, Licensed
 from calibdb.schema.membership import MomentId, RigJoin, RigMembership
 from calibdb.schema.observed_corners import ObservedCorners
 
+MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends by itself long before
 Fact = Annotated[str, Field(max_length=64)]
 Quantity = Annotated[float, Field(ge=-1e9, le=1e9)]
 Refusal = Literal["too_few_points", "degenerate", "mirrored", "outlier", "duplicate", "no_information"]
@@ -119,6 +120,16 @@ class ViewRequest(ObservedCorners):
     moment: MomentId | None = Field(
         None, description="The moment that it shows: required of a session that is in a rig, and of no other."
     )
+
+
+class BatchRequest(Strict):
+    """Several frames of a recorded session."""
+
+    index: Index = Field(
+        description="Index that the first accepted view takes: 0, later one more than that of the last "
+        "accepted view. The same request again returns the same indices."
+    )
+    views: tuple[ObservedCorners, ...] = Field(min_length=1, max_length=MAX_RECORDED_VIEWS)
 
 
 class SetAside(Open):
@@ -221,6 +232,27 @@ class ViewAnswer(SessionState):
     accepted: bool
     reason: Refusal | None
     hint: Hint | None = Field(None, description="What to do after a refusal.")
+
+
+class BatchResult(Open):
+    """Result of one view of a batch."""
+
+    accepted: bool
+    index: int | None = Field(description="Index of the view in the session; null: it was refused.")
+    reason: Refusal | None = Field(description="Reason of a refusal.")
+    error: float | None = Field(
+        description="px, predicted rms projection error over the image with this view; null: it was refused, "
+        "or there is no fit yet."
+    )
+
+
+class BatchAnswer(SessionState):
+    """The session's state, and the results of the views of a batch."""
+
+    results: tuple[BatchResult, ...] = Field(
+        description="In the order of the views. If there are fewer, the request's time was used up. Send the "
+        "other views in another request."
+    )
 
 
 class Pose(Open):

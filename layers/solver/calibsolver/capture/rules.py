@@ -216,6 +216,8 @@ class Capture:
         excluded: Mapping[int, Exclusion] | None = None,
         quarantined: Sequence[View] = (),
         history: History = NO_HISTORY,
+        *,
+        explain: bool = True,
     ) -> ViewDecision:
         """Decide whether `view` joins the accepted `views`: it must agree with them and not duplicate one.
 
@@ -229,6 +231,8 @@ class Capture:
             Refused views that were kept (`ViewDecision.quarantine`).
         history
             Course of the capture so far.
+        explain
+            False: the estimate has no advice. `explain` adds it later, once for several recorded views.
         """
         excluded = dict(excluded or {})
         reason = rejection_reason(view, self.img_size)
@@ -237,9 +241,15 @@ class Capture:
         if self.seed is not None and not views and not is_posed(self.seed, view):
             fresh = self.without_seed()
             first = None if target is None else fresh.next_target([], fresh.estimate([]))
-            return replace(fresh.judge([], first, view), seed_rejected=True)
+            return replace(fresh.judge([], first, view, explain=explain), seed_rejected=True)
         with np.errstate(all="ignore"):  # hostile numbers end in a refusal, not in a warning
-            return self._decide(list(views), target, view, excluded, quarantined, history)
+            return self._decide(list(views), target, view, excluded, quarantined, history, explain)
+
+    def explain(self, views: Sequence[View], estimate: Estimate) -> Estimate:
+        """Add advice to an estimate of recorded `views`, the last of which was just judged without it."""
+        active = [view for i, view in enumerate(views[:-1]) if i not in estimate.excluded]
+        before = self.consistency.fit(active)
+        return self._check_prediction(views, estimate, before, {}, NO_HISTORY, every=1).with_cause(views)
 
     def _decide(
         self,
@@ -249,6 +259,7 @@ class Capture:
         excluded: dict[int, Exclusion],
         quarantined: Sequence[View],
         history: History,
+        explain: bool,
     ) -> ViewDecision:
         active = [i for i in range(len(views)) if i not in excluded]
         others = [views[i] for i in active]
@@ -275,8 +286,10 @@ class Capture:
         estimate = self.estimate(all_views, left_out, history)
         if estimate.calibration is None or len(views) in left_out:
             return self._refuse("outlier", view, target)
-        checked = self._check_prediction(all_views, estimate, before, excluded_before, history)
-        return ViewDecision(True, None, checked.with_cause(all_views), on_target=on_target)
+        if explain:
+            estimate = self._check_prediction(all_views, estimate, before, excluded_before, history)
+            estimate = estimate.with_cause(all_views)
+        return ViewDecision(True, None, estimate, on_target=on_target)
 
     def _check_prediction(
         self,
@@ -285,11 +298,12 @@ class Capture:
         before: Calibration | None,
         excluded_before: Mapping[int, Exclusion],
         history: History,
+        every: int = MIN_VIEWS,
     ) -> Estimate:
         """Compare the error of the last view with the predicted one: if they differ, the capture continues.
 
         Then, and where views are newly excluded, and where the corners are far noisier than any detector's,
-        the model may be too simple: others are tried.
+        the model may be too simple: others are tried. Noise makes them be tried after `every` so many views.
         """
         calibration, last = estimate.calibration, len(views) - 1
         if before is None or calibration is None or isinstance(self.guide, PoseSelection):
@@ -300,7 +314,7 @@ class Capture:
             ratio = prediction_ratio(
                 before, views[-1], calibration.used[-1], MIN_NOISE_WIDTHS * self.img_size[0]
             )
-        noisy = calibration.noise > MAX_DETECTOR_NOISE_WIDTHS * self.img_size[0] and count % MIN_VIEWS == 0
+        noisy = calibration.noise > MAX_DETECTOR_NOISE_WIDTHS * self.img_size[0] and count % every == 0
         disagrees = ratio > MAX_PREDICTION_RATIO
         if not (disagrees or noisy or len(estimate.excluded) > len(excluded_before)):
             return estimate
