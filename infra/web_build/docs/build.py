@@ -22,8 +22,8 @@ from infra.web_build.sdk import import_map
 
 OVERVIEW = f"{FOLDER}index.html"
 SEARCH_KEY = f"{FOLDER}search.json"
-NOT_SEARCHED = frozenset({"changelog", "decisions"})
-"""Documents for contributors, which say again, by date or by reason, what the others explain."""
+NOT_SEARCHED = frozenset({"changelog", "decisions", "development"})
+"""Documents for contributors, and one that repeats, by version, what the others explain."""
 _LEAD = (
     "calibDB tells a program what the lens in front of it does: the camera matrix, the distortion, and how "
     "far to trust them. Begin with the quickstart, or search."

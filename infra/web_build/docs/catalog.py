@@ -78,6 +78,9 @@ GROUPS: dict[str, tuple[Entry, ...]] = {
     ),
     "understand": (
         Entry(
+            "docs/concepts.md", "concepts", "Concepts", "Camera key, view, session, consensus, reliable."
+        ),
+        Entry(
             "docs/conventions.md",
             "conventions",
             "Conventions",
@@ -112,14 +115,19 @@ GROUPS: dict[str, tuple[Entry, ...]] = {
             "docs/operations.md", "operations", "Operations", "Deploying, watching, restoring the service."
         ),
         Entry("docs/architecture.md", "architecture", "Architecture", "Parts, data at rest, flows."),
-        Entry("docs/decisions.md", "decisions", "Decisions", "What was decided, and why."),
         Entry("CONTRIBUTING.md", "contributing", "Contributing", "Commands, rules, names."),
         Entry("CHANGELOG.md", "changelog", "Changelog", "What changed in which version."),
     ),
 }
 """Documents by group, in the order of the navigation."""
 
-ENTRIES = tuple(entry for group in GROUPS.values() for entry in group)
+FOR_CONTRIBUTORS = (
+    Entry("docs/development.md", "development", "Development", "Tests, rules, and how to extend calibDB."),
+    Entry("docs/decisions.md", "decisions", "Decisions", "What was decided, and why."),
+)
+"""Documents that the navigation omits; the page *Contributing* links to them."""
+
+ENTRIES = tuple(entry for group in (*GROUPS.values(), FOR_CONTRIBUTORS) for entry in group)
 _BY_SOURCE = {entry.source: entry for entry in ENTRIES if entry.source}
 
 
