@@ -2,13 +2,11 @@
 // code, too, where there is no board.
 import { boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-problem.js";
-import { addMessages, onLanguage, t } from "../lib/i18n.js";
+import { onLanguage, t } from "../lib/i18n.js";
 import { WhichBoard } from "../lib/which-board.js";
-import showing from "../messages/showing.js";
 
 /** @typedef {import("../lib/board.js").Board} Board */
 
-addMessages({ showing });
 
 /** Address that shows the board on another device. @param {Board} board @param {boolean} fill the whole of its window */
 function boardAddress(board, fill) {

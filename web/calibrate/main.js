@@ -6,7 +6,6 @@ import { language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
 import { isVirtual } from "../lib/virtual/name.js";
-import captureMessages from "../messages/capture.js";
 import { cameraKey, platformHere, withDevice } from "../sdk/key.js";
 import { Announcer } from "../lib/capture/announcer.js";
 import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
@@ -35,7 +34,7 @@ import { Sizes } from "./sizes.js";
  * @typedef {Awaited<ReturnType<typeof openCamera>>} OpenedCamera
  */
 
-openPage({ capture: captureMessages });
+openPage();
 const parameters = new URLSearchParams(location.search);
 const parts = findParts();
 const { board, problem } = boardFrom(parameters);

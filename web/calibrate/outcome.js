@@ -1,20 +1,17 @@
 // Result of a capture: shown at once as the session has it, and in full when the service has sent its report.
 import { ApiError, OfflineError } from "../lib/api.js";
 import { el } from "../lib/dom.js";
-import { addMessages, t } from "../lib/i18n.js";
+import { t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { pageTitle } from "../lib/result/card.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
 import { SettingsError, loadSettings } from "../lib/settings.js";
 import { isVirtual } from "../lib/virtual/name.js";
-import words from "../messages/result.js";
 import { isPracticeReturned } from "./history.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("../lib/result/view.js").Result} Result */
-
-addMessages({ result: words });
 
 export class Outcome {
   #view;

@@ -1,7 +1,6 @@
 // Consent of the person who calibrates: may the measurements be given away under CC0? Asked on every page that calibrates,
 // never assumed, kept on this device until it is changed.
-import messages from "../messages/consent.js";
-import { addMessages, onLanguage, t, translate } from "./i18n.js";
+import { onLanguage, t, translate } from "./i18n.js";
 
 /** Licence under which dumps are given away, an SPDX identifier, and the date of the text on /terms/ that is agreed to. */
 export const LICENCE = "CC0-1.0";
@@ -29,7 +28,6 @@ export function offerConsent() {
   const box = /** @type {HTMLInputElement | null} */ (document.getElementById("consent"));
   const note = document.getElementById("consent-note");
   if (!box || !note) throw new TypeError("the page has no consent block");
-  addMessages({ consent: messages });
   translate(/** @type {Element} */ (box.closest(".consent")));
   const show = () => {
     box.checked = hasConsent();
