@@ -55,6 +55,8 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     expect(page.locator("#wanted")).to_contain_text("C920")
     expect(page.locator("#camera"), "the virtual camera does not stand in for a real one").to_have_value("")
     picture(page, "capture-before", ["hand"])
+    page.set_viewport_size({"width": 390, "height": 844})
+    assert page.evaluate("document.getElementById('start').getBoundingClientRect().bottom") < 780
 
     # The capture must not be over before it is looked at.
     page.goto(f"{ENDLESS}&return_to=https://app.example/")
@@ -70,6 +72,7 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     expect(page.locator("#go-on-really")).to_be_visible()
     expect(page.locator("#own-camera"), "it is offered once").to_have_count(0)
     assert "return_to" not in address(page)
+    expect(page.locator("#consent"), "practice is nobody's data").to_be_hidden()
     picture(page, "capture-done")
     expect(page.locator("header nav > a", has_text="Cameras")).to_have_attribute("href", "../cameras/")
     expect(page.locator("header nav > a", has_text="Cameras")).to_be_visible()

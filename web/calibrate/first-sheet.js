@@ -7,7 +7,6 @@ import { WhichBoard } from "../lib/which-board.js";
 
 /** @typedef {import("../lib/board.js").Board} Board */
 
-
 /** Address that shows the board on another device. @param {Board} board @param {boolean} fill the whole of its window */
 function boardAddress(board, fill) {
   const there = new URL("../board/", location.href);
@@ -19,12 +18,16 @@ function boardAddress(board, fill) {
 /**
  * @param {import("./parts.js").Parts} parts
  * @param {{board: import("../lib/board.js").SentBoard, problem: import("../lib/board.js").Problem | null, parameters: URLSearchParams,
- *   wanted: import("./state.js").Wanted, onBoard: (board: import("../lib/board.js").SentBoard) => void}} page onBoard: called when another is chosen
+ *   wanted: import("./state.js").Wanted, onBoard: (board: import("../lib/board.js").SentBoard) => void, onSender: () => void}} page onBoard: called when another is chosen;
+ *   onSender: called when it is said who sent the visitor
  */
-export function showFirstSheet(parts, { board, problem, parameters, wanted, onBoard }) {
+export function showFirstSheet(parts, { board, problem, parameters, wanted, onBoard, onSender }) {
   showProblem(parts.problem, problem);
   const returnTo = parameters.get("return_to");
-  if (returnTo !== null) void import("./sender.js").then(({ showSender }) => showSender(parts, returnTo, wanted));
+  if (returnTo !== null) void import("./sender.js").then(({ showSender }) => {
+    void showSender(parts, returnTo, wanted);
+    onSender();
+  });
   const show = showWays(parts);
   show(board);
   new WhichBoard(board, (chosen) => {
@@ -37,7 +40,7 @@ export function showFirstSheet(parts, { board, problem, parameters, wanted, onBo
  * Fills in what leads to the board. The QR code and the file are made by modules that are loaded after the page is there.
  * @param {import("./parts.js").Parts} parts @returns {(board: Board) => void} shows another board
  */
-function showWays({ boardLinks, addresses, paper, codes }) {
+function showWays({ boardLinks, addresses, paper, paperFile, codes }) {
   const loading = Promise.all([import("../lib/qr.js"), import("../lib/papers.js")]);
   /** @type {Board} */
   let board;
@@ -56,7 +59,7 @@ function showWays({ boardLinks, addresses, paper, codes }) {
     for (const code of codes) drawQr(code, boardAddress(board, true).href);
     const name = paperFor(papers, board);
     paper.hidden = name === undefined;
-    if (name !== undefined) paper.textContent = t("showing.paper_file", { paper: name });
+    if (name !== undefined) paperFile.textContent = t("showing.paper_file", { paper: name });
   };
   onLanguage(() => void write());
   return (other) => {

@@ -210,7 +210,7 @@ async function prepareOutcome() {
   const { Outcome } = await import("./outcome.js");
   outcome ??= new Outcome(parts.result, parts.video, {
     returnTo: parameters.get("return_to"), asked: state.wanted.camera,
-    onAgain: () => capture(chosen), onWithout: continueWithout,
+    onAgain: () => capture(chosen), onWithout: continueWithout, onConsent: async (api) => session?.license(api),
   });
 }
 
@@ -340,6 +340,7 @@ showFirstSheet(parts, {
     closeDetector();
     dispatch({ type: "board", board: chosen });
   },
+  onSender: () => render(parts, state, null),
 });
 await listed;
 const isResumed = location.hash === RESUME;

@@ -1,6 +1,7 @@
 // Result of a capture: shown at once as the session has it, and in full when the service has sent its report.
-import { ApiError, OfflineError } from "../lib/api.js";
-import { el } from "../lib/dom.js";
+import { Api, ApiError, OfflineError } from "../lib/api.js";
+import { publishOnConsent } from "../lib/consent.js";
+import { el, part } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { pageTitle } from "../lib/result/card.js";
@@ -20,6 +21,8 @@ export class Outcome {
   #asked;
   #onAgain;
   #onWithout;
+  #onConsent;
+  #consent = part("asked", HTMLElement);
   #complete = latest(async (signal, /** @type {string} */ id, /** @type {Result} */ result) => {
     const [{ report }, { return_origins: returnOrigins }] = await Promise.all([load(id), loadSettings()]);
     if (!signal.aborted) this.#view.show({ ...result, report, returnOrigins });
@@ -27,16 +30,18 @@ export class Outcome {
 
   /**
    * @param {HTMLElement} place @param {HTMLVideoElement} video whose last picture is straightened
-   * @param {{returnTo: string | null, asked: string | null, onAgain: () => void, onWithout: (indices: number[]) => void}} options
-   *   asked: the camera that the page was opened for; onWithout: go on, but without these views
+   * @param {{returnTo: string | null, asked: string | null, onAgain: () => void, onWithout: (indices: number[]) => void,
+   *   onConsent: (api: Api) => Promise<unknown>}} options
+   *   asked: the camera that the page was opened for; onWithout: go on, but without these views; onConsent: publish the measurements
    */
-  constructor(place, video, { returnTo, asked, onAgain, onWithout }) {
+  constructor(place, video, { returnTo, asked, onAgain, onWithout, onConsent }) {
     this.#view = new ResultView(place);
     this.#video = video;
     this.#returnTo = returnTo;
     this.#asked = asked;
     this.#onAgain = onAgain;
     this.#onWithout = onWithout;
+    this.#onConsent = onConsent;
   }
 
   /** @param {State} state of a capture that is done */
@@ -45,12 +50,14 @@ export class Outcome {
     if (!calibration) return;
     const practice = isVirtual(key?.camera ?? "");
     const returnTo = practice && !isPracticeReturned(this.#returnTo, this.#asked) ? null : this.#returnTo;
+    publishOnConsent(session?.licence || practice ? null : async () => this.#onConsent(new Api((await loadSettings()).api)));
+    this.#consent.hidden = practice || !id;
     /** @type {Result} */
     const result = {
       calibration, report: null, picture: still(this.#video, calibration.img_size, flipped === true), notes: advice,
       origin: practice ? "practice" : "added", ownCameraOffered: practice && this.#returnTo !== null && returnTo === null,
       again: { label: () => t("capture.once_more"), action: this.#onAgain },
-      goOn: this.#onWithout, explain,
+      goOn: this.#onWithout, explain, consent: this.#consent,
     };
     this.#complete.cancel();
     document.title = pageTitle(calibration, null);

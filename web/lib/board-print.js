@@ -7,7 +7,6 @@ import { PAPERS, squareOn } from "./papers.js";
 
 /** @typedef {import("./board.js").Board} Board */
 
-
 /** @param {Board} board @param {string} paper @returns {Blob} a PDF */
 export function boardFile(board, paper) {
   const { squares: [columns, rows], marker_ratio, dictionary, legacy, tag_spacing: spacing = DEFAULT_TAG_SPACING } = board;

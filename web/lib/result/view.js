@@ -99,6 +99,7 @@ export class ResultView {
     const focused = this.#root.contains(document.activeElement) ? document.activeElement?.id : "";
     this.#root.replaceChildren(...[
       card({ ...result, calibration, report }, trial, id),
+      result.consent ?? null,
       straight && section("straight", straight.element),
       section("numbers", numbersPart(calibration, report, { pending })),
       section("figures", figuresPart(calibration, report, pending)),

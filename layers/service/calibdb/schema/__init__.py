@@ -59,6 +59,7 @@ from calibdb.schema.rig_documents import (
 )
 from calibdb.schema.session import (
     Health,
+    LicenceRequest,
     Pose,
     SessionOpened,
     SessionRequest,
@@ -103,6 +104,7 @@ __all__ = [
     "Health",
     "HealthProblem",
     "HourlyLimits",
+    "LicenceRequest",
     "LookupAnswer",
     "LookupProblem",
     "LookupRequest",
