@@ -182,7 +182,9 @@ async function finish(end, { camera, keepOpen }, request) {
     keepOpen();
     return void capture(chosen, { notice: plainNotice("capture.resized"), camera });
   }
+  if (state.phase === "done") keepOpen();
   capture.cancel();
+  if (state.phase === "done") outcome?.live(() => camera.close());
   if (end !== "relayout") return captures.forget(captureKey(request));
   void continueWithBoard({ ...state.board, legacy: !state.board.legacy }, plainNotice("capture.legacy_taken"));
 }
