@@ -124,6 +124,16 @@ def test_a_page_contains_the_messages_that_it_may_show_in_its_language(
             assert marked <= texts(key).keys(), key
 
 
+def test_pages_can_be_installed(made: Mapping[str, bytes]) -> None:
+    for key, page in pages(made).items():
+        assert page.count('<link rel="manifest" href="/manifest.json">') == 1, key
+    manifest = json.loads((site.WEB / "manifest.json").read_text())
+    assert {"name", "start_url", "display"} <= manifest.keys()
+    assert all((site.WEB / icon["src"]).is_file() for icon in manifest["icons"])
+    for address in (manifest["start_url"], *(shortcut["url"] for shortcut in manifest["shortcuts"])):
+        assert f"{address[1:]}index.html" in made
+
+
 def test_pages_preload_all_modules_that_they_import(made: Mapping[str, bytes]) -> None:
     page = pages(made)["calibrate/index.html"]
     preloaded = set(re.findall(r'rel="modulepreload" href="/([^"]+)"', page))
