@@ -21,7 +21,7 @@ from calibdb.http import application, metrics
 from calibdb.rules import rig_rules, session_result, session_rules
 from calibdb.rules.session_state import accepted_result, batch_answer, state, view_answer
 from calibdb.schema import BatchRequest, SessionDocument, ViewDocument, ViewRequest
-from calibdb.schema.session import BatchResult, Hint, Refusal
+from calibdb.schema.session import BatchResult, Hint, LicenceRequest, Refusal
 from calibdb.store import Store, endings
 from calibsolver import CalibrationError, Camera, DeadlineError, View, deadline, guidance
 from calibsolver.capture import Capture, Estimate, Exclusion, History, ViewDecision, stored
@@ -188,6 +188,25 @@ def finish(call: application.Call) -> Response:
     return application.json_response(state(document))
 
 
+def license_views(call: application.Call) -> Response:
+    """Add the contributor's licence to a session and to what it published; answer with its state."""
+    sid = call.session(charge="views").sid
+    request = call.json(LicenceRequest)
+    store = call.service.store
+
+    def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
+        if document.licence is not None:
+            return None, document
+        changed = document.model_copy(update=request.consent)
+        return changed, changed
+
+    document = store.sessions.update(sid, call.service.now, change)
+    if document.finish is not None:
+        endings.publish(store, document)  # where a crash left that undone
+        store.calibrations.license(document.finish.calibration_id, request)
+    return application.json_response(state(document))
+
+
 @dataclass(frozen=True)
 class Judgement:
     """Result of a view: the session document to store if it changes, and the reason of a refusal."""
@@ -333,4 +352,5 @@ handler = application.handler(
     application.route("/v1/session/batch", POST=submit_batch),
     application.route("/v1/session/views/{index}", DELETE=remove),
     application.route("/v1/session/finish", POST=finish),
+    application.route("/v1/session/licence", POST=license_views),
 )

@@ -65,7 +65,9 @@ def uploads(
     files = {
         path.relative_to(web).as_posix(): path.read_bytes()
         for path in sorted(web.rglob("*"))
-        if path.is_file() and not path.name.endswith(_EXCLUDED_SUFFIXES)
+        if path.is_file()
+        and not path.name.endswith(_EXCLUDED_SUFFIXES)
+        and not path.is_relative_to(web / "messages")
     } | dict(site.made_files(web, options))
     origin = options.origin if options else ""
     vendor = f"vendor-{digest({k: v for k, v in files.items() if k.startswith(_VENDOR)})}/"

@@ -16,7 +16,7 @@ SCENARIO = (
     *("health", "createToken", "showToken", "changeToken", "verifyToken", "rotateToken", "showUsage"),
     *("lookup", "visitLookup", "searchCameras", "showCamera", "showCalibration", "showBadge", "convertFile"),
     *("openSession", "startSession", "showPose", "submitView", "showSession", "undoView", "checkCalibration"),
-    *("forgetSession", "submitViews", "finishSession"),
+    *("licenseSession", "forgetSession", "submitViews", "finishSession"),
     *("createRig", "openMoment", "showRig", "undoMoment", "forgetRig", "finishRig", "showRigResult"),
     "revokeToken",
 )

@@ -61,7 +61,7 @@ function head(document, { key, language, translated, origin, preloads }) {
   const alphabets = language === "uk" ? ["latin", "cyrillic"] : ["latin"];
   const fonts = alphabets.map((name) => `<link rel="preload" href="/vendor/font/geologica-${name}.woff2" as="font" type="font/woff2" crossorigin>`);
   const scripts = document.querySelector("header.masthead") ? ['<script type="module" src="/lib/header.js"></script>'] : [];
-  const lines = [...fonts, ...preloads.map((path) => `<link rel="modulepreload" href="${path}">`), ...scripts, ...addresses(key, language, translated, origin)];
+  const lines = ['<link rel="manifest" href="/manifest.json">', ...fonts, ...preloads.map((path) => `<link rel="modulepreload" href="${path}">`), ...scripts, ...addresses(key, language, translated, origin)];
   const social = [
     ["og:type", "website"], ["og:site_name", "calibDB"], ["og:image", origin && `${origin}/social.png`],
     ["og:title", document.title], ["og:description", document.querySelector("meta[name=description]")?.getAttribute("content") ?? ""],

@@ -1,4 +1,4 @@
-// Static imports of the pages' modules: what a browser must have before a page's script can run.
+// Imports of the pages' modules: what a browser must have before a page's script can run, and what it may load later.
 import { existsSync } from "node:fs";
 import { posix } from "node:path";
 import { build } from "esbuild";
@@ -8,8 +8,8 @@ const UNWRITTEN = "/unwritten"; // esbuild's paths to files it was told to leave
 /**
  * @param {string} web folder of the client
  * @param {string[]} entries keys of the modules that pages begin with, "board/main.js"
- * @returns {Promise<Record<string, string[]>>} of each entry: it and all that it imports, near ones first; those imported
- *    dynamically are left out
+ * @returns {Promise<Record<string, {now: string[], all: string[]}>>} for each entry: it and all that it imports, near ones first; `all`
+ *    also what is imported dynamically
  */
 export async function moduleGraph(web, entries) {
   const present = entries.filter((entry) => existsSync(`${web}/${entry}`));
@@ -18,15 +18,18 @@ export async function moduleGraph(web, entries) {
     absWorkingDir: web, entryPoints: present, outdir: UNWRITTEN, bundle: true, write: false, metafile: true, format: "esm",
     external: [`${web}/vendor/*`], logLevel: "silent",
   });
-  return Object.fromEntries(present.map((entry) => [entry, reached(metafile.inputs, entry, web)]));
+  return Object.fromEntries(present.map((entry) => [entry, {
+    now: reached(metafile.inputs, entry, web, ["import-statement"]),
+    all: reached(metafile.inputs, entry, web, ["import-statement", "dynamic-import"]),
+  }]));
 }
 
-/** @param {import("esbuild").Metafile["inputs"]} inputs @param {string} entry @param {string} web */
-function reached(inputs, entry, web) {
+/** @param {import("esbuild").Metafile["inputs"]} inputs @param {string} entry @param {string} web @param {string[]} kinds of imports */
+function reached(inputs, entry, web, kinds) {
   const found = new Set([entry]);
   for (const name of found) {
     for (const { path, kind, external } of inputs[name]?.imports ?? []) {
-      if (kind === "import-statement") found.add(external ? posix.relative(web, posix.resolve(UNWRITTEN, path)) : path);
+      if (kinds.includes(kind)) found.add(external ? posix.relative(web, posix.resolve(UNWRITTEN, path)) : path);
     }
   }
   return [...found];

@@ -101,6 +101,12 @@ TEXTS: dict[str, OperationText] = {
         "Answers with the session's state: its views, its progress, the calibration so far and "
         "the error that it expects.",
     ),
+    "licenseSession": OperationText(
+        "Capture",
+        "Adds the licence to a session and to the calibration that it published. A licence cannot be "
+        "taken back or replaced: a session that has one keeps it.",
+        {"licence": "CC0-1.0", "licence_version": "2026-11-22"},
+    ),
     "forgetSession": OperationText(
         "Capture",
         "Ends the session and deletes its views. What it has published already stays.",

@@ -205,6 +205,16 @@ OPERATIONS = (
     ),
     Operation(
         "post",
+        "/v1/session/licence",
+        "licenseSession",
+        "Give the views of a session away; again is answered again",
+        {200: _STATE},
+        (400, *_ASKED, 404, 409, 413, 422),
+        _SESSION,
+        schema.LicenceRequest,
+    ),
+    Operation(
+        "post",
         "/v1/lookup",
         "lookup",
         "The calibration of a camera",

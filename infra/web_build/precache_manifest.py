@@ -23,9 +23,9 @@ WEB = Path(__file__).parents[2] / "web"
 # Fetched when a page needs them, not with the first visit: 3 MB, or a script not everybody reads.
 LAZY = re.compile(r"vendor(-[0-9a-f]+)?/(opencv/|font/geologica-cyrillic)")
 SUFFIXES = (".html", ".js", ".css", ".svg", ".json", ".woff2", ".wasm")
-# For who writes applications: of no use without a network, and 3 MB.
+# Sources of texts that pages contain, and what is for developers: of no use without a network, 3 MB.
 EXCLUDED = re.compile(
-    r"((de|uk)/)?(examples|docs)/|sdk/(\d|integrity)|vendor(-[0-9a-f]+)?/(engines|minisearch)/"
+    r"messages/|((de|uk)/)?(examples|docs)/|sdk/(\d|integrity)|vendor(-[0-9a-f]+)?/(engines|minisearch)/"
 )
 # Not for pages, or another with every server.
 EXCLUDED_FILES = {"openapi.json", "tsconfig.json", "config.json", "shell.json", "sw.js"}

@@ -10,6 +10,7 @@ import { transform } from "esbuild";
 import { parseHTML } from "linkedom";
 import { LANGUAGES, addMessages, setLanguage, translate } from "../../web/lib/i18n.js";
 import { addressOf, frame } from "./frame.mjs";
+import { mentionedKeys, messagesElement, readMessages } from "./messages.mjs";
 import { moduleGraph } from "./module_graph.mjs";
 
 /** Attributes with addresses of files that pages of all languages share. */
@@ -17,15 +18,6 @@ const SHARED = { link: "href", script: "src", img: "src", source: "src", video: 
 const HERE = "https://here.invalid";
 /** Made by others, or examples, which people read. */
 const AS_WRITTEN = /^(vendor|examples)\//;
-
-/** @param {string} web folder of the client */
-async function loadMessages(web) {
-  // "capture.de.js" is a part of "capture.js".
-  const names = readdirSync(`${web}/messages`).map((file) => /^([^.]+)\.js$/.exec(file)?.[1]).filter((name) => name !== undefined);
-  for (const name of names) {
-    addMessages({ [name]: (await import(pathToFileURL(`${web}/messages/${name}.js`).href)).default });
-  }
-}
 
 /**
  * Makes addresses right for a page that lies in a folder of its language: files from the root; other pages stay relative,
@@ -59,7 +51,9 @@ const entriesOf = (document) => [...document.querySelectorAll("script[type=modul
 
 /** @param {{web: string, pages: Record<string, string>, origin: string, contacts: Record<string, string>}} input */
 export async function buildPages({ web, pages, origin, contacts }) {
-  await loadMessages(web);
+  const languages = /** @type {(keyof typeof LANGUAGES)[]} */ (Object.keys(LANGUAGES));
+  const messages = Object.fromEntries(languages.map((language) => [language, readMessages(web, language)]));
+  for (const language of languages) addMessages(language, messages[language]);
   const keys = new Set(Object.keys(pages));
   const inAllLanguages = new Set([...keys].filter((key) => pages[key].includes("data-t=")));
   const entries = new Set(["lib/header.js"]);
@@ -67,21 +61,27 @@ export async function buildPages({ web, pages, origin, contacts }) {
     for (const [, src] of source.matchAll(/<script type="module" src="([^"]+)"/g)) entries.add(posix.join(posix.dirname(key), src));
   }
   const graph = await moduleGraph(web, [...entries]);
+  const texts = Object.fromEntries([...new Set(Object.values(graph).flatMap(({ all }) => all))]
+    .map((path) => [path, existsSync(`${web}/${path}`) ? readFileSync(`${web}/${path}`, "utf8") : ""]));
   /** @type {Record<string, string>} */
   const made = {};
   for (const [key, source] of Object.entries(pages)) {
     const translated = inAllLanguages.has(key);
-    for (const language of /** @type {(keyof typeof LANGUAGES)[]} */ (translated ? Object.keys(LANGUAGES) : ["en"])) {
+    for (const language of translated ? languages : /** @type {const} */ (["en"])) {
       setLanguage(language);
       const { document } = parseHTML(source);
       insertParts(document);
       rewriteAddresses(document, key, inAllLanguages);
       const own = entriesOf(document);
       const framed = document.querySelector("header.masthead") ? ["lib/header.js"] : [];
-      const preloads = [...new Set([...own, ...framed].flatMap((entry) => graph[entry] ?? []))].map((path) => `/${path}`);
+      const preloads = [...new Set([...own, ...framed].flatMap((entry) => graph[entry]?.now ?? []))].map((path) => `/${path}`);
       translate(document.documentElement);
       frame(document, { key, language, translated, pages: keys, inAllLanguages, origin, contacts, preloads });
       translate(document.documentElement);
+      const modules = new Set([...own, ...framed].flatMap((entry) => graph[entry]?.all ?? []));
+      const sources = [document.toString(), ...[...modules].map((path) => texts[path])];
+      const shown = mentionedKeys(sources, Object.keys(messages[language])).map((name) => [name, messages[language][name]]);
+      if (modules.has("lib/i18n.js")) document.body.insertAdjacentHTML("beforeend", messagesElement(Object.fromEntries(shown)));
       made[addressOf(key, language).slice(1).replace(/(^|\/)$/, "$1index.html")] = `${document.toString()}\n`;
     }
   }

@@ -7,6 +7,7 @@ from playwright.sync_api import Page, expect
 
 from tests.helpers.browser.scenes import BLIND_DETECTOR
 
+SHOW_FORM = "document.getElementById('form').hidden = false"  # as with a file
 CONSENT = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
 
 
@@ -20,25 +21,47 @@ def start(page: Page) -> dict[str, Any]:
 
 def test_capture_says_a_licence_only_after_consent(page: Page) -> None:
     page.add_init_script(BLIND_DETECTOR)
-    page.goto("/calibrate/?lang=de")
+    page.goto("/photos/?lang=de")
     box, note = page.locator("#consent"), page.locator("#consent-note")
-    expect(note).to_contain_text("Nicht angekreuzt: Ihre Kamera wird trotzdem kalibriert")
+    expect(note).to_contain_text("Fügt Ihre Eckenmessungen dem öffentlichen Datensatz hinzu")
     expect(box).not_to_be_checked()
-    page.goto("/calibrate/?lang=uk")
-    expect(note).to_contain_text("Не позначено")
+    page.goto("/photos/?lang=uk")
+    expect(note).to_contain_text("Додає ваші виміри")
+    page.evaluate(SHOW_FORM)
     box.check()
     expect(note).to_contain_text("Дякуємо")
-    assert start(page) == CONSENT
     # Kept on this device, for every page that calibrates, until it is taken back.
-    page.goto("/photos/?lang=en")
+    page.goto("/calibrate/?lang=en")
+    expect(box, "it is asked on the result").to_be_hidden()
+    assert start(page) == CONSENT
+    page.goto("/import/?lang=en")
     expect(box).to_be_checked()
-    page.goto("/import/")
-    expect(box).to_be_checked()
-    page.evaluate("document.getElementById('form').hidden = false")
+    page.evaluate(SHOW_FORM)
     box.uncheck()
     assert page.evaluate("Object.keys(localStorage).filter((key) => key.includes('consent'))") == [], (
         "as at first"
     )
     page.goto("/calibrate/")
-    expect(note).to_contain_text("Not ticked")
     assert start(page) == {}
+
+
+def test_consent_after_the_capture_publishes_once_and_a_refusal_takes_it_back(page: Page) -> None:
+    page.goto("/import/?lang=en")
+    box, note = page.locator("#consent"), page.locator("#consent-note")
+    page.evaluate(SHOW_FORM)
+    page.evaluate("""async () => {
+      const { publishOnConsent } = await import("/lib/consent.js");
+      window.asked = [];
+      publishOnConsent(async () => {
+        window.asked.push(localStorage.getItem("calibdb.consent"));
+        if (window.asked.length === 1) throw new TypeError("no network");
+      });
+    }""")
+    box.click()
+    expect(note).to_contain_text("could not be published")
+    expect(box).not_to_be_checked()
+    for _ in range(3):
+        box.click()
+    expect(box).to_be_checked()
+    expect(note).to_contain_text("Thank you")
+    assert page.evaluate("window.asked") == ["2026-11-22", "2026-11-22"]

@@ -101,7 +101,9 @@ def test_the_camera_is_asked_for_the_size_chosen_and_comes_back_by_itself(page: 
     page.add_init_script(PLUGGED)
     listen(page)
     page.goto("/calibrate/")
+    page.locator("#settings > summary").click()
     page.locator("#resolution").select_option("1920 × 1080")
+    expect(page.locator("#setup")).to_contain_text("1920 × 1080")
     page.locator("#start").click()
     hear(page, "notice", "The camera delivers 1280 × 720, so this page calibrates that size.")
     asked = page.evaluate("window.asked")
@@ -151,7 +153,7 @@ def test_a_camera_that_is_refused_is_explained_in_one_sentence(page: Page) -> No
     refusals = (
         ("#start", "NotAllowedError", "Camera access is blocked. Click the camera icon in the address bar"),
         ("#again", "NotReadableError", "Another program is using the camera. Close it, then try again."),
-        ("#again", "NotFoundError", "No camera was found. Plug one in, or practise with a simulated camera."),
+        ("#again", "NotFoundError", "No camera was found. Plug one in, or try a simulated camera."),
     )
     for button, refusal, said in refusals:
         page.evaluate("(refusal) => { window.refusal = refusal; }", refusal)
@@ -166,9 +168,10 @@ def test_a_camera_that_is_refused_is_explained_in_one_sentence(page: Page) -> No
 def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> None:
     page = context.new_page()
     page.goto("/calibrate/")
-    page.locator("#wanted", has_text="No camera was found. Plug one in, or practise").wait_for()
+    page.locator("#wanted", has_text="No camera was found. Plug one in, or try").wait_for()
     expect(page.locator("#start-virtual.primary")).to_be_visible()
     picture(page, "capture-no-camera", ["hand"])
+    page.locator("#settings > summary").click()
     expect(page.locator("#resolutions")).to_be_visible()
     page.locator("#camera").select_option("virtual")
     expect(page.locator("#resolutions"), "it has one size").to_be_hidden()

@@ -42,6 +42,23 @@ READ_AS_A_PAGE = """() => {
 }"""
 
 
+TRACK = "document.getElementById('video').srcObject.getTracks()[0].readyState"
+# How often the picture before rectification is drawn within two seconds.
+FRAMES = """() => new Promise((resolve) => {
+  const draw = CanvasRenderingContext2D.prototype.drawImage;
+  const before = document.querySelector(".compare canvas");
+  let count = 0;
+  CanvasRenderingContext2D.prototype.drawImage = function (...rest) {
+    if (this.canvas === before) count += 1;
+    return draw.apply(this, rest);
+  };
+  setTimeout(() => {
+    CanvasRenderingContext2D.prototype.drawImage = draw;
+    resolve(count);
+  }, 2000);
+})"""
+
+
 def published_corners(page: Page, api: httpx.Client) -> list[Any]:
     """Return the first corner of each view of the calibration that the page shows."""
     page.locator(".views li").first.wait_for()
@@ -55,6 +72,8 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     expect(page.locator("#wanted")).to_contain_text("C920")
     expect(page.locator("#camera"), "the virtual camera does not stand in for a real one").to_have_value("")
     picture(page, "capture-before", ["hand"])
+    page.set_viewport_size({"width": 390, "height": 844})
+    assert page.evaluate("document.getElementById('start').getBoundingClientRect().bottom") < 780
 
     # The capture must not be over before it is looked at.
     page.goto(f"{ENDLESS}&return_to=https://app.example/")
@@ -70,10 +89,18 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     expect(page.locator("#go-on-really")).to_be_visible()
     expect(page.locator("#own-camera"), "it is offered once").to_have_count(0)
     assert "return_to" not in address(page)
+    expect(page.locator("#consent"), "practice is nobody's data").to_be_hidden()
     picture(page, "capture-done")
     expect(page.locator("header nav > a", has_text="Cameras")).to_have_attribute("href", "../cameras/")
     expect(page.locator("header nav > a", has_text="Cameras")).to_be_visible()
     assert page.evaluate("document.activeElement.id") == "result-name"
+    page.set_viewport_size({"width": 1440, "height": 900})
+    assert page.evaluate(FRAMES) >= 2, "the picture moves"
+    assert page.locator(".compare").evaluate("stage => stage.getBoundingClientRect().bottom") < 900
+    page.locator("#turn-off").click()
+    expect(page.locator("#turn-off")).to_have_count(0)
+    assert page.evaluate(TRACK) == "ended", "the camera's light is off"
+    assert page.evaluate("document.activeElement.id") == "trial-picture", "beside what was pressed"
     assert page.evaluate(READ_AS_A_PAGE) == [0, 0, True]
     expect(page.locator("#summary")).to_contain_text("practice run")
     expect(page.locator("#done .another")).to_be_hidden()

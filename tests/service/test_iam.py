@@ -113,6 +113,8 @@ def use(stack: LocalStack) -> None:
     started_anew = {**CAMERA, "camera": "Well known", "platform": PLATFORM}
     assert client.call("POST", "/v1/session", started_anew).status == 201
     state = Truth(seed=12).calibrate(client, camera="Captured here", platform=PLATFORM)
+    consent = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
+    assert client.call("POST", "/v1/session/licence", consent).status == 200
     stack.wait_until_idle(60)
     assert store(stack).consensuses.of(state["calibration_id"].rpartition("-")[0])
     path = f"/v1/calibrations/{state['calibration_id']}"

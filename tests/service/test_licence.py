@@ -5,6 +5,7 @@ from typing import Any
 import boto3
 import pytest
 
+from calibdb.dump.public_copy import public_copy
 from calibdb.schema import CalibrationDocument, SessionDocument
 from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
 from tests.helpers.service.published import calibration, store
@@ -62,3 +63,29 @@ def test_other_consent_is_another_session(client: Client) -> None:
     assert client.open(**CONSENT).status == 201
     assert client.call("POST", "/v1/session", {**CAMERA, **CONSENT}).status == 201
     assert client.call("POST", "/v1/session", CAMERA).status == 409
+
+
+def test_licence_is_added_to_a_published_calibration_once(client: Client) -> None:
+    ended = Truth(seed=4).calibrate(client, camera="Licensed Z2", **BRIEF)
+    calibrations = store(client.stack).calibrations
+    before = calibrations.get(ended["calibration_id"])
+    assert before is not None
+    assert before.consent == {}
+    assert public_copy(before, lambda text: text) is None, "dumps have none of it"
+    assert client.call("POST", "/v1/session/licence", {"licence_version": "2026-11-22"}).status == 422
+    licensed = client.call("POST", "/v1/session/licence", CONSENT)
+    assert (licensed.status, {name: licensed.json[name] for name in CONSENT}) == (200, CONSENT)
+    # A later text is another agreement, which this session has no place for.
+    again = client.call("POST", "/v1/session/licence", CONSENT | {"licence_version": "2026-12-01"})
+    assert {name: again.json[name] for name in CONSENT} == CONSENT
+    after = calibrations.get(before.id)
+    assert after == before.model_copy(update=CONSENT)
+    assert public_copy(after, lambda text: text) is not None
+    assert calibrations.licence(before.camera_key) == "CC0-1.0"
+    assert client.call("GET", "/v1/session").json["calibration"] == ended["calibration"]
+
+
+def test_licence_is_added_to_a_session_before_it_ends(client: Client) -> None:
+    client.open(camera="Licensed Z3")
+    assert client.call("POST", "/v1/session/licence", CONSENT).json["licence"] == "CC0-1.0"
+    assert client.call("GET", "/v1/session").json["licence_version"] == "2026-11-22"

@@ -42,3 +42,15 @@ test("consent to an earlier text is none to this one", async () => {
   const { consentFields } = await import("../../web/lib/consent.js?later");
   assert.deepEqual(consentFields(), { licence: "CC0-1.0", licence_version: LICENCE_VERSION });
 });
+
+test("a session that was started without a licence is given it under its own id, by another connection", async () => {
+  const { sent, api } = await started();
+  kept.delete("calibdb.consent");
+  const session = new CaptureSession({ ...api, json: api.json, send: api.send }, "t", REQUEST);
+  await session.start();
+  kept.set("calibdb.consent", LICENCE_VERSION);
+  const calls = [];
+  await session.license({ json: async (...call) => void calls.push(call) });
+  assert.equal(sent.length, 1);
+  assert.deepEqual(calls.map(([method, path]) => [method, path]), [["POST", "/session/licence"]]);
+});

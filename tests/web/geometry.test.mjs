@@ -7,7 +7,7 @@ import { fileURLToPath } from "node:url";
 import { TABLES } from "../../web/lib/dictionaries.js";
 import { blackRectangles, raster } from "../../web/lib/board-drawing.js";
 import { say } from "../../web/lib/i18n.js";
-import "../../web/lib/board-problem.js";
+import "./messages.mjs";
 import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery, corners, dictionaryOf, markers } from "../../web/lib/board.js";
 
 const python = fileURLToPath(new URL("../../.venv/bin/python", import.meta.url));

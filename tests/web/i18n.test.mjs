@@ -1,18 +1,16 @@
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync } from "node:fs";
 import { test } from "node:test";
+import { mentionedKeys } from "../../infra/web_build/messages.mjs";
 import { LANGUAGES, choose, hasMessage, addMessages, number, rough, say, setLanguage } from "../../web/lib/i18n.js";
+import { messages } from "./messages.mjs";
 
 const WEB = new URL("../../web/", import.meta.url);
 const PARTS = new URL("../../infra/web_build/parts/", import.meta.url);
 const files = (folder, kind) => readdirSync(new URL(folder, WEB), { recursive: true })
   .map((name) => name.replaceAll("\\", "/"))
   .filter((name) => name.endsWith(kind) && !name.startsWith("vendor/"));
-// A large catalog has a file for each language, "capture.de.js"; the catalog itself has no dot.
-const names = files("messages/", ".js").map((name) => name.slice(0, -3)).filter((name) => !name.includes("."));
-const catalogs = Object.fromEntries(await Promise.all(names.map(async (name) =>
-  [name, (await import(new URL(`messages/${name}.js`, WEB))).default])));
-const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => !name.startsWith("messages/") && name !== "lib/i18n.js")
+const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => name !== "lib/i18n.js")
   .map((name) => readFileSync(new URL(name, WEB), "utf8"))
   .concat(readdirSync(new URL("../../infra/web_build/", import.meta.url), { recursive: true }).map(String)
     .filter((name) => /\.(html|mjs|py)$/.test(name)).map((name) => readFileSync(new URL(`../../infra/web_build/${name}`, import.meta.url), "utf8")));
@@ -20,46 +18,32 @@ const texts = (text) => (typeof text === "string" ? [text] : Object.values(text)
 /** Parameters of a text: values in braces, children of the element. */
 const needs = (text) => [...new Set(texts(text).flatMap((form) => form.match(/\{\w+\}|<\d>/g) ?? []))].sort();
 
-addMessages(catalogs);
-
 test("every text is there in every language, with the same values", () => {
-  for (const [name, catalog] of Object.entries(catalogs)) {
-    assert.deepEqual(Object.keys(catalog).sort(), Object.keys(LANGUAGES).sort(), name);
-    for (const language of Object.keys(LANGUAGES)) {
-      assert.deepEqual(Object.keys(catalog[language]).sort(), Object.keys(catalog.en).sort(), `${name}, ${language}`);
-      for (const [key, text] of Object.entries(catalog[language])) {
-        assert.deepEqual(needs(text), needs(catalog.en[key]), `${language} ${name}.${key}`);
-        for (const form of texts(text)) assert.ok(form.trim() === form && form !== "", `${language} ${name}.${key}`);
-      }
+  for (const language of Object.keys(LANGUAGES)) {
+    assert.deepEqual(Object.keys(messages[language]).sort(), Object.keys(messages.en).sort(), language);
+    for (const [key, text] of Object.entries(messages[language])) {
+      assert.deepEqual(needs(text), needs(messages.en[key]), `${language} ${key}`);
+      for (const form of texts(text)) assert.ok(form.trim() === form && form !== "", `${language} ${key}`);
     }
   }
 });
 
 test("plural forms are those that the language has", () => {
-  for (const [name, catalog] of Object.entries(catalogs)) {
-    for (const language of Object.keys(LANGUAGES)) {
-      const forms = new Intl.PluralRules(language).resolvedOptions().pluralCategories;
-      for (const [key, text] of Object.entries(catalog[language])) {
-        if (typeof text !== "string") assert.deepEqual(Object.keys(text).sort(), [...forms].sort(), `${language} ${name}.${key}`);
-      }
+  for (const language of Object.keys(LANGUAGES)) {
+    const forms = new Intl.PluralRules(language).resolvedOptions().pluralCategories;
+    for (const [key, text] of Object.entries(messages[language])) {
+      if (typeof text !== "string") assert.deepEqual(Object.keys(text).sort(), [...forms].sort(), `${language} ${key}`);
     }
   }
 });
 
 test("every text is used, and every text used is there", () => {
-  const all = new Set(Object.entries(catalogs).flatMap(([name, catalog]) => Object.keys(catalog.en).map((key) => `${name}.${key}`)));
-  const mentioned = new Set(sources.flatMap((source) => source.match(new RegExp(`(?<=["'\`])(${names.join("|")})\\.[a-z0-9_.]+`, "g")) ?? []));
-  // `catalog.part_${code}` uses all that begin like that.
-  const begun = [...mentioned].filter((key) => /[._]$/.test(key) && [...all].some((text) => text.startsWith(key)));
-  // `catalog.${name}` uses those texts whose names the same file says, `${catalog}.name` that text of any catalog.
-  const built = new Set(sources.flatMap((source) => [...source.matchAll(/["'`](\w+)\.\$?\{/g)].flatMap(([, catalog]) =>
-    [...source.matchAll(/["'`](\w+)["'`]/g)].map(([, key]) => `${catalog}.${key}`))));
-  const suffixes = new Set(sources.flatMap((source) => [...source.matchAll(/\$\{\w+\}\.(\w+)`/g)].map(([, key]) => key)));
-  const unused = [...all].filter((key) => !mentioned.has(key) && !begun.some((start) => key.startsWith(start)) && !built.has(key)
-    && !suffixes.has(key.slice(key.indexOf(".") + 1)));
-  assert.deepEqual(unused, []);
+  const all = Object.keys(messages.en);
+  const mentioned = new Set(mentionedKeys(sources, all));
+  assert.deepEqual(all.filter((key) => !mentioned.has(key)), []);
   const keys = new Set(sources.flatMap((source) =>
     [...source.matchAll(/(?:\bt\(|data-t(?:-label|-title|-alt|-content)?=)"([a-z0-9_]+\.[a-z0-9_.]+)"/g)].map(([, key]) => key)));
+  keys.delete("catalog.key"); // of an explanation
   assert.deepEqual([...keys].filter((key) => !hasMessage(key)), []);
 });
 
@@ -83,9 +67,8 @@ test("the language is the one asked for, else the one kept, else the browser's f
 });
 
 test("values and plural forms are put in", () => {
-  const views = { en: { one: "{count} view", other: "{count} views" }, de: { one: "{count} Ansicht", other: "{count} Ansichten" },
-    uk: { one: "{count} вигляд", few: "{count} вигляди", many: "{count} виглядів", other: "{count} вигляду" } };
-  addMessages({ trial: { en: { views: views.en }, de: { views: views.de }, uk: { views: views.uk } } });
+  addMessages("en", { "trial.views": { one: "{count} view", other: "{count} views" } });
+  addMessages("uk", { "trial.views": { one: "{count} вигляд", few: "{count} вигляди", many: "{count} виглядів", other: "{count} вигляду" } });
   assert.equal(say("trial.views", { count: 1 }, "en"), "1 view");
   assert.equal(say("trial.views", { count: 3 }, "uk"), "3 вигляди");
   assert.equal(say("trial.views", { count: 5 }, "uk"), "5 виглядів");
@@ -93,7 +76,7 @@ test("values and plural forms are put in", () => {
 });
 
 test("no line ends between a number and its unit", () => {
-  addMessages({ units: { en: { a: "{n} px off, 94 % of 3 views, 5 same" }, de: { a: "" }, uk: { a: "" } } });
+  addMessages("en", { "units.a": "{n} px off, 94 % of 3 views, 5 same" });
   assert.equal(say("units.a", { n: 0.4 }, "en"), "0.4\u00a0px off, 94\u00a0% of 3 views, 5 same");
 });
 

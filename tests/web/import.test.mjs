@@ -7,7 +7,7 @@ import { MalformedError } from "../../web/import/malformed.js";
 import { prepare, read } from "../../web/import/read.js";
 import { isTable, squaresIn, table } from "../../web/import/table.js";
 import { decode } from "../../web/import/text.js";
-import words from "../../web/messages/import.js";
+import { messages } from "./messages.mjs";
 
 const SIZE = [1280, 720];
 const BOARD = { squares: [9, 6] };
@@ -31,8 +31,8 @@ const photonVision = (views, more = {}) => JSON.stringify({
 const refused = (code, action) => assert.throws(action, (error) => {
   assert.ok(error instanceof MalformedError, `${error}`);
   assert.equal(error.code, code);
-  assert.ok(`wrong_${code}` in words.en);
-  for (const name of words.en[`wrong_${code}`].match(/(?<=\{)\w+/g) ?? []) assert.ok(name in error.values, `${code} says ${name}`);
+  assert.ok(`import.wrong_${code}` in messages.en);
+  for (const name of messages.en[`import.wrong_${code}`].match(/(?<=\{)\w+/g) ?? []) assert.ok(name in error.values, `${code} says ${name}`);
   return true;
 });
 

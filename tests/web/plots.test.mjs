@@ -1,11 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { addMessages } from "../../web/lib/i18n.js";
+import "./messages.mjs";
 import { displacements } from "../../web/lib/result/numbers.js";
 import { above, valueAt } from "../../web/lib/contours.js";
 import { gridLines } from "../../web/lib/result/grid-picture.js";
 import { distortionPlot, errorPlot } from "../../web/lib/result/plots.js";
-import result from "../../web/messages/result.js";
 
 /** As much of a document as plots are made with. */
 class FakeElement {
@@ -25,7 +24,6 @@ class FakeElement {
   }
 }
 globalThis.document = { createElementNS: (_, name) => new FakeElement(name) };
-addMessages({ result });
 
 const SIZE = [1280, 720];
 const calibration = (f, distortion_model, distortion_coefficients) => ({

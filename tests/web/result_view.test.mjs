@@ -3,9 +3,9 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { returnAddress, withResult } from "../../web/lib/result/return-address.js";
 import { viewIssue, coverage, digitsFor, digitsOf, fieldOfView, fileName, intrinsics, levelOf } from "../../web/lib/result/numbers.js";
-import { setLanguage, addMessages } from "../../web/lib/i18n.js";
+import { setLanguage } from "../../web/lib/i18n.js";
 import { reasonTexts } from "../../web/lib/result/reasons.js";
-import words from "../../web/messages/result.js";
+import "./messages.mjs";
 import { ticks } from "../../web/lib/svg.js";
 
 const { report, ...calibration } = JSON.parse(readFileSync(new URL("./result.json", import.meta.url), "utf8"));
@@ -79,7 +79,6 @@ test("results go back over HTTPS, to the visitor's own machine, and to origins t
 });
 
 test("what is systematic is told with what to do about it, in each language", () => {
-  addMessages({ result: words });
   const verdict = { level: "fair", reasons: [{ code: "uncertain", text: "" }] };
   const told = (cause, model = null) => reasonTexts({ verdict, systematic: { inflation: 5, cause, text: "", model } }, [], "rectilinear").at(-1);
   const expected = {

@@ -5,9 +5,7 @@ globalThis.location = new URL("https://calibdb.example/calibrate/");
 const { setLanguage } = await import("../../web/lib/i18n.js");
 const { isPracticeReturned } = await import("../../web/calibrate/history.js");
 const { knownOf, knownText, senderOf } = await import("../../web/calibrate/sender.js");
-const { default: capture } = await import("../../web/messages/capture.js");
-const { addMessages } = await import("../../web/lib/i18n.js");
-addMessages({ capture });
+await import("./messages.mjs");
 globalThis.history = { state: null, replaceState() {} };
 setLanguage("en");
 

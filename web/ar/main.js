@@ -11,7 +11,6 @@ import { phoneModel } from "../lib/phone-model.js";
 import { keyOf } from "../sdk/key.js";
 import { RectifierError } from "../sdk/warp.js";
 import { isVirtual } from "../lib/virtual/name.js";
-import words from "../messages/ar.js";
 import { Live } from "./live.js";
 import { MODES } from "./modes.js";
 import { calibrationOf } from "./source.js";
@@ -25,7 +24,7 @@ const MAX_RESTARTS = 3; // of the detector in one run: a fourth would not help
 /** @type {[number, number]} */
 const SIZE = [1280, 720];
 
-openPage({ ar: words });
+openPage();
 const parameters = new URLSearchParams(location.search);
 const { board, problem } = boardFrom(parameters);
 const html = (/** @type {string} */ id) => part(id, HTMLElement);

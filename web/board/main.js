@@ -5,7 +5,6 @@ import { el, part } from "../lib/dom.js";
 import { onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { liveRegion } from "../lib/live-region.js";
-import words from "../messages/board.js";
 import { DEFAULT_BOARD, boardFrom, boardQuery } from "../lib/board.js";
 import { BoardForm } from "../lib/board-form.js";
 import { boardWords } from "../lib/board-words.js";
@@ -20,7 +19,7 @@ const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
 
 const query = new URLSearchParams(location.search);
 let { board, problem } = boardFrom(query);
-openPage({ board: words });
+openPage();
 
 const tell = liveRegion(part("status", HTMLElement));
 const shown = {

@@ -20,7 +20,7 @@ export function connectControls(parts, actions) {
   on([parts.goOnReally], actions.leavePractice);
   on([parts.useBoard], actions.useBoard);
   on([parts.rightBoard], actions.wantBoard);
-  parts.camera.addEventListener("change", () => renderChoice(parts));
+  for (const select of [parts.camera, parts.resolution, parts.lens]) select.addEventListener("change", () => renderChoice(parts));
   navigator.mediaDevices?.addEventListener("devicechange", actions.listCameras);
   // A phone may have taken the camera away meanwhile.
   document.addEventListener("visibilitychange", () => void (document.hidden || actions.listCameras()));

@@ -2,13 +2,10 @@
 // code, too, where there is no board.
 import { boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-problem.js";
-import { addMessages, onLanguage, t } from "../lib/i18n.js";
+import { onLanguage, t } from "../lib/i18n.js";
 import { WhichBoard } from "../lib/which-board.js";
-import showing from "../messages/showing.js";
 
 /** @typedef {import("../lib/board.js").Board} Board */
-
-addMessages({ showing });
 
 /** Address that shows the board on another device. @param {Board} board @param {boolean} fill the whole of its window */
 function boardAddress(board, fill) {
@@ -45,7 +42,7 @@ export function showFirstSheet(parts, { board, problem, parameters, wanted, onBo
  * Fills in what leads to the board. The QR code and the file are made by modules that are loaded after the page is there.
  * @param {import("./parts.js").Parts} parts @returns {(board: Board) => void} shows another board
  */
-function showWays({ boardLinks, addresses, paper, codes }) {
+function showWays({ boardLinks, addresses, paper, paperFile, codes }) {
   const loading = Promise.all([import("../lib/qr.js"), import("../lib/papers.js")]);
   /** @type {Board} */
   let board;
@@ -64,7 +61,7 @@ function showWays({ boardLinks, addresses, paper, codes }) {
     for (const code of codes) drawQr(code, boardAddress(board, true).href);
     const name = paperFor(papers, board);
     paper.hidden = name === undefined;
-    if (name !== undefined) paper.textContent = t("showing.paper_file", { paper: name });
+    if (name !== undefined) paperFile.textContent = t("showing.paper_file", { paper: name });
   };
   onLanguage(() => void write());
   return (other) => {

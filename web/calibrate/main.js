@@ -6,7 +6,6 @@ import { language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
 import { isVirtual } from "../lib/virtual/name.js";
-import captureMessages from "../messages/capture.js";
 import { cameraKey, platformHere, withDevice } from "../sdk/key.js";
 import { Announcer } from "../lib/capture/announcer.js";
 import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
@@ -35,7 +34,7 @@ import { Sizes } from "./sizes.js";
  * @typedef {Awaited<ReturnType<typeof openCamera>>} OpenedCamera
  */
 
-openPage({ capture: captureMessages });
+openPage();
 const parameters = new URLSearchParams(location.search);
 const parts = findParts();
 const { board, problem } = boardFrom(parameters);
@@ -183,7 +182,9 @@ async function finish(end, { camera, keepOpen }, request) {
     keepOpen();
     return void capture(chosen, { notice: plainNotice("capture.resized"), camera });
   }
+  if (state.phase === "done") keepOpen();
   capture.cancel();
+  if (state.phase === "done") outcome?.live(() => camera.close());
   if (end !== "relayout") return captures.forget(captureKey(request));
   void continueWithBoard({ ...state.board, legacy: !state.board.legacy }, plainNotice("capture.legacy_taken"));
 }
@@ -211,7 +212,7 @@ async function prepareOutcome() {
   const { Outcome } = await import("./outcome.js");
   outcome ??= new Outcome(parts.result, parts.video, {
     returnTo: parameters.get("return_to"), asked: state.wanted.camera,
-    onAgain: () => capture(chosen), onWithout: continueWithout,
+    onAgain: () => capture(chosen), onWithout: continueWithout, onConsent: async (api) => session?.license(api),
   });
 }
 

@@ -1,20 +1,19 @@
 // Result of a capture: shown at once as the session has it, and in full when the service has sent its report.
-import { ApiError, OfflineError } from "../lib/api.js";
-import { el } from "../lib/dom.js";
-import { addMessages, t } from "../lib/i18n.js";
+import { Api, ApiError, OfflineError } from "../lib/api.js";
+import { publishOnConsent } from "../lib/consent.js";
+import { el, part } from "../lib/dom.js";
+import { nextFrame } from "../lib/frames.js";
+import { t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { pageTitle } from "../lib/result/card.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
 import { SettingsError, loadSettings } from "../lib/settings.js";
 import { isVirtual } from "../lib/virtual/name.js";
-import words from "../messages/result.js";
 import { isPracticeReturned } from "./history.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("../lib/result/view.js").Result} Result */
-
-addMessages({ result: words });
 
 export class Outcome {
   #view;
@@ -23,23 +22,31 @@ export class Outcome {
   #asked;
   #onAgain;
   #onWithout;
+  #onConsent;
+  #consent = part("asked", HTMLElement);
+  /** The last picture, and how it is taken again. @type {ReturnType<typeof still>} */
+  #still = null;
+  /** Closes the camera whose picture is shown. @type {(() => void) | null} */
+  #turnOff = null;
   #complete = latest(async (signal, /** @type {string} */ id, /** @type {Result} */ result) => {
     const [{ report }, { return_origins: returnOrigins }] = await Promise.all([load(id), loadSettings()]);
-    if (!signal.aborted) this.#view.show({ ...result, report, returnOrigins });
+    if (!signal.aborted) this.#show({ ...result, report, returnOrigins });
   });
 
   /**
    * @param {HTMLElement} place @param {HTMLVideoElement} video whose last picture is straightened
-   * @param {{returnTo: string | null, asked: string | null, onAgain: () => void, onWithout: (indices: number[]) => void}} options
-   *   asked: the camera that the page was opened for; onWithout: go on, but without these views
+   * @param {{returnTo: string | null, asked: string | null, onAgain: () => void, onWithout: (indices: number[]) => void,
+   *   onConsent: (api: Api) => Promise<unknown>}} options
+   *   asked: the camera that the page was opened for; onWithout: go on, but without these views; onConsent: publish the measurements
    */
-  constructor(place, video, { returnTo, asked, onAgain, onWithout }) {
+  constructor(place, video, { returnTo, asked, onAgain, onWithout, onConsent }) {
     this.#view = new ResultView(place);
     this.#video = video;
     this.#returnTo = returnTo;
     this.#asked = asked;
     this.#onAgain = onAgain;
     this.#onWithout = onWithout;
+    this.#onConsent = onConsent;
   }
 
   /** @param {State} state of a capture that is done */
@@ -48,24 +55,61 @@ export class Outcome {
     if (!calibration) return;
     const practice = isVirtual(key?.camera ?? "");
     const returnTo = practice && !isPracticeReturned(this.#returnTo, this.#asked) ? null : this.#returnTo;
+    publishOnConsent(session?.licence || practice ? null : async () => this.#onConsent(new Api((await loadSettings()).api)));
+    this.#consent.hidden = practice || !id;
+    this.#still = still(this.#video, calibration.img_size, flipped === true);
     /** @type {Result} */
     const result = {
-      calibration, report: null, picture: still(this.#video, calibration.img_size, flipped === true), notes: advice,
+      calibration, report: null, picture: this.#still?.canvas ?? null, notes: advice,
       origin: practice ? "practice" : "added", ownCameraOffered: practice && this.#returnTo !== null && returnTo === null,
       again: { label: () => t("capture.once_more"), action: this.#onAgain },
-      goOn: this.#onWithout, explain,
+      goOn: this.#onWithout, explain, consent: this.#consent,
     };
     this.#complete.cancel();
     document.title = pageTitle(calibration, null);
-    this.#view.show({ ...result, pending: Boolean(id) });
+    this.#show({ ...result, pending: Boolean(id) });
     if (!id) return;
     this.#complete(id, { ...result, returnTo }).catch((error) => {
       console.info("no report:", explain(error));
-      this.#view.show({ ...result, returnTo });
+      this.#show({ ...result, returnTo });
     });
   }
 
+  /** @param {Result} result */
+  #show(result) {
+    this.#view.show({ ...result, turnOff: this.#turnOff });
+  }
+
+  /**
+   * Shows the picture of the camera that was just calibrated as it comes, until the visitor turns it off or looks elsewhere.
+   * @param {() => void} close the camera
+   */
+  live(close) {
+    const taken = this.#still;
+    if (!taken || document.hidden || matchMedia("(prefers-reduced-motion: reduce)").matches) return close();
+    const over = new AbortController();
+    const follow = async () => {
+      for (; !over.signal.aborted; await nextFrame(this.#video)) {
+        taken.draw();
+        this.#view.refresh();
+      }
+    };
+    const end = () => {
+      if (over.signal.aborted) return;
+      over.abort();
+      close();
+      this.#turnOff = null;
+      this.#view.setLive(null);
+    };
+    this.#turnOff = end;
+    document.addEventListener("visibilitychange", end, { signal: over.signal });
+    addEventListener("pagehide", end, { signal: over.signal });
+    this.#view.setLive(end);
+    void follow();
+  }
+
   clear() {
+    this.#turnOff?.();
     this.#complete.cancel();
     document.title = t("capture.title");
     this.#view.clear();
@@ -78,8 +122,9 @@ function still(video, [width, height], flip) {
   const canvas = el("canvas", { width, height });
   const context = canvas.getContext("2d");
   if (flip) context?.transform(-1, 0, 0, 1, width, 0);
-  context?.drawImage(video, 0, 0);
-  return canvas;
+  const draw = () => context?.drawImage(video, 0, 0);
+  draw();
+  return { canvas, draw };
 }
 
 /** @param {unknown} error */

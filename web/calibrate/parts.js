@@ -16,7 +16,7 @@ export function findParts() {
     sentTable: html("sent-table"), accuracy: html("accuracy"),
     sender: html("sender"), senderHost: html("sender-host"), senderNeeds: html("sender-needs"),
     senderReturns: html("sender-returns"), senderKnown: html("sender-known"), goBack: part("go-back", HTMLAnchorElement),
-    paper: part("paper", HTMLButtonElement), noBoard: html("no-board"),
+    paper: part("paper", HTMLButtonElement), paperFile: html("paper-file"), setup: html("setup"), noBoard: html("no-board"),
     codes: /** @type {NodeListOf<SVGElement>} */ (document.querySelectorAll("svg.qr")),
     addresses: document.querySelectorAll(".board-address"),
     boardChoice: html("board-choice"), useBoard: part("use-board", HTMLButtonElement), sharpest: part("sharpest", HTMLButtonElement), rightBoard: part("right-board", HTMLButtonElement),

@@ -1,6 +1,6 @@
 // Rendering of the state into the page. Reads nothing back, decides nothing.
 import { propose } from "../lib/camera.js";
-import { t } from "../lib/i18n.js";
+import { joinFacts, t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { holdProgress, requiredHold } from "./hold.js";
 import { renderDetection, renderTarget } from "./overlay-layer.js";
@@ -83,11 +83,13 @@ function renderCameras(parts, state) {
  * and an interrupted capture comes before either.
  * @param {Parts} parts
  */
-export function renderChoice({ camera, resolutions, start, startVirtual, interrupted }) {
+export function renderChoice({ camera, resolutions, resolution, lens, setup, start, startVirtual, interrupted }) {
   resolutions.hidden = camera.value === "virtual";
   const none = camera.selectedOptions[0]?.text === t("capture.no_camera");
   start.classList.toggle("primary", !none && interrupted.hidden === true);
   startVirtual.classList.toggle("primary", none && interrupted.hidden === true);
+  const chosen = [camera, ...(resolutions.hidden ? [] : [resolution])].map((select) => select.selectedOptions[0]?.text ?? "");
+  write(setup, joinFacts([...chosen.filter(Boolean), `${t("capture.fact_distortion_model")}: ${lens.selectedOptions[0]?.text ?? ""}`]));
 }
 
 /** @param {Parts} parts @param {State} state */

@@ -6,9 +6,6 @@ import { explain } from "../lib/faults.js";
 import { joinFacts, language, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { liveRegion } from "../lib/live-region.js";
-import words from "../messages/cameras.js";
-import estimateWords from "../messages/estimate.js";
-import result from "../messages/result.js";
 import { splitLabel } from "../lib/camera-name.js";
 import { cameraView } from "./camera.js";
 import { cameraItem, showOwn } from "./list.js";
@@ -17,7 +14,7 @@ import { camera, search } from "./source.js";
 /** @typedef {import("./source.js").Found} Found */
 
 const TYPING_PAUSE_MS = 250; // ms after the last key
-openPage({ cameras: words, result, estimate: estimateWords });
+openPage();
 const [searching, status, list, one, own] = ["searching", "status", "found", "one", "own"].map((id) => part(id, HTMLElement));
 const [input, state, more] = [part("query", HTMLInputElement), part("show", HTMLSelectElement), part("more", HTMLButtonElement)];
 const [tell, offers] = [liveRegion(status), liveRegion(part("first", HTMLElement))];

@@ -3,7 +3,6 @@ import { el, part } from "../lib/dom.js";
 import { DUMPS, fetchObject } from "../lib/dumps.js";
 import { language, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
-import data from "../messages/data.js";
 import { chart } from "./chart.js";
 
 /**
@@ -23,7 +22,7 @@ import { chart } from "./chart.js";
 
 const FIGURES = /** @type {const} */ (["cameras", "known", "calibrations", "contributors"]);
 
-openPage({ data });
+openPage();
 /** @type {Statistics | null} */
 let statistics = null;
 /** @type {Dump | null} */

@@ -5,7 +5,6 @@ import { liveRegion } from "../lib/live-region.js";
 import { OfflineError } from "../lib/network.js";
 import { openPage } from "../lib/page.js";
 import { SettingsError, loadSettings, storedSettings } from "../lib/settings.js";
-import words from "../messages/developers.js";
 import { askConfirmation } from "./confirmation.js";
 import { saveFile } from "./copying.js";
 import { failureText, originsRefused } from "./errors.js";
@@ -21,7 +20,7 @@ import { titleOf, tokenView } from "./token-view.js";
  */
 
 const MAX_FILE_BYTES = 1_000_000;
-openPage({ developers: words });
+openPage();
 const kept = new KeptTokens(browserStorage());
 const [panel, list, keptPart] = [part("token", HTMLElement), part("tokens", HTMLElement), part("kept", HTMLElement)];
 const [input, makeButton, exportButton, file] = [part("origins", HTMLInputElement), part("make-button", HTMLButtonElement), part("export", HTMLButtonElement), part("import", HTMLInputElement)];

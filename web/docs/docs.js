@@ -1,10 +1,9 @@
 // Pages of the documentation: search, the site's address and the visitor's token in examples.
 import { openPage } from "../lib/page.js";
-import words from "../messages/docs.js";
 import { offerSearch } from "./search.js";
 import { NO_TOKEN, chooseToken, chosenToken, keptTokens } from "./tokens.js";
 
-openPage({ docs: words });
+openPage();
 fillIn();
 offerTokens();
 offerScrolling();

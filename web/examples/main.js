@@ -1,5 +1,4 @@
 // The page of all examples.
 import { openPage } from "../lib/page.js";
-import words from "../messages/examples.js";
 
-openPage({ examples: words });
+openPage();

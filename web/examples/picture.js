@@ -9,7 +9,6 @@ import { lookup, returned } from "../sdk/calibdb.js";
 import { loadSettings } from "../lib/settings.js";
 import { setupFrom } from "../lib/virtual/camera.js";
 import { trueCalibration } from "../lib/virtual/truth.js";
-import words from "../messages/examples.js";
 import { poseAt } from "./board.js";
 
 /**
@@ -37,7 +36,7 @@ const USUAL_FIELD_DEG = 60; // whole field of view, width, that is taken for a c
  * @param {(picture: Picture) => void | Promise<void>} draw
  */
 export function whenOpen(draw) {
-  openPage({ examples: words });
+  openPage();
   const parameters = new URLSearchParams(location.search);
   const start = part("start", HTMLButtonElement);
   let opening = false;

@@ -2,7 +2,7 @@
 // database. Only what is asked for is sent, and nothing is stored.
 import { ApiError } from "../lib/api.js";
 import { el } from "../lib/dom.js";
-import { addMessages, number, rough, formatSize, t } from "../lib/i18n.js";
+import { number, rough, formatSize, t } from "../lib/i18n.js";
 import { lensDifference } from "../lib/lens-difference.js";
 import { conversionText } from "../lib/result/download.js";
 import { figure } from "../lib/result/figures-part.js";
@@ -61,8 +61,7 @@ export class Converter {
       try {
         /** @type {Hints} */
         const hints = { ...size.hint() };
-        const [camera, { default: result }] = await Promise.all([readCamera(source, hints), import("../messages/result.js")]);
-        addMessages({ result });
+        const camera = await readCamera(source, hints);
         if (own === this.#turn) this.#show(source, { ...hints, ...(camera.camera === "camera" ? { camera: name.replace(/\.[^.]*$/, "").slice(0, 128) } : {}) }, camera);
       } catch (error) {
         if (own !== this.#turn) return;

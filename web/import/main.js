@@ -14,8 +14,6 @@ import { platformHere } from "../sdk/calibdb.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
 import { liveRegion } from "../lib/live-region.js";
-import words from "../messages/import.js";
-import photos from "../messages/photos.js";
 import { Converter } from "./converter.js";
 import { MAX_CHARACTERS, sourceOf, unpackCorners } from "./conversion.js";
 import { MalformedError } from "./malformed.js";
@@ -37,7 +35,7 @@ import { card, guessView } from "./views.js";
  * @property {number} count of views in the file
  */
 
-openPage({ import: words, photos });
+openPage();
 const query = new URLSearchParams(location.search);
 const parts = {
   drop: part("drop", HTMLElement), file: part("file", HTMLInputElement), status: part("status", HTMLElement), problem: part("problem", HTMLElement),

@@ -9,8 +9,6 @@ import { lookup } from "../sdk/lookup.js";
 import { loadSettings } from "../lib/settings.js";
 import { phoneModel } from "../lib/phone-model.js";
 import { liveRegion } from "../lib/live-region.js";
-import estimateWords from "../messages/estimate.js";
-import landing from "../messages/landing.js";
 import { knownCard, unknownCard } from "./answer-card.js";
 import { captureLoop } from "./capture-loop.js";
 import { countCameras } from "./counts.js";
@@ -79,7 +77,7 @@ async function showCounts() {
   show();
 }
 
-openPage({ landing, estimate: estimateWords });
+openPage();
 const redraw = captureLoop(/** @type {SVGElement} */ (/** @type {unknown} */ (part("loop", SVGElement))), part("loop-words", HTMLElement), part("loop-toggle", HTMLButtonElement));
 onLanguage(redraw);
 const slide = part("lens-slide", HTMLInputElement);

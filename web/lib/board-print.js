@@ -1,14 +1,11 @@
 // The board as a file to print, with what the page's language says below it.
-import boardWords from "../messages/board.js";
 import { boardPdf } from "./board-pdf.js";
 import { DEFAULT_TAG_SPACING, kindOf } from "./board.js";
-import { addMessages, number, t } from "./i18n.js";
+import { number, t } from "./i18n.js";
 import { lettering } from "./lettering.js";
 import { PAPERS, squareOn } from "./papers.js";
 
 /** @typedef {import("./board.js").Board} Board */
-
-addMessages({ board: boardWords });
 
 /** @param {Board} board @param {string} paper @returns {Blob} a PDF */
 export function boardFile(board, paper) {

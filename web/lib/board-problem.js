@@ -1,10 +1,7 @@
 // Reasons why a board cannot be, in the language of the page.
-import { addMessages, onLanguage, t } from "./i18n.js";
-import words from "../messages/impossible.js";
+import { onLanguage, t } from "./i18n.js";
 
 /** @typedef {import("./board.js").Problem} Problem */
-
-addMessages({ impossible: words });
 
 /** @param {Problem} problem */
 export const reason = ({ code, values }) => t(`impossible.because_${code}`, values);

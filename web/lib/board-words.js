@@ -1,11 +1,8 @@
 // A board in words.
-import boards from "../messages/boards.js";
 import { DEFAULT_TAG_SPACING, kindOf } from "./board.js";
-import { addMessages, formatSize, number, t } from "./i18n.js";
+import { formatSize, number, t } from "./i18n.js";
 
 /** @typedef {import("./board.js").SentBoard} SentBoard */
-
-addMessages({ boards });
 
 /** A board in a few words: "ChArUco, 9 × 6 squares, DICT_4X4_50". @param {SentBoard} board */
 export function boardWords(board) {

@@ -1,10 +1,7 @@
 // Cameras of the device: the list, opening one at its native resolution, and errors that a person can act on.
-import { addMessages, say, t } from "./i18n.js";
+import { t } from "./i18n.js";
 import { isVirtual } from "./virtual/name.js";
 import { labelOf, setupFrom } from "./virtual/setup.js";
-import capture from "../messages/capture.js";
-
-addMessages({ capture });
 
 /**
  * @typedef {object} Choice
@@ -21,11 +18,11 @@ addMessages({ capture });
  * @property {() => void} close
  */
 
-/** Codes name texts: `capture.fault_<code>`. The message is for pages that have no such texts. */
+/** Codes name texts: `capture.fault_<code>`. */
 export class CameraError extends Error {
   /** @param {string} code @param {string} [detail] */
   constructor(code, detail = "") {
-    super(say(`capture.fault_${code}`, { detail }, "en"));
+    super(`${code}: ${detail}`);
     this.code = code;
     this.detail = detail;
   }

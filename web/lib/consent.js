@@ -1,7 +1,6 @@
 // Consent of the person who calibrates: may the measurements be given away under CC0? Asked on every page that calibrates,
-// never assumed, kept on this device until it is changed.
-import messages from "../messages/consent.js";
-import { addMessages, onLanguage, t, translate } from "./i18n.js";
+// before or after, never assumed, kept on this device until it is changed.
+import { onLanguage, t, translate } from "./i18n.js";
 
 /** Licence under which dumps are given away, an SPDX identifier, and the date of the text on /terms/ that is agreed to. */
 export const LICENCE = "CC0-1.0";
@@ -10,6 +9,14 @@ const CONSENT_KEY = "calibdb.consent";
 
 /** Was it given on this device, to the text as it is today? @type {boolean | null} null: not read yet */
 let given = null;
+
+/** Publishes what was measured before the person agreed; null: there is nothing to publish. @type {(() => Promise<unknown>) | null} */
+let publish = null;
+
+/** @param {typeof publish} action called once when the person agrees; rejects if the service refuses */
+export function publishOnConsent(action) {
+  publish = action;
+}
 
 /** Whether the person agrees. */
 export function hasConsent() {
@@ -29,16 +36,27 @@ export function offerConsent() {
   const box = /** @type {HTMLInputElement | null} */ (document.getElementById("consent"));
   const note = document.getElementById("consent-note");
   if (!box || !note) throw new TypeError("the page has no consent block");
-  addMessages({ consent: messages });
   translate(/** @type {Element} */ (box.closest(".consent")));
   const show = () => {
     box.checked = hasConsent();
     note.textContent = t(hasConsent() ? "consent.given" : "consent.not_given");
   };
-  box.addEventListener("change", () => {
-    given = box.checked;
-    write(given);
+  const take = (/** @type {boolean} */ agreed) => {
+    given = agreed;
+    write(agreed);
     show();
+  };
+  box.addEventListener("change", async () => {
+    take(box.checked);
+    if (!box.checked || !publish) return;
+    try {
+      await publish();
+      publish = null;
+    } catch (error) {
+      console.info("not published:", String(error));
+      take(false);
+      note.textContent = t("consent.failed");
+    }
   });
   // Given or taken back in another tab.
   addEventListener("storage", ({ key }) => {

@@ -1,14 +1,12 @@
 // A button that copies a block of code. Blocks of a page's source have one from the start (header.js); a block that is made
 // later gets its own by `addCopyButton(pre)`, before or after it is put into the page.
-import { addMessages, onLanguage, t } from "./i18n.js";
-import common from "../messages/common.js";
+import { onLanguage, t } from "./i18n.js";
 
 const SHOWN_MS = 2000;
 
 /** @param {HTMLElement} pre with the code; gets a wrapper with the button, unless it has one @returns {HTMLElement} the wrapper */
 export function addCopyButton(pre) {
   if (pre.parentElement?.classList.contains("code")) return pre.parentElement;
-  addMessages({ common });
   const wrapper = document.createElement("div");
   wrapper.className = "code";
   const button = document.createElement("button");

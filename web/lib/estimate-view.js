@@ -4,7 +4,7 @@ import { number, t } from "./i18n.js";
 
 /** @typedef {import("../sdk/calibration.js").EstimateData} EstimateData */
 
-/** The pages that show it have the messages of `messages/estimate.js`. @param {EstimateData} estimate */
+/** @param {EstimateData} estimate */
 export function estimateView({ hfov_deg, interval_90, basis, sources }) {
   const [low, high] = interval_90.hfov_deg;
   const facts = [

@@ -1,12 +1,9 @@
 // Messages for errors, in the language of the page, which a person can act on.
 import { ApiError } from "./api.js";
-import { hasMessage, addMessages, t } from "./i18n.js";
+import { hasMessage, t } from "./i18n.js";
 import { OfflineError } from "./network.js";
 import { LookupError } from "../sdk/request.js";
 import { SettingsError } from "./settings.js";
-import words from "../messages/faults.js";
-
-addMessages({ faults: words });
 
 /**
  * @param {unknown} error what the service or the network did is explained; anything else is the page's own mistake

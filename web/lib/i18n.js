@@ -1,12 +1,11 @@
 // Messages of the pages, in the visitor's language.
 //
-//     import { addMessages, t, translate } from "../lib/i18n.js";
-//     import board from "../messages/board.js";
-//     addMessages({ board });
+//     import { t, translate } from "../lib/i18n.js";
 //     t("board.full_screen"); t("board.views", { count: 3 });
 //
-// A catalog is { en: {key: text}, de: {…}, uk: {…} } with the same keys in each: one module, or a module for each language
-// ("capture.de.js") where it would have more than 350 lines. A message has its values in braces,
+// `messages/de/board.json` is the German catalog "board": key → text, with the same keys in each language. A built page contains the
+// texts that it may show in its own language, as JSON (infra/web_build/messages.mjs); another language comes from the page in that language.
+// A message has its values in braces,
 // "{count} views"; one that depends on a number is an object of plural forms, chosen by the value `count`.
 // In pages: data-t is the element's text, data-t-label its aria-label, data-t-title its title, data-t-alt that of a picture. Where the element has
 // children of its own, "<0>…</0>" in the text is the first of them, "<1>…</1>" the second.
@@ -17,7 +16,6 @@
 /**
  * @typedef {"en" | "de" | "uk"} Language
  * @typedef {string | Partial<Record<Intl.LDMLPluralRule, string>>} Text
- * @typedef {Record<Language, Record<string, Text>>} Catalog
  */
 
 /** The languages by their own names. @type {Record<Language, string>} */
@@ -28,8 +26,8 @@ const ROOT = new URL("../", import.meta.url).pathname; // of the site
 const PREFIX = /^(?:(de|uk)\/)?/; // of an address below it
 const UNIT = /(\d) (?=(?:px|mm|%|s)(?![\p{L}\d]))/gu; // no line ends between a number and its unit
 
-/** @type {Map<string, Catalog>} */
-const catalogs = new Map();
+/** "catalog.key" → text. @type {Record<Language, Record<string, Text>>} */
+const messages = { en: {}, de: {}, uk: {} };
 /** @type {Set<(language: Language) => void>} */
 const listeners = new Set();
 /** @type {WeakMap<Element, Element[]>} an element's own children, in the order of the page */
@@ -37,9 +35,15 @@ const children = new WeakMap();
 /** @type {Language | null} */
 let current = null;
 
-/** Adds catalogs, by name. @param {Record<string, Catalog>} named */
-export function addMessages(named) {
-  for (const [name, catalog] of Object.entries(named)) catalogs.set(name, catalog);
+/** @param {Language} spoken @param {Record<string, Text>} texts by "catalog.key" */
+export function addMessages(spoken, texts) {
+  Object.assign(messages[spoken], texts);
+}
+
+/** Adds the texts that a page contains. @param {Document | undefined} page @param {Language} spoken */
+function addFrom(page, spoken) {
+  const texts = page?.getElementById?.("messages")?.textContent;
+  if (texts) addMessages(spoken, JSON.parse(texts));
 }
 
 /** The language spoken now. @returns {Language} */
@@ -85,17 +89,16 @@ export function t(key, values = {}) {
 
 /** @param {string} key @param {Record<string, string | number>} values @param {Language} spoken */
 export function say(key, values, spoken) {
-  const dot = key.indexOf(".");
-  const text = catalogs.get(key.slice(0, dot))?.[spoken]?.[key.slice(dot + 1)];
+  const text = messages[spoken][key];
   if (text === undefined) return key;
   const form = typeof text === "string" ? text : text[new Intl.PluralRules(spoken).select(Number(values.count))] ?? text.other ?? key;
   const whole = form.replace(/\{(\w+)\}/g, (braces, name) => (name in values ? String(values[name]) : braces));
   return whole.replace(UNIT, "$1\u00a0");
 }
 
-/** Whether there is such a text. @param {string} key */
+/** True if there is such a text. @param {string} key */
 export function hasMessage(key) {
-  return say(key, {}, "en") !== key;
+  return key in messages[language()];
 }
 
 /**
@@ -126,7 +129,7 @@ export function translate(root) {
   root.ownerDocument.documentElement.lang = language();
   for (const element of [root, ...root.querySelectorAll("[data-t], [data-t-label], [data-t-title], [data-t-alt], [data-t-content]")]) {
     const { t: text, tLabel, tTitle, tAlt, tContent } = /** @type {HTMLElement} */ (element).dataset ?? {};
-    if (text && hasMessage(text)) write(element, t(text)); // of a catalog that follows, the page has the text already
+    if (text) write(element, t(text));
     if (tLabel) element.setAttribute("aria-label", t(tLabel));
     if (tTitle) element.setAttribute("title", t(tTitle));
     if (tAlt) element.setAttribute("alt", t(tAlt));
@@ -148,9 +151,27 @@ export function offerLanguages(select) {
     select.setAttribute("aria-label", CHOICE[language()]);
   };
   select.dataset.inPlace = "";
-  select.addEventListener("change", () => setLanguage(/** @type {Language} */ (select.value)));
+  select.addEventListener("change", async () => {
+    const chosen = /** @type {Language} */ (select.value);
+    try {
+      await loadMessages(chosen);
+    } catch (error) {
+      if (!(error instanceof TypeError)) throw error;
+      return show(); // without a network the page stays in its language
+    }
+    if (select.value === chosen) setLanguage(chosen);
+  });
   onLanguage(show);
   show();
+}
+
+/** Loads the texts of this page in another language. @param {Language} wanted */
+async function loadMessages(wanted) {
+  if (Object.keys(messages[wanted]).length) return;
+  const { origin, pathname } = inLanguage(location.href, wanted);
+  const response = await fetch(origin + pathname);
+  if (!response.ok) throw new TypeError(`the page in this language: ${response.status}`);
+  addFrom(new DOMParser().parseFromString(await response.text(), "text/html"), wanted);
 }
 
 /** A text around the element's own children, which keep what they do. @param {Element} element @param {string} text */
@@ -211,3 +232,5 @@ function keep(chosen) {
     return null;
   }
 }
+
+addFrom(globalThis.document, language());

@@ -1,10 +1,8 @@
 // Start of every page: messages in the visitor's language, and a service worker that caches its files.
-import { addMessages, offerLanguages, t, translate } from "./i18n.js";
-import common from "../messages/common.js";
+import { offerLanguages, t, translate } from "./i18n.js";
 
-/** @param {Record<string, import("./i18n.js").Catalog>} catalogs messages of this page */
-export function openPage(catalogs) {
-  addMessages({ common, ...catalogs });
+/** Makes what every page has work: its language, its fields, its consent block, its cached files. */
+export function openPage() {
   const select = document.getElementById("language");
   if (select instanceof HTMLSelectElement) offerLanguages(select);
   translate(document.documentElement);

@@ -1,7 +1,6 @@
 // Model of an iPhone, which Safari does not say: asked once, among the few that the screen leaves, and kept in this browser.
 import { el } from "./dom.js";
-import { addMessages, t } from "./i18n.js";
-import words from "../messages/phone.js";
+import { t } from "./i18n.js";
 
 /** @typedef {{width: number, height: number, ratio: number}} Screen in CSS pixels, upright or not, and pixels per CSS pixel */
 /** @typedef {[name: string, identifier: string]} Model identifier as native shells know it */
@@ -65,7 +64,6 @@ export async function askPhoneModel(signal, browser = here()) {
 
 /** @param {Model[]} models @param {AbortSignal} signal @returns {Promise<string>} */
 function ask(models, signal) {
-  addMessages({ phone: words });
   const select = el("select", { id: "phone-model" }, ...models.map(([name, id]) => new Option(name, id)), new Option(t("phone.unknown"), NONE));
   const dialog = el("dialog", { "aria-labelledby": "phone-question" },
     el("form", { method: "dialog" },

@@ -177,6 +177,14 @@ export class CaptureSession {
     return this.#withSession(() => this.#call("POST", "/session/finish"));
   }
 
+  /**
+   * Publishes the measurements, as the person has agreed since. A session that has expired is not started again for it.
+   * @param {import("./api.js").Api} api that of the capture is cancelled with it
+   */
+  license(api) {
+    return api.json("POST", "/session/licence", this.#credential, { body: consentFields() });
+  }
+
   /** @param {Corners} corners */
   #add({ ids, points }) {
     const view = { ids, points, index: null, taken: false };

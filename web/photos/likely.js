@@ -1,13 +1,10 @@
 // Estimate of the camera that took the photographs, by their EXIF data: there before any of them shows a board.
 import { Api } from "../lib/api.js";
 import { estimateView } from "../lib/estimate-view.js";
-import { addMessages } from "../lib/i18n.js";
 import { loadSettings } from "../lib/settings.js";
-import words from "../messages/estimate.js";
 
 /** @typedef {import("./group.js").Found} Found */
 
-addMessages({ estimate: words });
 /** The camera that was asked for last. */
 let asked = "";
 

@@ -14,8 +14,6 @@ import { LaterResultView } from "../lib/result/later.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
 import { liveRegion } from "../lib/live-region.js";
-import capture from "../messages/capture.js";
-import words from "../messages/photos.js";
 import { card } from "./card.js";
 import { WhichBoard } from "../lib/which-board.js";
 import { cameraOfNames, shots } from "./files.js";
@@ -36,7 +34,7 @@ import { MAX_VIEWS, calibrate } from "../lib/series.js";
 const MIN_SUFFICIENT_PHOTOS = 10; // that agree: who took as many as the page asks for is asked for no more
 const AUTOMATIC = "auto"; // of the lens models: the one that explains the views
 
-openPage({ photos: words, capture });
+openPage();
 const query = new URLSearchParams(location.search);
 const asked = boardFrom(query);
 let { board } = asked;

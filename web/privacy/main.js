@@ -4,11 +4,10 @@ import { language, onLanguage, t } from "../lib/i18n.js";
 import { showOperator } from "../lib/operator.js";
 import { openPage } from "../lib/page.js";
 import { receipts, removeReceipts } from "../lib/receipts.js";
-import privacy from "../messages/privacy.js";
 
 const MAX_LETTER_RECEIPTS = 5; // mail programs cut longer addresses
 
-openPage({ privacy });
+openPage();
 const [list, none, actions] = [part("receipts", HTMLElement), part("no-receipts", HTMLElement), part("receipt-actions", HTMLElement)];
 const write = part("write", HTMLAnchorElement);
 let contact = "";

@@ -6,14 +6,13 @@ import { onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { loadSettings } from "../lib/settings.js";
 import { liveRegion } from "../lib/live-region.js";
-import words from "../messages/result.js";
 import { pageTitle } from "../lib/result/card.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
 
 /** @typedef {import("../lib/result/view.js").Result} Result */
 
-openPage({ result: words });
+openPage();
 const query = new URLSearchParams(location.search);
 const say = liveRegion(part("status", HTMLElement));
 const view = new ResultView(part("result", HTMLElement));

@@ -9,13 +9,11 @@ import { openCaptureStore } from "../lib/capture/capture-store.js";
 import { Feedback } from "../lib/capture/feedback.js";
 import { DetectorError } from "../lib/detector.js";
 import { explain } from "../lib/faults.js";
-import { addMessages, inLanguage, language, onLanguage, t } from "../lib/i18n.js";
+import { inLanguage, language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
 import { OfflineError } from "../lib/network.js";
 import { loadSettings, storedSettings } from "../lib/settings.js";
-import captureMessages from "../messages/capture.js";
-import rigMessages from "../messages/rig.js";
 import { keepAwake } from "./awake.js";
 import { RigCapture } from "./capture.js";
 import { JoinError, enter, invite, requestOf } from "./membership.js";
@@ -34,7 +32,7 @@ import { HALVES } from "./streams.js";
  * @typedef {{record: RigRecord, code?: string}} Beginning code: of the rig to join
  */
 
-openPage({ capture: captureMessages, rig: rigMessages });
+openPage();
 const parameters = new URLSearchParams(location.search);
 const parts = findParts();
 const { board, problem } = boardFrom(parameters);
@@ -181,8 +179,7 @@ async function finished(state, record) {
 
 /** @param {RigState} state @param {RigRecord | null} record of this device's part in it */
 async function showResult(state, record) {
-  const [{ RigView, titleOf }, { default: result }] = await Promise.all([import("./result.js"), import("../messages/result.js")]);
-  addMessages({ result });
+  const { RigView, titleOf } = await import("./result.js");
   const { keepReceipt } = await import("../lib/receipts.js");
   for (const { position, session, request } of record?.members ?? []) {
     keepReceipt(session, { calibration_id: state.result?.cameras[position], camera: request?.camera });
@@ -204,7 +201,8 @@ function fail(error, signal) {
 
 /** @param {unknown} error */
 function failureText(error) {
-  if (error instanceof CameraError || error instanceof DetectorError) return t(`capture.fault_${error.code}`, { detail: error.message });
+  if (error instanceof CameraError) return t(`capture.fault_${error.code}`, { detail: error.detail });
+  if (error instanceof DetectorError) return t(`capture.fault_${error.code}`, { detail: error.message });
   if (error instanceof JoinError) return t(`rig.join_${error.code}`);
   if (error instanceof ResizeError) return t("rig.resized");
   return explain(error);

@@ -3,12 +3,11 @@ import { el, part } from "../lib/dom.js";
 import { language, number, onLanguage, t } from "../lib/i18n.js";
 import { liveRegion } from "../lib/live-region.js";
 import { openPage } from "../lib/page.js";
-import words from "../messages/status.js";
 import { hear, stateOf } from "./health.js";
 
 const INTERVAL_MS = 30_000; // from one answer to the next question
 const [HEALTH, SETTINGS] = ["../healthz?deep=1", "../config.json"].map((path) => new URL(path, import.meta.url));
-openPage({ status: words });
+openPage();
 const [tell, advise, when] = ["verdict", "advice", "checked"].map((id) => liveRegion(part(id, HTMLElement)));
 const [body, again] = [part("parts", HTMLElement), part("again", HTMLButtonElement)];
 /** @type {ReturnType<typeof stateOf> | null} */

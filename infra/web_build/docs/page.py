@@ -1,6 +1,6 @@
 """Frame of a page under `/docs/`: navigation of all documents, search, contents of this one.
 
-The frame speaks the visitor's language (`web/messages/docs.js`), the documents are in English.
+The frame speaks the visitor's language (`web/messages/en/docs.json`), the documents are in English.
 """
 
 from __future__ import annotations

@@ -139,7 +139,7 @@ def test_no_page_of_the_documentation_has_a_script_or_style_of_its_own(made: Map
     for key in [key for key in made if "docs/" in key and key.endswith(".html")]:
         page = made[key].decode()
         assert not re.search(
-            r"<[^>]*\sstyle=|<style|<script(?![^>]*\ssrc=)|\son[a-z]+=\"",
+            r"<[^>]*\sstyle=|<style|<script(?![^>]*\s(?:src=|type=\"application/json\"))|\son[a-z]+=\"",
             re.sub(r"<pre.*?</pre>", "", page, flags=re.DOTALL),
         ), key
 

@@ -1,5 +1,6 @@
 """The site that is made of page sources: one frame, every language, addresses that hold in every folder."""
 
+import json
 import posixpath
 import re
 import shutil
@@ -102,6 +103,37 @@ def test_a_page_in_another_language_leads_to_pages_in_that_language(made: Mappin
     assert '<script src="/language.js"></script>' in german
 
 
+def test_a_page_contains_the_messages_that_it_may_show_in_its_language(
+    made: Mapping[str, bytes],
+) -> None:
+    def texts(key: str) -> dict[str, object]:
+        found = re.findall(r'<script type="application/json" id="messages">(.*?)</script>', pages(made)[key])
+        assert len(found) == 1, key
+        parsed: dict[str, object] = json.loads(found[0])
+        return parsed
+
+    german = texts("de/board/index.html")
+    assert german["board.full_screen"] == "Im Vollbild zeigen"
+    assert german.keys() == texts("board/index.html").keys() == texts("uk/board/index.html").keys()
+    assert not [key for key in german if key.startswith(("capture.", "rig.", "result."))]
+    # Shown by modules that are loaded at the end of a capture.
+    assert {"result.part_numbers", "formats.writing"} <= texts("calibrate/index.html").keys()
+    for key, page in pages(made).items():
+        marked = set(re.findall(r'data-t(?:-label|-title|-alt|-content)?="([\w.]+)"', page))
+        if 'id="messages"' in page:
+            assert marked <= texts(key).keys(), key
+
+
+def test_pages_can_be_installed(made: Mapping[str, bytes]) -> None:
+    for key, page in pages(made).items():
+        assert page.count('<link rel="manifest" href="/manifest.json">') == 1, key
+    manifest = json.loads((site.WEB / "manifest.json").read_text())
+    assert {"name", "start_url", "display"} <= manifest.keys()
+    assert all((site.WEB / icon["src"]).is_file() for icon in manifest["icons"])
+    for address in (manifest["start_url"], *(shortcut["url"] for shortcut in manifest["shortcuts"])):
+        assert f"{address[1:]}index.html" in made
+
+
 def test_pages_preload_all_modules_that_they_import(made: Mapping[str, bytes]) -> None:
     page = pages(made)["calibrate/index.html"]
     preloaded = set(re.findall(r'rel="modulepreload" href="/([^"]+)"', page))
@@ -129,7 +161,8 @@ def test_scripts_of_the_site_keep_their_names_and_lose_their_comments(made: Mapp
 
 def test_a_changed_source_is_another_site_and_absent_pages_are_left_out(tmp_path: Path) -> None:
     web = tmp_path / "web"
-    for name in ("lib/i18n.js", "lib/header.js", "lib/copy-button.js", "messages/common.js"):
+    messages = [f"messages/{language}/common.json" for language in ("en", *site.LANGUAGES)]
+    for name in ("lib/i18n.js", "lib/header.js", "lib/copy-button.js", *messages):
         (web / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(site.WEB / name, web / name)
     for name in ("trial", "board"):

@@ -5,14 +5,13 @@ import { number, t } from "../../lib/i18n.js";
 import { liveRegion } from "../../lib/live-region.js";
 import { openPage } from "../../lib/page.js";
 import { rectifyPair } from "../../sdk/rig.js";
-import words from "../../messages/examples.js";
 import { disparityOf } from "./matching.js";
 import { distanceToBoard, openPair } from "./pair.js";
 
 const LINES = 9; // through both pictures
 const [AMBER, PALE] = ["#ffb000", "rgb(255 255 255 / 45%)"];
 
-openPage({ examples: words });
+openPage();
 show().catch((error) => {
   const problem = part("problem", HTMLElement);
   problem.textContent = explain(error);

@@ -25,19 +25,20 @@ export function shrinkCalibration(calibration) {
 /**
  * @param {Calibration} whole
  * @param {HTMLCanvasElement} picture of the calibration's size; it stays on this device
- * @returns {{element: HTMLElement, dispose: () => void}}
+ * @returns {{element: HTMLElement, refresh: () => void, dispose: () => void}} refresh: shows what the picture has become
  */
 export function comparison(whole, picture) {
   const calibration = shrinkCalibration(whole);
   const [width, height] = calibration.img_size;
   const before = el("canvas", { width, height, role: "img", "aria-label": t("result.before") });
-  before.getContext("2d")?.drawImage(picture, 0, 0, width, height);
+  const context = before.getContext("2d");
+  context?.drawImage(picture, 0, 0, width, height);
   let rectifier;
   try {
     rectifier = new Rectifier(calibration);
   } catch (error) {
     if (!(error instanceof RectifierError)) throw error;
-    return { element: el("p", { class: "muted" }, t("result.no_webgl")), dispose() {} };
+    return { element: el("p", { class: "muted" }, t("result.no_webgl")), refresh() {}, dispose() {} };
   }
   const made = rectifier;
   const after = made.canvas;
@@ -59,5 +60,9 @@ export function comparison(whole, picture) {
   const element = el("figure", { class: "figure" }, stage, slider,
     el("figcaption", { class: "sides" }, el("span", {}, t("result.before")), el("span", {}, t("result.after"))),
     el("label", { class: "choice" }, all, el("span", {}, t("result.keep_edges"))));
-  return { element, dispose: () => made.dispose() };
+  const refresh = () => {
+    context?.drawImage(picture, 0, 0, width, height);
+    made.draw(before);
+  };
+  return { element, refresh, dispose: () => made.dispose() };
 }

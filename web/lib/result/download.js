@@ -1,10 +1,9 @@
 // Download of a calibration in any format, with the error of the conversion.
 import { ApiError } from "../api.js";
 import { el } from "../dom.js";
-import { addMessages, number, t } from "../i18n.js";
+import { number, t } from "../i18n.js";
 import { jsonText } from "../json-text.js";
 import { FORMATS } from "../../vendor/formats.js";
-import words from "../../messages/formats.js";
 import { save } from "./source.js";
 
 /**
@@ -17,8 +16,6 @@ const FULL_COVERAGE = 0.995; // share of the picture
 const EXACT_ERROR_PX = 1e-3; // px; a file may be written with fewer digits
 const FORMAT_KEY = "calibdb.format"; // where the last one is kept
 const CORNERS = new Set(["corners-vnl"]); // what was measured, and no lens
-
-addMessages({ formats: words }); // wherever these are offered, their names are known
 
 /** The format chosen last. */
 function lastFormat() {

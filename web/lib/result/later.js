@@ -1,5 +1,4 @@
 // View of a result on pages that show one only at their end: its modules are loaded when there is something to show.
-import { addMessages } from "../i18n.js";
 
 /** @typedef {import("./view.js").ResultView} ResultView */
 /** @typedef {import("./result.js").Result} Result */
@@ -19,10 +18,7 @@ export class LaterResultView {
 
   /** Loads the modules, ahead of the result. @returns {Promise<ResultView>} */
   prepare() {
-    this.#view ??= Promise.all([import("./view.js"), import("../../messages/result.js")]).then(([{ ResultView }, { default: result }]) => {
-      addMessages({ result });
-      return new ResultView(this.#root);
-    }).catch((error) => {
+    this.#view ??= import("./view.js").then(({ ResultView }) => new ResultView(this.#root)).catch((error) => {
       this.#view = null; // the next attempt loads them again
       throw error;
     });

@@ -4,6 +4,7 @@ import { formatSize, t } from "../i18n.js";
 import { liveRegion } from "../live-region.js";
 import { comparison, shrinkCalibration } from "./compare.js";
 import { gridPicture } from "./grid-picture.js";
+import { button } from "./views.js";
 
 /** @typedef {import("./numbers.js").Calibration} Calibration */
 
@@ -11,13 +12,17 @@ import { gridPicture } from "./grid-picture.js";
  * @param {Calibration} calibration of a model that is known here
  * @param {HTMLCanvasElement | null} picture of this camera; null: a grid, as this lens shows it
  * @param {(picture: HTMLCanvasElement) => void} onPicture called with another that was chosen
- * @returns {{element: HTMLElement, dispose: () => void}}
+ * @param {(() => void) | null} [turnOff] ends the picture of the open camera; null: it does not move
+ * @returns {{element: HTMLElement, refresh: () => void, dispose: () => void}}
  */
-export function straightPart(calibration, picture, onPicture) {
+export function straightPart(calibration, picture, onPicture, turnOff = null) {
   const shown = comparison(calibration, picture ?? gridPicture(shrinkCalibration(calibration)));
   return {
     element: el("div", { class: "straight" }, shown.element,
-      ...(picture ? [] : [el("p", { class: "muted" }, t("result.grid_text"))]), chooser(calibration, onPicture)),
+      ...(picture ? [] : [el("p", { class: "muted" }, t("result.grid_text"))]),
+      ...(turnOff ? [el("p", { class: "live" }, el("span", {}, t("result.live")), " ", button(t("result.turn_off"), turnOff, { id: "turn-off" }))] : []),
+      chooser(calibration, onPicture)),
+    refresh: shown.refresh,
     dispose: shown.dispose,
   };
 }

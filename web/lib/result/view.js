@@ -35,6 +35,8 @@ export class ResultView {
   #following = new AbortController();
   /** @type {(() => void)[]} */
   #held = [];
+  /** @type {ReturnType<typeof straightPart> | null} */
+  #straight = null;
   #unlisten;
 
   /** @param {HTMLElement} root */
@@ -93,12 +95,14 @@ export class ResultView {
     const { calibration, report } = trial ?? result;
     const pending = result.pending === true && !report;
     const straight = isKnownModel(calibration.distortion_model)
-      ? straightPart(calibration, result.picture ?? null, (picture) => this.#another(picture)) : null;
+      ? straightPart(calibration, result.picture ?? null, (picture) => this.#another(picture), result.turnOff ?? null) : null;
     if (straight) this.#held.push(straight.dispose);
+    this.#straight = straight;
     // The report arrives while somebody is on the way to a button.
     const focused = this.#root.contains(document.activeElement) ? document.activeElement?.id : "";
     this.#root.replaceChildren(...[
       card({ ...result, calibration, report }, trial, id),
+      result.consent ?? null,
       straight && section("straight", straight.element),
       section("numbers", numbersPart(calibration, report, { pending })),
       section("figures", figuresPart(calibration, report, pending)),
@@ -111,10 +115,25 @@ export class ResultView {
     if (focused) document.getElementById(focused)?.focus();
   }
 
+  /** Shows what the picture has become. */
+  refresh() {
+    this.#straight?.refresh();
+  }
+
+  /** The picture is that of the open camera, or no more. @param {(() => void) | null} turnOff */
+  setLive(turnOff) {
+    if (!this.#result) return;
+    this.#result = { ...this.#result, turnOff };
+    const isPressed = document.activeElement?.id === "turn-off";
+    this.#inPlace(() => this.#draw(), "result-straight");
+    if (isPressed) document.getElementById("trial-picture")?.focus({ preventScroll: true });
+  }
+
   /** Straightens another picture, where it stands. @param {HTMLCanvasElement} picture */
   #another(picture) {
     if (!this.#result) return;
-    this.#result = { ...this.#result, picture };
+    this.#result.turnOff?.();
+    this.#result = { ...this.#result, picture, turnOff: null };
     this.#inPlace(() => this.#draw(), "result-straight");
   }
 
@@ -155,6 +174,7 @@ export class ResultView {
   /** Takes it all away. */
   clear() {
     this.#release();
+    this.#straight = null;
     this.#following.abort();
     this.#tried += 1;
     [this.#result, this.#trial] = [null, null];

@@ -93,7 +93,7 @@ class SessionDocument(CaptureDocument):
 
 
 class CalibrationDocument(CaptureDocument):
-    """All of a finished session: `calibrations/<camera key>/<id>.json`. Never overwritten."""
+    """All of a finished session: `calibrations/<camera key>/<id>.json`. Only a licence is ever added."""
 
     id: str
     views: tuple[ViewDocument, ...]

@@ -80,6 +80,12 @@ class Track(Open):
     frameRate: Quantity | None = None  # noqa: N815
 
 
+class LicenceRequest(Strict, Licensed):
+    """Gives the views of a session away."""
+
+    licence: Licence = Field(description="The contributor agrees that the views may be given away.")
+
+
 class SessionRequest(Strict, Licensed):
     """Starts a guided capture of one camera."""
 
@@ -205,7 +211,9 @@ class SessionState(Open):
     target_error: float
     capture: CaptureKind = "live"
     rig: RigMembership | None = Field(None, description="The rig that the session is in; null: none.")
-    licence: Licence | None = Field(None, description="As the session was started.")
+    licence: Licence | None = Field(
+        None, description="As the session was started, or as the contributor agreed later."
+    )
     licence_version: LicenceVersion | None = None
     views: tuple[ViewState, ...]
     progress: float = Field(ge=0, le=1)

@@ -1,4 +1,4 @@
-"""Finished calibrations: objects that are never overwritten, and the index items that find them.
+"""Finished calibrations: objects, to which only a licence is ever added, and the index items that find them.
 
 One that was withdrawn keeps its object; a tombstone beside it, `<id>.withdrawn.json`, says so, and its item
 is marked. It counts for nothing any more, and publishing it again does not bring it back.
@@ -19,6 +19,7 @@ from calibdb.errors import DeniedReadError
 from calibdb.rules.quality_gates import is_evidence
 from calibdb.rules.votes import view_digest
 from calibdb.schema import CalibrationDocument
+from calibdb.schema.licence import Licensed
 from calibdb.schema.lookup import CROPPED
 from calibdb.store.keys import (
     WITHDRAWN,
@@ -86,6 +87,18 @@ class Calibrations:
         self._objects.create(_name(document.id), document.model_dump_json().encode())
         if self._table.put(_item(with_current_key(document)), _NOT_WITHDRAWN):
             self._catalogue.publish(document)
+
+    def license(self, calibration_id: str, given: Licensed) -> None:
+        """Add a licence to a calibration that has none: the one change that is ever made to its object."""
+        name = _name(calibration_id)
+        while (found := self._objects.get_version(name)) is not None:
+            document = CalibrationDocument.model_validate_json(found[0])
+            if document.licence is not None:
+                return
+            licensed = document.model_copy(update=given.consent)
+            if self._objects.replace(name, licensed.model_dump_json().encode(), found[1]):
+                self._table.put(_item(with_current_key(licensed)), _NOT_WITHDRAWN)
+                return
 
     def index(self, document: CalibrationDocument, *, withdrawn: bool = False) -> None:
         """Write the index item; it follows from the bucket, so that writing it again changes nothing."""
