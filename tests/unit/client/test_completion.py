@@ -10,7 +10,7 @@ from calibdb_client.cli.program import parser
 
 
 def completed(line: str) -> list[str]:
-    """What bash offers at the end of a line."""
+    """Return the words that bash offers at the end of a line."""
     words = line.split(" ")
     quoted = " ".join(f"'{word}'" for word in words)
     call = f"COMP_WORDS=({quoted}); COMP_CWORD={len(words) - 1}; _calibdb; "

@@ -14,7 +14,7 @@ from .uncertainty import Uncertainty
 
 
 class Described(Protocol):
-    """What the texts say of a `Calibration`."""
+    """Members of a `Calibration` that the texts name."""
 
     @property
     def camera(self) -> Camera:
