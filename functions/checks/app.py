@@ -1,13 +1,15 @@
 """Checks: scores a consensus on fresh views of a camera, and counts the result as a vote.
 
-The consensus is taken as it is, reliable or not; only the poses are fitted to the views. A vote keeps the
-views, so that it can be counted anew for whatever the consensus becomes (`calibdb.rules.votes`).
+A calibration that the request gives is scored instead, without a vote. The consensus is taken as it is,
+reliable or not; only the poses are fitted to the views. A vote keeps the views, so that it can be counted
+anew for whatever the consensus becomes (`calibdb.rules.votes`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from starlette.responses import Response
@@ -23,16 +25,19 @@ from calibdb.schema import (
     Calibration,
     CheckAnswer,
     CheckRequest,
+    ComparisonAnswer,
     ConsensusDocument,
     FitRecord,
+    GivenCalibration,
     RefitRequest,
     ViewDocument,
     VoteDocument,
 )
 from calibdb.store import StreamMode
-from calibsolver import Board, CalibrationError, Camera, DeadlineError, deadline, fit
+from calibsolver import Board, CalibrationError, Camera, DeadlineError, View, deadline, fit
 from calibsolver.capture.admission import rejection_reason
 from calibsolver.consensus import difference
+from calibsolver.consensus.comparison import compare
 from calibsolver.fitting.resection import reprojection_score
 
 _MIN_POINTS = 4  # for a pose
@@ -63,7 +68,7 @@ class MeasuredViews:
 
 
 def check(call: application.Call) -> Response:
-    """Answer whether the consensus fits the views, and what checks say of it by now."""
+    """Return whether the consensus fits the views, and what checks say of it, or the comparison asked for."""
     ticket = call.session(charge="views")
     request = call.json(CheckRequest)
     wrong = [
@@ -73,13 +78,12 @@ def check(call: application.Call) -> Response:
     ]
     if wrong:
         raise InvalidError(wrong[:MAX_FIELD_ERRORS])
+    if request.calibration is not None:
+        with in_time(call):
+            return application.json_response(check_given(request, request.calibration))
     mode, known = consensus(call, request)
-    try:
-        with deadline.limit(call.seconds_left):
-            examined = examine(request)
-    except DeadlineError as late:
-        slow = "take longer to compute than a request may; send fewer corners in each"
-        raise call.out_of_time(InvalidError.field("views", slow)) from late
+    with in_time(call):
+        examined = examine(request)
     width = request.img_size[0]
     camera = Camera.from_record(known.model_dump())
     views = Board.from_record(request.board.model_dump()).views([v.model_dump() for v in examined.views])
@@ -105,6 +109,45 @@ def check(call: application.Call) -> Response:
             votes=current.votes,
             calibration=current.calibration,
         )
+    )
+
+
+@contextmanager
+def in_time(call: application.Call) -> Iterator[None]:
+    """Limit the solver's work in the block to the time that is left; raises InvalidError after it."""
+    try:
+        with deadline.limit(call.seconds_left):
+            yield
+    except DeadlineError as late:
+        slow = "take longer to compute than a request may; send fewer corners in each"
+        raise call.out_of_time(InvalidError.field("views", slow)) from late
+
+
+def check_given(request: CheckRequest, given: GivenCalibration) -> ComparisonAnswer:
+    """Compare a given calibration with a fit of the views; raises InvalidError if either is unusable."""
+    if given.img_size != request.img_size:
+        raise InvalidError.field("calibration.img_size", "the views have another size")
+    try:
+        camera = Camera.from_record(given.model_dump())
+    except CalibrationError as error:
+        raise InvalidError.field("calibration", error.message) from error
+    if min(camera.focal) <= 0:
+        raise InvalidError.field("calibration.camera_matrix", "the focal lengths must be positive")
+    try:
+        result = compare(camera, usable_views(request))
+    except CalibrationError as error:
+        raise InvalidError.field("views", error.message) from error
+    finite = (
+        px if math.isfinite(px) else None for px in (result.error, result.drift, result.drift_uncertainty)
+    )
+    rms, drift, uncertainty = finite
+    return ComparisonAnswer(
+        fits="fits" if result.fits else "does_not_fit",
+        error=rms,
+        expected=result.expected,
+        drift=drift,
+        drift_uncertainty=uncertainty,
+        views=result.views,
     )
 
 
@@ -144,14 +187,7 @@ def refit_now(call: application.Call, mode: StreamMode, model: str) -> Consensus
 
 def examine(request: CheckRequest) -> MeasuredViews:
     """Fit a camera to the views alone; raises InvalidError where there is none that believably took them."""
-    given = request.model_dump()
-    views = Board.from_record(given["board"]).views(given["views"])
-    reasons = [rejection_reason(view, request.img_size) for view in views]
-    wrong = [
-        FieldError(f"views.{n}", _UNFIT.get(reason, reason)) for n, reason in enumerate(reasons) if reason
-    ]
-    if wrong:
-        raise InvalidError(wrong)
+    views = usable_views(request)
     try:
         own = fit(views, request.img_size, request.distortion_model)
     except CalibrationError as error:
@@ -170,6 +206,19 @@ def examine(request: CheckRequest) -> MeasuredViews:
     u = own.uncertainty()
     record = FitRecord.model_validate(own.record()) if math.isfinite(u.rms) and math.isfinite(u.max) else None
     return MeasuredViews(tuple(kept), math.sqrt(2) * own.noise, record)
+
+
+def usable_views(request: CheckRequest) -> list[View]:
+    """Return the views for the solver; raises InvalidError for those that cannot show a board."""
+    given = request.model_dump()
+    views = Board.from_record(given["board"]).views(given["views"])
+    reasons = [rejection_reason(view, request.img_size) for view in views]
+    wrong = [
+        FieldError(f"views.{n}", _UNFIT.get(reason, reason)) for n, reason in enumerate(reasons) if reason
+    ]
+    if wrong:
+        raise InvalidError(wrong)
+    return views
 
 
 def vote(

@@ -76,9 +76,12 @@ def compute_answer(
 def to_reported(document: CalibrationDocument) -> ReportedCalibration:
     """Return a single calibration, with what its session found out about it."""
     key = current_key(document.camera_key, document.camera, document.platform)
+    report = dict(document.report or {})
+    covariance = report.pop("covariance", None)
     return ReportedCalibration(
         **dict(document.answer()),
-        report=document.report,
+        report=report or None,
+        covariance=covariance,
         board=document.board,
         camera_key=key,
         **document.consent,
@@ -123,7 +126,9 @@ def consensus(call: application.Call, calibration_id: str) -> ReportedCalibratio
     calibration = found.calibration if found else None
     if found is None or calibration is None:
         return None
-    return ReportedCalibration(**dict(calibration), camera_key=found.camera_key)
+    behind = store.consensuses.groups(found)
+    covariance = behind.covariance if behind else None
+    return ReportedCalibration(**dict(calibration), covariance=covariance, camera_key=found.camera_key)
 
 
 def file(found: ReportedCalibration, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
@@ -143,7 +148,7 @@ def file(found: ReportedCalibration, document: CalibrationDocument | None, asked
         identifier=found.id or "",
         rms=found.avg_reprojection_error,
         time=found.calibration_time,
-        record=found.model_dump(exclude={"report", "board", "camera_key"}),
+        record=found.model_dump(exclude={"report", "covariance", "board", "camera_key"}),
     )
     try:
         change = image_transform.identity(found.img_size)

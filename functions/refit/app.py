@@ -281,7 +281,12 @@ def pool(
     errors = {name: error for name, error in sizes if error is not None}
     return (
         stored(found=agreed.reason, confirmable=confirmable, calibration=calibration),
-        GroupsDocument(pooled=pool_digest, groups=agreed.groups, errors=errors),
+        GroupsDocument(
+            pooled=pool_digest,
+            groups=agreed.groups,
+            errors=errors,
+            covariance=agreed.calibration.covariance.tolist(),
+        ),
     )
 
 

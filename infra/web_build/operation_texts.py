@@ -146,8 +146,9 @@ TEXTS: dict[str, OperationText] = {
     "checkCalibration": OperationText(
         "Capture",
         "Scores the stored consensus of a camera on one to five fresh views, and counts the "
-        "finding as a vote for or against it. Only the poses are fitted to the views. No session "
-        "need be started under the session id.",
+        "finding as a vote for or against it. Only the poses are fitted to the views. With "
+        "`calibration` it compares that calibration with a fit of the views instead, and no vote "
+        "counts. No session need be started under the session id.",
         {**_EXAMPLE_KEY, "views": [{"ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS}]},
     ),
     "showCalibration": OperationText(

@@ -281,8 +281,14 @@ OPERATIONS = (
         "post",
         "/v1/checks",
         "checkCalibration",
-        "Whether the stored consensus, reliable or not, fits fresh views of this camera",
-        {200: Content("Whether it fits, and what checks say of it by now.", schema.CheckAnswer)},
+        "Whether the stored consensus, reliable or not, or a given calibration fits fresh views",
+        {
+            200: Content(
+                "Whether it fits, and what checks say of it by now; or the comparison of `calibration`.",
+                schema.CheckAnswer,
+                other=schema.ComparisonAnswer,
+            )
+        },
         (400, *_ASKED, 404, 413, 422),
         _SESSION,
         schema.CheckRequest,

@@ -144,7 +144,10 @@ def _generate_pages(web: Path, state: str) -> Mapping[str, str]:
 @lru_cache(maxsize=8)
 def _make_files(web: Path, told: str, state: str) -> Mapping[str, bytes]:
     made = _remember(f"{state}{told}", lambda: _build(web, told))
-    return {key: content.encode() for key, content in made.items()} | dict(sdk_files(web))
+    from infra.web_build import calibration_schema  # here: the models take their time
+
+    schema = {calibration_schema.KEY: calibration_schema.text().encode()}
+    return {key: content.encode() for key, content in made.items()} | dict(sdk_files(web)) | schema
 
 
 def _remember(name: str, make: Callable[[], dict[str, str]]) -> dict[str, str]:

@@ -181,6 +181,60 @@ def test_unusable_checks_are_refused(stack: LocalStack, camera: Callable[[int], 
     assert client.call("POST", "/v1/checks", {**CAMERA, "views": views()}, token=TOKEN).status == 403
 
 
+def test_given_calibration_is_compared_without_a_vote(
+    stack: LocalStack, camera: Callable[[int], str]
+) -> None:
+    name = camera(1)
+    known = calibration(name, 0).answer().model_dump(mode="json")
+    votes = stored_votes(stack)
+    answer = check(stack, name, calibration=known).json
+    assert answer.keys() == schema.ComparisonAnswer.model_fields.keys()
+    assert (answer["fits"], answer["views"]) == ("fits", 3)
+    assert answer["expected"] <= answer["error"] < 1.5 * answer["expected"]
+    assert answer["drift"] < 4 * answer["drift_uncertainty"]
+    other = [[1.05 * x for x in row] for row in known["camera_matrix"][:2]]
+    known["camera_matrix"] = [*other, [0, 0, 1]]
+    far = check(stack, "Unheard camera", calibration=known).json
+    assert (far["fits"], far["expected"]) == ("does_not_fit", answer["expected"])
+    assert far["error"] > 2 * far["expected"]
+    assert 10 < far["drift"] < 40, "5 % of a focal length of 950 px, over an image 1280 px wide"
+    assert stored_votes(stack) == votes
+
+
+def stored_votes(stack: LocalStack) -> int:
+    listed = boto3.client("s3").list_objects_v2(Bucket=stack.environment["BUCKET_NAME"], Prefix="votes/")
+    return int(listed["KeyCount"])
+
+
+@pytest.mark.parametrize(
+    ("changed", "field"),
+    [
+        ({"img_size": [640, 480]}, "calibration.img_size"),
+        ({"distortion_model": "fisheye"}, "calibration"),
+        ({"camera_matrix": [[0, 0, 640], [0, 950, 360], [0, 0, 1]]}, "calibration.camera_matrix"),
+        ({"distortion_coefficients": [0] * 15}, "calibration.distortion_coefficients"),
+    ],
+)
+def test_unusable_calibration_is_refused_by_field(
+    stack: LocalStack, changed: dict[str, Any], field: str
+) -> None:
+    known = calibration("Camera of a file", 0).answer().model_dump(mode="json")
+    answer = check(stack, "Camera of a file", calibration={**known, **changed})
+    assert (answer.status, answer.json["errors"][0]["field"]) == (422, field)
+
+
+def test_given_nonsense_gets_an_answer(stack: LocalStack) -> None:
+    known = calibration("Camera of a file", 0).answer().model_dump(mode="json")
+    for matrix, distortion in [
+        ([[1e-300, 0, 0], [0, 1e300, 0], [0, 0, 1]], [0.0] * 5),
+        ([[950, 0, 640], [0, 950, 360], [0, 0, 1]], [1e300, -1e300, 0, 0, 1e300]),
+        ([[950, 0, 640], [0, 950, 360], [0, 0, 1]], [-50.0, 0, 0, 0, 0]),
+    ]:
+        given = {**known, "camera_matrix": matrix, "distortion_coefficients": distortion}
+        answer = check(stack, "Camera of a file", calibration=given)
+        assert (answer.status, answer.json["fits"]) == (200, "does_not_fit")
+
+
 def test_no_address_is_kept(stack: LocalStack, camera: Callable[[int], str]) -> None:
     check(stack, camera(1))
     files, bucket = boto3.client("s3"), stack.environment["BUCKET_NAME"]

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 import yaml
 
-from calibdb.schema import FORMATS
+from calibdb.schema import FORMATS, RefitRequest
+from calibdb.settings import Settings
+from calibdb.store import Store, StreamMode
+from calibdb.store.keys import consensus_id
 from calibsolver import Camera, formats
 from calibsolver.formats.reading import read
 from infra.local import LocalStack
@@ -17,6 +20,26 @@ from tests.helpers.service.client import BRIEF, TOKEN, Client, Truth
 def calibration(stack: LocalStack) -> str:
     name: str = Truth(seed=3).calibrate(Client(stack), **BRIEF)["calibration_id"]
     return name
+
+
+def test_stored_calibration_and_consensus_have_a_covariance(
+    stack: LocalStack, client: Client, calibration: str
+) -> None:
+    one = client.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN).json
+    covariance = np.array(one["covariance"])
+    assert covariance.shape == (9, 9)
+    np.testing.assert_array_equal(covariance, covariance.T)
+    assert np.linalg.eigvalsh(covariance)[0] > 0
+    assert "covariance" not in one["report"]
+    std = one["report"]["std"]
+    stated = [std["fx"], std["fy"], std["cx"], std["cy"], *std["distortion"]]
+    np.testing.assert_allclose(np.sqrt(np.diagonal(covariance)), stated, rtol=0.005)
+    store = Store.of(Settings.from_environment(stack.environment))
+    mode = StreamMode(one["camera_key"], (1280, 720), 0.0)
+    store.refit.now(RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom))
+    name = consensus_id(mode.camera_key, mode.img_size, mode.zoom, "rectilinear")
+    pooled = np.array(client.call("GET", f"/v1/calibrations/{name}", token=TOKEN).json["covariance"])
+    np.testing.assert_allclose(np.diagonal(pooled), np.diagonal(covariance), rtol=0.5)
 
 
 def test_the_names_are_those_of_the_solver() -> None:

@@ -163,6 +163,16 @@ def test_pictures_of_other_boards_become_calibrations(
     wait_for_consensus(stack, label[1], "photographs")
     assert main(["check", path]) == 0
     assert "fits" in capfd.readouterr().out
+    assert main(["check", path, "--against", told["id"], "--json"]) == 0
+    compared = json.loads(capfd.readouterr().out)
+    assert (compared["fits"], compared["views"]) == (True, 5)
+    assert compared["drift"] < 2
+    with Client(cache=False) as client:
+        stored = client.calibration(told["id"])
+        assert stored.covariance is not None
+        assert stored.covariance.shape == (9, 9)
+        assert stored.covariance[0, 0] ** 0.5 == pytest.approx(stored.record["report"]["std"]["fx"], rel=0.01)
+        assert client.check_against(Recording.load(path), stored).drift == compared["drift"]
     if described:
         assert main(["check", str(folder), "--label", "Unheard camera", *described]) == 1
 

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
     from .board import Board
     from .capture.operation import CaptureOptions, Keep
+    from .comparison import Comparison
 
 
 @dataclass(frozen=True)
@@ -199,6 +200,17 @@ class AsyncClient:
         consent = session.consent_of(licence)
         recording = await asyncio.to_thread(recording_to_check, camera, **options)
         return await self._run(checks.check(recording, checked_model(model), Calibration, consent))
+
+    async def check_against(
+        self, camera: Any, calibration: Calibration | str, **options: Unpack[CaptureOptions]
+    ) -> Comparison:
+        """Check a calibration at hand, as `Client.check_against` does with the same parameters."""
+        from . import comparison
+        from .capture.glances import recording_to_check
+
+        known = await self.calibration(calibration) if isinstance(calibration, str) else calibration
+        recording = await asyncio.to_thread(recording_to_check, camera, **options)
+        return await self._run(comparison.by_service(recording, known))
 
     async def _run(self, flow: flows.Flow[flows.T], in_thread: bool = False) -> flows.T:
         """Drive a conversation to its end; its own work `in_thread`, if it takes long."""

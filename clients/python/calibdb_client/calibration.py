@@ -135,6 +135,12 @@ class Calibration:
         return dict(self.record.get("uncertainty") or {})
 
     @property
+    def covariance(self) -> Array | None:
+        """(p, p) of fx, fy, cx, cy and the distortion; None if the record has none, as that of a lookup."""
+        rows = self.record.get("covariance")
+        return None if rows is None else np.array(rows, dtype=np.float64)
+
+    @property
     def avg_reprojection_error(self) -> float:
         """px, root of the mean square over all measurements; NaN if the file does not say."""
         return float(self.record.get("avg_reprojection_error", "nan"))

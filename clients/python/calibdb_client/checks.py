@@ -56,15 +56,8 @@ def check(
     consent: Mapping[str, str],
 ) -> Flow[CheckResult]:
     """Have the service score its calibration on the views of a recording, of which three are sent."""
-    views = most_different(recording)
+    body = {**body_of(recording, CHECK_VIEWS), "distortion_model": model, **consent}
     reply = yield Request("POST", "v1/auth")
-    body = {
-        **recording.key.record(),
-        "distortion_model": model,
-        "board": recording.board.record(),
-        "views": [{"ids": list(view.ids), "points": [list(q) for q in view.points]} for view in views],
-        **consent,
-    }
     reply = yield Request("POST", "v1/checks", body, credential=str(reply.json["session_id"]))
     told = reply.json
     return CheckResult(
@@ -78,7 +71,17 @@ def check(
     )
 
 
-def most_different(recording: Recording, count: int = CHECK_VIEWS) -> Sequence[RecordedView]:
+def body_of(recording: Recording, count: int) -> dict[str, Any]:
+    """Return the members of a check that say what was seen, in `count` views at most."""
+    views = most_different(recording, count)
+    return {
+        **recording.key.record(),
+        "board": recording.board.record(),
+        "views": [{"ids": list(view.ids), "points": [list(q) for q in view.points]} for view in views],
+    }
+
+
+def most_different(recording: Recording, count: int) -> Sequence[RecordedView]:
     """Return the views, at most `count`, in which the board is tilted most differently.
 
     Raises CaptureError if there are none.

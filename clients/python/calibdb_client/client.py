@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from .board import Board
     from .capture.operation import CaptureOptions, Keep
+    from .comparison import Comparison
     from .rig_pictures import RigResult
 
 
@@ -250,6 +251,20 @@ class Client:
         consent = session.consent_of(licence)
         recording = recording_to_check(camera, **options)
         return self._run(checks.check(recording, checked_model(model), self._calibration, consent))
+
+    def check_against(
+        self, camera: Any, calibration: Calibration | str, **options: Unpack[CaptureOptions]
+    ) -> Comparison:
+        """Check a calibration, or that of an id, on still frames of a camera, or a `Recording`.
+
+        The service compares it with a fit of at most five views. No vote counts, nothing is stored.
+        `offline.check` does the same on this machine. Raises as `calibration` and `check` do.
+        """
+        from . import comparison
+        from .capture.glances import recording_to_check
+
+        known = self.calibration(calibration) if isinstance(calibration, str) else calibration
+        return self._run(comparison.by_service(recording_to_check(camera, **options), known))
 
     def calibrate_images(
         self,

@@ -1,48 +1,26 @@
-"""Check of a calibration at hand against fresh views, on this machine."""
+"""Check of a calibration at hand against fresh views, on this machine or by the service."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from calibsolver.consensus.comparison import Comparison
 
+from .checks import body_of
 from .errors import CaptureError, UsageError
+from .flows import Flow
+from .wire import Request
 
 if TYPE_CHECKING:
     from .calibration import Calibration
     from .recording import Recording
 
-MAX_RMS_RATIO = 1.5
-"""Error under the calibration / error under a camera fitted to the views, up to which it fits."""
-MAX_EXCESS_WIDTHS = 0.15 / 1280
-"""Excess of the one over the other / image width up to which it fits as well."""
+__all__ = ["Comparison", "by_service", "compare"]
 
-
-@dataclass(frozen=True)
-class Comparison:
-    """Result of a check of a calibration at hand.
-
-    Attributes
-    ----------
-    fits
-        True if the calibration explains the views about as well as their own fit.
-    error, expected
-        px rms of the views under it, and under a camera fitted to them alone.
-    drift
-        px rms over the picture between the projections of the two cameras, the best rotation removed.
-    drift_uncertainty
-        px rms, standard deviation of the projections of the fit of these views.
-    views
-        Number of views.
-    """
-
-    fits: bool
-    error: float
-    expected: float
-    drift: float
-    drift_uncertainty: float
-    views: int
+MAX_SENT_VIEWS = 5
+"""Views of a check that the service takes."""
 
 
 def compare(recording: Recording, calibration: Calibration) -> Comparison:
@@ -51,33 +29,45 @@ def compare(recording: Recording, calibration: Calibration) -> Comparison:
     Raises UsageError if the pictures have another size, CaptureError if the views do not suffice.
     """
     import calibsolver
-    from calibsolver.consensus.agreement import difference
-    from calibsolver.fitting.resection import reprojection_score
+    from calibsolver.consensus import comparison
 
-    camera, size = calibration.lens, recording.key.img_size
-    if camera.img_size != size:
-        raise UsageError(
-            f"the pictures have {size[0]} x {size[1]} px, the calibration is of {camera.img_size[0]} x "
-            f"{camera.img_size[1]}"
-        )
+    _require_size(recording, calibration)
     try:
         views = recording.board.views([{"ids": view.ids, "points": view.points} for view in recording.views])
-        own = calibsolver.fit(views, size, camera.model, start=camera)
-        used = [
-            calibsolver.View(view.object_points[mask], view.image_points[mask])
-            for view, mask in zip(views, own.used, strict=True)
-            if mask.any()
-        ]
-        error = reprojection_score(camera, used).rms
-        expected = reprojection_score(own.camera, used).rms
+        return comparison.compare(calibration.lens, views)
     except (calibsolver.CalibrationError, ValueError) as why:
         raise CaptureError(f"the views do not suffice for a check: {why}") from None
-    limit = max(MAX_RMS_RATIO * expected, expected + MAX_EXCESS_WIDTHS * size[0])
+
+
+def by_service(recording: Recording, calibration: Calibration) -> Flow[Comparison]:
+    """Have the service compare; at most five views are sent, nothing is stored, and no vote counts.
+
+    Raises UsageError if the pictures have another size.
+    """
+    _require_size(recording, calibration)
+    names = ("img_size", "camera_matrix", "distortion_coefficients", "distortion_model")
+    given = {name: calibration.record[name] for name in names}
+    body = {**body_of(recording, MAX_SENT_VIEWS), "calibration": given}
+    reply = yield Request("POST", "v1/auth")
+    reply = yield Request("POST", "v1/checks", body, credential=str(reply.json["session_id"]))
+    return _comparison(reply.json)
+
+
+def _comparison(record: Mapping[str, Any]) -> Comparison:
+    def length(name: str) -> float:
+        return math.inf if record[name] is None else float(record[name])
+
     return Comparison(
-        bool(np.isfinite(error) and error <= limit),
-        float(error),
-        float(expected),
-        difference(camera, own.camera),
-        own.uncertainty().rms,
-        len(used),
+        record["fits"] == "fits",
+        length("error"),
+        length("expected"),
+        length("drift"),
+        length("drift_uncertainty"),
+        int(record["views"]),
     )
+
+
+def _require_size(recording: Recording, calibration: Calibration) -> None:
+    (w, h), (width, height) = recording.key.img_size, calibration.img_size
+    if (w, h) != (width, height):
+        raise UsageError(f"the pictures have {w} x {h} px, the calibration is of {width} x {height}")

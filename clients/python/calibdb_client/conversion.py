@@ -40,7 +40,7 @@ _SUFFIX_DEFAULTS = {".json": NATIVE, ".xml": "lensfun", ".txt": "colmap"}
 """Formats of suffixes that several tools use, where one is meant unless another is named."""
 _RIG_DEFAULTS = {".json": RIG_NATIVE, ".yaml": "kalibr", ".yml": "kalibr"}
 _ALIASES = {"opencv": "opencv-yaml"}
-_UNWRITTEN = ("recording", "report", "board", "camera_key")
+_UNWRITTEN = ("recording", "report", "covariance", "board", "camera_key")
 """Members of a record that its files do not have."""
 
 

@@ -58,7 +58,7 @@ def rows_of(recording: Recording, fit: Fit) -> list[PictureRow]:
     from .session import refusal
 
     rows = []
-    lengths = [r if r.ndim == 1 else np.linalg.norm(r, axis=1) for r in map(np.asarray, fit.residuals)]
+    lengths = [np.linalg.norm(vectors, axis=1) for vectors in fit.residuals]
     for n, (view, length, used) in enumerate(zip(recording.views, lengths, fit.used, strict=True)):
         counted = length[used]
         rms = float(np.sqrt(np.mean(counted**2))) if len(counted) else float("nan")

@@ -200,6 +200,7 @@ def calibrate_offline(recording: Recording, model: str, time: int) -> CaptureRes
     cut = tuple((recording.views[n].source, refusal(why)) for n, why in sorted(fitted.cut_views.items()))
     record = {
         **record_covered(fitted, coverage),
+        "covariance": fitted.covariance.tolist(),
         **recording.key.record(),
         "id": None,
         "calibrations": 1,

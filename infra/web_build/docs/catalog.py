@@ -69,6 +69,7 @@ GROUPS: dict[str, tuple[Entry, ...]] = {
             "Lookups, rectified pictures and other tools’ files in a program or on a robot.",
             uses_service=True,
         ),
+        Entry("docs/frc.md", "frc", "FRC teams", "Results in PhotonVision and WPIcal, and held-out errors."),
         Entry(
             "docs/api.md", "api", "HTTP API", "All calls explained: tokens, lookups, captures, checks.", True
         ),

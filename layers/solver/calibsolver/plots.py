@@ -24,25 +24,10 @@ LINES = 9
 """Straight lines of the scene each way that are drawn before and after."""
 
 
-def residual_vectors(calibration: Calibration, views: Sequence[View]) -> tuple[Array, Array]:
-    """Points (n, 2) px of all views with a pose, and observed minus projected (n, 2), px; NaN behind."""
-    points, vectors = [np.empty((0, 2))], [np.empty((0, 2))]
-    for view, pose in zip(views, calibration.poses, strict=True):
-        if not np.isfinite(pose).all():
-            continue
-        seen = view.object_points @ rotation.matrix(pose[:3]).T + pose[3:]
-        points.append(view.image_points)
-        vectors.append(view.image_points - calibration.camera.project(seen))
-    return np.concatenate(points), np.concatenate(vectors)
-
-
 def residuals(axes: Any, calibration: Calibration, views: Sequence[View]) -> None:
     """Draw every residual as an arrow from its corner, lengthened: observed minus projected."""
-    points, vectors = residual_vectors(calibration, views)
-    used = np.concatenate(
-        [m for m, pose in zip(calibration.used, calibration.poses, strict=True) if np.isfinite(pose).all()]
-        or [np.empty(0, dtype=bool)]
-    )
+    points = np.concatenate([view.image_points for view in views])
+    vectors, used = np.concatenate(calibration.residuals), np.concatenate(calibration.used)
     lengths = np.linalg.norm(vectors, axis=1)
     finite = np.isfinite(lengths)
     typical = float(np.percentile(lengths[finite & used], TYPICAL_PERCENTILE)) if (finite & used).any() else 1

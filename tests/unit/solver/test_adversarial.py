@@ -23,6 +23,7 @@ REASONS = {
     "degenerate",
     "not_planar",
     "out_of_range",
+    "outside_image",
     "mirrored",
     "no_fit",
     "not_converged",

@@ -5,18 +5,21 @@ import io
 import numpy as np
 import pytest
 
-from calibsolver import fit, plots
+from calibsolver import fit, plots, rotation
 from tests.helpers.data import corner_views
 
 
 def test_residuals_have_the_lengths_and_signs_of_the_fit() -> None:
     views, size = corner_views("opencv_left")
     calibration = fit(views, size)
-    points, vectors = plots.residual_vectors(calibration, views)
-    assert len(points) == sum(map(len, views))
+    vectors = np.concatenate(calibration.residuals)
+    for view, pose, found in zip(views, calibration.poses, calibration.residuals, strict=True):
+        seen = view.object_points @ rotation.matrix(pose[:3]).T + pose[3:]
+        np.testing.assert_allclose(found, view.image_points - calibration.camera.project(seen), atol=1e-9)
     lengths = np.linalg.norm(vectors, axis=1)
     assert np.sqrt(np.mean(lengths**2)) == pytest.approx(calibration.avg_reprojection_error, rel=1e-6)
     used = np.concatenate(calibration.used)
+    assert calibration.rms_inliers == pytest.approx(np.sqrt(np.mean(lengths[used] ** 2)), rel=1e-12)
     assert np.abs(vectors[used].mean(axis=0)).max() < 0.02, "least squares leave no shift"
 
 

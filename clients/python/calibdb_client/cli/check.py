@@ -27,7 +27,8 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--against",
         metavar="FILE|ID",
-        help="check this calibration instead, on this machine: nothing is sent, and no vote counts",
+        help="check this calibration instead, without a vote: a file on this machine, nothing is sent; an "
+        "id by the service",
     )
     add_licence(parser)
     options.add_service(parser)
@@ -76,7 +77,11 @@ def _compare(camera: Any, arguments: dict[str, Any], chosen: argparse.Namespace,
     from .undistort import loaded
 
     calibration = loaded(chosen.against, chosen)
-    result = compare(recording_to_check(camera, **arguments), calibration)
+    if Path(chosen.against).is_file():
+        result = compare(recording_to_check(camera, **arguments), calibration)
+    else:
+        with options.client(chosen) as client:
+            result = client.check_against(camera, calibration, **arguments)
     if output.json:
         output.document(asdict(result))
     else:
@@ -87,7 +92,7 @@ def _compare(camera: Any, arguments: dict[str, Any], chosen: argparse.Namespace,
                 ("rms", f"{result.error:.3f} px, {result.expected:.3f} px under a fit of these views"),
                 (
                     "drift",
-                    f"{result.drift:.2f} px rms between the two over the image; the fit of these views is "
+                    f"{result.drift:.2f} px rms between the two over the image. The fit of these views is "
                     f"uncertain by {result.drift_uncertainty:.2f} px",
                 ),
             ]

@@ -14,6 +14,7 @@ from . import (
     board,
     calibrate,
     check,
+    completion,
     database,
     export,
     lookup,
@@ -53,6 +54,7 @@ _COMMANDS = (
     database,
     export,
     board,
+    completion,
 )
 
 
@@ -78,10 +80,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not given:
         program.print_help()
         return 0
-    if near := _near_command(given[0], program):
+    names = list(completion.commands_of(program))
+    if given[0] not in names and (near := _near(given[0], names)):
         print(f"calibdb: there is no command {given[0]!r}. Did you mean {near!r}?", file=sys.stderr)
         return 2
-    chosen = program.parse_args(given)
+    chosen, unknown = program.parse_known_args(given)
+    if unknown:
+        command = completion.commands_of(program).get(chosen.command or "", program)
+        near = _near(unknown[0].partition("=")[0], completion.options_of(command))
+        hint = f". Did you mean {near}?" if near else ""
+        program.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
     output = Output(json=getattr(chosen, "json", False))
     try:
         status: int = chosen.run(chosen, output)
@@ -99,9 +107,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status
 
 
-def _near_command(word: str, program: argparse.ArgumentParser) -> str | None:
-    """Return the command that a word nearly is; None if it is one, or like none."""
-    actions = [each for each in program._actions if isinstance(each, argparse._SubParsersAction)]
-    names = [name for each in actions for name in each.choices]
+def _near(word: str, names: Sequence[str]) -> str | None:
+    """Return the name that a word nearly is; None if it is like none."""
     near = difflib.get_close_matches(word, names, 1, 0.6)
-    return near[0] if near and word not in names else None
+    return near[0] if near else None

@@ -91,7 +91,7 @@ def _fitted_spacing(grid: Board, greys: Sequence[Any]) -> float | None:
         except calibsolver.CalibrationError:
             continue
         trials.append(board.tag_spacing)
-        errors.append(float(np.median(np.concatenate(fit.residuals))))
+        errors.append(float(np.median(np.linalg.norm(np.concatenate(fit.residuals), axis=1))))
     if not errors:
         return None
     best = int(np.argmin(errors))

@@ -18,7 +18,7 @@ from calibdb.schema.cameras import (
     CameraSize,
     CamerasRequest,
 )
-from calibdb.schema.checks import CheckAnswer, CheckRequest, CheckView
+from calibdb.schema.checks import CheckAnswer, CheckRequest, CheckView, ComparisonAnswer, GivenCalibration
 from calibdb.schema.conversion import ConvertRequest
 from calibdb.schema.documents import (
     CalibrationDocument,
@@ -95,6 +95,7 @@ __all__ = [
     "CheckAnswer",
     "CheckRequest",
     "CheckView",
+    "ComparisonAnswer",
     "ConsensusDocument",
     "ConvertRequest",
     "DeepHealth",
@@ -104,6 +105,7 @@ __all__ = [
     "FieldProblem",
     "Finish",
     "FitRecord",
+    "GivenCalibration",
     "GroupsDocument",
     "Health",
     "HealthProblem",

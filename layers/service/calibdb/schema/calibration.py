@@ -153,5 +153,10 @@ class ReportedCalibration(Calibration, Licensed):
         None,
         description="Verdict with reasons, standard deviations, error over the image, residuals.",
     )
+    covariance: tuple[tuple[float, ...], ...] | None = Field(
+        None,
+        description="Covariance of fx, fy, cx, cy and the distortion coefficients, in this order; null: made "
+        "before it was kept.",
+    )
     board: Board | None = Field(None, description="The board that was seen; null: of a consensus.")
     camera_key: str | None = Field(None, description="Key of the camera, as a search answers it.")

@@ -15,6 +15,7 @@ from calibdb.schema.fields import (
     ImgSize,
     Label,
     Open,
+    Row,
     Strict,
     Zoom,
 )
@@ -23,10 +24,20 @@ from calibdb.schema.lookup import ResizeMode
 from calibdb.schema.observed_corners import ObservedCorners
 
 MAX_VIEWS = 5
+MAX_COEFFICIENTS = 14  # of a distortion model
 
 
 class CheckView(ObservedCorners):
     """One frame: the board corners seen."""
+
+
+class GivenCalibration(Open):
+    """A calibration at hand: a document as the service returns it, of which these members count."""
+
+    img_size: ImgSize
+    camera_matrix: tuple[Row, Row, Row] = Field(description="Row-major; pixel centres at whole numbers.")
+    distortion_coefficients: tuple[float, ...] = Field(max_length=MAX_COEFFICIENTS)
+    distortion_model: DistortionModel
 
 
 class CheckRequest(Strict, Licensed):
@@ -44,6 +55,11 @@ class CheckRequest(Strict, Licensed):
     board: Board = Board()
     views: tuple[CheckView, ...] = Field(
         min_length=1, max_length=MAX_VIEWS, description="Tilted differently; one alone tells little."
+    )
+    calibration: GivenCalibration | None = Field(
+        None,
+        description="Check this calibration instead of the camera's consensus, in its own model. Nothing is "
+        "looked up or stored, and no vote counts.",
     )
 
     @model_validator(mode="after")
@@ -64,3 +80,21 @@ class CheckAnswer(Open):
     )
     votes: Votes = Field(description="On the consensus as it is now, this one included.")
     calibration: Calibration = Field(description="The consensus as it is now, reliable or not.")
+
+
+class ComparisonAnswer(Open):
+    """Result of a check of a given calibration: how far it is from a fit of these views."""
+
+    fits: Literal["fits", "does_not_fit"]
+    error: float | None = Field(
+        description="px rms of the views under the calibration; null: it explains none."
+    )
+    expected: float = Field(description="px rms of these views under a camera fitted to them.")
+    drift: float | None = Field(
+        description="px rms over the image between the projections of the calibration and that camera, after "
+        "the best rotation; null: they share less than half of the image."
+    )
+    drift_uncertainty: float | None = Field(
+        description="px rms, standard deviation of that camera's projections; null: not known."
+    )
+    views: int = Field(description="How many of the views count.")

@@ -192,3 +192,4 @@ class GroupsDocument(Open):
     pooled: str  # of the consensus that it belongs to
     groups: tuple[tuple[str, ...], ...] = ()  # ids of calibrations that agree among themselves, largest first
     errors: dict[str, float] = Field({})  # px; of each calibration's views under a fit without it
+    covariance: tuple[tuple[float, ...], ...] | None = None  # of the consensus; None: made before it was kept

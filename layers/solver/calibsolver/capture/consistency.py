@@ -101,13 +101,13 @@ class Consistency:
         if inliers.mean() < MIN_VIEW_INLIER_SHARE and after.view_errors[-1] > self.min_error:
             return False
         if not others:
-            return bool(inlier_rms(after) <= 10 * self.min_error)
+            return bool(after.rms_inliers <= 10 * self.min_error)
         if before is None:
             return True
         # The view adds to the error of all: its own error, and the increase of the others'.
         added = max(squared_errors(after).sum() - squared_errors(before).sum(), 0.0)
         rms = np.sqrt(added / max(int(inliers.sum()), 1))
-        return bool(rms <= MAX_ERROR_RATIO * max(inlier_rms(before), self.min_error))
+        return bool(rms <= MAX_ERROR_RATIO * max(before.rms_inliers, self.min_error))
 
     def find_consistent_views(self, view: View, candidates: Sequence[View], more_than: int = 0) -> list[View]:
         """Collect the views that agree with `view` and each other: it first, then the newest first.
@@ -132,7 +132,7 @@ class Consistency:
         whole = self.fit_trial(views)
         if whole is None or len(views) < 2:
             return None
-        largest = inlier_rms(whole) / MIN_IMPROVEMENT
+        largest = whole.rms_inliers / MIN_IMPROVEMENT
         if self.min_error > largest:
             return None  # they agree so well that none of them can be the wrong one
         best: tuple[float, int] | None = None
@@ -145,8 +145,8 @@ class Consistency:
             if not self.is_consistent(rest, view):
                 continue
             together = self.fit_trial([*rest, view])
-            if together is not None and (best is None or inlier_rms(together) < best[0]):
-                best = inlier_rms(together), i
+            if together is not None and (best is None or together.rms_inliers < best[0]):
+                best = together.rms_inliers, i
         return best[1] if best is not None and best[0] <= largest else None
 
     def _rms_with_perfect(self, calibration: Calibration, view: View) -> float:
@@ -205,8 +205,3 @@ def squared_errors(calibration: Calibration) -> Array:
     """Sum (v,) px^2 of each view's squared residuals, over the inliers."""
     pairs = zip(calibration.residuals, calibration.used, strict=True)
     return np.array([float(np.sum(e[u] ** 2)) for e, u in pairs])
-
-
-def inlier_rms(calibration: Calibration) -> float:
-    """Root mean square residual, px, over the inliers of all views."""
-    return float(np.sqrt(squared_errors(calibration).sum() / max(sum(u.sum() for u in calibration.used), 1)))

@@ -37,13 +37,13 @@ def describe(camera: Camera, group: Sequence[FittedMember], covariance: Array) -
     used = [mask for f in group for mask in f.calibration.used]
     posed = reprojection_score(camera, [_inliers(v, mask) for v, mask in zip(views, used, strict=True)]).poses
     limit = float(np.hypot(*camera.img_size))
-    residuals = []
-    for view, pose in zip(views, posed, strict=True):
-        q = camera.project(view.object_points @ matrix(pose[:3]).T + pose[3:])
-        length = np.linalg.norm(q - view.image_points, axis=1)
-        residuals.append(np.where(np.isfinite(length), np.minimum(length, limit), limit))
-    square = [float(np.sum(e**2)) for e in residuals]
-    points = [len(e) for e in residuals]
+    residuals = [
+        view.image_points - camera.project(view.object_points @ matrix(pose[:3]).T + pose[3:])
+        for view, pose in zip(views, posed, strict=True)
+    ]
+    lengths = [np.fmin(np.linalg.norm(e, axis=1), limit) for e in residuals]  # of NaN the limit
+    square = [float(np.sum(e**2)) for e in lengths]
+    points = [len(e) for e in lengths]
     noise = np.sqrt(np.mean([f.calibration.noise**2 for f in group]))
     return Calibration(
         camera=camera,

@@ -9,6 +9,7 @@ import numpy as np
 from .. import models
 from ..arrays import Array, Mask
 from ..camera import Camera
+from . import description
 from .uncertainty import Uncertainty, projection_jacobian_rotation_free, variance
 
 
@@ -39,7 +40,7 @@ class Calibration:
         Variance that the intrinsics see / variance that white noise of the corners gives them, >= 1: what is
         systematic in the views.
     residuals
-        For each view (n,) px, the distance between every point seen and predicted.
+        For each view (n, 2) px, observed minus projected; NaN of a point without a projection.
     used
         For each view (n,) whether a point took part in the final fit.
     prior_used
@@ -60,6 +61,22 @@ class Calibration:
     used: tuple[Mask, ...]
     prior_used: bool
     cut_views: Mapping[int, str] = field(default_factory=dict)
+
+    @property
+    def rms_inliers(self) -> float:
+        """px, root of the mean square distance over the points that took part in the final fit."""
+        square = [np.sum(r[used] ** 2) for r, used in zip(self.residuals, self.used, strict=True)]
+        return float(np.sqrt(np.sum(square) / max(sum(used.sum() for used in self.used), 1)))
+
+    def __repr__(self) -> str:
+        return description.line(self)
+
+    def summary(self) -> str:
+        """Describe the result in a few lines: intrinsics with standard deviations, errors, views left out."""
+        return description.summary(self)
+
+    def _repr_html_(self) -> str:
+        return description.html(self)
 
     def projection_std(self, grid: tuple[int, int] = (20, 15)) -> Array:
         """Predicted error of a projection over the image, px, (rows, columns) for `grid` = (columns, rows).

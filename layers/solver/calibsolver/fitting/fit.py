@@ -78,8 +78,9 @@ def fit(
     Raises
     ------
     CalibrationError
-        ``no_views``, ``too_few_points``, ``degenerate``, ``not_planar``, ``out_of_range``, ``mirrored``,
-        ``unknown_model``, ``no_fit``, ``not_converged`` or ``not_believable``: never is nonsense returned.
+        ``no_views``, ``too_few_points``, ``degenerate``, ``not_planar``, ``out_of_range``,
+        ``outside_image``, ``mirrored``, ``unknown_model``, ``no_fit``, ``not_converged`` or
+        ``not_believable``: never is nonsense returned.
     """
     camera_model = models.get(model)
     views = list(views or ())
@@ -308,6 +309,7 @@ class _Fit:
         if not (np.isfinite(rms) and np.isfinite(spread.covariance).all()):
             raise CalibrationError("not_believable", "the fit has no finite error")
         measured, back = self.order.points_back(mask), self.order.points_back
+        signed = np.stack([back(-axis) for axis in state.rows[-1]], axis=-1)  # observed - projected
         return Calibration(
             camera=Camera.from_intrinsics(self.model.name, k, img_size),
             poses=frozen(self.order.back(state.poses.vectors())),
@@ -317,7 +319,7 @@ class _Fit:
             information=frozen(spread.information),
             noise=sigma,
             inflation=spread.inflation,
-            residuals=tuple(frozen(e[m]) for e, m in zip(back(state.length), measured, strict=True)),
+            residuals=tuple(frozen(e[m]) for e, m in zip(signed, measured, strict=True)),
             used=tuple(g[m] for g, m in zip(back(good), measured, strict=True)),
             prior_used=with_prior,
             cut_views=self._cut_reasons(good),

@@ -19,6 +19,10 @@ MAX_IMAGE_DISTANCE, MAX_BOARD_DISTANCE = 10.0, 1e9
 """Image sizes from the middle of the image, and units of the board, within which points are."""
 
 
+MAX_OUTSIDE = 0.05
+"""Distance of a point from the image / its longer side, above which the size is wrong and not the point."""
+
+
 def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
     """Pack views, or refuse those that no fit could use: CalibrationError, see `fit`."""
     obs = pack(views, img_size)
@@ -43,6 +47,13 @@ def pack(views: Iterable[View], img_size: tuple[int, int], *, planar: bool = Tru
                 "too_few_points", f"view {i} has {len(view)} points, {MIN_POINTS} are needed"
             )
     obs = in_range(Observations.of(views), img_size)
+    half = np.array([[w / 2], [h / 2]])
+    beyond = np.abs(obs.pixels + 0.5 - half) - half  # of the outer edge of the outermost pixels
+    refuse(
+        beyond.max(axis=(1, 2)) > MAX_OUTSIDE * max(w, h),
+        "outside_image",
+        f"view {{}} has points outside the image of {w} x {h} px",
+    )
     extent = obs.points.max(axis=2) - obs.points.min(axis=2)
     refuse(
         planar & (extent[:, 2] > 1e-9 * np.maximum(extent[:, 0], extent[:, 1])),

@@ -65,7 +65,7 @@ class PoseHistory:
             pairs = zip(calibration.residuals, calibration.used, strict=True)
             # Six points tell nothing: some pose fits them. Nor does noise below any detector's.
             enough = [(i, e[u]) for i, (e, u) in enumerate(pairs) if u.sum() > 6]
-            rms = np.array([np.sqrt(np.mean(e**2)) for _, e in enough])
+            rms = np.array([np.sqrt(np.mean(np.sum(e**2, axis=1))) for _, e in enough])
             rms = np.maximum(rms, MIN_NOISE_WIDTHS * camera.img_size[0])
             noise[[i for i, _ in enough]] = rms / rms.min(initial=np.inf)
         v = len(rt)

@@ -46,14 +46,15 @@ def describe(
     -------
     ``verdict`` (level; reasons, the one to act on first), ``board`` (``sag`` and ``stretch`` / longer
     side, whether they are ``used``, px ``held_out`` as drawn and ``held_out_shaped``; null where too few
-    views tell it), ``std`` (standard deviations of the intrinsics), ``error_map`` (predicted projection
-    error over the image, px, null where the model has no ray), ``held_out`` (px; null where there is
-    none, or more than the image is wide), ``systematic`` (``inflation``; probable ``cause``, what to do
-    in ``text``, the ``model`` to choose; null where there is none; a cause that moves corners by more
-    than their noise is a reason of the verdict too), ``views``: per view its ``index``, ``rms``,
-    ``points`` (px), ``residuals`` (measured minus predicted, px), ``rvec``, ``tvec`` (board -> camera),
-    ``cut`` (numbers of the points left out), ``reason`` (why the whole view was left out, or null). A
-    degenerate view has neither pose nor error: null.
+    views tell it), ``std`` (standard deviations of the intrinsics), ``covariance`` ((p, p) of the
+    intrinsics, not rounded), ``error_map`` (predicted projection error over the image, px, null where the
+    model has no ray), ``held_out`` (px; null where there is none, or more than the image is wide),
+    ``systematic`` (``inflation``; probable ``cause``, what to do in ``text``, the ``model`` to choose;
+    null where there is none; a cause that moves corners by more than their noise is a reason of the
+    verdict too), ``views``: per view its ``index``, ``rms``, ``points`` (px), ``residuals`` (measured
+    minus predicted, px), ``rvec``, ``tvec`` (board -> camera), ``cut`` (numbers of the points left out),
+    ``reason`` (why the whole view was left out, or null). A degenerate view has neither pose nor error:
+    null.
     """
     verdict = assess(calibration, views, held_out)
     cause = probable_cause(calibration, views)
@@ -73,6 +74,7 @@ def describe(
             **{name: _digits(value) for name, value in zip(("fx", "fy", "cx", "cy"), std, strict=False)},
             "distortion": [_digits(value) for value in std[4:]],
         },
+        "covariance": calibration.covariance.tolist(),
         "systematic": {
             "inflation": _digits(calibration.inflation),
             "cause": cause.code if cause else None,

@@ -121,7 +121,7 @@ def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | N
         return None
     errors = np.concatenate([calibration.residuals[i][calibration.used[i]] for i in taken])
     f = calibration.inflation
-    rms = float(np.sqrt(np.mean(errors**2))) * REFERENCE_WIDTH_PX / calibration.camera.img_size[0]
+    rms = float(np.sqrt(2 * np.mean(errors**2))) * REFERENCE_WIDTH_PX / calibration.camera.img_size[0]
     if model is not None and share >= MIN_SHARE_RATIO * most:
         text = f"The lens bends more than the {calibration.camera.model} model can: choose the {model} model."
         return Cause("model_too_simple", share, text, float(np.sqrt(share)) * rms, f, model)

@@ -34,7 +34,7 @@ def test_view_of_one_row_is_set_aside(real: tuple[list[View], tuple[int, int]], 
     np.testing.assert_array_equal(found.covariance, alone.covariance)
     np.testing.assert_array_equal(np.delete(found.poses, 3, axis=0), alone.poses)
     assert not found.used[3].any()
-    assert found.residuals[3].shape == (6,)
+    assert found.residuals[3].shape == (6, 2)
     assert np.isnan(found.poses[3]).all()  # a line has no pose, and so no error that could count
     assert found.avg_reprojection_error == alone.avg_reprojection_error
 

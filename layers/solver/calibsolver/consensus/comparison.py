@@ -1,0 +1,71 @@
+"""Comparison of a calibration at hand with a fit of fresh views of the same camera."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..camera import Camera
+from ..errors import CalibrationError, undetermined
+from ..fitting.fit import fit
+from ..fitting.resection import MIN_POSE_POINTS, reprojection_score
+from ..view import View
+from .agreement import difference
+
+MAX_RMS_RATIO = 1.5
+"""Error under the calibration / error under a camera fitted to the views, up to which it fits."""
+MAX_EXCESS_WIDTHS = 0.15 / 1280
+"""Excess of the one over the other / image width up to which it fits as well."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A calibration and the fit of fresh views.
+
+    Attributes
+    ----------
+    fits
+        True if the calibration explains the views about as well as their own fit.
+    error, expected
+        px rms of the views under it, and under a camera fitted to them; infinite if it explains none.
+    drift
+        px rms over the picture between the projections of the two cameras, the best rotation removed;
+        infinite if they share less than half of the picture.
+    drift_uncertainty
+        px rms, standard deviation of the projections of the fit of these views.
+    views
+        Number of views that count.
+    """
+
+    fits: bool
+    error: float
+    expected: float
+    drift: float
+    drift_uncertainty: float
+    views: int
+
+
+@undetermined()
+def compare(camera: Camera, views: Sequence[View]) -> Comparison:
+    """Compare a camera with a fit of `views` in its model. Raises CalibrationError as `fit` does."""
+    own = fit(views, camera.img_size, camera.model)
+    used = [
+        View(view.object_points[mask], view.image_points[mask])
+        for view, mask in zip(views, own.used, strict=True)
+        if mask.sum() >= MIN_POSE_POINTS
+    ]
+    if not used:
+        raise CalibrationError("too_few_points", "no view can show a board: too few of its corners fit")
+    error = reprojection_score(camera, used).rms
+    expected = reprojection_score(own.camera, used).rms
+    limit = max(MAX_RMS_RATIO * expected, expected + MAX_EXCESS_WIDTHS * camera.img_size[0])
+    with np.errstate(all="ignore"):  # a camera at hand may be nonsense
+        drift = difference(camera, own.camera)
+    return Comparison(
+        bool(np.isfinite(error) and error <= limit),
+        float(error),
+        float(expected),
+        drift,
+        own.uncertainty().rms,
+        len(used),
+    )

@@ -1,0 +1,76 @@
+"""The JSON Schema of a calibration document accepts every kind of them."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from calibdb import schema
+from calibdb_client import offline
+from infra.web_build import calibration_schema, openapi, site
+from tests.helpers.recordings import recording_of
+from tests.helpers.service.known import consensus
+from tests.helpers.service.published import calibration
+
+SERVED = json.loads(site.made_files()["docs/schema/calibration-1.json"])
+VALIDATOR = jsonschema.Draft202012Validator(SERVED)
+
+
+def kinds(folder: Path) -> dict[str, Any]:
+    """Return a document of every kind, by name."""
+    result = offline.calibrate_recording(recording_of("opencv_left"), "rectilinear").calibration
+    result.save(folder / "offline.json")
+    document = calibration("Camera of a schema", 0)
+    pooled = consensus().calibration
+    assert pooled is not None
+    examples = json.loads(openapi.EXAMPLES_PATH.read_text(encoding="utf-8"))
+    return {
+        "offline": json.loads((folder / "offline.json").read_text(encoding="utf-8")),
+        "minimal": {name: document.answer().model_dump(mode="json")[name] for name in SERVED["required"]},
+        "stored": schema.ReportedCalibration(**dict(document.answer()), board=document.board).model_dump(
+            mode="json"
+        ),
+        "consensus": schema.ReportedCalibration(**dict(pooled)).model_dump(mode="json"),
+        "looked up": examples["lookup"],
+        "read": examples["showCalibration"],
+        "checked": examples["checkCalibration"]["calibration"],
+    }
+
+
+def test_every_kind_of_document_is_valid(tmp_path: Path) -> None:
+    jsonschema.Draft202012Validator.check_schema(SERVED)
+    for name, document in kinds(tmp_path).items():
+        errors = [f"{error.json_path}: {error.message}" for error in VALIDATOR.iter_errors(document)]
+        assert errors == [], name
+
+
+def test_members_of_every_kind_are_described(tmp_path: Path) -> None:
+    told = SERVED["properties"].keys() | {"recording"}
+    for name, document in kinds(tmp_path).items():
+        assert document.keys() <= told, name
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"camera_matrix": [[950, 0, 640], [0, 950, 360]]},
+        {"distortion_model": "pinhole"},
+        {"img_size": [1280]},
+        {"covariance": 3},
+        {"uncertainty": {"rms": 0.3}},
+    ],
+)
+def test_other_documents_are_invalid(changed: dict[str, Any]) -> None:
+    document = calibration("Camera of a schema", 0).answer().model_dump(mode="json")
+    assert VALIDATOR.is_valid(document)
+    assert not VALIDATOR.is_valid({**document, **changed})
+    assert not VALIDATOR.is_valid({k: v for k, v in document.items() if k != next(iter(changed))}) or (
+        next(iter(changed)) not in SERVED["required"]
+    )
+
+
+def test_address_names_the_version() -> None:
+    assert SERVED["$id"] == f"/docs/schema/calibration-{calibration_schema.VERSION}.json"
+    assert SERVED["required"] == ["img_size", "camera_matrix", "distortion_coefficients", "distortion_model"]
