@@ -20,7 +20,7 @@ from tests.helpers.solver.export_sources import subject
 NAME = "LifeCam HD-3000 (045e:0779)"
 SENT = {
     "camera", "platform", "img_size", "zoom", "distortion_model", "board", "capture",
-    "index", "ids", "points",
+    "index", "views",
 }  # fmt: skip
 
 

@@ -132,3 +132,36 @@ def test_mirrored_footage_is_turned_back_by_one_click(
         expect(page.locator("#corners .corner")).not_to_have_count(0)
         assert "squares=4x5" in page.url
         assert "flipped=true" in page.url
+
+
+@dataclass(frozen=True)
+class Walk:
+    """Footage as it was taken, its frames/s, and its first frame with the board that the page names."""
+
+    file: str
+    rate: int
+    first: int
+    words: str
+
+
+@pytest.mark.parametrize(
+    "walk",
+    [
+        Walk("caliscope_char0_mpeg4.mp4", 6, 66, "4 × 5 ChArUco"),
+        Walk("chessboard_uk.avi", 30, 0, "11 × 8 chessboard"),
+    ],
+    ids=["hidden markers", "partly outside"],
+)
+def test_board_that_is_partly_seen_is_named_as_a_whole_and_asked_about(
+    playwright: Playwright, stack: str, tmp_path: Path, walk: Walk
+) -> None:
+    frames = stop_and_go.frames_of(data_dir() / "videos" / walk.file)[walk.first :]
+    source = stop_and_go.write(tmp_path / "camera.y4m", [*frames, *frames[::-1]], walk.rate)
+    with stop_and_go.camera(playwright, stack, source) as page:
+        page.goto("/calibrate/")
+        page.locator("#start").click()
+        page.locator("#reticle:not([hidden])").wait_for()
+        page.locator("#use-board").wait_for()
+        expect(page.locator("#remedy")).to_contain_text(walk.words)
+        page.locator("#use-board").click()
+        expect(page.locator("#corners .corner")).not_to_have_count(0)

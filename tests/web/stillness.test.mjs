@@ -42,6 +42,13 @@ test("a smeared frame is passed over in a hold, not before one, and not for long
   assert.equal(observe(watch([100]), nothing, 50, 1280).anchor, nothing);
 });
 
+test("time that no frame shows does not count as held", () => {
+  const every = (gap) => [0, 1, 2, 3].reduce((state, index) => observe(state, at(100), gap * index, 1280), MOVING);
+  assert.equal(every(250).held, 750);
+  assert.equal(every(600).held, 750, "of a device that looks twice a second");
+  assert.equal(every(600).seen, 1800);
+});
+
 test("too few common corners are no evidence of stillness", () => {
   const few = { ids: [0, 1, 7, 8], points: [[0, 0], [1, 0], [2, 0], [3, 0]] };
   assert.equal(motion(at(0), few), Infinity);

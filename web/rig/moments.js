@@ -124,8 +124,8 @@ export function isReady(sights, patience) {
  * @returns {"take" | "wait" | "miss"}
  */
 export function answer(sight, { unopenedAt, seenAt }, time) {
-  const { since, held: steady, frames } = sight.stillness;
+  const { since, seen, held: steady, frames } = sight.stillness;
   if (!isSeen(sight) || since > unopenedAt) return "miss";
-  if (steady >= MIN_HELD_MS && frames >= MIN_HELD_FRAMES && since + steady >= seenAt) return "take";
+  if (steady >= MIN_HELD_MS && frames >= MIN_HELD_FRAMES && seen >= seenAt) return "take";
   return time - seenAt > ANSWER_MS ? "miss" : "wait";
 }

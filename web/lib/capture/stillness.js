@@ -3,6 +3,7 @@
 const MOTION = 2; // px a frame at 1280 px image width, mean over the corners: the published rule
 const DRIFT = 6; // px away from where the hold began: slow movement is movement
 const GAP = 150; // ms for which frames may be smeared, or show nothing, before the hold is over
+const MAX_UNSEEN = 250; // ms between frames that count as held: what a busy device did not look at, it did not see to be still
 const COMMON = 4; // corners that must be seen in both frames to compare them
 
 /**
@@ -12,7 +13,7 @@ const COMMON = 4; // corners that must be seen in both frames to compare them
  * @property {Corners | null} anchor where the hold began
  * @property {Corners | null} last
  * @property {number} since ms, when the hold began
- * @property {number} held ms
+ * @property {number} held ms, as far as frames show it
  * @property {number} seen ms, when it was seen to be still last
  * @property {number} frames in the hold, the first not counted
  */
@@ -30,7 +31,7 @@ export function observe(before, corners, time, width, lenience = 1) {
   const still = before.anchor && before.last
     && motion(before.last, corners) < MOTION * scale
     && motion(before.anchor, corners) < DRIFT * scale;
-  if (still) return { ...before, last: corners, held: time - before.since, seen: time, frames: before.frames + 1 };
+  if (still) return { ...before, last: corners, held: before.held + Math.min(time - before.seen, MAX_UNSEEN), seen: time, frames: before.frames + 1 };
   if (before.held > 0 && time - before.seen < GAP) return before;
   return { anchor: corners, last: corners, since: time, held: 0, seen: time, frames: 0 };
 }

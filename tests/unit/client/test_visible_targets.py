@@ -1,0 +1,85 @@
+"""Targets that are asked for, drawn as a camera would see them: the detector finds the board in each."""
+
+import cv2
+import numpy as np
+import pytest
+
+from calibdb_client.board import Board as ClientBoard
+from calibdb_client.detection import Detector
+from calibsolver import Board, Camera, rotation
+from calibsolver.capture import Capture
+from calibsolver.guidance import TargetPose
+from calibsolver.guidance.overlay import draw_board
+
+TARGETS = 4
+SQUARE_PX = 48
+SAMPLES = 3
+BLUR_PX, NOISE = 0.8, 2.0
+MIN_CORNERS = 6
+"""Corners of a target that the detector must find: with fewer no view is taken."""
+BOARDS = {
+    "charuco": Board((9, 6)),
+    "6x6 markers": Board((8, 8), marker_ratio=0.75, dictionary="DICT_6X6_250"),
+    "many squares": Board((14, 9), marker_ratio=0.75, dictionary="DICT_5X5_1000"),
+    "aprilgrid": Board((6, 6), kind="aprilgrid", dictionary="DICT_APRILTAG_36h11"),
+    "chessboard": Board((11, 8), kind="chessboard"),
+}
+HD = {"most squares": Board((24, 17), marker_ratio=0.7, dictionary="DICT_7X7_1000")}
+"""Boards whose markers a picture of 640 px cannot show."""
+CASES = [((640, 480), name, board) for name, board in BOARDS.items()] + [
+    ((1280, 720), name, board) for name, board in {**BOARDS, **HD}.items()
+]
+
+
+def drawn(board: Board, camera: Camera, target: TargetPose, seed: int) -> np.ndarray:
+    """Draw the board at a target, seen by a camera without distortion, blurred and with noise."""
+    edge = 0 if board.inverted else 255
+    margin = (SQUARE_PX,) * 4
+    texture = cv2.copyMakeBorder(
+        draw_board(board, SQUARE_PX), *margin, cv2.BORDER_CONSTANT, value=(edge, edge, edge)
+    )
+    x, y = board.outline[0, :2] - 1 + 0.5 / SQUARE_PX
+    to_board = np.array([[1 / SQUARE_PX, 0, x], [0, 1 / SQUARE_PX, y], [0, 0, 1]])
+    plane = np.column_stack([rotation.matrix(target.rvec)[:, :2], target.tvec])
+    shift = (SAMPLES - 1) / 2
+    finer = np.array([[SAMPLES, 0, shift], [0, SAMPLES, shift], [0, 0, 1]])
+    w, h = camera.img_size
+    fine = cv2.warpPerspective(
+        texture,
+        finer @ camera.matrix @ plane @ to_board,
+        (SAMPLES * w, SAMPLES * h),
+        borderMode=cv2.BORDER_CONSTANT,
+        borderValue=(110, 110, 110),
+    )
+    grey = cv2.resize(fine, (w, h), interpolation=cv2.INTER_AREA).astype(float)
+    blurred = cv2.GaussianBlur(30 + 0.75 * grey, (0, 0), BLUR_PX)
+    noise = np.random.default_rng(seed).normal(0, NOISE, blurred.shape)
+    return np.clip(blurred + noise, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize(
+    ("size", "board"),
+    [(size, board) for size, _, board in CASES],
+    ids=[f"{name}-{size[0]}" for size, name, _ in CASES],
+)
+def test_detector_finds_the_board_at_every_target(size: tuple[int, int], board: Board) -> None:
+    """All of a chessboard, and of others enough corners for a view."""
+    detector = Detector(
+        ClientBoard(
+            board.squares, board.marker_ratio, board.dictionary, kind=board.kind, inverted=board.inverted
+        )
+    )
+    capture = Capture(board, size, target_error=0.001)
+    camera, views, estimate = capture.camera(None), [], capture.estimate([])
+    for number in range(TARGETS):
+        target = capture.next_target(views, estimate)
+        found = detector.find(drawn(board, camera, target, number))
+        seen = set() if found is None else set(found.ids) & set(target.ids)
+        counted = len(target.ids)
+        needed = counted if board.kind == "chessboard" else MIN_CORNERS
+        assert len(seen) >= needed, f"target {number}: {len(seen)} of {counted} corners"
+        turn = rotation.matrix(target.rvec)
+        points = camera.project(board.points[list(target.ids)] @ turn.T + target.tvec)
+        points = points + np.random.default_rng(number).normal(0, 0.15, points.shape)
+        views.append(board.view(target.ids, points))
+        estimate = capture.estimate(views)
