@@ -77,9 +77,7 @@ GROUPS: dict[str, tuple[Entry, ...]] = {
         Entry("docs/limits.md", "limits", "Limits", "Calls an hour by plan, sizes, times.", True),
     ),
     "understand": (
-        Entry(
-            "docs/concepts.md", "concepts", "Concepts", "Camera key, view, session, consensus, reliable."
-        ),
+        Entry("docs/concepts.md", "concepts", "Concepts", "Camera key, view, session, consensus, reliable."),
         Entry(
             "docs/conventions.md",
             "conventions",
