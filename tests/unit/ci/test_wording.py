@@ -27,7 +27,8 @@ def test_document_may_have_as_many_findings_as_allowed(monkeypatch: pytest.Monke
     (problem,) = wording.document_problems("docs/old.md", "anew anew\nanew")
     assert problem.startswith("docs/old.md: 3 discouraged")
     assert "docs/old.md:2: anew" in problem
-    assert len(wording.document_problems("docs/new.md", "anew")) == 1
+    assert wording.document_problems("docs/new.md", "anew " * wording.MAX_FINDINGS) == []
+    assert len(wording.document_problems("docs/new.md", "anew " * (wording.MAX_FINDINGS + 1))) == 1
 
 
 @pytest.mark.parametrize(
