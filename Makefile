@@ -20,7 +20,7 @@ TWO := -n 2 --dist worksteal
 # Three at a time: a fifth of the time they wait for processes that they start and stop, or for a browser.
 MODULES := -n 3 --dist loadscope --no-loadscope-reorder
 # The longest first, for two at a time; each begins as soon as the packages that it needs are there.
-CHECKS := .mypy .cfn-lint .tsc .ruff .audit
+CHECKS := .mypy .cfn-lint .tsc .ruff .wording .audit
 # Tests under node that have OpenCV draw boards
 DRAWN := tests/web/geometry.test.mjs
 PAIRED := --no-print-directory --jobs 2 --output-sync
@@ -42,11 +42,11 @@ test: ## run everything below up to browser
 	$(PYTEST) $(MODULES) tests/unit tests/service
 	@$(MAKE) --no-print-directory browser
 
-lint: ## check style, types, the template, and dependencies for known vulnerabilities
+lint: ## check style, types, wording, the template, and dependencies for known vulnerabilities
 	@$(MAKE) $(PAIRED) $(CHECKS)
 
 .node .drawn .tsc: web/vendor/api.d.ts
-.drawn .ruff .mypy .cfn-lint .audit: .venv/.made
+.drawn .ruff .wording .mypy .cfn-lint .audit: .venv/.made
 
 .node:
 	node --test $(filter-out $(DRAWN),$(wildcard tests/web/*.test.mjs))
@@ -57,6 +57,9 @@ lint: ## check style, types, the template, and dependencies for known vulnerabil
 .ruff:
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
+
+.wording:
+	@$(PY) -m infra.ci.wording
 
 .mypy:
 	$(PY) -m mypy

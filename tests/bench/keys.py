@@ -157,7 +157,7 @@ def facts(found: Sequence[Label]) -> list[list[str]]:
         ["products with these labels", str(len({x.product for x in found}))],
         ["labels that identify their product", f"{len(answered)} of {len(real)}"],
         ["names shared by several USB ids", str(len(several))],
-        ["of these resolved by the name alone", str(guessed)],
+        ["of these resolved by the name only", str(guessed)],
         [
             "virtual cameras recognised",
             f"{sum(x.identity.virtual for x in virtual)} of {len(virtual)}",

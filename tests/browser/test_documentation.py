@@ -27,19 +27,6 @@ from .conftest import CHROMIUM, ROOT, chromium_path, close
 FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
 KNOWN = json.loads(EXAMPLES_PATH.read_text())["lookup"]
 BUNDLE = {"format": "calibdb-bundle", "version": 1, "columns": [], "cameras": [], "labels": {}, "places": {}}
-#: names that samples take for granted, as far as a sample does not declare them
-PRELUDE = {
-    "lookup": 'import { lookup } from "calibdb";',
-    "token": 'const token = "cdb_dev_local";',
-    "track": 'const track = { camera: "A", platform: "X11; Linux x86_64", img_size: [1280, 720], zoom: 0 };',
-    "id": 'const id = "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d";',
-    "stereo": 'const stereo = await (await import("/sdk/rig.js")).rig("a", { token: "cdb_dev_local" });',
-    "leftVideo": "const leftVideo = new OffscreenCanvas(640, 480);",
-    "rightVideo": "const rightVideo = leftVideo;",
-    "pair": "const pair = await (await import('/sdk/rig.js')).rectifyPair(leftVideo, rightVideo, stereo);",
-}
-#: what a name of `PRELUDE` takes for granted itself
-TAKEN = {"rightVideo": ("leftVideo",), "pair": ("stereo", "leftVideo", "rightVideo")}
 #: two cameras of 640 x 480 px
 CAMERAS = """
   const devices = [1, 2].map((each) => ({ kind: "videoinput", deviceId: `${each}`, label: `C ${each}` }));
@@ -47,7 +34,13 @@ CAMERAS = """
   navigator.mediaDevices.getUserMedia = async () => {
     const canvas = Object.assign(document.createElement("canvas"), { width: 640, height: 480 });
     canvas.getContext("2d").fillRect(0, 0, 640, 480);
-    return canvas.captureStream(30);
+    const stream = canvas.captureStream(30);
+    const settings = { width: 640, height: 480 };
+    for (const track of stream.getVideoTracks()) {
+      Object.defineProperty(track, "label", { value: "C 1" });
+      track.getSettings = () => settings;
+    }
+    return stream;
   };
 """
 PAGES = ("", "quickstart/", "reference/lookup/")
@@ -107,21 +100,11 @@ def test_quickstart_ends_with_a_page_that_knows_its_camera(
     browser.close()
 
 
-def samples(source: str) -> list[str]:
-    """The JavaScript of a document, each with what it takes for granted."""
-    found = []
-    for block in blocks(source):
-        if block.language == "js" and block.reason is None:
-            names = {
-                name
-                for name in PRELUDE
-                if re.search(rf"\b{name}\b", block.code)
-                and not re.search(rf"(import \{{ |const ){name}\b", block.code)
-            }
-            names |= {each for name in names for each in TAKEN.get(name, ())}
-            needed = [line for name, line in PRELUDE.items() if name in names]
-            found.append("\n".join([*needed, block.code, "globalThis.done = true;"]))
-    return found
+def script(source: str) -> str:
+    """The JavaScript of a document, as a reader pastes it: one block after the other, and nothing else."""
+    codes = [block.code for block in blocks(source) if block.language == "js" and block.reason is None]
+    assert codes
+    return "\n".join([*codes, "globalThis.done = true;"])
 
 
 def test_javascript_of_quickstart_and_manual_runs(context: BrowserContext, stack: str) -> None:
@@ -137,9 +120,7 @@ def test_javascript_of_quickstart_and_manual_runs(context: BrowserContext, stack
     imports = {name: f"/sdk/{name.partition('/')[2] or name}.js" for name in names}
     map_ = f'<script type="importmap">{json.dumps({"imports": imports})}</script>'
     sources = ("docs/quickstart.md", "docs/two-cameras.md", "web/sdk/README.md")
-    found = [code for source in sources for code in samples(source)]
-    assert len(found) >= 9
-    for index, code in enumerate(found):
+    for index, code in enumerate(map(script, sources)):
         html = f'<!doctype html>{map_}<script type="module">{code.replace(SITE, stack)}</script>'
         page.route(f"**/sample-{index}", partial(send, html))
         page.goto(f"/sample-{index}")
@@ -153,7 +134,7 @@ def rig_result() -> dict[str, Any]:
     still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0] * 6}
     return {
         "rig_id": "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d",
-        "calibrations": [pair["left"], pair["right"]],
+        "calibrations": [pair["left"] | {"camera": "C 1"}, pair["right"] | {"camera": "C 2"}],
         "extrinsics": [still, {"position": 1, **pair["pose"], "std": [0.001] * 6}],
         "unit": "metres",
         "uncertainty": {"rotation_deg": 0.05, "translation_percent": 0.2, "rms": 0.25},

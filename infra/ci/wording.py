@@ -1,0 +1,96 @@
+"""Check the words of documents and the subjects of commits.
+
+python -m infra.ci.wording
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+MAX_SUBJECT = 72  # characters
+MAX_CELL = 200  # characters of a table cell
+MAX_FINDINGS = 3  # per document
+BASE = "origin/main"
+
+DISCOURAGED = re.compile(
+    r"\b(?:nobody|somebody|anybody|everybody|whoever|anew|told|tells|alone|holds|beside|mend(?:s|ed)?|liars?|honest"
+    r"|strangers?|(?<!there )(?:is|are) no|by (?:itself|themselves)|go(?:es)? on|in words|the very|former)\b"
+    r"|, too(?=[.;:,)])",
+    re.IGNORECASE,
+)
+"""Words of literal translations; docs/development.md says how to write instead."""
+_NOT_PROSE = re.compile(r"^ *```.*?^ *```|<!--.*?-->|`[^`\n]*`|\]\([^)]*\)", re.DOTALL | re.MULTILINE)
+
+ALLOWED = {
+    "clients/python/examples/README.md": 4,
+    "docs/accuracy.md": 35,
+    "docs/api.md": 54,
+    "docs/architecture.md": 12,
+    "docs/conventions.md": 14,
+    "docs/formats.md": 15,
+    "docs/operations.md": 65,
+    "docs/python.md": 17,
+    "docs/security.md": 64,
+}
+"""Findings that a document may have, `MAX_FINDINGS` in others. The numbers may only fall."""
+
+
+def findings(text: str) -> Iterator[tuple[int, str]]:
+    """Yield line and text of discouraged words outside code, and of table cells that are too long."""
+    plain = _NOT_PROSE.sub(lambda match: "\n" * match[0].count("\n") or "-", text)
+    for number, line in enumerate(plain.splitlines(), 1):
+        for match in DISCOURAGED.finditer(line):
+            yield number, match[0].strip(", ")
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.lstrip().startswith("|"):
+            for cell in re.split(r"(?<!\\)\|", line):
+                if len(cell.strip()) > MAX_CELL:
+                    yield number, f"cell of {len(cell.strip())} characters"
+
+
+def document_problems(path: str, text: str) -> list[str]:
+    """Describe the findings of a document that has more than it may have."""
+    found = list(findings(text))
+    allowed = ALLOWED.get(path, MAX_FINDINGS)
+    if len(found) <= allowed:
+        return []
+    where = "".join(f"\n  {path}:{number}: {words}" for number, words in found)
+    return [f"{path}: {len(found)} discouraged words or long cells, at most {allowed} allowed{where}"]
+
+
+def subject_problems(subject: str) -> list[str]:
+    """Describe what is wrong with the subject of a commit."""
+    wrong = []
+    if len(subject) > MAX_SUBJECT:
+        wrong.append(f"{len(subject)} characters, at most {MAX_SUBJECT}")
+    if subject.endswith("."):
+        wrong.append("ends with a full stop")
+    if not subject[:1].isupper():
+        wrong.append("does not start with a capital letter")
+    return [f"commit {subject!r}: {each}" for each in wrong]
+
+
+def git_lines(*arguments: str) -> Sequence[str]:
+    """Lines of git's output; none if it fails, for example because there is no such ref."""
+    command = ["git", "-C", str(ROOT), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.splitlines()  # noqa: S603
+
+
+def main() -> int:
+    """Print all problems; 1 if there are any."""
+    problems = []
+    for path in git_lines("ls-files", "*.md"):
+        problems += document_problems(path, (ROOT / path).read_text(encoding="utf-8"))
+    for subject in git_lines("log", "--no-merges", "--format=%s", f"{BASE}..HEAD"):
+        problems += subject_problems(subject)
+    print("\n".join(problems) or "wording: no problems")
+    return min(1, len(problems))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,51 @@
+"""Words of documents and subjects of commits: what is found, and where nothing is looked for."""
+
+import pytest
+
+from infra.ci import wording
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("Nobody reads it.\n\nIt is told apart.", [(1, "Nobody"), (3, "told")]),
+        ("It is no camera, too.", [(1, "is no"), (1, "too")]),
+        ("There is no camera. Too few views, too old.", []),
+        ("```sh\nnobody\n```\n`nobody` [page](nobody.md) anew", [(4, "anew")]),
+        (f"| {'a' * 200} | {'b' * 201} |", [(1, "cell of 201 characters")]),
+    ],
+)
+def test_discouraged_words_and_long_cells_are_found_outside_code(
+    text: str, expected: list[tuple[int, str]]
+) -> None:
+    assert list(wording.findings(text)) == expected
+
+
+def test_document_may_have_as_many_findings_as_allowed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(wording, "ALLOWED", {"docs/old.md": 2})
+    assert wording.document_problems("docs/old.md", "anew anew") == []
+    (problem,) = wording.document_problems("docs/old.md", "anew anew\nanew")
+    assert problem.startswith("docs/old.md: 3 discouraged")
+    assert "docs/old.md:2: anew" in problem
+    assert wording.document_problems("docs/new.md", "anew " * wording.MAX_FINDINGS) == []
+    assert len(wording.document_problems("docs/new.md", "anew " * (wording.MAX_FINDINGS + 1))) == 1
+
+
+@pytest.mark.parametrize(
+    ("subject", "problems"),
+    [
+        ("Freeze the clock in hourly quota tests", 0),
+        ("F" * 72, 0),
+        ("F" * 73, 1),
+        ("Freeze the clock.", 1),
+        ("freeze the clock.", 2),
+        ("", 1),
+    ],
+)
+def test_subject_is_short_capitalised_and_without_full_stop(subject: str, problems: int) -> None:
+    assert len(wording.subject_problems(subject)) == problems
+
+
+def test_unknown_base_has_no_commits_to_check() -> None:
+    assert wording.git_lines("log", "--format=%s", "origin/no-such-branch..HEAD") == []
+    assert len(wording.git_lines("log", "--format=%s", "-1")) == 1
