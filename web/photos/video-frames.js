@@ -8,7 +8,8 @@ const MIN_FRAMES_PER_S = 10; // that are played at first, as many as any detecto
 const MAX_FRAMES_PER_S = 30; // that are played as long as no frame is missed and all are looked at
 const ACCELERATION = 1.06; // for each frame that came in time
 const MISSED_INTERVALS = 1.6; // between frames, from which one between them was missed
-const RETREAT = 0.7; // of the speed at which a frame was missed: it is played no faster from then on
+const RETREAT = 0.7; // of the speed at which a frame was missed: it is played no faster for a while
+const RECOVERY = 1.01; // of that limit, for each frame
 const MAX_RATE = 4; // of playing: beyond, browsers leave out frames
 const MAX_WAITING = 4; // pictures that have not been looked at; with more the video waits
 const UNKNOWN_STRIDE_S = 0.1; // between frames, of a video that does not say how long it is
@@ -38,6 +39,7 @@ export async function* playedFrames(video, most, signal) {
       const gap = mediaTime - previous;
       interval = Math.min(interval, gap);
       if (gap > MISSED_INTERVALS * interval && mediaTime > due + interval - TOLERANCE_S) top = Math.max(MIN_FRAMES_PER_S, RETREAT * speed);
+      else top = Math.min(MAX_FRAMES_PER_S, RECOVERY * top);
       speed = Math.min(top, waiting.length < 2 ? speed * ACCELERATION : speed);
       video.playbackRate = Math.min(MAX_RATE, Math.max(1, speed * Math.max(stride, interval)));
     }
