@@ -13,7 +13,7 @@ from typing import Any
 import boto3
 from botocore.exceptions import ClientError
 
-from calibdb.store.clients import code
+from calibdb.store.aws import code
 from infra.deploy import aws
 from infra.deploy.package import ROOT
 from infra.deploy.steps import Target

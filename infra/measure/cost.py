@@ -78,11 +78,11 @@ class Meter:
     def running(self) -> Iterator[Usage]:
         """Count within the block, from nothing."""
         from calibdb.settings import Settings
-        from calibdb.store import clients
+        from calibdb.store import aws
 
         self.use = Usage()
         region = Settings.from_environment(self._stack.environment).region
-        used = (clients.dynamodb(region), clients.s3(region))
+        used = (aws.dynamodb(region), aws.s3(region))
         for client in used:
             client.meta.events.register("provide-client-params.*", self._on_request, unique_id="meter")
             client.meta.events.register("after-call.*", self._on_response, unique_id="meter-after")

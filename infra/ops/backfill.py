@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from calibdb.errors import UnavailableError
 from calibdb.schema import DISTORTION_MODELS, BackfillAnswer, RefitRequest
-from calibdb.store import clients
+from calibdb.store import aws
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext
 from infra.ops.errors import OpsError
 
@@ -93,7 +93,7 @@ def _refit(context: OpsContext, request: RefitRequest) -> int | None:
 
 def _requests(context: OpsContext, names: Iterable[str]) -> Iterator[RefitRequest]:
     asked = json.dumps({"Items": [{"Key": name} for name in names]}).encode()
-    answer = clients.lambda_(context.settings.region).invoke(FunctionName=_FUNCTION, Payload=asked)
+    answer = aws.lambda_(context.settings.region).invoke(FunctionName=_FUNCTION, Payload=asked)
     content = answer["Payload"].read()
     if "FunctionError" in answer:
         raise OpsError(f"{_FUNCTION} failed: {content.decode()[:500]}")

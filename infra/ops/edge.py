@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from calibdb.lookup.edge_content import Name, object_of
 from calibdb.lookup.publication import Publication
-from calibdb.store import clients
+from calibdb.store import aws
 from calibdb.store.aliases import ALIAS_PREFIX
 from calibdb.store.keys import ANSWERS, camera_pk
 from infra.ops.context import OpsContext
@@ -54,9 +54,9 @@ def rebuild(context: OpsContext, borne: Set[Name], *, forget_pending: bool = Fal
 
 def _list_objects(context: OpsContext, bucket: str) -> dict[str, str]:
     """List the objects in the bucket with their ETags."""
-    with clients.available():
+    with aws.available():
         pages = (
-            clients.s3(context.settings.region)
+            aws.s3(context.settings.region)
             .get_paginator("list_objects_v2")
             .paginate(Bucket=bucket, Prefix=ANSWERS)
         )

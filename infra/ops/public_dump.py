@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import functools
 import math
 
 from calibdb.dump.figures import Figures
 from calibdb.dump.weekly_dump import WeeklyDump
 from calibdb.schema.dump import Dump
-from calibdb.store import clients
 from calibdb.store.dumps import LATEST, STATISTICS, Dumps
 from infra.ops.context import OpsContext
 from infra.ops.errors import OpsError
@@ -59,6 +57,5 @@ def replace_dumps(context: OpsContext) -> int:
 
 def dumps_of(context: OpsContext) -> Dumps | None:
     """Return the store of the site's dumps, None where no site is named."""
-    bucket = context.settings.web_bucket
-    client = functools.partial(clients.s3, context.settings.region)
-    return None if bucket is None else Dumps(client, context.objects, bucket)
+    site = context.storage.site
+    return None if site is None else Dumps(context.objects, site)

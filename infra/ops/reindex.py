@@ -6,6 +6,8 @@ import functools
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
+from typing import cast as typed
 
 from calibdb.access.plans import TRIAL_PERIOD_S
 from calibdb.errors import UnavailableError
@@ -22,12 +24,11 @@ from calibdb.store import (
     Table,
     Tokens,
     Votes,
-    clients,
     endings,
 )
 from calibdb.store.aliases import ALIAS_PREFIX, LIST_SK
 from calibdb.store.names import with_current_key
-from calibdb.store.table import Item
+from calibdb.store.ports import Item
 from infra.ops import edge
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.index import Key
@@ -54,26 +55,28 @@ class ReindexResult:
     answers: int  # objects at the edge
 
 
-class _RecordingTable(Table):
+class _RecordingTable:
     """A table that records the keys of what it writes; with `dry_run` it writes nothing."""
 
-    def __init__(self, context: OpsContext, *, dry_run: bool) -> None:
-        settings = context.settings
-        super().__init__(functools.partial(clients.dynamodb, settings.region), settings.table_name)
+    def __init__(self, table: Table, *, dry_run: bool) -> None:
+        self._table = table
         self.written: set[Key] = set()
         self._dry_run = dry_run
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._table, name)
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
         """Write the item as `Table` does; where nothing is written, tell whether it would be new."""
         key = str(item["pk"]), str(item["sk"])
         self.written.add(key)
         if self._dry_run:
-            return condition is None or self.get(*key) is None
-        return super().put(item, condition)
+            return condition is None or self._table.get(*key) is None
+        return self._table.put(item, condition)
 
     def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
         """Remove the item as `Table` does."""
-        return True if self._dry_run else super().delete(pk, sk, condition)
+        return True if self._dry_run else self._table.delete(pk, sk, condition)
 
 
 def reindex(
@@ -104,7 +107,8 @@ def reindex(
     """
     # First, so that what is published from here on cannot be mistaken for something that the bucket lacks.
     indexed = set(context.index.keys("CAMERA"))
-    table = _RecordingTable(context, dry_run=dry_run)
+    recorder = _RecordingTable(context.storage.table, dry_run=dry_run)
+    table = typed("Table", recorder)
     sessions = Sessions(table, context.objects).index(context.now)
     rigs = Rigs(table, context.objects).index(context.now)
     published = publish_finished(context, dry_run=dry_run)
@@ -128,7 +132,7 @@ def reindex(
     stale = {
         key
         for key in indexed
-        if key not in table.written
+        if key not in recorder.written
         and _computed_of(key) not in computed
         and not key[1].startswith(_KINDS_OF_ALIASES)
     }

@@ -18,7 +18,7 @@ import pytest
 
 from calibdb.service import Service
 from calibdb.settings import Settings
-from calibdb.store import Store, clients
+from calibdb.store import Store, aws
 from infra.local import LocalStack
 from tests.helpers.service.client import BRIEF, TOKEN, Answer, Client, Truth
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
@@ -36,8 +36,8 @@ def stack() -> Iterator[LocalStack]:
 @pytest.fixture
 def fresh_stack() -> Iterator[LocalStack]:
     """Yield a stack whose clients may still retry: botocore's give up once many calls have failed."""
-    clients.dynamodb.cache_clear()
-    clients.s3.cache_clear()
+    aws.dynamodb.cache_clear()
+    aws.s3.cache_clear()
     with LocalStack(retry_pauses=(0.01, 0.02)) as stack:
         yield stack
 

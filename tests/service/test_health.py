@@ -11,7 +11,7 @@ import pytest
 from calibdb.errors import UnavailableError
 from calibdb.http.part_checks import CHECKS_TTL_S, Part, PartChecks
 from calibdb.schema.health import CanaryRun
-from calibdb.store import Objects, Table
+from calibdb.store.aws import DynamoTable, S3Objects
 from calibdb.store.canary import EXPIRY_S, store_canary_run
 from infra.local import LocalStack
 from tests.helpers.service.client import Client
@@ -70,7 +70,12 @@ def fail(*_: object, **__: object) -> Any:
 
 @pytest.mark.parametrize(
     ("part", "owner", "method"),
-    [("table", Table, "get"), ("bucket", Objects, "get"), ("edge", httpx, "no"), ("solver", None, "fit")],
+    [
+        ("table", DynamoTable, "get"),
+        ("bucket", S3Objects, "get"),
+        ("edge", httpx, "no"),
+        ("solver", None, "fit"),
+    ],
 )
 def test_part_that_fails_is_named_and_nothing_of_why(
     site: tuple[LocalStack, str], monkeypatch: pytest.MonkeyPatch, part: str, owner: Any, method: str

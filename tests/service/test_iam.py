@@ -4,7 +4,6 @@ moto lets everybody do everything. So the calls are recorded on their way out, b
 them, and held against the template's statements.
 """
 
-import functools
 import json
 import time
 from collections.abc import Iterator
@@ -18,10 +17,11 @@ import pytest
 from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.service import Service
 from calibdb.settings import Settings
-from calibdb.store import Objects, Store, Table, clients
+from calibdb.store import Store
+from calibdb.store.ports import Condition, Item
 from calibdb.store.rigs import Rigs
 from calibdb.store.sessions import Sessions
-from calibdb.store.table import Condition, Item
+from calibdb.store.storage import storage_of
 from infra.local import LocalStack
 from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
@@ -137,8 +137,8 @@ _to_lose: list[str] = []
 
 def contended(settings: Settings) -> Store:
     """Storage in which a write of a session, or of a rig, can come too late."""
-    table = Table(functools.partial(clients.dynamodb, settings.region), settings.table_name)
-    objects = Objects(functools.partial(clients.s3, settings.region), settings.bucket_name)
+    storage = storage_of(settings)
+    table, objects = storage.table, storage.objects
 
     def put(item: Item, condition: Condition | None = None) -> bool:
         if _to_lose and str(item["pk"]).startswith(_to_lose[-1]):

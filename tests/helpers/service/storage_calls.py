@@ -9,7 +9,7 @@ from dataclasses import replace
 from calibdb.lookup.sightings import SightingFilter
 from calibdb.service import Service
 from calibdb.settings import Settings
-from calibdb.store import Store, clients
+from calibdb.store import Store, aws
 from infra.local import LocalStack
 from tests.helpers.service.client import TOKEN
 
@@ -53,7 +53,7 @@ def storage_calls(stack: LocalStack) -> Iterator[list[str]]:
     stack.wait_until_idle(IDLE_S)
     names: list[str] = []
     region = Settings.from_environment(stack.environment).region
-    used = (clients.dynamodb(region), clients.s3(region), clients.lambda_(region))
+    used = (aws.dynamodb(region), aws.s3(region), aws.lambda_(region))
     with lasting_tokens(report=False):
         Service.of(os.environ).api_token(TOKEN)
         for client in used:

@@ -18,7 +18,7 @@ from calibdb.store.aliases import Aliases
 from calibdb.store.cameras import Cameras
 from calibdb.store.dumps import FOLDER, STATISTICS, Dumps
 from calibdb.store.miss_counts import USB, MissCounts
-from calibdb.store.objects import READERS
+from calibdb.store.ports import READERS
 
 BUNDLE = "bundle.json"
 MAX_BUNDLED = 500  # cameras

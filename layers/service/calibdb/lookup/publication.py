@@ -32,7 +32,7 @@ from calibdb.store import Alias, Store, StreamMode
 from calibdb.store.aliases import MAX_ALIASES
 from calibdb.store.edge_answers import etag_of
 from calibdb.store.locks import LEASE_S
-from calibdb.store.objects import READERS
+from calibdb.store.ports import READERS
 
 MAX_PENDING_PER_SOURCE = 8  # aliases of a camera that one source alone asked by
 PENDING_DAYS, ASKED_DAYS = 7, 90  # days after which an alias that no calibration bears is forgotten

@@ -8,7 +8,7 @@ from calibdb.store.edge_answers import EdgeAnswers
 from calibdb.store.keys import StreamMode
 from calibdb.store.leases import Leases
 from calibdb.store.locks import Locks
-from calibdb.store.objects import Objects
+from calibdb.store.ports import Condition, Objects, Table
 from calibdb.store.priors import Priors
 from calibdb.store.proofs import Proofs
 from calibdb.store.quotas import Quotas
@@ -17,7 +17,6 @@ from calibdb.store.rig_codes import RigCodes
 from calibdb.store.rigs import Rigs
 from calibdb.store.sessions import Sessions
 from calibdb.store.store import Store
-from calibdb.store.table import Condition, Table
 from calibdb.store.tokens import Tokens
 from calibdb.store.votes import IndexedVote, Votes
 

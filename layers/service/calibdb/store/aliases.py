@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from calibdb.store.keys import alias_digest, camera_pk
-from calibdb.store.table import Item, Table
+from calibdb.store.ports import Item, Table
 
 MAX_ALIASES = 200  # of one camera
 ALIAS_PREFIX = "ALIAS#"

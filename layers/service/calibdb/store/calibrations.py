@@ -30,14 +30,13 @@ from calibdb.store.keys import (
     tombstone_object,
 )
 from calibdb.store.names import Names, with_current_key
-from calibdb.store.objects import READERS, Objects
-from calibdb.store.table import Condition, Item, Table
+from calibdb.store.ports import READERS, Item, Objects, Table, absent
 
 MAX_PER_SOURCE = 3  # calibrations of one source that enter a consensus
 Withdrawal = Literal["wrong", "abuse", "privacy", "other"]
 WITHDRAWALS: tuple[Withdrawal, ...] = get_args(Withdrawal)
 _MAX_CALIBRATIONS = 2_000  # of a mode that are looked through for those that count
-_NOT_WITHDRAWN = Condition("attribute_not_exists(withdrawn)")
+_NOT_WITHDRAWN = absent("withdrawn")
 
 
 @dataclass(frozen=True)

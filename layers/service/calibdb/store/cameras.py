@@ -14,10 +14,7 @@ from calibdb.store.aliases import LIST_SK, NO_ALIASES, AliasList, parse_list
 from calibdb.store.consensus import documents
 from calibdb.store.keys import StreamMode, calibrations_prefix, camera_pk
 from calibdb.store.names import ALL, SAME_AS
-from calibdb.store.table import Condition, Item, Table
-
-_IF_EXISTS = Condition("attribute_exists(pk)")
-
+from calibdb.store.ports import IF_EXISTS, Item, Table
 
 MIN_RIVAL_SHARE = 1 / 3  # contributors of an id / of the best known one of its name, from which it rivals it
 
@@ -109,7 +106,7 @@ class Cameras:
                 mark: Item = {}
                 if support is not None:
                     mark = {"well_known": support.contributors, "reliable": int(support.reliable)}
-                self._table.put(item | mark, _IF_EXISTS)
+                self._table.put(item | mark, IF_EXISTS)
                 written = True
         return written
 

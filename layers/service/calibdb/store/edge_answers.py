@@ -8,17 +8,8 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
-from botocore.exceptions import ClientError
 
 from calibdb.errors import UnavailableError
-from calibdb.store.clients import available, code
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mypy_boto3_s3 import S3Client
 
 # Browsers keep an answer for a minute, the edge for five: a withdrawn one is gone from both in six.
 CACHE_CONTROL = "public, max-age=60, s-maxage=300"
@@ -29,8 +20,8 @@ _MAX_OBJECTS_PER_DELETE = 1000  # objects that S3 removes in one request
 class EdgeAnswers:
     """Objects that CloudFront answers lookups with; none where there is no bucket for them."""
 
-    def __init__(self, client: Callable[[], S3Client], bucket: str | None) -> None:
-        self._client = client
+    def __init__(self, region: str, bucket: str | None) -> None:
+        self._region = region
         self._bucket = bucket
 
     @property
@@ -43,10 +34,14 @@ class EdgeAnswers:
 
         `before`: ETag of the object that this one replaces, None where there is none.
         """
+        from botocore.exceptions import ClientError
+
+        from calibdb.store.aws import available, code, s3
+
         condition = {"IfMatch": before} if before else {"IfNoneMatch": "*"}
         with available():
             try:
-                done = self._client().put_object(
+                done = s3(self._region).put_object(
                     Bucket=self._name(),
                     Key=name,
                     Body=content,
@@ -62,10 +57,12 @@ class EdgeAnswers:
 
     def delete(self, names: Sequence[str]) -> None:
         """Remove the objects, those that there are."""
+        from calibdb.store.aws import available, s3
+
         for start in range(0, len(names), _MAX_OBJECTS_PER_DELETE):
             batch = names[start : start + _MAX_OBJECTS_PER_DELETE]
             with available():
-                done = self._client().delete_objects(
+                done = s3(self._region).delete_objects(
                     Bucket=self._name(), Delete={"Objects": [{"Key": name} for name in batch], "Quiet": True}
                 )
             if done.get("Errors"):

@@ -7,7 +7,7 @@ it expires, and one that is slow renews it before each batch of writes.
 
 from __future__ import annotations
 
-from calibdb.store.table import Condition, Item, Table
+from calibdb.store.ports import IF_NOT_EXISTS, Item, Table, below, equals
 
 LEASE_S = 30  # twice what a batch of writes takes at the worst: three attempts of three seconds, twice
 _LOCK_SK = "EDGE"
@@ -25,16 +25,12 @@ class Locks:
 
         `me`: the same for every attempt of one request, so that a second one after a crash goes on.
         """
-        free = Condition(
-            "attribute_not_exists(pk) OR #holder = :me OR #until < :now",
-            {"me": me, "now": now},
-            _LEASE_ATTRIBUTES,
-        )
+        free = IF_NOT_EXISTS | equals(holder=me) | below("until", now)
         return self._table.put(_item(camera_key, me, now), free)
 
     def renew(self, camera_key: str, me: str, now: int) -> bool:
         """Hold the lock for `LEASE_S` seconds from now; False when it was lost."""
-        return self._table.put(_item(camera_key, me, now), _held_by(me))
+        return self._table.put(_item(camera_key, me, now), equals(holder=me))
 
     def is_held(self, camera_key: str, now: int) -> bool:
         """Tell whether somebody holds the lock."""
@@ -43,18 +39,11 @@ class Locks:
 
     def release(self, camera_key: str, me: str) -> None:
         """Let go of the lock, if it is still held."""
-        self._table.delete(_pk(camera_key), _LOCK_SK, _held_by(me))
-
-
-_LEASE_ATTRIBUTES = {"holder": "holder", "until": "until"}
+        self._table.delete(_pk(camera_key), _LOCK_SK, equals(holder=me))
 
 
 def _pk(camera_key: str) -> str:
     return f"REFIT#{camera_key}"
-
-
-def _held_by(me: str) -> Condition:
-    return Condition("#holder = :me", {"me": me}, {"holder": "holder"})
 
 
 def _item(camera_key: str, me: str, now: int) -> Item:

@@ -1,4 +1,4 @@
-"""Table and bucket in memory, as the template makes them."""
+"""Both implementations of the ports, in memory: SQLite, and AWS as the template makes it."""
 
 import os
 from collections.abc import Iterator
@@ -8,9 +8,13 @@ import boto3
 import pytest
 
 from calibdb.store import Objects, Table
+from calibdb.store.aws import DynamoTable, S3Objects
+from calibdb.store.sqlite import Database, SqliteObjects, SqliteTable
 from tests.helpers.aws import account
 
 REGION = "eu-central-1"
+#: unix time of SQLite, which hides what has expired
+CLOCK = [0.0]
 
 
 @contextmanager
@@ -48,13 +52,35 @@ def aws(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
+#: implementations that a test runs on
+ADAPTERS = ("aws",) if os.environ.get("CONFORMANCE_ENDPOINT") else ("sqlite", "aws")
+
+
+@pytest.fixture(params=ADAPTERS)
+def adapter(request: pytest.FixtureRequest) -> str:
+    if request.param == "aws":
+        request.getfixturevalue("aws")
+    return str(request.param)
+
+
 @pytest.fixture
-def table(aws: None) -> Table:  # noqa: ARG001
+def database() -> Iterator[Database]:
+    database = Database(None, lambda: CLOCK[0])
+    yield database
+    database.close()
+
+
+@pytest.fixture
+def table(adapter: str, database: Database) -> Table:
+    if adapter == "sqlite":
+        return SqliteTable(database)
     client = boto3.client("dynamodb", REGION)
-    return Table(lambda: client, "table")
+    return DynamoTable(lambda: client, "table")
 
 
 @pytest.fixture
-def objects(aws: None) -> Objects:  # noqa: ARG001
+def objects(adapter: str, database: Database) -> Objects:
+    if adapter == "sqlite":
+        return SqliteObjects(database, "bucket")
     client = boto3.client("s3", REGION)
-    return Objects(lambda: client, "bucket")
+    return S3Objects(lambda: client, "bucket")

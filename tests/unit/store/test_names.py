@@ -2,17 +2,15 @@
 
 import itertools
 
-import boto3
 import pytest
 
 from calibdb.camera_key import camera_key, identify
 from calibdb.camera_key.names import words
 from calibdb.store import Calibrations, Cameras, Objects, Table
 from calibdb.store.cameras import is_place
-from calibdb.store.table import Condition, Item
+from calibdb.store.ports import Condition, Item
 from tests.helpers.service.known import C920, LINUX, calibration
 from tests.helpers.service.stores import with_methods
-from tests.unit.service.conftest import REGION
 
 MAC = "Macintosh; Intel Mac OS X 10_15_7"
 NAMED = identify("HD Pro Webcam C920", MAC)
@@ -28,10 +26,9 @@ def cameras(table: Table) -> Cameras:
     return Cameras(table)
 
 
-def items() -> dict[tuple[str, str], object]:
-    """Everything in the table."""
-    found = boto3.client("dynamodb", REGION).scan(TableName="table")["Items"]
-    return {(item["pk"]["S"], item["sk"]["S"]): item for item in found}
+def items(table: Table) -> dict[tuple[str, str], Item | None]:
+    """All items of cameras, calibrations and names."""
+    return {key: table.get(*key) for key in table.keys("C")}
 
 
 def test_a_calibration_with_a_usb_id_is_known_under_its_name_too(
@@ -126,13 +123,13 @@ def test_the_index_made_anew_has_the_same_names(
     ]
     for document in documents:
         calibrations.publish(document)
-    before = items()
+    before = items(table)
     for pk, sk in before:
         table.delete(pk, sk)
     anew = Calibrations(table, objects)
     for document, withdrawn in reversed(list(anew.everything())):
         anew.index(document, withdrawn=withdrawn)
-    assert items() == before
+    assert items(table) == before
 
 
 def test_camera_without_counted_calibrations_is_not_found(
