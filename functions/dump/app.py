@@ -17,7 +17,6 @@ from calibdb.dump.weekly_dump import WeeklyDump
 from calibdb.http import metrics
 from calibdb.settings import Thresholds
 from calibdb.store import Calibrations
-from calibdb.store.aliases import Aliases
 from calibdb.store.cameras import Cameras
 from calibdb.store.dumps import Dumps
 from calibdb.store.miss_counts import MissCounts
@@ -39,7 +38,7 @@ def handler(_: Mapping[str, Any], context: Any) -> dict[str, Any]:
     dump = WeeklyDump(
         dumps=dumps,
         figures=Figures(
-            dumps, Cameras(table), MissCounts(table), Aliases(table), calibrations.licence, least
+            dumps, Cameras(table), MissCounts(table), calibrations.names, calibrations.licence, least
         ),
         now=lambda: int(time.time()),
         random_hex=secrets.token_hex,

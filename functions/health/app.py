@@ -38,7 +38,6 @@ class Checks:
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
-        self._storage = storage_of(settings)
         self.canary: CanaryRun | None = None
         storage = (
             Part("table", _TABLE_LIMIT_S, self._prepare_table),
@@ -51,13 +50,13 @@ class Checks:
         self.canary = None
 
         def read() -> None:
-            self.canary = last_canary_run(self._storage.table, int(time.time()))
+            self.canary = last_canary_run(storage_of(self._settings).table, int(time.time()))
 
         return read
 
     def _prepare_bucket(self) -> Callable[[], None]:
         # There is no such object: a bucket that works says so.
-        return lambda: void(self._storage.objects.get("health/none"))
+        return lambda: void(storage_of(self._settings).objects.get("health/none"))
 
     def _prepare_edge(self) -> Callable[[], None]:
         address = urljoin(self._settings.guidance_url, "/config.json")

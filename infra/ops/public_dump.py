@@ -24,7 +24,12 @@ def publish_dump(context: OpsContext) -> Dump:
     dump = WeeklyDump(
         dumps=dumps,
         figures=Figures(
-            dumps, store.cameras, store.miss_counts, store.aliases, store.calibrations.licence, least
+            dumps,
+            store.cameras,
+            store.miss_counts,
+            store.calibrations.names,
+            store.calibrations.licence,
+            least,
         ),
         now=lambda: context.now,
         random_hex=context.random_hex,

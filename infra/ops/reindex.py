@@ -26,17 +26,13 @@ from calibdb.store import (
     Votes,
     endings,
 )
-from calibdb.store.aliases import ALIAS_PREFIX, LIST_SK
 from calibdb.store.names import with_current_key
 from calibdb.store.ports import Item
-from infra.ops import edge
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.index import Key
 
 # What a computation writes; everything else beside a camera follows from single objects.
 _COMPUTED = ("CONSENSUS", "GROUPS")
-# What lookups add to; `edge.rebuild` sees to it.
-_KINDS_OF_ALIASES = (ALIAS_PREFIX, LIST_SK)
 
 
 @dataclass(frozen=True)
@@ -52,7 +48,6 @@ class ReindexResult:
     consensuses: int
     failed: int  # modes whose consensus could not be computed
     removed: int
-    answers: int  # objects at the edge
 
 
 class _RecordingTable:
@@ -84,11 +79,8 @@ def reindex(
     only: Iterable[StreamMode] | None = None,
     *,
     dry_run: bool = False,
-    forget_pending: bool = False,
 ) -> ReindexResult:
     """Make the index name exactly what is in the bucket, and recompute outdated consensuses.
-
-    Then make the edge answer with them.
 
     Safe to run on a table in use, and again: lookups go on, with the old answers until the new ones are
     there. What is published while it runs is indexed by its own submit. Counters of use are not in the bucket
@@ -102,8 +94,6 @@ def reindex(
         Modes whose consensus is computed again; None: all.
     dry_run
         Write nothing and compute nothing; count what would be written and removed.
-    forget_pending
-        As in `edge.rebuild`.
     """
     # First, so that what is published from here on cannot be mistaken for something that the bucket lacks.
     indexed = set(context.index.keys("CAMERA"))
@@ -114,10 +104,8 @@ def reindex(
     published = publish_finished(context, dry_run=dry_run)
     calibrations, votes = Calibrations(table, context.objects), Votes(table, context.objects)
     modes: Counter[StreamMode] = Counter()
-    borne: set[tuple[str, str]] = set()
     total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
     for document, withdrawn in context.track(calibrations.everything(), "calibrations", total):
-        borne.add((document.camera, document.platform))
         calibrations.index(document, withdrawn=withdrawn)
         modes[mode_of(document)] += not withdrawn
     cast = 0
@@ -129,13 +117,7 @@ def reindex(
     for prior in priors.all():
         priors.index(prior)
     computed = {(known.pk, known.text) for known in modes}
-    stale = {
-        key
-        for key in indexed
-        if key not in recorder.written
-        and _computed_of(key) not in computed
-        and not key[1].startswith(_KINDS_OF_ALIASES)
-    }
+    stale = {key for key in indexed if key not in recorder.written and _computed_of(key) not in computed}
     if not dry_run:
         context.index.remove(stale)
     consensuses = failed = 0
@@ -146,7 +128,6 @@ def reindex(
         consensuses += found or 0
         count = modes[wanted]
         context.echo(f"{wanted.camera_key} {wanted.text}: {count} calibration{'' if count == 1 else 's'}")
-    answers = 0 if dry_run else edge.rebuild(context, borne, forget_pending=forget_pending).objects
     return ReindexResult(
         calibrations=sum(modes.values()),
         published=published,
@@ -157,7 +138,6 @@ def reindex(
         consensuses=consensuses,
         failed=failed,
         removed=len(stale),
-        answers=answers,
     )
 
 

@@ -9,12 +9,12 @@ import yaml
 from calibdb.schema import FORMATS
 from calibsolver import Camera, formats
 from calibsolver.formats.reading import read
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, TOKEN, Client, Truth
 
 
 @pytest.fixture(scope="module")
-def calibration(stack: LocalStack) -> str:
+def calibration(stack: Server) -> str:
     name: str = Truth(seed=3).calibrate(Client(stack), **BRIEF)["calibration_id"]
     return name
 

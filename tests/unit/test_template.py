@@ -13,8 +13,8 @@ import yaml
 from calibdb.access import token_cache
 from calibdb.store import aws
 from infra.deploy import account_check, package
-from infra.local import pages
-from infra.local.gateway import INTEGRATION_TIMEOUT_S
+from infra.server import pages
+from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S
 from tests.helpers.sam import as_created, complete, parsed
 from tests.helpers.service.iam import statements
 

@@ -4,10 +4,8 @@ from calibdb.store.aliases import Alias, Aliases
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.cameras import CameraRecords, Cameras
 from calibdb.store.consensus import Consensuses
-from calibdb.store.edge_answers import EdgeAnswers
 from calibdb.store.keys import StreamMode
 from calibdb.store.leases import Leases
-from calibdb.store.locks import Locks
 from calibdb.store.ports import Condition, Objects, Table
 from calibdb.store.priors import Priors
 from calibdb.store.proofs import Proofs
@@ -28,10 +26,8 @@ __all__ = [
     "Cameras",
     "Condition",
     "Consensuses",
-    "EdgeAnswers",
     "IndexedVote",
     "Leases",
-    "Locks",
     "Objects",
     "Priors",
     "Proofs",

@@ -256,12 +256,11 @@ class DynamoTable:
             for page in pages.paginate(
                 TableName=self._name,
                 ProjectionExpression="pk, sk",
-                FilterExpression="begins_with(pk, :prefix)",
-                ExpressionAttributeValues={":prefix": {"S": pk_prefix}},
                 ConsistentRead=True,
             ):
                 for item in page["Items"]:
-                    yield item["pk"]["S"], item["sk"]["S"]
+                    if item["pk"]["S"].startswith(pk_prefix):
+                        yield item["pk"]["S"], item["sk"]["S"]
 
     def _pages(
         self, pk: str, prefix: str, newest_first: bool, limit: int | None, consistent: bool

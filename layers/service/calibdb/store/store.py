@@ -9,10 +9,9 @@ from calibdb.store.aliases import Aliases
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.cameras import Cameras
 from calibdb.store.consensus import Consensuses
-from calibdb.store.edge_answers import EdgeAnswers
 from calibdb.store.leases import Leases
-from calibdb.store.locks import Locks
 from calibdb.store.miss_counts import MissCounts
+from calibdb.store.ports import Storage
 from calibdb.store.priors import Priors
 from calibdb.store.proofs import Proofs
 from calibdb.store.quotas import Quotas
@@ -40,17 +39,19 @@ class Store:
     votes: Votes
     priors: Priors
     leases: Leases
-    locks: Locks
     aliases: Aliases
-    edge_answers: EdgeAnswers
     refit: Refit
     proofs: Proofs
     miss_counts: MissCounts
 
     @classmethod
     def of(cls, settings: Settings) -> Store:
-        """Return the storage that `settings` names. Clients are made when first used."""
-        storage = storage_of(settings)
+        """Return the stores of the storage that `settings` names. Clients are made when first used."""
+        return cls.over(storage_of(settings))
+
+    @classmethod
+    def over(cls, storage: Storage) -> Store:
+        """Return the stores of a storage."""
         table, objects = storage.table, storage.objects
         return cls(
             tokens=Tokens(table, objects),
@@ -66,8 +67,6 @@ class Store:
             leases=Leases(table),
             miss_counts=MissCounts(table),
             proofs=Proofs(table, storage.jobs),
-            locks=Locks(table),
             aliases=Aliases(table),
-            edge_answers=EdgeAnswers(settings.region, settings.web_bucket),
             refit=Refit(storage.jobs),
         )
