@@ -35,11 +35,11 @@ help: ## list the commands
 	@sed -nE 's/^([a-z]+):.*## (.*)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
 
 run: $(SETUP) ## run the service on this machine: page and API on http://127.0.0.1:8000
-	@exec $(PY) -m infra.local
+	@exec $(PY) -m infra.server
 
 test: ## run everything below up to browser
 	@$(MAKE) $(PAIRED) .node .drawn $(CHECKS)
-	$(PYTEST) $(MODULES) tests/unit tests/service
+	$(PYTEST) $(MODULES) tests/unit tests/service tests/aws
 	@$(MAKE) --no-print-directory browser
 
 lint: ## check style, types, wording, the template, and dependencies for known vulnerabilities
@@ -79,8 +79,8 @@ lint: ## check style, types, wording, the template, and dependencies for known v
 unit: $(SETUP) .node .drawn ## test one package at a time, without sockets, and the web client's modules under node
 	$(PYTEST) $(MODULES) tests/unit
 
-service: $(SETUP) ## test HTTP through the local gateway
-	$(PYTEST) $(MODULES) tests/service
+service: $(SETUP) ## test HTTP against the server, and on emulated AWS
+	$(PYTEST) $(MODULES) tests/service tests/aws
 
 browser: $(SETUP) ## test the pages in Chromium and Firefox
 	@bash infra/ci/browsers.sh
@@ -101,8 +101,8 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz,edge 
 
 # As many random histories of the answers at the edge, half of them cut off by a crash
 .thorough-edge:
-	CALIBDB_HISTORIES=$(or $(HISTORIES),500) $(PYTEST) $(TWO) tests/service/test_edge_histories.py \
-		tests/service/test_killed_while_publishing.py
+	CALIBDB_HISTORIES=$(or $(HISTORIES),500) $(PYTEST) $(TWO) tests/aws/test_edge_histories.py \
+		tests/aws/test_killed_while_publishing.py
 
 # As many requests made of the OpenAPI document, and values of every schema, as CASES, and files as FILES; others with SEED=1
 .thorough-fuzz:
@@ -128,7 +128,7 @@ endif
 .bench-capture: export PYTHONPATH := $(PYTHONPATH):clients/python
 
 .bench-cost:
-	@$(ONE_CORE) $(PY) -m infra.measure.cost
+	@$(ONE_CORE) $(PY) -m tests.bench.cost
 
 # Of guidance: SEEDS=10 ONLY=methods,conditions,hands,bound
 .bench-%:

@@ -6,7 +6,6 @@ calibration is stored, and no statistic counts one. A run that fails is raised, 
 
 from __future__ import annotations
 
-import functools
 import json
 import math
 import os
@@ -20,9 +19,9 @@ from typing import Any
 from urllib.parse import urljoin
 
 from calibdb.schema.health import CanaryRun, CanaryStep
-from calibdb.store import Table, clients
 from calibdb.store.canary import store_canary_run
 from calibdb.store.secrets import read_parameter
+from calibdb.store.storage import storage_named
 
 _TIMEOUT_S = 20.0  # s for one answer: the first of all starts a function
 _MAX_ANSWER_BYTES = 1_000_000
@@ -141,7 +140,7 @@ def handler(_event: Mapping[str, Any], _context: Any) -> dict[str, Any]:
         f"{os.environ['SECRETS_PATH']}/CANARY_TOKEN", region
     )
     run, failed = watch(site, secret)
-    table = Table(functools.partial(clients.dynamodb, region), os.environ["TABLE_NAME"])
+    table = storage_named(region, os.environ["TABLE_NAME"]).table
     store_canary_run(table, run)
     if failed is not None:
         raise CanaryError(f"{run.failed_at}: {failed}") from failed

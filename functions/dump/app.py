@@ -6,7 +6,6 @@ nothing but the dump and its draft.
 
 from __future__ import annotations
 
-import functools
 import os
 import secrets
 import time
@@ -17,27 +16,29 @@ from calibdb.dump.figures import Figures
 from calibdb.dump.weekly_dump import WeeklyDump
 from calibdb.http import metrics
 from calibdb.settings import Thresholds
-from calibdb.store import Calibrations, Objects, Table, clients
-from calibdb.store.aliases import Aliases
+from calibdb.store import Calibrations
 from calibdb.store.cameras import Cameras
 from calibdb.store.dumps import Dumps
 from calibdb.store.miss_counts import MissCounts
+from calibdb.store.storage import storage_named
 
 
 @metrics.counting_denied_reads
 def handler(_: Mapping[str, Any], context: Any) -> dict[str, Any]:
     """Answer with the name of the dump that is whole now, null where there is more to do or nothing."""
     region = os.environ["AWS_REGION"]
-    table = Table(functools.partial(clients.dynamodb, region), os.environ["TABLE_NAME"])
-    s3 = functools.partial(clients.s3, region)
-    objects = Objects(s3, os.environ["BUCKET_NAME"])
-    calibrations = Calibrations(table, objects)
-    dumps = Dumps(s3, objects, os.environ["WEB_BUCKET_NAME"])
+    storage = storage_named(
+        region, os.environ["TABLE_NAME"], os.environ["BUCKET_NAME"], os.environ["WEB_BUCKET_NAME"]
+    )
+    assert storage.site is not None  # noqa: S101 - its name is given
+    table = storage.table
+    calibrations = Calibrations(table, storage.objects)
+    dumps = Dumps(storage.objects, storage.site)
     least = Thresholds.from_environment(os.environ).min_contributors
     dump = WeeklyDump(
         dumps=dumps,
         figures=Figures(
-            dumps, Cameras(table), MissCounts(table), Aliases(table), calibrations.licence, least
+            dumps, Cameras(table), MissCounts(table), calibrations.names, calibrations.licence, least
         ),
         now=lambda: int(time.time()),
         random_hex=secrets.token_hex,

@@ -24,8 +24,8 @@ from calibdb.http.part_checks import CHECKS_TTL_S, Part, PartChecks
 from calibdb.schema import DeepHealth, Health
 from calibdb.schema.health import CanaryRun, PartHealth
 from calibdb.settings import Settings
-from calibdb.store import Objects, Table, clients
 from calibdb.store.canary import last_canary_run
+from calibdb.store.storage import storage_of
 
 _TABLE_LIMIT_S, _BUCKET_LIMIT_S, _EDGE_LIMIT_S, _SOLVER_LIMIT_S = 2.0, 2.0, 3.0, 8.0
 _MAX_CONFIG_BYTES = 10_000
@@ -38,8 +38,6 @@ class Checks:
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
-        self._table = Table(functools.partial(clients.dynamodb, settings.region), settings.table_name)
-        self._objects = Objects(functools.partial(clients.s3, settings.region), settings.bucket_name)
         self.canary: CanaryRun | None = None
         storage = (
             Part("table", _TABLE_LIMIT_S, self._prepare_table),
@@ -49,18 +47,16 @@ class Checks:
         self.parts = PartChecks((storage, (Part("solver", _SOLVER_LIMIT_S, prepare_solver),)))
 
     def _prepare_table(self) -> Callable[[], None]:
-        clients.dynamodb(self._settings.region)
         self.canary = None
 
         def read() -> None:
-            self.canary = last_canary_run(self._table, int(time.time()))
+            self.canary = last_canary_run(storage_of(self._settings).table, int(time.time()))
 
         return read
 
     def _prepare_bucket(self) -> Callable[[], None]:
-        clients.s3(self._settings.region)
         # There is no such object: a bucket that works says so.
-        return lambda: void(self._objects.get("health/none"))
+        return lambda: void(storage_of(self._settings).objects.get("health/none"))
 
     def _prepare_edge(self) -> Callable[[], None]:
         address = urljoin(self._settings.guidance_url, "/config.json")

@@ -1,35 +1,55 @@
 """Lookup: the calibration of the camera that a page just opened, or the way to one.
 
 A lookup that hits is one Query. No lookup writes for itself: tokens are read twice a minute, and lookups are
-counted in memory and flushed in batches (`calibdb.access.token_cache`). The first hits under a label and
-platform that are new for the camera are reported to `refit`, which lets the edge answer the next ones.
+counted in memory and flushed in batches (`calibdb.access.token_cache`). A hit by POST under a label and
+platform that are new is reported to `refit`, which stores them as an alias. From then on the camera is also
+found by `GET /known/v1/<digest>/…`, which has no credential, and which caches keep.
 """
 
 from __future__ import annotations
 
 import functools
+import hashlib
 import logging
+import re
 from collections.abc import Callable
+from dataclasses import replace
 from urllib.parse import urlencode
 
 from starlette.responses import Response
 
 from calibdb.access.tokens import source
-from calibdb.camera_key import identify
+from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.errors import NotFoundError, UnavailableError
 from calibdb.http import application, metrics
 from calibdb.lookup.calibration_lookup import LookupQuery, LookupResult, find
 from calibdb.lookup.camera_search import is_listed
-from calibdb.lookup.edge_content import is_public
 from calibdb.lookup.estimation import estimate_for
-from calibdb.schema import ConsensusDocument, LookupRequest, Miss, NoCalibration, RefitRequest, Sighting
+from calibdb.schema import (
+    DISTORTION_MODELS,
+    ConsensusDocument,
+    LookupRequest,
+    Miss,
+    NewAlias,
+    NoCalibration,
+    RefitRequest,
+    UnknownCamera,
+)
 from calibdb.schema.fields import size_text, zoom_text
+from calibdb.schema.lookup import Reason
 from calibdb.store import CameraRecords
-from calibdb.store.keys import alias_digest
+from calibdb.store.aliases import alias_digest
 from calibdb.store.miss_counts import USB
 
 # By browsers, and at the edge for the same token from the same origin; both may be refused.
 _PUBLIC_CACHE = {"Cache-Control": "public, max-age=20", "Vary": "Authorization, Origin"}
+
+# Browsers keep an answer for a minute, the edge for five: a withdrawn camera is gone from both in six.
+_KNOWN_CACHE = "public, max-age=60, s-maxage=300, stale-while-revalidate=60, stale-if-error=86400"
+_UNKNOWN_CACHE = "public, max-age=60, s-maxage=60"
+_DIGEST = re.compile("[0-9a-f]{32}")
+_SIZE = re.compile("([1-9][0-9]{0,4})x([1-9][0-9]{0,4})")
+_ZOOM = re.compile(r"[0-9]{1,7}(\.[0-9]{1,6})?")
 
 _log = logging.getLogger(__name__)
 
@@ -90,7 +110,7 @@ def _find(call: application.Call, request: LookupRequest) -> LookupResult:
     private = call.service.settings.thresholds.min_contributors == 1
     found = find(read, wanted, private=private, compute=compute)
     if found.answer is not None and call.request.method == "POST":
-        _report(call, request, read, found)
+        _report(call, request, found)
     elif found.answer is None and found.key:
         _count_miss(call, request, read, found)
     return found
@@ -122,25 +142,67 @@ def _count_miss(
         _log.warning("misses were not reported: %s", error.detail)
 
 
-def _report(
-    call: application.Call, request: LookupRequest, read: Callable[[str], CameraRecords], found: LookupResult
-) -> None:
-    """Have an alias that is new written down, so that the edge answers under it; nobody waits for that."""
-    service, identity = call.service, identify(request.camera, request.platform)
-    name = request.camera, request.platform
-    if not service.settings.edge_answers or (identity.usb_id and found.key != identity.key):
+def _report(call: application.Call, request: LookupRequest, found: LookupResult) -> None:
+    """Have an alias that is new stored; the answer does not wait for that."""
+    service, name = call.service, (request.camera, request.platform)
+    now = service.clock()
+    if not service.aliases.admit(name, now) or not is_public(name):
+        return
+    alias = service.store.aliases.get(alias_digest(*name))
+    if alias is not None and alias.is_fresh(now):
         return
     sender = source(service.settings.contributor_secret, call.address)
-    if not read(identity.key).aliases.wants(alias_digest(*name)):
-        return
-    if not (is_public(name) and service.sightings.admit(identity.key, name, sender, service.clock())):
-        return
-    sighting = Sighting(label=request.camera, platform=request.platform, source=sender)
-    asked = RefitRequest(camera=identity.key, img_size=request.img_size, zoom=request.zoom, sighting=sighting)
+    new = NewAlias(label=request.camera, platform=request.platform, source=sender)
+    asked = RefitRequest(camera=found.key, img_size=request.img_size, zoom=request.zoom, alias=new)
     try:
         service.store.refit.later(asked)
-    except UnavailableError as error:  # the answer does not depend on it
+    except UnavailableError as error:
         _log.warning("an alias was not reported: %s", error.detail)
+
+
+def is_public(name: tuple[str, str]) -> bool:
+    """True if a label contains nothing of a person, so that it may be stored."""
+    label, platform = name
+    return public_label(label) == label and public_platform(platform) == platform
+
+
+def known(call: application.Call) -> Response:
+    """Answer a lookup by the digest of label and platform: the same for all callers."""
+    wanted = _query_of(call.path("size"), call.path("zoom"), call.path("file"))
+    digest = call.path("digest")
+    alias = call.service.store.aliases.get(digest) if wanted and _DIGEST.fullmatch(digest) else None
+    if wanted is None or alias is None:
+        return _unknown("unknown_camera")
+    read = functools.cache(call.service.store.cameras.known)
+    private = call.service.settings.thresholds.min_contributors == 1
+    query = replace(wanted, camera=alias.label, platform=alias.platform)
+    found = find(read, query, private=private, compute=lambda _key, _size: None)
+    metrics.count(call.service.clock(), Lookups=1)
+    if found.answer is None:
+        return _unknown(found.reason)
+    content = found.answer.model_dump_json().encode()
+    tag = f'"{hashlib.sha256(content).hexdigest()[:32]}"'
+    headers = {"Cache-Control": _KNOWN_CACHE, "ETag": tag, "Access-Control-Allow-Origin": "*"}
+    if call.request.headers.get("if-none-match") == tag:
+        return Response(status_code=304, headers=headers)
+    return Response(content, 200, headers, "application/json")
+
+
+def _query_of(size: str, zoom: str, file: str) -> LookupQuery | None:
+    """Parse the path of `known`; None if it has another form, so that each answer has one address."""
+    model = file.removesuffix(".json")
+    match = _SIZE.fullmatch(size)
+    if match is None or not _ZOOM.fullmatch(zoom) or model not in DISTORTION_MODELS or model == file:
+        return None
+    img_size = int(match[1]), int(match[2])
+    if size_text(img_size) != size or zoom_text(float(zoom)) != zoom:
+        return None
+    return LookupQuery("", "", img_size, float(zoom), model)
+
+
+def _unknown(reason: Reason) -> Response:
+    headers = {"Cache-Control": _UNKNOWN_CACHE, "Access-Control-Allow-Origin": "*"}
+    return application.json_response(UnknownCamera(reason=reason), 404, headers)
 
 
 def _key(request: LookupRequest) -> dict[str, str]:
@@ -153,4 +215,7 @@ def _key(request: LookupRequest) -> dict[str, str]:
     }
 
 
-handler = application.handler(application.route("/v1/lookup", POST=ask, GET=visit))
+handler = application.handler(
+    application.route("/v1/lookup", POST=ask, GET=visit),
+    application.route("/known/v1/{digest}/{size}/{zoom}/{file}", GET=known),
+)

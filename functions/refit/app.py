@@ -21,7 +21,6 @@ from typing import Any
 from calibdb.errors import UnavailableError
 from calibdb.http import metrics
 from calibdb.lookup import well_known_ids
-from calibdb.lookup.publication import Publication
 from calibdb.rules import quality_gates
 from calibdb.rules.contributed_name import most_contributed_label, most_contributed_platform
 from calibdb.rules.refit_plan import Step, input_digest, plan_refit, pool_digest
@@ -42,6 +41,7 @@ from calibdb.schema import (
 from calibdb.service import Service
 from calibdb.settings import Thresholds
 from calibdb.store import IndexedVote, StreamMode
+from calibdb.store.aliases import Alias
 from calibdb.store.calibrations import CountedCalibration
 from calibdb.store.keys import consensus_id
 from calibsolver import FIT_VERSION, Board, CalibrationError, Camera, DeadlineError, View, consensus, deadline
@@ -73,18 +73,18 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
     request = RefitRequest.model_validate(event)
     service = Service.of(os.environ)
     mode = StreamMode(request.camera, request.img_size, request.zoom)
-    edge = Publication(service.store, service.settings, service.clock, str(context.aws_request_id))
     consensuses: Consensuses = {}
     with deadline.limit(lambda: context.get_remaining_time_in_millis() / 1000 - MIN_PUBLISHING_S):
         if request.misses:
             service.store.miss_counts.add(request.misses, service.now)
-        elif request.sighting is not None:
-            edge.record(request.sighting)
+        elif request.alias is not None:
+            alias = Alias(request.alias.label, request.alias.platform)
+            service.store.aliases.record(alias, request.camera, request.alias.source, service.now)
         elif request.queued:
-            run_under_lease(service, mode, context, edge)
+            run_under_lease(service, mode, context)
         else:
             models = [m for m in DISTORTION_MODELS if m in request.models or not request.models]
-            consensuses = ensure_current(service, mode, models, edge, _alone(service, mode, models, context))
+            consensuses = ensure_current(service, mode, models, _alone(service, mode, models, context))
     return RefitAnswer.model_validate({"models": consensuses}).model_dump(mode="json")
 
 
@@ -114,7 +114,7 @@ def _deadline(service: Service, context: Any) -> int:
     return service.now + math.ceil(left_ms / 1000)
 
 
-def run_under_lease(service: Service, mode: StreamMode, context: Any, edge: Publication) -> None:
+def run_under_lease(service: Service, mode: StreamMode, context: Any) -> None:
     """Refresh every model's consensus, unless the holder of the lease will do so for this request."""
     leases, me = service.store.leases, str(context.aws_request_id)
     until = _deadline(service, context)
@@ -123,7 +123,7 @@ def run_under_lease(service: Service, mode: StreamMode, context: Any, edge: Publ
     done = False
     try:
         for _ in range(MAX_ROUNDS):
-            ensure_current(service, mode, DISTORTION_MODELS, edge)
+            ensure_current(service, mode, DISTORTION_MODELS)
             done = leases.release(mode, me)
             if done:
                 return
@@ -136,27 +136,27 @@ def run_under_lease(service: Service, mode: StreamMode, context: Any, edge: Publ
 
 
 def ensure_current(
-    service: Service, mode: StreamMode, models: Sequence[str], edge: Publication, guard: Guard = None
+    service: Service, mode: StreamMode, models: Sequence[str], guard: Guard = None
 ) -> Consensuses:
     """Return each model's consensus as it follows from the index; compute and store those that are stale.
 
-    The edge answers with them, too. `guard`: entered before anything is computed; reads alone need none.
+    `guard`: entered before anything is computed; reads alone need none.
     """
     with ExitStack() as guarded:
         if guard is not None:
-            consensuses = _try_once(service, mode, models, edge, compute=False)
+            consensuses = _try_once(service, mode, models, compute=False)
             if consensuses is not None:
                 return consensuses
             guarded.enter_context(guard)
         for _ in range(MAX_ATTEMPTS):
-            consensuses = _try_once(service, mode, models, edge, compute=True)
+            consensuses = _try_once(service, mode, models, compute=True)
             if consensuses is not None:
                 return consensuses
     raise UnavailableError("Other computations keep updating this consensus; try again.")
 
 
 def _try_once(
-    service: Service, mode: StreamMode, models: Sequence[str], edge: Publication, *, compute: bool
+    service: Service, mode: StreamMode, models: Sequence[str], *, compute: bool
 ) -> Consensuses | None:
     """Do what `ensure_current` does; None if another writer won a conditional put.
 
@@ -167,14 +167,14 @@ def _try_once(
     stored: Stored = {c.distortion_model: c for c in store.consensuses.at(mode)}
     counted = store.calibrations.newest(mode, thresholds.max_calibrations, thresholds.contributor_period)
     if not counted:
-        return _drop(service, mode, models, stored, edge)
+        return _drop(service, mode, models, stored)
     votes = store.votes.newest(mode, one_per_source=thresholds.contributor_period > 0)
     pooled = pool_digest(POOLING_VERSION, [c.id for c in counted], thresholds, FIT_VERSION)
     basis = input_digest(pooled, [vote.id for vote in votes])
     steps = plan_refit(models, stored, pooled, basis)
     if not compute and any(step.action != "keep" for step in steps):
         return None
-    return _apply(service, Inputs(mode, counted, votes, pooled, basis), steps, edge)
+    return _apply(service, Inputs(mode, counted, votes, pooled, basis), steps)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -188,10 +188,10 @@ class Inputs:
     input_digest: str
 
 
-def _apply(service: Service, inputs: Inputs, steps: Sequence[Step], edge: Publication) -> Consensuses | None:
+def _apply(service: Service, inputs: Inputs, steps: Sequence[Step]) -> Consensuses | None:
     """Compute and store what `steps` ask for; None if another writer won a conditional put.
 
-    Raises UnavailableError where the time is up. What was stored until then is whole, and the edge knows it.
+    Raises UnavailableError where the time is up. What was stored until then is whole.
     """
     store, thresholds, mode = service.store, service.settings.thresholds, inputs.mode
     documents = functools.cache(lambda: store.calibrations.read([c.id for c in inputs.counted]))
@@ -217,21 +217,17 @@ def _apply(service: Service, inputs: Inputs, steps: Sequence[Step], edge: Public
     # Even when another writer won: it may have looked before the first of these was written.
     if written:
         well_known_ids.refresh_well_known(store, mode.camera_key, thresholds)
-    edge.refresh(mode, [c.name for c in inputs.counted if c.camera], changed=written > 0)
     if late:
         raise UnavailableError("This consensus takes longer to compute than is left; try again.")
     return consensuses if len(consensuses) == len(steps) else None
 
 
-def _drop(
-    service: Service, mode: StreamMode, models: Sequence[str], stored: Stored, edge: Publication
-) -> Consensuses | None:
+def _drop(service: Service, mode: StreamMode, models: Sequence[str], stored: Stored) -> Consensuses | None:
     """Drop the consensuses of a mode without calibrations; None if another writer changed one meanwhile."""
     gone = [stored[model] for model in models if model in stored]
     dropped = all(map(service.store.consensuses.drop, gone))
     if gone and dropped:
         well_known_ids.refresh_well_known(service.store, mode.camera_key, service.settings.thresholds)
-    edge.refresh(mode, changed=bool(gone))
     return dict.fromkeys(models) if dropped else None
 
 

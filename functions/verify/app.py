@@ -6,7 +6,6 @@ nothing but that note; it has no secret and none of the other functions' setting
 
 from __future__ import annotations
 
-import functools
 import os
 import time
 from collections.abc import Mapping
@@ -15,8 +14,8 @@ from typing import Any
 from calibdb.proof import fetch
 from calibdb.schema.managed_token import ProofAnswer, ProofFailure, ProofRequest
 from calibdb.schema.origins import proof_content, proof_host
-from calibdb.store import Table, clients
 from calibdb.store.proofs import store_proof
+from calibdb.store.storage import storage_named
 
 
 def handler(event: Mapping[str, Any], _: Any) -> dict[str, Any]:
@@ -25,7 +24,7 @@ def handler(event: Mapping[str, Any], _: Any) -> dict[str, Any]:
     failure = look_for(request)
     if failure is None:
         region = os.environ["AWS_REGION"]
-        table = Table(functools.partial(clients.dynamodb, region), os.environ["TABLE_NAME"])
+        table = storage_named(region, os.environ["TABLE_NAME"]).table
         store_proof(table, request.token_id, request.origin, int(time.time()))
     return ProofAnswer(failure=failure).model_dump(mode="json")
 

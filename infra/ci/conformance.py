@@ -15,9 +15,10 @@ from infra.ci import ministack
 
 ROOT = Path(__file__).resolve().parents[2]
 _TESTS = (
-    "tests/unit/service/store/test_store.py",
-    "tests/unit/service/store/test_calibrations.py",
-    "tests/unit/service/store/test_names.py",
+    "tests/unit/store/test_ports.py",
+    "tests/unit/store/test_store.py",
+    "tests/unit/store/test_calibrations.py",
+    "tests/unit/store/test_names.py",
 )
 
 

@@ -10,7 +10,6 @@ from typing import Any
 
 from botocore.exceptions import BotoCoreError, ClientError
 
-from calibdb.store.keys import ANSWERS
 from infra.deploy.site import Upload
 
 # EDGE_SECRETS are all that functions take from the edge; EDGE_SECRET is the one that CloudFront sends.
@@ -279,28 +278,6 @@ def settings(s3: Any, bucket: str) -> Mapping[str, str] | None:
         return None
     found: Mapping[str, str] = json.loads(s3.get_object(Bucket=bucket, Key="config.json")["Body"].read())
     return found
-
-
-def remove_answers(s3: Any, bucket: str) -> int:
-    """Remove the answers at the edge, of a deployment that wants every lookup counted; return how many.
-
-    Raises DeployError if S3 kept one.
-    """
-    pages = s3.get_paginator("list_objects_v2").paginate(Bucket=bucket, Prefix=ANSWERS)
-    number = 0
-    for page in pages:
-        found = [{"Key": entry["Key"]} for entry in page.get("Contents", [])]
-        if found:
-            # A call that S3 answers may yet have removed nothing: it names what it kept.
-            kept = s3.delete_objects(Bucket=bucket, Delete={"Objects": found, "Quiet": True}).get(
-                "Errors", []
-            )
-            if kept:
-                raise DeployError(
-                    f"{len(kept)} answers at the edge remain: {kept[0]['Code']} {kept[0]['Key']}"
-                )
-        number += len(found)
-    return number
 
 
 def switch(cloudfront: Any, distribution: str, *, enabled: bool) -> bool:

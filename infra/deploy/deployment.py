@@ -20,7 +20,7 @@ from infra.deploy.package import ROOT, TEMPLATE, complete_template, package_temp
 from infra.deploy.prune import prune
 from infra.deploy.site import uploads
 from infra.deploy.steps import PARAMETERS, Step, Target, parameter_file, steps
-from infra.local.pages import contacts, public_settings
+from infra.server.pages import contacts, public_settings
 from infra.web_build.site import Options
 
 
@@ -81,13 +81,11 @@ def _do(step: Step, target: Target, source: str) -> None:
             token = page_token.current_token(made, region, aws.settings(s3, bucket))
             if made["Canary"] == "on":
                 page_token.give_canary(made, region, boto3.client("ssm", region), stack)
-            settings = public_settings("/v1", token, made["EdgeAnswers"], given)
+            settings = public_settings("/v1", token, given)
             contact = made.get("SecurityContact") or given.get("OperatorContact")
             options = Options(made["SiteUrl"], contacts(given))
             files = uploads(ROOT / "web", settings, contact, datetime.now(UTC), options)
             print(f"   {aws.upload(s3, bucket, files)} files")
-            if made["EdgeAnswers"] == "off":
-                print(f"   {aws.remove_answers(s3, bucket)} answers at the edge removed")
         case "invalidate":
             made = aws.outputs(boto3.client("cloudformation", region), stack)
             aws.invalidate(boto3.client("cloudfront"), made["DistributionId"], str(time.time_ns()))

@@ -13,8 +13,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from infra.local.intrinsics import parse_text
-from infra.local.pages import NOT_FOUND
+from infra.deploy.intrinsics import parse_text
+from infra.server.pages import NOT_FOUND
 from infra.web_build.site import page_keys
 
 ROOT = Path(__file__).resolve().parents[2]

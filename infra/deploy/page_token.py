@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import secrets
 import time
 from collections.abc import Mapping, Sequence
@@ -10,7 +9,8 @@ from dataclasses import replace
 from typing import Any
 
 from calibdb.access.tokens import ApiToken, parse, secret_hash
-from calibdb.store import Objects, Table, Tokens, clients
+from calibdb.store import Tokens
+from calibdb.store.storage import storage_named
 
 _PLAN, _CANARY_PLAN = "page", "free"
 _CANARY_PARAMETER = "CANARY_TOKEN"
@@ -49,8 +49,8 @@ def give_canary(made: Mapping[str, str], region: str, ssm: Any, stack: str) -> N
 
 
 def _tokens(made: Mapping[str, str], region: str) -> Tokens:
-    table = Table(functools.partial(clients.dynamodb, region), made["TableName"])
-    return Tokens(table, Objects(functools.partial(clients.s3, region), made["KeypointBucketName"]))
+    storage = storage_named(region, made["TableName"], made["KeypointBucketName"])
+    return Tokens(storage.table, storage.objects)
 
 
 def _origins(made: Mapping[str, str]) -> tuple[str, ...]:

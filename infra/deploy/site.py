@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from infra.deploy import hashed_names
-from infra.local.pages import FOREVER, media_type
+from infra.server.pages import FOREVER, media_type
 from infra.web_build import site
 from infra.web_build.precache_manifest import shell_of
 from infra.web_build.root_files import robots_text, security_text, sitemap

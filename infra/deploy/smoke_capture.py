@@ -10,8 +10,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from calibdb.schema import RefitRequest
-from calibdb.store import Calibrations, Table, clients
+from calibdb.store import Calibrations, aws
 from calibdb.store.keys import calibration_object, tombstone_object
+from calibdb.store.storage import storage_named
 from infra.deploy import smoke
 from infra.measure import load_test
 from infra.ops.replica import ReplicatedObjects
@@ -63,10 +64,10 @@ def remove(made: Mapping[str, str], region: str, refit: str, identity: str) -> N
     identity
         Id of the calibration.
     """
-    table = Table(functools.partial(clients.dynamodb, region), made["TableName"])
+    table = storage_named(region, made["TableName"]).table
     # A replica must not keep it either.
     keypoints = made["KeypointBucketName"]
-    objects = ReplicatedObjects(functools.partial(clients.s3, region), keypoints, clients.s3)
+    objects = ReplicatedObjects(functools.partial(aws.s3, region), keypoints, aws.s3)
     calibrations = Calibrations(table, objects)
     document = calibrations.get(identity)
     if document is None:
@@ -77,6 +78,6 @@ def remove(made: Mapping[str, str], region: str, refit: str, identity: str) -> N
     for place in filter(None, (objects.replica, objects)):
         place.delete([name for name in names if name])
     request = RefitRequest(camera=document.camera_key, img_size=document.img_size, zoom=document.zoom)
-    clients.lambda_(region).invoke(
+    aws.lambda_(region).invoke(
         FunctionName=refit, InvocationType="Event", Payload=request.model_dump_json().encode()
     )

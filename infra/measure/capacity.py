@@ -15,8 +15,8 @@ from calibdb.access.plans import multiplied
 from calibdb.settings import parse_plan_factors
 from calibdb.store.quotas import SHARDS
 from infra.deploy.account_check import RESERVED
+from infra.deploy.intrinsics import parse
 from infra.deploy.package import ROOT
-from infra.local.intrinsics import parse
 
 DAILY_CAPTURES = 1_000_000
 PEAK = 3.0  # busiest hour / mean hour

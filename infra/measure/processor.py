@@ -15,8 +15,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from calibsolver import Board, View, fit
+from infra.deploy.intrinsics import parse
 from infra.deploy.package import ROOT
-from infra.local.intrinsics import parse
 from infra.measure.load_test import observe_board
 
 REFERENCE_S = 0.066

@@ -1,6 +1,6 @@
 """The operator's command line: `python -m infra.ops`, or `infra/calibdb-ops` from any folder.
 
-It acts on the local stack's DATA_DIR (default .data/), whose server must be stopped; or, with
+It acts on a data folder (`--data DIR` or DATA_DIR, default .data), whether its server runs or not; or, with
 CALIBDB_STORAGE=aws and the deployment's TABLE_NAME, BUCKET_NAME and WEB_BUCKET_NAME in the environment, on
 AWS with the operator's own credentials.
 """

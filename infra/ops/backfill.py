@@ -7,18 +7,15 @@ reads and is left as it is, so it can be stopped and run again at any time.
 from __future__ import annotations
 
 import itertools
-import json
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from calibdb.errors import UnavailableError
 from calibdb.schema import DISTORTION_MODELS, BackfillAnswer, RefitRequest
-from calibdb.store import clients
+from functions.backfill.app import handler
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext
-from infra.ops.errors import OpsError
 
 BATCH_SIZE = 1000  # names that the state machine hands on together
-_FUNCTION = "BackfillFunction"
 
 
 @dataclass(frozen=True)
@@ -62,7 +59,7 @@ def _all_requests(context: OpsContext, after: str) -> Iterator[RefitRequest]:
     wanted = (name for name in names if not after or name.split("/")[1] > after)
     done: RefitRequest | None = None
     for batch in _batches(wanted):
-        for request in _requests(context, batch):
+        for request in _requests(batch):
             if request != done:  # on the border of two batches
                 done = request
                 yield request
@@ -91,13 +88,9 @@ def _refit(context: OpsContext, request: RefitRequest) -> int | None:
     return changed
 
 
-def _requests(context: OpsContext, names: Iterable[str]) -> Iterator[RefitRequest]:
-    asked = json.dumps({"Items": [{"Key": name} for name in names]}).encode()
-    answer = clients.lambda_(context.settings.region).invoke(FunctionName=_FUNCTION, Payload=asked)
-    content = answer["Payload"].read()
-    if "FunctionError" in answer:
-        raise OpsError(f"{_FUNCTION} failed: {content.decode()[:500]}")
-    yield from BackfillAnswer.model_validate_json(content).requests
+def _requests(names: Iterable[str]) -> Iterator[RefitRequest]:
+    asked = {"Items": [{"Key": name} for name in names]}
+    yield from BackfillAnswer.model_validate(handler(asked, None)).requests
 
 
 def _batches(names: Iterable[str]) -> Iterator[list[str]]:

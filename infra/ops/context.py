@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import functools
 import secrets
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from calibdb.settings import Settings
-from calibdb.store import Objects, Store, clients
+from calibdb.store import Objects, Store
 from calibdb.store.keys import WITHDRAWN
+from calibdb.store.ports import Storage
+from calibdb.store.storage import storage_of
 from infra.console.progress import Track, pass_through
 from infra.ops.index import Index
-from infra.ops.replica import ReplicatedObjects
+from infra.ops.replica import replicated
 
 CALIBRATIONS_PREFIX = "calibrations/"
 
@@ -25,6 +26,7 @@ class OpsContext:
     settings: Settings
     secret_known: bool  # whether `settings.contributor_secret` is the deployment's
     store: Store
+    storage: Storage
     objects: Objects
     index: Index
     now: int  # unix seconds
@@ -43,14 +45,14 @@ class OpsContext:
     ) -> OpsContext:
         """Make the context of the deployment that `environment` names."""
         settings = Settings.from_environment(environment)
+        storage = storage_of(settings)
         return cls(
             settings=settings,
             secret_known=secret_known,
             store=Store.of(settings),
-            objects=ReplicatedObjects(
-                functools.partial(clients.s3, settings.region), settings.bucket_name, clients.s3
-            ),
-            index=Index(functools.partial(clients.dynamodb, settings.region), settings.table_name),
+            storage=storage,
+            objects=replicated(storage.objects, settings.bucket_name, settings.region),
+            index=Index(storage.table),
             now=int(time.time()),
             random_hex=secrets.token_hex,
             echo=echo,

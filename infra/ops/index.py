@@ -1,66 +1,33 @@
-"""Scans and batch deletes of the whole table, which only operators do."""
+"""Keys of the whole table, and the removal of many items, which only operators do."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 
-from calibdb.store.clients import available
-
-if TYPE_CHECKING:
-    from mypy_boto3_dynamodb import DynamoDBClient
+from calibdb.store.ports import READERS, Table
 
 Key = tuple[str, str]  # pk, sk
-
-_MAX_BATCH_DELETES = 25  # of one BatchWriteItem
-_RETRY_PAUSE_S = 0.2  # before unprocessed items are tried again
 
 
 class Index:
     """Keys of all items, and the removal of many."""
 
-    def __init__(self, client: Callable[[], DynamoDBClient], name: str) -> None:
-        self._client = client
-        self._name = name
+    def __init__(self, table: Table) -> None:
+        self._table = table
 
     def keys(self, *prefixes: str) -> Iterator[Key]:
-        """Yield the keys whose `pk` begins with one of `prefixes`. Reads the whole table."""
-        with available():
-            pages = self._client().get_paginator("scan")
-            for page in pages.paginate(TableName=self._name, ProjectionExpression="pk, sk"):
-                for item in page["Items"]:
-                    pk, sk = item["pk"]["S"], item["sk"]["S"]
-                    if pk.startswith(prefixes):
-                        yield pk, sk
+        """Yield the keys whose `pk` begins with one of `prefixes`. Reads the whole table for each."""
+        for prefix in prefixes:
+            yield from self._table.keys(prefix)
 
     def sort_keys(self, pk: str, prefix: str) -> Iterator[str]:
-        """Yield the `sk` of one partition that begin with `prefix`, in their order."""
-        with available():
-            pages = self._client().get_paginator("query")
-            for page in pages.paginate(
-                TableName=self._name,
-                KeyConditionExpression="pk = :pk AND begins_with(sk, :prefix)",
-                ExpressionAttributeValues={":pk": {"S": pk}, ":prefix": {"S": prefix}},
-                ProjectionExpression="sk",
-                ConsistentRead=True,
-            ):
-                yield from (item["sk"]["S"] for item in page["Items"])
+        """Yield the `sk` of one partition that begin with `prefix`, in order."""
+        return (str(item["sk"]) for item in self._table.query(pk, prefix, consistent=True))
 
     def remove(self, keys: Iterable[Key]) -> int:
-        """Remove the items under these keys; return how many keys they were."""
+        """Remove the items under these keys; return the number of keys."""
         wanted = sorted(set(keys))
-        for start in range(0, len(wanted), _MAX_BATCH_DELETES):
-            left: dict[str, object] = {
-                self._name: [
-                    {"DeleteRequest": {"Key": {"pk": {"S": pk}, "sk": {"S": sk}}}}
-                    for pk, sk in wanted[start : start + _MAX_BATCH_DELETES]
-                ]
-            }
-            while left:
-                with available():
-                    answer = self._client().batch_write_item(RequestItems=left)  # type: ignore[arg-type]
-                left = dict(answer.get("UnprocessedItems", {}))
-                if left:
-                    time.sleep(_RETRY_PAUSE_S)
+        with ThreadPoolExecutor(READERS) as workers:
+            list(workers.map(lambda key: self._table.delete(*key), wanted))
         return len(wanted)

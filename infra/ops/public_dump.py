@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import functools
 import math
 
 from calibdb.dump.figures import Figures
 from calibdb.dump.weekly_dump import WeeklyDump
 from calibdb.schema.dump import Dump
-from calibdb.store import clients
 from calibdb.store.dumps import LATEST, STATISTICS, Dumps
 from infra.ops.context import OpsContext
 from infra.ops.errors import OpsError
@@ -26,7 +24,12 @@ def publish_dump(context: OpsContext) -> Dump:
     dump = WeeklyDump(
         dumps=dumps,
         figures=Figures(
-            dumps, store.cameras, store.miss_counts, store.aliases, store.calibrations.licence, least
+            dumps,
+            store.cameras,
+            store.miss_counts,
+            store.calibrations.names,
+            store.calibrations.licence,
+            least,
         ),
         now=lambda: context.now,
         random_hex=context.random_hex,
@@ -59,6 +62,5 @@ def replace_dumps(context: OpsContext) -> int:
 
 def dumps_of(context: OpsContext) -> Dumps | None:
     """Return the store of the site's dumps, None where no site is named."""
-    bucket = context.settings.web_bucket
-    client = functools.partial(clients.s3, context.settings.region)
-    return None if bucket is None else Dumps(client, context.objects, bucket)
+    site = context.storage.site
+    return None if site is None else Dumps(context.objects, site)

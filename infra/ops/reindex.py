@@ -6,6 +6,8 @@ import functools
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
+from typing import cast as typed
 
 from calibdb.access.plans import TRIAL_PERIOD_S
 from calibdb.errors import UnavailableError
@@ -22,20 +24,15 @@ from calibdb.store import (
     Table,
     Tokens,
     Votes,
-    clients,
     endings,
 )
-from calibdb.store.aliases import ALIAS_PREFIX, LIST_SK
 from calibdb.store.names import with_current_key
-from calibdb.store.table import Item
-from infra.ops import edge
+from calibdb.store.ports import Item
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.index import Key
 
 # What a computation writes; everything else beside a camera follows from single objects.
 _COMPUTED = ("CONSENSUS", "GROUPS")
-# What lookups add to; `edge.rebuild` sees to it.
-_KINDS_OF_ALIASES = (ALIAS_PREFIX, LIST_SK)
 
 
 @dataclass(frozen=True)
@@ -51,29 +48,30 @@ class ReindexResult:
     consensuses: int
     failed: int  # modes whose consensus could not be computed
     removed: int
-    answers: int  # objects at the edge
 
 
-class _RecordingTable(Table):
+class _RecordingTable:
     """A table that records the keys of what it writes; with `dry_run` it writes nothing."""
 
-    def __init__(self, context: OpsContext, *, dry_run: bool) -> None:
-        settings = context.settings
-        super().__init__(functools.partial(clients.dynamodb, settings.region), settings.table_name)
+    def __init__(self, table: Table, *, dry_run: bool) -> None:
+        self._table = table
         self.written: set[Key] = set()
         self._dry_run = dry_run
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._table, name)
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
         """Write the item as `Table` does; where nothing is written, tell whether it would be new."""
         key = str(item["pk"]), str(item["sk"])
         self.written.add(key)
         if self._dry_run:
-            return condition is None or self.get(*key) is None
-        return super().put(item, condition)
+            return condition is None or self._table.get(*key) is None
+        return self._table.put(item, condition)
 
     def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
         """Remove the item as `Table` does."""
-        return True if self._dry_run else super().delete(pk, sk, condition)
+        return True if self._dry_run else self._table.delete(pk, sk, condition)
 
 
 def reindex(
@@ -81,11 +79,8 @@ def reindex(
     only: Iterable[StreamMode] | None = None,
     *,
     dry_run: bool = False,
-    forget_pending: bool = False,
 ) -> ReindexResult:
     """Make the index name exactly what is in the bucket, and recompute outdated consensuses.
-
-    Then make the edge answer with them.
 
     Safe to run on a table in use, and again: lookups go on, with the old answers until the new ones are
     there. What is published while it runs is indexed by its own submit. Counters of use are not in the bucket
@@ -99,21 +94,18 @@ def reindex(
         Modes whose consensus is computed again; None: all.
     dry_run
         Write nothing and compute nothing; count what would be written and removed.
-    forget_pending
-        As in `edge.rebuild`.
     """
     # First, so that what is published from here on cannot be mistaken for something that the bucket lacks.
     indexed = set(context.index.keys("CAMERA"))
-    table = _RecordingTable(context, dry_run=dry_run)
+    recorder = _RecordingTable(context.storage.table, dry_run=dry_run)
+    table = typed("Table", recorder)
     sessions = Sessions(table, context.objects).index(context.now)
     rigs = Rigs(table, context.objects).index(context.now)
     published = publish_finished(context, dry_run=dry_run)
     calibrations, votes = Calibrations(table, context.objects), Votes(table, context.objects)
     modes: Counter[StreamMode] = Counter()
-    borne: set[tuple[str, str]] = set()
     total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
     for document, withdrawn in context.track(calibrations.everything(), "calibrations", total):
-        borne.add((document.camera, document.platform))
         calibrations.index(document, withdrawn=withdrawn)
         modes[mode_of(document)] += not withdrawn
     cast = 0
@@ -125,13 +117,7 @@ def reindex(
     for prior in priors.all():
         priors.index(prior)
     computed = {(known.pk, known.text) for known in modes}
-    stale = {
-        key
-        for key in indexed
-        if key not in table.written
-        and _computed_of(key) not in computed
-        and not key[1].startswith(_KINDS_OF_ALIASES)
-    }
+    stale = {key for key in indexed if key not in recorder.written and _computed_of(key) not in computed}
     if not dry_run:
         context.index.remove(stale)
     consensuses = failed = 0
@@ -142,7 +128,6 @@ def reindex(
         consensuses += found or 0
         count = modes[wanted]
         context.echo(f"{wanted.camera_key} {wanted.text}: {count} calibration{'' if count == 1 else 's'}")
-    answers = 0 if dry_run else edge.rebuild(context, borne, forget_pending=forget_pending).objects
     return ReindexResult(
         calibrations=sum(modes.values()),
         published=published,
@@ -153,7 +138,6 @@ def reindex(
         consensuses=consensuses,
         failed=failed,
         removed=len(stale),
-        answers=answers,
     )
 
 

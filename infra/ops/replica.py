@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from botocore.exceptions import ClientError
 
-from calibdb.store import Objects
-from calibdb.store.clients import available, code
+from calibdb.store.aws import S3Objects, available, code, s3
+from calibdb.store.ports import Objects
 
 if TYPE_CHECKING:
     from mypy_boto3_s3 import S3Client
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _DEFAULT_REGION = "us-east-1"  # which S3 names by nothing
 
 
-class ReplicatedObjects(Objects):
+class ReplicatedObjects(S3Objects):
     """Objects of a bucket and, where S3 replicates it, of its replica.
 
     S3 copies new objects to the replica; it never copies the removal of a version.
@@ -41,7 +41,7 @@ class ReplicatedObjects(Objects):
         return super().purge_all_versions(names)
 
     @functools.cached_property
-    def replica(self) -> Objects | None:
+    def replica(self) -> S3Objects | None:
         """Bucket that S3 replicates to, None where it replicates to none."""
         with available():
             try:
@@ -55,4 +55,11 @@ class ReplicatedObjects(Objects):
             region = (
                 self._client().get_bucket_location(Bucket=bucket)["LocationConstraint"] or _DEFAULT_REGION
             )
-        return Objects(functools.partial(self._elsewhere, region), bucket)
+        return S3Objects(functools.partial(self._elsewhere, region), bucket)
+
+
+def replicated(objects: Objects, bucket: str, region: str) -> Objects:
+    """Return the objects with their replica, if they are in S3."""
+    if not isinstance(objects, S3Objects):
+        return objects
+    return ReplicatedObjects(functools.partial(s3, region), bucket, s3)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,35 +34,76 @@ def open_run(*, as_json: bool = False) -> Iterator[Run]:
 
     An error ends the command with its text and the exit status 1.
     """
-    # Here and not above: help and completion need none of it, and the stack puts the layers on the path.
-    from infra.local import LocalStack
-    from infra.local.environment import storage_is_elsewhere
-    from infra.local.journal import JournalError
-    from infra.local.secrets import SecretsError
+    from calibdb.errors import CalibdbError
+    from infra.ops.context import OpsContext
+    from infra.server.folder import FolderError
+    from infra.server.secrets import SecretsError
 
     logging.basicConfig(format="%(message)s")
     output = Output(as_json=as_json)
-    data_dir = None if storage_is_elsewhere(os.environ) else Path(os.environ.get("DATA_DIR") or ".data")
     try:
-        with LocalStack(data_dir) as stack:
-            from calibdb.errors import CalibdbError
-            from infra.ops.context import OpsContext
-
-            known = stack.embedded or "CONTRIBUTOR_SECRET" in os.environ
-            context = OpsContext.of(stack.environment, secret_known=known, echo=output.line, track=track)
+        with _opened() as (environment, secret_known):
+            context = OpsContext.of(
+                environment,
+                secret_known=secret_known,
+                echo=output.line,
+                track=track,
+            )
             try:
                 yield Run(context, output)
             except CalibdbError as error:
-                raise _failure_exit(error.detail) from error
+                raise failure_exit(error.detail) from error
             output.finish()
     except BrokenPipeError:
         # Who reads has read enough. What is left in the buffer must not be written at the end either.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise typer.Exit(0) from None
-    except (JournalError, SecretsError, ValueError, OSError) as error:
-        raise _failure_exit(str(error)) from error
+    except (FolderError, SecretsError, ValueError, OSError) as error:
+        raise failure_exit(str(error)) from error
 
 
-def _failure_exit(detail: str) -> typer.Exit:
+@contextmanager
+def _opened() -> Iterator[tuple[Mapping[str, str], bool]]:
+    """Open the storage that the environment names.
+
+    Yields the variables of the functions, and whether they have the deployment's own secret.
+    """
+    from calibdb.settings import Settings
+    from calibdb.store.ports import Storage
+    from calibdb.store.storage import opened, storage_of
+    from infra.server.folder import Folder
+    from infra.server.jobs import InlineJobs
+    from infra.server.server import opened_for_functions, variables, variables_set
+
+    if not (os.environ.get("CALIBDB_STORAGE") == "aws" or "AWS_ENDPOINT_URL" in os.environ):
+        folder = Folder(data_folder(), as_guest=True)
+        try:
+            for sentence in folder.damage:
+                print(f"warning: {sentence}", file=sys.stderr)
+            environment = variables(folder, os.environ.get("PUBLIC_URL", "http://127.0.0.1:8000"))
+            with opened_for_functions(folder, InlineJobs(), environment):
+                yield environment, True
+        finally:
+            folder.close()
+        return
+    missing = [name for name in ("TABLE_NAME", "BUCKET_NAME") if name not in os.environ]
+    if missing:
+        raise ValueError(f"storage is on AWS, but {' and '.join(missing)} do not say where")
+    own = {"SESSION_SECRETS": "none", "CONTRIBUTOR_SECRET": "none", "GUIDANCE_URL": "http://127.0.0.1:8000/"}
+    environment = {**own, "REFIT_FUNCTION": "refit", **os.environ}
+    storage = storage_of(Settings.from_environment(environment))
+    # Consensuses are computed here: the operator sees what fails.
+    here = Storage(storage.table, storage.objects, InlineJobs(), storage.site)
+    with variables_set({**own, **os.environ}), opened(here):
+        yield environment, "CONTRIBUTOR_SECRET" in os.environ
+
+
+def data_folder() -> Path:
+    """Return the data folder of a self-hosted server."""
+    return Path(os.environ.get("DATA_DIR") or ".data")
+
+
+def failure_exit(detail: str) -> typer.Exit:
+    """Print why a command failed; return what ends it."""
     print(f"calibDB: {detail}", file=sys.stderr)
     return typer.Exit(1)

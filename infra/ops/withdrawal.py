@@ -158,7 +158,7 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
     # Their shares of the hour.
     used = (key for key in context.index.keys("TOKEN#") if key[1].startswith("SHARE#"))
     context.index.remove(key for key in used if key[1].rpartition("#")[2] in contributors)
-    reindex.reindex(context, only=affected, forget_pending=True)
+    reindex.reindex(context, only=affected)
     if counts["calibrations"] or counts["votes"]:
         replace_dumps(context)
     return done

@@ -15,6 +15,7 @@ CREDENTIALS = {"apiToken": TOKEN, "sessionId": "SESSION_ID", "managementToken": 
 SCENARIO = (
     *("health", "createToken", "showToken", "changeToken", "verifyToken", "rotateToken", "showUsage"),
     *("lookup", "visitLookup", "searchCameras", "showCamera", "showCalibration", "showBadge", "convertFile"),
+    "lookupKnown",
     *("openSession", "startSession", "showPose", "submitView", "showSession", "undoView", "checkCalibration"),
     *("licenseSession", "forgetSession", "submitViews", "finishSession"),
     *("createRig", "openMoment", "showRig", "undoMoment", "forgetRig", "finishRig", "showRigResult"),

@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from calibdb.store.aliases import alias_digest
+
 TAGS = {
     "Lookup": "Find the calibration of a camera.",
     "Capture": "Calibrate a camera, view by view. The guidance page makes these calls; any client can.",
@@ -177,6 +179,17 @@ TEXTS: dict[str, OperationText] = {
         "Answers with everything that is known of one camera: by size and zoom, the calibrations, "
         "the groups in which they agree, and the consensus of each model.",
         path={"key": "CAMERA_KEY"},
+    ),
+    "lookupKnown": OperationText(
+        "Lookup",
+        "Looks a camera up by the digest of its label and platform. It needs no credential and no preflight, "
+        "and caches keep the answer, so ask here first, then by POST after a 404.",
+        path={
+            "digest": alias_digest(EXAMPLE_CAMERA, EXAMPLE_PLATFORM),
+            "size": "1280x720",
+            "zoom": "0",
+            "file": "rectilinear.json",
+        },
     ),
     "showBadge": OperationText(
         "Database",

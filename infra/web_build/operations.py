@@ -315,6 +315,23 @@ OPERATIONS = (
     ),
     Operation(
         "get",
+        "/known/v1/{digest}/{size}/{zoom}/{file}",
+        "lookupKnown",
+        "A known camera's calibration, the same for all callers, so that caches keep it",
+        {
+            200: Content("The calibration.", schema.LookupAnswer, headers=("ETag",)),
+            404: Content("Ask by POST.", schema.UnknownCamera),
+        },
+        (500, 503),
+        parameters=(
+            path("digest", {"type": "string"}, "Of label and platform: docs/api.md, Known cameras."),
+            path("size", {"type": "string"}, "Width, x and height of the image, as in `1280x720`."),
+            path("zoom", {"type": "string"}, "Up to six decimals, without zeros at the end: `0`, `1.5`."),
+            path("file", {"type": "string"}, "Distortion model and `.json`, as in `rectilinear.json`."),
+        ),
+    ),
+    Operation(
+        "get",
         "/badge/{key}/{file}",
         "showBadge",
         "A picture that says whether a camera is calibrated at a size, for a README",

@@ -19,10 +19,11 @@ import numpy as np
 from calibsolver import Board, Camera
 from calibsolver import rotation as rotations
 from calibsolver.guidance import FixedPlan, TargetPose
-from infra.local.stack import DEVELOPMENT_TOKEN, ROOT, LocalStack
+from infra.server.server import DEVELOPMENT_TOKEN, Server
 from infra.web_build.example_calls import calls, fill_in, learn
 from infra.web_build.openapi import EXAMPLES_PATH
 from infra.web_build.operation_texts import EXAMPLE_CAMERA, EXAMPLE_PLATFORM, TEXTS
+from infra.web_build.site import ROOT
 
 IMG_SIZE = (1280, 720)
 CALIBRATIONS = 5
@@ -39,7 +40,7 @@ _TRUTH = Camera(
 )
 
 
-def prepare(stack: LocalStack) -> None:
+def prepare(stack: Server) -> None:
     """Publish the calibrations by which the camera of the examples is reliably known."""
     for session in [record(stack, index) for index in range(CALIBRATIONS)]:  # one refit may do for several
         send(stack, "POST", "/v1/session/finish", session)
@@ -50,9 +51,10 @@ def prepare(stack: LocalStack) -> None:
         if time.monotonic() > end:
             raise ValueError("the calibrations of the examples did not become a consensus")
         time.sleep(0.02)
+    stack.wait_until_idle(_CONSENSUS_TIMEOUT_S)  # its label is an alias from here on
 
 
-def record(stack: LocalStack, seed: int) -> str:
+def record(stack: Server, seed: int) -> str:
     """Start a recorded session and submit its views; return its id."""
     token = DEVELOPMENT_TOKEN
     session: str = json.loads(send(stack, "POST", "/v1/auth", token))["session_id"]
@@ -68,7 +70,7 @@ def record(stack: LocalStack, seed: int) -> str:
     return session
 
 
-def prepare_call(stack: LocalStack, name: str, values: dict[str, str]) -> None:
+def prepare_call(stack: Server, name: str, values: dict[str, str]) -> None:
     """Make what the example of a call wants: a recorded session, one without views, or a whole rig."""
     match name:
         case "submitViews":
@@ -81,14 +83,14 @@ def prepare_call(stack: LocalStack, name: str, values: dict[str, str]) -> None:
             values["SESSION_ID"], values["RIG_ID"] = capture_rig(stack)
 
 
-def start(stack: LocalStack, options: dict[str, Any]) -> str:
+def start(stack: Server, options: dict[str, Any]) -> str:
     """Start a session; return its id."""
     session: str = json.loads(send(stack, "POST", "/v1/auth", DEVELOPMENT_TOKEN))["session_id"]
     send(stack, "POST", "/v1/session", session, {**TEXTS["startSession"].body, **options})
     return session
 
 
-def capture_rig(stack: LocalStack) -> tuple[str, str]:
+def capture_rig(stack: Server) -> tuple[str, str]:
     """Capture moments with two cameras; return the session of the first and the id of the rig."""
     leader = start(stack, {})
     made = json.loads(send(stack, "POST", "/v1/rigs", leader, TEXTS["createRig"].body))
@@ -102,7 +104,7 @@ def capture_rig(stack: LocalStack) -> tuple[str, str]:
     return leader, made["rig_id"]
 
 
-def send(stack: LocalStack, method: str, path: str, credential: str | None, body: Any = None) -> bytes:
+def send(stack: Server, method: str, path: str, credential: str | None, body: Any = None) -> bytes:
     """Send a request that must succeed; return the body."""
     headers = {"authorization": f"Bearer {credential}"} if credential else {}
     headers |= {} if body is None else {"content-type": "application/json"}
@@ -144,7 +146,7 @@ def examples() -> dict[str, Any]:
     """Return the answers by operation, None where there is no body."""
     answers: dict[str, Any] = {}
     values: dict[str, str] = {}
-    with LocalStack(environment={"NEW_TOKENS": "100"}) as stack:
+    with Server(environment={"NEW_TOKENS": "100"}) as stack:
         prepare(stack)
         for call in calls():
             prepare_call(stack, call.name, values)

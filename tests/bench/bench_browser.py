@@ -13,7 +13,7 @@ from playwright.sync_api import sync_playwright
 
 from calibdb.settings import Settings
 from calibdb.store import Store
-from infra.local import DEVELOPMENT_TOKEN, LocalStack
+from infra.server.server import DEVELOPMENT_TOKEN, Server
 from tests.bench.table import Row
 from tests.browser.conftest import CHROMIUM
 from tests.browser.test_detector import WATCH
@@ -31,7 +31,7 @@ def rows() -> Iterator[Row]:
     path = shutil.which("chromium") or shutil.which("chromium-headless-shell")
     if path is None:
         return
-    with LocalStack() as stack, stack.serve() as url, sync_playwright() as playwright:
+    with Server() as stack, stack.serve() as url, sync_playwright() as playwright:
         visited = url.replace("127.0.0.1", HOST)  # where pages keep their files
         _, token_id, _ = DEVELOPMENT_TOKEN.split("_")
         tokens = Store.of(Settings.from_environment(stack.environment)).tokens

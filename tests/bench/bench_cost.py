@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import yaml
 
 from infra.measure import edge_month
-from infra.measure.cost import LOOKUPS, MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of
 from infra.measure.fixed_costs import fixed_costs
 from infra.measure.usage import PRICES
+from tests.bench.cost import LOOKUPS, MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of
 from tests.bench.table import Row
 
 

@@ -1,11 +1,11 @@
-"""The local stack under load: lookups that hit, over sockets, from another process."""
+"""The server under load: lookups that hit, over sockets, from another process."""
 
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import urlencode
 
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.bench.load import drive
 from tests.bench.table import Row
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
@@ -19,7 +19,7 @@ RATE = 150  # lookups a second
 def rows() -> Iterator[Row]:
     with tempfile.TemporaryDirectory() as place:
         data_dir = Path(place, "data")
-        with LocalStack(data_dir) as stack:
+        with Server(data_dir) as stack:
             done = [Truth(seed=seed).calibrate(Client(stack)) for seed in range(5)]
             key = done[-1]["calibration_id"].rpartition("-")[0]
             # What is still to be computed would be taken up again by the server, beside the lookups.

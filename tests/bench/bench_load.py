@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.bench.table import Row
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 from tests.helpers.stack.processes import LocalProcess
@@ -64,7 +64,7 @@ def guided() -> Row:
         Truth(seed=seed).calibrate(Client(stack), camera=f"Camera {seed % 4}")
         return time.perf_counter() - start
 
-    with LocalStack() as stack, ThreadPoolExecutor(GUIDED) as users:
+    with Server() as stack, ThreadPoolExecutor(GUIDED) as users:
         for future in [users.submit(capture, seed) for seed in range(GUIDED)]:
             if (error := future.exception()) is None:
                 taken.append(future.result())

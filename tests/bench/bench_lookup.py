@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from calibdb.schema import GroupsDocument
 from calibdb.settings import Settings
 from calibdb.store import Store
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.bench.table import Row, p50
 from tests.helpers.service.client import Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus
@@ -17,7 +17,7 @@ CAMERAS = 100_000
 
 
 def rows() -> Iterator[Row]:
-    with LocalStack() as stack:
+    with Server() as stack:
         lookup = one_known(stack)
         yield Row("lookup handler, p50", p50(lookup, repeat=200), 5, "ms", "gateway included")
         before = cpu(lookup)
@@ -27,7 +27,7 @@ def rows() -> Iterator[Row]:
         yield Row(f"the same among {CAMERAS:,} cameras", after / before, 1.2, "x")
 
 
-def one_known(stack: LocalStack) -> Callable[[], object]:
+def one_known(stack: Server) -> Callable[[], object]:
     """Let one camera be known, and return a lookup of it."""
     store = Store.of(Settings.from_environment(stack.environment))
     store.calibrations.publish(calibration())

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from calibdb import schema
 from calibsolver.consensus import fit_memory
-from infra.local import LocalStack
-from infra.measure.cost import Meter
+from infra.server.server import Server
+from tests.bench.cost import Meter
 from tests.bench.table import Row, p50
 from tests.helpers.service.client import Client, Truth
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def rows() -> Iterator[Row]:
-    with LocalStack() as stack:
+    with Server() as stack:
         client = Client(stack)
         for seed in range(5):
             Truth(seed=seed).calibrate(client)
@@ -40,7 +40,7 @@ def rows() -> Iterator[Row]:
         yield Row(f"import of {function}'s handler", imports(function), budget, "ms", "fresh interpreter")
 
 
-def computed_on_the_fly(stack: LocalStack, client: Client) -> Iterator[Row]:
+def computed_on_the_fly(stack: Server, client: Client) -> Iterator[Row]:
     """A model that is not stored, of a camera with ten calibrations: pooled while the caller waits."""
     at_rest, camera = store(stack), "Camera of ten calibrations"
     for n in range(10):

@@ -12,14 +12,14 @@ from pathlib import Path
 
 from calibdb.settings import Settings
 from calibdb.store import Store
-from infra.local import DEVELOPMENT_TOKEN, LocalStack
 from infra.measure.load_test import CaptureRecord, drive
+from infra.server.server import DEVELOPMENT_TOKEN, Server
 from tests.helpers.stack.processes import LocalProcess
 
 
 def missing_or_double(data_dir: Path, heard: list[CaptureRecord]) -> list[str]:
     """List the captures that a stopped server lost or stored twice."""
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         store = Store.of(Settings.from_environment(stack.environment))
         documents = {document.id: document for document in store.calibrations.all()}
         kept = Counter(document.id for document in store.calibrations.all())

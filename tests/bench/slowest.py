@@ -17,8 +17,8 @@ from unittest import mock
 import numpy as np
 
 from calibdb import schema
-from infra.local import LocalStack
-from infra.local.functions import Function
+from tests.aws.emulator import LocalStack
+from tests.aws.emulator.functions import Function
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
 from tests.helpers.service.rigs import MIN_SEEN, RigTruth
@@ -230,7 +230,7 @@ def check(client: Client, scenario: Scenario, camera: str) -> None:
 def search(seconds: float, seed: int) -> Slowest:
     rng, slowest = random.Random(seed), Slowest()
     with (
-        mock.patch("infra.local.stack.INTEGRATION_TIMEOUT_S", 600),
+        mock.patch("tests.aws.emulator.stack.INTEGRATION_TIMEOUT_S", 600),
         LocalStack(environment={"MIN_CONTRIBUTORS": "1"}) as stack,
         measured(slowest),
     ):

@@ -1,22 +1,15 @@
 """Lookups by pages: from calibrations made there to an answer for everybody."""
 
-import json
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 import httpx
-import pytest
 from playwright.sync_api import Page, expect
 
-from calibdb.store.keys import answer_object
-from infra.local import LocalStack
-from infra.local.events import Response
+from calibdb.store.aliases import alias_digest
 from tests.helpers.browser.captures import agreed, capture
-from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.truth import Truth
-from tests.helpers.service.client import TOKEN, until
-from tests.helpers.service.edge import objects
-from tests.helpers.service.histories import QUESTIONS, RULES, History, quick_solver
+from tests.helpers.service.client import until
 
 TRUTH = Truth()
 
@@ -63,10 +56,12 @@ def expect_known_after_five(page: Page, api: httpx.Client, stack: str, first: di
     assert abs(calibration["camera_matrix"][0][0] / TRUTH.fx - 1) < 0.005
     assert found["guidanceUrl"] is None
 
-    # While every function fails, the edge answers for this camera, and says of others that it cannot.
-    object_name = answer_object(key["camera"], key["platform"], TRUTH.size, 0.0, "rectilinear")
-    until(lambda: httpx.get(f"{stack}/{object_name}").status_code == 200)
-    page.route("**/v1/**", lambda route: route.fulfill(status=503, json={"detail": "Service Unavailable"}))
+    # While the service fails, the cached lookup answers for this camera, and says of others that it cannot.
+    path = f"known/v1/{alias_digest(key['camera'], key['platform'])}/1280x720/0/rectilinear.json"
+    until(lambda: httpx.get(f"{stack}/{path}").status_code == 200, 90)
+    page.route(
+        "**/v1/lookup", lambda route: route.fulfill(status=503, json={"detail": "Service Unavailable"})
+    )
     asked = """async (key) => {
       const { lookup } = await import("/sdk/calibdb.js");
       const options = { token: "cdb_dev_local", cache: null, retries: 0 };
@@ -77,33 +72,3 @@ def expect_known_after_five(page: Page, api: httpx.Client, stack: str, first: di
     assert calibration == known
     assert "cannot be asked now" in error
     page.unroute_all()
-
-
-@pytest.mark.thorough
-def test_the_edge_answers_in_firefox_while_every_function_fails(in_firefox: InFirefox) -> None:
-    with quick_solver(), LocalStack(environment=RULES[0]) as stack:
-        History(stack, 0)  # publishes calibrations of two cameras
-        answers = {name: json.loads(content) for name, content in objects(stack).items()}
-        asked, known = next(
-            (QUESTIONS[name], answer)
-            for name, answer in answers.items()
-            if answer["distortion_model"] == "rectilinear"
-        )
-        key = {
-            "camera": asked.label,
-            "platform": asked.platform,
-            "img_size": asked.img_size,
-        }
-        with stack.serve() as url, pytest.MonkeyPatch.context() as patch:
-            patch.setattr(stack.gateway, "handle", lambda *_, **__: Response(503, {}, b"{}"))
-            function = f"""async () => {{
-              const {{ lookup }} = await import("/sdk/calibdb.js");
-              const options = {{ token: "{TOKEN}", cache: null, retries: 0 }};
-              const key = {json.dumps(key)};
-              const unknown = {{ ...key, camera: "Nobody's X9" }};
-              const error = await lookup(unknown, options).catch(({{ message }}) => message);
-              return [(await lookup(key, options)).calibration, error];
-            }}"""
-            calibration, error = in_firefox(f"{url}/board/", function)
-    assert calibration == known
-    assert "cannot be asked now" in error

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page
 
-from infra.local import LocalStack
 from infra.web_build import site
+from tests.aws.emulator import LocalStack
 from tests.helpers.browser.elsewhere import serving_client
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.truth import SMALL, projection_errors

@@ -4,18 +4,18 @@ from collections.abc import Iterator
 
 import pytest
 
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import Client
 
 
 @pytest.fixture(scope="module")
-def stack() -> Iterator[LocalStack]:
-    with LocalStack() as stack:
+def stack() -> Iterator[Server]:
+    with Server() as stack:
         yield stack
 
 
 @pytest.fixture
-def client(stack: LocalStack) -> Client:
+def client(stack: Server) -> Client:
     return Client(stack)
 
 

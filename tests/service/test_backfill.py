@@ -5,13 +5,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import boto3
 import pytest
 
 from calibdb import schema
-from infra.local import LocalStack
-from infra.local.intrinsics import parse
+from infra.deploy.intrinsics import parse
 from infra.ops.__main__ import main
+from infra.server import jobs
+from infra.server.server import Server
 from tests.helpers.service import iam
 from tests.helpers.service.published import asked, calibration, mode_of, store
 
@@ -25,7 +25,7 @@ def data_dir(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A stack's folder, left by a version that knew one model: three cameras, one of them at two sizes."""
     folder = tmp_path / "data"
     monkeypatch.setenv("DATA_DIR", str(folder))
-    with LocalStack(folder) as stack:
+    with Server(folder) as stack:
         for camera in CAMERAS:
             for n in range(2):
                 document = calibration(camera, n, views=3)
@@ -37,12 +37,12 @@ def data_dir(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def stack(data_dir: Path) -> Iterator[LocalStack]:
-    with LocalStack(data_dir) as stack:
+def stack(data_dir: Path) -> Iterator[Server]:
+    with Server(data_dir) as stack:
         yield stack
 
 
-def known(stack: LocalStack) -> dict[tuple[str, float], set[str]]:
+def known(stack: Server) -> dict[tuple[str, float], set[str]]:
     found: dict[tuple[str, float], set[str]] = {}
     for camera in CAMERAS:
         for c in store(stack).consensuses.of(calibration(camera, 0, views=3).camera_key):
@@ -58,7 +58,7 @@ def test_backfill_command_fills_the_table(data_dir: Path, capsys: pytest.Capture
     assert main(["backfill"]) == 0
     said = capsys.readouterr().out
     assert f"4 modes of cameras checked, {3 * 3 + 4} consensuses computed" in said
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         assert known(stack) == everything()
     assert main(["backfill"]) == 0
     assert "4 modes of cameras checked, 0 consensuses computed" in capsys.readouterr().out
@@ -73,15 +73,14 @@ def test_stopped_backfill_continues(capsys: pytest.CaptureFixture[str]) -> None:
     assert all(key in said for key in others)
 
 
-def test_state_machine_backfills_every_object(stack: LocalStack) -> None:
+def test_state_machine_backfills_every_object(stack: Server) -> None:
     """Its states, interpreted here as Step Functions would: list, batch, name the modes, compute each."""
     definition = iam.definition(parse(ROOT / "template.yaml")["Resources"]["BackfillMachine"]["Properties"])
     outer = definition["States"][definition["StartAt"]]
     assert outer["ItemReader"]["Resource"].endswith(":s3:listObjectsV2")
     assert outer["ItemProcessor"]["ProcessorConfig"]["Mode"] == "DISTRIBUTED"
     prefix, size = outer["ItemReader"]["Parameters"]["Prefix"], outer["ItemBatcher"]["MaxItemsPerBatch"]
-    listed = boto3.client("s3").list_objects_v2(Bucket=stack.environment["BUCKET_NAME"], Prefix=prefix)
-    items = [{"Key": e["Key"], "Size": e["Size"]} for e in listed["Contents"]]
+    items = [{"Key": name, "Size": 1000} for name in stack.storage.objects.names(prefix)]
     child = outer["ItemProcessor"]["States"]
     first = child[outer["ItemProcessor"]["StartAt"]]
     assert first["Parameters"]["Payload.$"] == "$"
@@ -91,22 +90,19 @@ def test_state_machine_backfills_every_object(stack: LocalStack) -> None:
     (refit,) = second["ItemProcessor"]["States"].values()
     assert refit["Parameters"]["Payload.$"] == "$"
     for start in range(0, len(items), size):
-        found = invoke("BackfillFunction", {"Items": items[start : start + size]})
+        found = invoke("backfill", {"Items": items[start : start + size]})
         for request in found["requests"]:
-            invoke("RefitFunction", request)
+            invoke("refit", request)
     assert known(stack) == everything()
     functions = {first["Parameters"]["FunctionName"], refit["Parameters"]["FunctionName"]}
     assert functions == {"${Backfill}", "${Refit}"}
 
 
-def invoke(function: str, payload: Any) -> Any:
-    answer = boto3.client("lambda").invoke(FunctionName=function, Payload=json.dumps(payload).encode())
-    content = json.load(answer["Payload"])
-    assert "FunctionError" not in answer, content
-    return content
+def invoke(function: Any, payload: Any) -> Any:
+    return json.loads(jobs.call(function, json.dumps(payload).encode(), jobs.Context()))
 
 
-def test_backfill_skips_other_objects_and_follows_earlier_keys(stack: LocalStack) -> None:
+def test_backfill_skips_other_objects_and_follows_earlier_keys(stack: Server) -> None:
     old = calibration(CAMERAS[0], 0, views=3)
     earlier = f"c1-{old.camera_key[3:]}"
     renamed = old.model_copy(update={"camera_key": earlier, "id": earlier + old.id[-21:]})
@@ -117,9 +113,9 @@ def test_backfill_skips_other_objects_and_follows_earlier_keys(stack: LocalStack
         "calibrations/",
         "calibrations/x/y.json",
     ]
-    found = invoke("BackfillFunction", {"Items": [{"Key": name} for name in names]})
+    found = invoke("backfill", {"Items": [{"Key": name} for name in names]})
     assert [r["camera"] for r in found["requests"]] == [old.camera_key]
-    assert invoke("BackfillFunction", {"Items": []}) == {"requests": []}
+    assert invoke("backfill", {"Items": []}) == {"requests": []}
 
 
 # ---------------------------------------------------------------- limits of the state machine

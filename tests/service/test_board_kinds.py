@@ -11,8 +11,8 @@ from calibdb.schema import Board as BoardModel
 from calibdb.schema import CalibrationDocument
 from calibsolver import Board, View
 from calibsolver.formats.grid import grid
-from infra.local import LocalStack
 from infra.ops.dump import document_row
+from infra.server.server import Server
 from tests.helpers.data import corner_views
 from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.published import store
@@ -23,7 +23,7 @@ APRILGRID = {"kind": "aprilgrid", "squares": [6, 6], "dictionary": "DICT_APRILTA
 CHESSBOARD = {"kind": "chessboard", "squares": [10, 7]}
 
 
-def stored(stack: LocalStack, calibration_id: str) -> CalibrationDocument:
+def stored(stack: Server, calibration_id: str) -> CalibrationDocument:
     document = store(stack).calibrations.get(calibration_id)
     assert document is not None
     return document
@@ -46,7 +46,7 @@ def test_board_keeps_its_kind_in_records(told: dict[str, Any]) -> None:
     assert again.inverted == told.get("inverted", False)
 
 
-def test_real_corners_of_a_chessboard_calibrate(client: Client, stack: LocalStack) -> None:
+def test_real_corners_of_a_chessboard_calibrate(client: Client, stack: Server) -> None:
     """All of OpenCV's photographs of a chessboard count, and fx is OpenCV's within its error."""
     views, size = corner_views("opencv_left")
     found = grid(views)
@@ -68,7 +68,7 @@ def test_real_corners_of_a_chessboard_calibrate(client: Client, stack: LocalStac
     assert document_row(document)["board_kind"] == "chessboard"
 
 
-def test_aprilgrid_calibrates_and_is_exported(client: Client, stack: LocalStack) -> None:
+def test_aprilgrid_calibrates_and_is_exported(client: Client, stack: Server) -> None:
     camera = truth("rectilinear")
     board = Board(kind="aprilgrid", squares=(6, 6), dictionary="DICT_APRILTAG_36h11")
     views = captured(camera, board, count=8)

@@ -14,9 +14,9 @@ import pytest
 from calibdb.lookup import well_known_ids
 from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
-from infra.local import LocalStack
 from infra.ops.bundle import BundleResult, bundle
 from infra.ops.context import OpsContext
+from infra.server.server import Server
 from tests.helpers.data import ROOT
 from tests.helpers.service import labels
 from tests.helpers.service.client import Client
@@ -63,7 +63,7 @@ def reported(source: str) -> list[Label]:
     return [(row.label, PLATFORMS.get(row.system.partition("(")[0].partition("/")[0], LINUX)) for row in rows]
 
 
-def fill(stack: LocalStack, known: list[Label]) -> None:
+def fill(stack: Server, known: list[Label]) -> None:
     """Every camera whose label says which it is, at several sizes, some with another model or a zoom."""
     store = Store.of(Settings.from_environment(stack.environment))
     seen: set[str] = set()
@@ -127,11 +127,10 @@ def offline(data: Any, asked: list[Request]) -> list[Any]:
 
 
 @pytest.fixture(scope="module", params=labels.SOURCES)
-def filled(request: pytest.FixtureRequest) -> Iterator[tuple[LocalStack, list[Label]]]:
+def filled(request: pytest.FixtureRequest) -> Iterator[tuple[Server, list[Label]]]:
     """A service of its own for each source of labels, and those labels."""
     known = reported(request.param)
-    # What the edge would answer is written at the first lookup of each name, and no part of the file.
-    with LocalStack(environment={"EDGE_ANSWERS": "off"}) as stack:
+    with Server() as stack:
         fill(stack, known)
         yield stack, known
 
@@ -142,7 +141,7 @@ def filled(request: pytest.FixtureRequest) -> Iterator[tuple[LocalStack, list[La
 )
 def both(
     request: pytest.FixtureRequest,
-    filled: tuple[LocalStack, list[Label]],
+    filled: tuple[Server, list[Label]],
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Both:
     """Ask both, as many contributors being needed as the parameter says."""

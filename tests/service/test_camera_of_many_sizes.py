@@ -4,7 +4,7 @@ from collections import Counter
 from itertools import pairwise
 
 from calibdb.camera_key import camera_key
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import TOKEN, Client
 from tests.helpers.service.known import LINUX, calibration, consensus, fit
 from tests.helpers.service.published import store
@@ -14,7 +14,7 @@ from tests.service.test_lookup import put
 CAMERA = "Many sizes Z77 (1111:0077)"
 
 
-def test_best_known_sizes_are_shown_by_two_reads_each(stack: LocalStack) -> None:
+def test_best_known_sizes_are_shown_by_two_reads_each(stack: Server) -> None:
     small, often = (320, 240), (336, 240)
     published = [calibration(CAMERA, of=fit(size)) for size in (small, often)]
     for document in published:

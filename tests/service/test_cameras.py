@@ -9,13 +9,13 @@ from calibdb.camera_key import camera_key, identify
 from calibdb.schema import ConsensusDocument, GroupsDocument
 from calibdb.settings import Settings
 from calibdb.store import Store
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus, fit
 
 
 @pytest.fixture(scope="module")
-def store(stack: LocalStack) -> Store:
+def store(stack: Server) -> Store:
     return Store.of(Settings.from_environment(stack.environment))
 
 
@@ -35,11 +35,11 @@ def known(store: Store) -> None:
     )
 
 
-def browse(stack: LocalStack, query: str) -> Answer:
+def browse(stack: Server, query: str) -> Answer:
     return Client(stack).call("GET", "/v1/cameras", token=TOKEN, query=query)
 
 
-def test_search_finds_a_camera_by_any_of_its_words(stack: LocalStack) -> None:
+def test_search_finds_a_camera_by_any_of_its_words(stack: Server) -> None:
     for query in ("c920", "logitech C920", "logitech", "webc c9", "046d:082d", "HD Pro C920"):
         found = browse(stack, f"query={quote(query)}").json
         assert [camera["camera"] for camera in found["cameras"]] == [C920], query
@@ -52,7 +52,7 @@ def test_search_finds_a_camera_by_any_of_its_words(stack: LocalStack) -> None:
     ]
 
 
-def test_search_tells_how_many_calibrations_are_missing(stack: LocalStack, store: Store) -> None:
+def test_search_tells_how_many_calibrations_are_missing(stack: Server, store: Store) -> None:
     label = "Missing X3 (046d:0a03)"
     store.calibrations.publish(calibration(label))
     put(store, consensus(camera=label, reason="too_few", calibrations=2))
@@ -65,7 +65,7 @@ def test_search_tells_how_many_calibrations_are_missing(stack: LocalStack, store
         assert [camera["camera"] for camera in shown] == names
 
 
-def test_camera_without_a_consensus_is_not_shown_half(stack: LocalStack, store: Store) -> None:
+def test_camera_without_a_consensus_is_not_shown_half(stack: Server, store: Store) -> None:
     """Between the end of a capture and its consensus there is a normalised name, and nothing else to show."""
     label = "FaceTime Fresh Z8 (1111:00f8)"
     store.calibrations.publish(calibration(label))
@@ -74,7 +74,7 @@ def test_camera_without_a_consensus_is_not_shown_half(stack: LocalStack, store: 
     assert [camera["camera"] for camera in browse(stack, "query=fresh").json["cameras"]] == [label]
 
 
-def test_list_of_all_cameras_leaves_the_simulated_out(stack: LocalStack, store: Store) -> None:
+def test_list_of_all_cameras_leaves_the_simulated_out(stack: Server, store: Store) -> None:
     label = "calibDB virtual camera 8b0a5c1f"
     store.calibrations.publish(calibration(label))
     put(store, consensus(camera=label, reason="too_few", calibrations=1))
@@ -83,7 +83,7 @@ def test_list_of_all_cameras_leaves_the_simulated_out(stack: LocalStack, store: 
     assert [camera["camera"] for camera in browse(stack, "query=virtual").json["cameras"]] == [label]
 
 
-def test_badge_needs_no_credential_and_is_a_picture_whatever_is_asked(stack: LocalStack) -> None:
+def test_badge_needs_no_credential_and_is_a_picture_whatever_is_asked(stack: Server) -> None:
     client, key = Client(stack), camera_key(C920, LINUX)
     for path, says in {
         f"/badge/{key}/1280x720.svg": "calibrated ± ",
@@ -102,7 +102,7 @@ def test_badge_needs_no_credential_and_is_a_picture_whatever_is_asked(stack: Loc
 
 
 def test_public_search_needs_two_contributors(
-    stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
+    stack: Server, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     label = "Visit X9 (1111:0009)"
     store.calibrations.publish(calibration(label))
@@ -122,7 +122,7 @@ def test_public_search_needs_two_contributors(
 @pytest.mark.parametrize(
     ("said", "told"), [("wrong: seen in a mirror", "wrong"), ("Abuse", "abuse"), ("Anna asked", "other")]
 )
-def test_a_withdrawn_calibration_is_gone(stack: LocalStack, store: Store, said: str, told: str) -> None:
+def test_a_withdrawn_calibration_is_gone(stack: Server, store: Store, said: str, told: str) -> None:
     document = calibration(f"Gone {told} Z1", number=7)
     store.calibrations.publish(document)
     path = f"/v1/calibrations/{document.id}"
@@ -135,7 +135,7 @@ def test_a_withdrawn_calibration_is_gone(stack: LocalStack, store: Store, said: 
         assert "Anna" not in json.dumps(answer.json)
 
 
-def test_a_search_goes_on_page_by_page(stack: LocalStack, store: Store) -> None:
+def test_a_search_goes_on_page_by_page(stack: Server, store: Store) -> None:
     for number in range(5):
         label = f"Paged Y{number}00 (2222:00{number:02x})"
         store.calibrations.publish(calibration(label, number=number))
@@ -155,13 +155,13 @@ def test_a_search_goes_on_page_by_page(stack: LocalStack, store: Store) -> None:
 @pytest.mark.parametrize(
     "query", ["limit=0", "limit=51", "limit=x", "query=c920&after=x", "query=" + "x" * 129]
 )
-def test_malformed_search_is_refused_by_field(stack: LocalStack, query: str) -> None:
+def test_malformed_search_is_refused_by_field(stack: Server, query: str) -> None:
     answer = browse(stack, query)
     assert answer.status == 422
     assert answer.json["errors"]
 
 
-def test_a_camera_is_shown_with_its_calibrations(stack: LocalStack, store: Store) -> None:
+def test_a_camera_is_shown_with_its_calibrations(stack: Server, store: Store) -> None:
     label = "Shown X6 (1111:0006)"
     key = camera_key(label, LINUX)
     documents = [calibration(label, number=number) for number in range(6)]
@@ -191,7 +191,7 @@ def test_a_camera_is_shown_with_its_calibrations(stack: LocalStack, store: Store
     assert "contributor 0" not in json.dumps(detail)
 
 
-def test_earlier_keys_and_name_keys_lead_to_the_camera(stack: LocalStack, store: Store) -> None:
+def test_earlier_keys_and_name_keys_lead_to_the_camera(stack: Server, store: Store) -> None:
     label, old = "Older X7 (1111:0007)", "c1-older-x7-0123456789ab"
     store.calibrations.publish(calibration(label, key=old))
     put(store, consensus(camera=label))
@@ -206,11 +206,11 @@ def test_earlier_keys_and_name_keys_lead_to_the_camera(stack: LocalStack, store:
 @pytest.mark.parametrize(
     "key", ["x", "c2-nobody-0123456789ab", "c1-nobody-0123456789ab", "..", "%00", "c2-a~b"]
 )
-def test_uncalibrated_camera_is_not_found(stack: LocalStack, key: str) -> None:
+def test_uncalibrated_camera_is_not_found(stack: Server, key: str) -> None:
     assert Client(stack).call("GET", f"/v1/cameras/{key}", token=TOKEN).status == 404
 
 
-def test_calibration_includes_its_report(stack: LocalStack, store: Store) -> None:
+def test_calibration_includes_its_report(stack: Server, store: Store) -> None:
     label = "Reported X8 (1111:0008)"
     report = {"verdict": {"level": "good", "reasons": []}, "held_out": 0.3}
     stored = calibration(label).model_copy(update={"report": report})

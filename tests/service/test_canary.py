@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
-import boto3
 import httpx
 import pytest
+from starlette.responses import Response
+from starlette.types import Receive, Scope, Send
 
 from infra.deploy import page_token
-from infra.local import LocalStack
-from infra.local.stack import DEVELOPMENT_TOKEN
+from infra.server.server import DEVELOPMENT_TOKEN, Server
 from tests.helpers.service.published import store
 
 ROOT = Path(__file__).parents[2]
@@ -30,17 +30,16 @@ def canary() -> ModuleType:
 
 
 @pytest.fixture
-def site() -> Iterator[tuple[LocalStack, str]]:
-    with LocalStack(environment={"CANARY_TOKEN": DEVELOPMENT_TOKEN}) as stack, stack.serve() as url:
+def site() -> Iterator[tuple[Server, str]]:
+    with Server(environment={"CANARY_TOKEN": DEVELOPMENT_TOKEN}) as stack, stack.serve() as url:
         yield stack, url
 
 
-def names(stack: LocalStack) -> set[str]:
-    listed = boto3.client("s3").list_objects_v2(Bucket=stack.environment["BUCKET_NAME"])
-    return {found["Key"] for found in listed.get("Contents", [])}
+def names(stack: Server) -> set[str]:
+    return set(stack.storage.objects.names(""))
 
 
-def test_canary_calibrates_and_leaves_nothing(canary: ModuleType, site: tuple[LocalStack, str]) -> None:
+def test_canary_calibrates_and_leaves_nothing(canary: ModuleType, site: tuple[Server, str]) -> None:
     stack, url = site
     before = names(stack)
     run = canary.handler({}, None)
@@ -54,21 +53,28 @@ def test_canary_calibrates_and_leaves_nothing(canary: ModuleType, site: tuple[Lo
 @pytest.mark.parametrize(
     ("breaks", "step"),
     [
-        ("LookupFunction", "lookup"),
-        ("AuthFunction", "open"),
-        ("NextPoseFunction", "pose"),
-        ("SubmitFunction", "view"),
+        ("/v1/lookup", "lookup"),
+        ("/v1/auth", "open"),
+        ("/v1/session/pose", "pose"),
+        ("/v1/session/views", "view"),
     ],
 )
 def test_canary_says_at_which_step_it_failed(
-    canary: ModuleType, site: tuple[LocalStack, str], breaks: str, step: str
+    canary: ModuleType,
+    site: tuple[Server, str],
+    monkeypatch: pytest.MonkeyPatch,
+    breaks: str,
+    step: str,
 ) -> None:
     stack, url = site
 
-    def broken(_event: object, _request_id: object = None) -> dict[str, object]:
-        return {"statusCode": 500, "body": "secret"}
+    api = stack.app._api  # type: ignore[attr-defined]
 
-    stack.functions[breaks] = broken  # type: ignore[assignment]
+    async def broken(scope: Scope, receive: Receive, send: Send) -> None:
+        app = Response("secret", 500) if scope["path"] == breaks else api
+        await app(scope, receive, send)
+
+    monkeypatch.setattr(stack.app, "_api", broken)
     with pytest.raises(canary.CanaryError, match=rf"^{step}: "):
         canary.handler({}, None)
     shown = httpx.get(f"{url}/healthz", params={"deep": "1"}, timeout=30)
@@ -77,7 +83,7 @@ def test_canary_says_at_which_step_it_failed(
 
 
 def test_canary_that_measures_wrongly_fails(
-    canary: ModuleType, site: tuple[LocalStack, str], monkeypatch: pytest.MonkeyPatch
+    canary: ModuleType, site: tuple[Server, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert site
     monkeypatch.setattr(canary, "_MAX_FOCAL_ERROR", 1e-9)
@@ -85,7 +91,7 @@ def test_canary_that_measures_wrongly_fails(
         canary.handler({}, None)
 
 
-def test_deployment_gives_the_canary_a_token_once(site: tuple[LocalStack, str]) -> None:
+def test_deployment_gives_the_canary_a_token_once(site: tuple[Server, str]) -> None:
     stack, _ = site
     kept: dict[str, str] = {}
 

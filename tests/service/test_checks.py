@@ -5,13 +5,12 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
-import boto3
 import numpy as np
 import pytest
 
 from calibdb import schema
 from calibdb.store import StreamMode
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Answer, Client, Truth, until
 from tests.helpers.service.published import NOW, TILTS, asked, calibration, held, mode_of, store
 
@@ -24,7 +23,7 @@ def views(count: int = 3, seed: int = 100, fx: float = 950.0, tilts: Any = TILTS
     return [{"ids": ids, "points": points} for ids, points in seen]
 
 
-def calibrated(stack: LocalStack, camera: str, *which: int, begun: int = NOW, **truth: Any) -> StreamMode:
+def calibrated(stack: Server, camera: str, *which: int, begun: int = NOW, **truth: Any) -> StreamMode:
     """Publish calibrations of a camera, each with the consensus it leads to; return what they are of."""
     for n in which:
         document = calibration(camera, n, begun=begun, **truth)
@@ -34,14 +33,14 @@ def calibrated(stack: LocalStack, camera: str, *which: int, begun: int = NOW, **
 
 
 @pytest.fixture(scope="module")
-def stack() -> Iterator[LocalStack]:
+def stack() -> Iterator[Server]:
     """Two calibrations are enough here; five only take longer."""
-    with LocalStack(environment={"MIN_CALIBRATIONS": "2"}) as stack:
+    with Server(environment={"MIN_CALIBRATIONS": "2"}) as stack:
         yield stack
 
 
 @pytest.fixture
-def camera(request: pytest.FixtureRequest, stack: LocalStack) -> Callable[[int], str]:
+def camera(request: pytest.FixtureRequest, stack: Server) -> Callable[[int], str]:
     """Makes a camera of its own for this test."""
     name = re.sub(r"\W+", " ", request.node.name)
 
@@ -52,7 +51,7 @@ def camera(request: pytest.FixtureRequest, stack: LocalStack) -> Callable[[int],
     return make
 
 
-def check(stack: LocalStack, camera: str, **body: Any) -> Answer:
+def check(stack: Server, camera: str, **body: Any) -> Answer:
     """One check, in a session of its own."""
     client = Client(stack)
     client.session_id = client.call("POST", "/v1/auth", token=TOKEN).json["session_id"]
@@ -60,7 +59,7 @@ def check(stack: LocalStack, camera: str, **body: Any) -> Answer:
 
 
 def test_three_checks_that_agree_confirm_a_single_calibration(
-    stack: LocalStack, camera: Callable[[int], str], client: Client
+    stack: Server, camera: Callable[[int], str], client: Client
 ) -> None:
     name = camera(1)
     assert client.lookup(camera=name).json["reason"] == "too_few"
@@ -77,7 +76,7 @@ def test_three_checks_that_agree_confirm_a_single_calibration(
 
 
 def test_three_failed_checks_withdraw_until_recalibration(
-    stack: LocalStack, camera: Callable[[int], str], client: Client
+    stack: Server, camera: Callable[[int], str], client: Client
 ) -> None:
     name = camera(2)
     before = client.lookup(camera=name)
@@ -93,7 +92,7 @@ def test_three_failed_checks_withdraw_until_recalibration(
     assert client.lookup(camera=name).json["calibrations"] == 3
 
 
-def test_checks_of_one_session_are_one_vote(stack: LocalStack, camera: Callable[[int], str]) -> None:
+def test_checks_of_one_session_are_one_vote(stack: Server, camera: Callable[[int], str]) -> None:
     name = camera(1)
     client = Client(stack)
     client.session_id = client.call("POST", "/v1/auth", token=TOKEN).json["session_id"]
@@ -107,7 +106,7 @@ def test_checks_of_one_session_are_one_vote(stack: LocalStack, camera: Callable[
 
 
 def test_pictures_of_a_calibration_are_no_independent_vote(
-    stack: LocalStack, camera: Callable[[int], str]
+    stack: Server, camera: Callable[[int], str]
 ) -> None:
     name = camera(1)
     document = calibration(name, 0)
@@ -119,7 +118,7 @@ def test_pictures_of_a_calibration_are_no_independent_vote(
     assert (answer.json["counted"], answer.json["votes"]["agree"]) == (True, 1)
 
 
-def test_uninformative_views_confirm_nothing(stack: LocalStack, camera: Callable[[int], str]) -> None:
+def test_uninformative_views_confirm_nothing(stack: Server, camera: Callable[[int], str]) -> None:
     name = camera(1)
     answer = check(stack, name, views=views(1, tilts=FLAT)).json
     assert (answer["fits"], answer["counted"]) == ("fits", False)
@@ -127,7 +126,7 @@ def test_uninformative_views_confirm_nothing(stack: LocalStack, camera: Callable
 
 
 def test_a_misread_corner_does_not_make_it_another_camera(
-    stack: LocalStack, camera: Callable[[int], str]
+    stack: Server, camera: Callable[[int], str]
 ) -> None:
     name = camera(1)
     seen = views(4)
@@ -137,7 +136,7 @@ def test_a_misread_corner_does_not_make_it_another_camera(
     assert answer["error"] < 0.4
 
 
-def test_changed_consensus_inherits_no_votes(stack: LocalStack, client: Client) -> None:
+def test_changed_consensus_inherits_no_votes(stack: Server, client: Client) -> None:
     """One wrong calibration, confirmed by three; then more that are right: the three now say against it."""
     wrong = "A camera that was first mistaken for another"
     mode = calibrated(stack, wrong, 0, fx=1100.0, fy=1098.0)
@@ -153,7 +152,7 @@ def test_changed_consensus_inherits_no_votes(stack: LocalStack, client: Client) 
     assert now.calibration.basis == "consensus"
 
 
-def test_unusable_checks_are_refused(stack: LocalStack, camera: Callable[[int], str]) -> None:
+def test_unusable_checks_are_refused(stack: Server, camera: Callable[[int], str]) -> None:
     assert check(stack, "A camera that nobody calibrated").status == 404
     name = camera(1)
     assert check(stack, name, img_size=[640, 480], views=[{"ids": [0], "points": [[1, 1]]}]).status == 404
@@ -181,9 +180,7 @@ def test_unusable_checks_are_refused(stack: LocalStack, camera: Callable[[int], 
     assert client.call("POST", "/v1/checks", {**CAMERA, "views": views()}, token=TOKEN).status == 403
 
 
-def test_given_calibration_is_compared_without_a_vote(
-    stack: LocalStack, camera: Callable[[int], str]
-) -> None:
+def test_given_calibration_is_compared_without_a_vote(stack: Server, camera: Callable[[int], str]) -> None:
     name = camera(1)
     known = calibration(name, 0).answer().model_dump(mode="json")
     votes = stored_votes(stack)
@@ -201,9 +198,8 @@ def test_given_calibration_is_compared_without_a_vote(
     assert stored_votes(stack) == votes
 
 
-def stored_votes(stack: LocalStack) -> int:
-    listed = boto3.client("s3").list_objects_v2(Bucket=stack.environment["BUCKET_NAME"], Prefix="votes/")
-    return int(listed["KeyCount"])
+def stored_votes(stack: Server) -> int:
+    return len(list(stack.storage.objects.names("votes/")))
 
 
 @pytest.mark.parametrize(
@@ -215,15 +211,13 @@ def stored_votes(stack: LocalStack) -> int:
         ({"distortion_coefficients": [0] * 15}, "calibration.distortion_coefficients"),
     ],
 )
-def test_unusable_calibration_is_refused_by_field(
-    stack: LocalStack, changed: dict[str, Any], field: str
-) -> None:
+def test_unusable_calibration_is_refused_by_field(stack: Server, changed: dict[str, Any], field: str) -> None:
     known = calibration("Camera of a file", 0).answer().model_dump(mode="json")
     answer = check(stack, "Camera of a file", calibration={**known, **changed})
     assert (answer.status, answer.json["errors"][0]["field"]) == (422, field)
 
 
-def test_given_nonsense_gets_an_answer(stack: LocalStack) -> None:
+def test_given_nonsense_gets_an_answer(stack: Server) -> None:
     known = calibration("Camera of a file", 0).answer().model_dump(mode="json")
     for matrix, distortion in [
         ([[1e-300, 0, 0], [0, 1e300, 0], [0, 0, 1]], [0.0] * 5),
@@ -235,24 +229,26 @@ def test_given_nonsense_gets_an_answer(stack: LocalStack) -> None:
         assert (answer.status, answer.json["fits"]) == (200, "does_not_fit")
 
 
-def test_no_address_is_kept(stack: LocalStack, camera: Callable[[int], str]) -> None:
+def test_no_address_is_kept(stack: Server, camera: Callable[[int], str]) -> None:
     check(stack, camera(1))
-    files, bucket = boto3.client("s3"), stack.environment["BUCKET_NAME"]
-    listed = files.list_objects_v2(Bucket=bucket, Prefix="votes/")["Contents"]
-    for entry in listed:
-        content = files.get_object(Bucket=bucket, Key=entry["Key"])["Body"].read()
+    objects = stack.storage.objects
+    names = list(objects.names("votes/"))
+    assert names
+    for name in names:
+        content = objects.get(name)
+        assert content is not None
         assert b"127.0.0.1" not in content
         assert b"cdb_" not in content
 
 
-def test_check_resolves_the_camera_as_a_lookup(stack: LocalStack) -> None:
+def test_check_resolves_the_camera_as_a_lookup(stack: Server) -> None:
     """Calibrated where the browser tells the USB id, checked where it does not."""
     calibrated(stack, "Acme LensCam X200 (1bcf:2c99)", 0)
     assert check(stack, "Acme LensCam X200").json["fits"] == "fits"
     assert check(stack, "Acme LensCam X300").status == 404
 
 
-def test_arbitrary_points_get_an_answer(stack: LocalStack, camera: Callable[[int], str]) -> None:
+def test_arbitrary_points_get_an_answer(stack: Server, camera: Callable[[int], str]) -> None:
     name, rng = camera(1), np.random.default_rng(1)
     grid = np.stack([100.0 + 100 * (np.arange(40) % 8), 50.0 + 100 * (np.arange(40) // 8)], axis=1)
     shapes: list[Callable[[int], Any]] = [

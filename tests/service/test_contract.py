@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from calibdb import schema
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 
 BOARD = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
@@ -219,5 +219,5 @@ def test_answers_are_uncached_with_nosniff(running: Client) -> None:
         assert answer.headers["x-content-type-options"] == "nosniff"
 
 
-def test_head_is_answered_like_get(stack: LocalStack) -> None:
+def test_head_is_answered_like_get(stack: Server) -> None:
     assert stack.request("HEAD", "/healthz").status == 200

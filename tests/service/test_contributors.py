@@ -3,7 +3,6 @@
 import itertools
 from collections.abc import Iterator, Sequence
 
-import boto3
 import numpy as np
 import pytest
 
@@ -11,7 +10,7 @@ from calibdb import schema
 from calibdb.access.tokens import ApiToken, secret_hash
 from calibsolver import Camera
 from calibsolver.consensus import difference
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, EDGE, Answer, Client, Truth, until
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
 
@@ -21,9 +20,9 @@ DAY = 86_400
 
 
 @pytest.fixture(scope="module")
-def stack() -> Iterator[LocalStack]:
+def stack() -> Iterator[Server]:
     environment = {"CONTRIBUTOR_PERIOD": str(DAY), "MIN_CONTRIBUTORS": "3", "EDGE_SECRETS": EDGE}
-    with LocalStack(environment=environment) as stack:
+    with Server(environment=environment) as stack:
         for token in TOKENS:
             _, token_id, secret = token.split("_")
             store(stack).tokens.create(ApiToken(token_id, secret_hash(secret), plan="development"))
@@ -31,7 +30,7 @@ def stack() -> Iterator[LocalStack]:
 
 
 def check(
-    stack: LocalStack, address: str, camera: str, seed: int = 0, fx: float = 950.0, token: str = TOKENS[1]
+    stack: Server, address: str, camera: str, seed: int = 0, fx: float = 950.0, token: str = TOKENS[1]
 ) -> Answer:
     client = Client(stack, address=address)
     client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
@@ -42,7 +41,7 @@ def check(
 
 
 def contributed(
-    stack: LocalStack, camera: str, n: int, source: str, day: int = 0, fx: float = 950.0
+    stack: Server, camera: str, n: int, source: str, day: int = 0, fx: float = 950.0
 ) -> schema.CalibrationDocument:
     """The `n`th calibration of a camera, of a token of its own, published some days later."""
     made = calibration(camera, n, begun=1_700_000_000 + day * DAY, fx=fx, fy=fx - 2)
@@ -51,7 +50,7 @@ def contributed(
     return document
 
 
-def pooled(stack: LocalStack, document: schema.CalibrationDocument) -> schema.ConsensusDocument:
+def pooled(stack: Server, document: schema.CalibrationDocument) -> schema.ConsensusDocument:
     (found,) = store(stack).refit.now(asked(mode_of(document), "rectilinear")).models.values()
     assert found is not None
     return found
@@ -65,7 +64,7 @@ def moved(calibration: schema.Calibration | None) -> float:
     return difference(camera, Camera.from_record(calibration.model_dump()))
 
 
-def test_five_tokens_at_one_address_are_one_contributor(stack: LocalStack) -> None:
+def test_five_tokens_at_one_address_are_one_contributor(stack: Server) -> None:
     for n in range(5):
         document = contributed(stack, "One who captures all day", n, "one place")
     found = pooled(stack, document)
@@ -79,13 +78,13 @@ def test_five_tokens_at_one_address_are_one_contributor(stack: LocalStack) -> No
     assert Client(stack).lookup(camera="One who captures all day").json["reason"] == "too_few"
 
 
-def test_two_sources_are_too_few_contributors(stack: LocalStack) -> None:
+def test_two_sources_are_too_few_contributors(stack: Server) -> None:
     for n, day in itertools.product(range(2), range(4)):
         document = contributed(stack, "Two places", 10 * day + n, f"place {n}", day)
     assert (pooled(stack, document).total, pooled(stack, document).reason) == (6, "few_contributors")
 
 
-def test_five_of_five_contributors_are_reliable(stack: LocalStack) -> None:
+def test_five_of_five_contributors_are_reliable(stack: Server) -> None:
     for n in range(5):
         store(stack).calibrations.publish(calibration("Five people", n))  # of old: without a source
     found = pooled(stack, calibration("Five people", 0))
@@ -97,7 +96,7 @@ def test_five_of_five_contributors_are_reliable(stack: LocalStack) -> None:
 
 
 @pytest.mark.parametrize("lie", [1045.0, 969.0, 960.0])
-def test_three_daily_contributors_do_not_outvote_five(stack: LocalStack, lie: float) -> None:
+def test_three_daily_contributors_do_not_outvote_five(stack: Server, lie: float) -> None:
     camera = f"Overruled at {lie}"
     for n in range(5):
         contributed(stack, camera, n, f"honest {n}")
@@ -110,7 +109,7 @@ def test_three_daily_contributors_do_not_outvote_five(stack: LocalStack, lie: fl
     assert moved(found.calibration) < 0.5
 
 
-def test_contributor_has_one_vote_a_day_and_none_on_own_calibration(stack: LocalStack) -> None:
+def test_contributor_has_one_vote_a_day_and_none_on_own_calibration(stack: Server) -> None:
     camera, home = "Checked by three", Client(stack, api_token=TOKENS[0], address="198.51.100.7")
     state = Truth(seed=1).calibrate(home, camera=camera, platform=PLATFORM)
     known = store(stack).consensuses
@@ -128,7 +127,7 @@ def test_contributor_has_one_vote_a_day_and_none_on_own_calibration(stack: Local
     assert (found.status, found.json["reliable"], found.json["calibrations"]) == (200, True, 1)
 
 
-def test_addresses_of_both_families_count_by_one(stack: LocalStack) -> None:
+def test_addresses_of_both_families_count_by_one(stack: Server) -> None:
     """A line of the network has two: a capture and three checks from one home and one telephone."""
     camera, home = "Of one line", Client(stack, api_token=TOKENS[0], address="203.0.113.7")
     state = Truth(seed=1, fx=1300, fy=1298).calibrate(home, camera=camera, platform=PLATFORM)
@@ -143,7 +142,7 @@ def test_addresses_of_both_families_count_by_one(stack: LocalStack) -> None:
 
 @pytest.mark.parametrize(("noise", "lie"), [(0.2, 1.02), (0.5, 1.05), (1.0, 1.1)])
 def test_honest_checks_confirm_no_wrong_calibration_however_noisy(
-    stack: LocalStack, noise: float, lie: float
+    stack: Server, noise: float, lie: float
 ) -> None:
     """Its own noise and uncertainty, its maker's to choose, are no measure for others' views."""
     camera = f"A lie of {lie}"
@@ -161,7 +160,7 @@ def test_honest_checks_confirm_no_wrong_calibration_however_noisy(
     assert (found.status, found.json["reason"]) == (307, "disagree")
 
 
-def test_session_that_states_more_than_3_px_does_not_count(stack: LocalStack) -> None:
+def test_session_that_states_more_than_3_px_does_not_count(stack: Server) -> None:
     camera = "A careless one"
     client = Client(stack, api_token=TOKENS[0], address="198.51.100.9")
     truth = Truth(seed=1, noise=0.5)
@@ -179,7 +178,7 @@ def test_session_that_states_more_than_3_px_does_not_count(stack: LocalStack) ->
     assert check(stack, CHECKERS[0], camera).status == 404
 
 
-def against(stack: LocalStack, camera: str, addresses: Sequence[str]) -> str | None:
+def against(stack: Server, camera: str, addresses: Sequence[str]) -> str | None:
     for seed, address in enumerate(addresses):
         answer = check(stack, address, camera, seed, fx=700.0).json
         assert answer["fits"] == "does_not_fit"
@@ -187,7 +186,7 @@ def against(stack: LocalStack, camera: str, addresses: Sequence[str]) -> str | N
     return str(answer["calibration"]["basis"])
 
 
-def test_twelve_contributors_need_four_votes_to_withdraw(stack: LocalStack) -> None:
+def test_twelve_contributors_need_four_votes_to_withdraw(stack: Server) -> None:
     camera = "Well known"
     for n in range(12):
         document = contributed(stack, camera, n, f"honest {n}")
@@ -198,7 +197,7 @@ def test_twelve_contributors_need_four_votes_to_withdraw(stack: LocalStack) -> N
     assert Client(stack).lookup(camera=camera, platform=PLATFORM).status == 307
 
 
-def test_cropped_stream_is_not_compared_with_native_streams(stack: LocalStack) -> None:
+def test_cropped_stream_is_not_compared_with_native_streams(stack: Server) -> None:
     camera = "Cropped"
     document = contributed(stack, camera, 0, "somewhere")
     pooled(stack, document)
@@ -213,14 +212,13 @@ def test_cropped_stream_is_not_compared_with_native_streams(stack: LocalStack) -
     assert (native.status, native.json["counted"]) == (200, True)
 
 
-def test_no_address_is_kept(stack: LocalStack) -> None:
+def test_no_address_is_kept(stack: Server) -> None:
     """After all of the above: neither in what is stored nor in the names it is stored under."""
-    files, bucket = boto3.client("s3"), stack.environment["BUCKET_NAME"]
-    pages = files.get_paginator("list_objects_v2").paginate(Bucket=bucket)
-    names = [entry["Key"] for page in pages for entry in page.get("Contents", ())]
+    objects = stack.storage.objects
+    names = list(objects.names(""))
     assert any(name.startswith("votes/") for name in names)
     for name in names:
-        content = name.encode() + files.get_object(Bucket=bucket, Key=name)["Body"].read()
+        content = name.encode() + (objects.get(name) or b"")
         own = () if name.startswith("tokens/") else ("127.0.0.1",)  # the development token names its origins
         for address in (*CHECKERS, "198.51.100", *own):
             assert address.encode() not in content

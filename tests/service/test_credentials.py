@@ -1,15 +1,17 @@
 """Credentials: missing ones are 401, wrong ones 403, on every call."""
 
 import time
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 from calibdb.access.tokens import ApiToken, SessionIds, Ticket, secret_hash
 from calibdb.settings import Settings
 from calibdb.store import Store
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Client
-from tests.helpers.stack import faults
+from tests.helpers.service.intercepted import intercepted_service
 
 VIEW = {"index": 0, "ids": [0], "points": [[1, 1]]}
 QUERY = "camera=Test&platform=X11&img_size=1280x720"
@@ -30,7 +32,7 @@ BY_SESSION = [
 
 
 @pytest.fixture
-def store(stack: LocalStack) -> Store:
+def store(stack: Server) -> Store:
     return Store.of(Settings.from_environment(stack.environment))
 
 
@@ -52,16 +54,22 @@ def test_wrong_token(client: Client, method: str, path: str, body: object, query
 
 @pytest.mark.parametrize(("method", "path", "body", "query"), BY_TOKEN)
 def test_nothing_tells_an_unknown_token_from_a_wrong_secret(
-    store: Store, client: Client, method: str, path: str, body: object, query: str
+    stack: Server, store: Store, client: Client, method: str, path: str, body: object, query: str
 ) -> None:
     """Neither the answer nor what is asked of storage, by which its time is spent."""
     token_id = f"rare{len(path)}{method.lower()}"
     store.tokens.create(ApiToken(token_id, secret_hash("s3cret")))
     met = []
     for token in ("cdb_nobody_s3creT", f"cdb_{token_id}_s3creT"):
-        with faults.watched() as asked:
+        asked: list[str] = []
+
+        def record(operation: str, call: Callable[[], Any], asked: list[str] = asked) -> Any:
+            asked.append(operation)
+            return call()
+
+        with intercepted_service(stack.storage, record):
             answer = client.call(method, path, body, token=token, query=query)
-        met.append((answer.status, answer.body, sorted(answer.headers), list(asked)))
+        met.append((answer.status, answer.body, sorted(answer.headers), asked))
     assert met[0] == met[1]
     assert met[0][0] == 403
     assert met[0][-1] == ["GetItem"]
@@ -80,7 +88,7 @@ def test_wrong_session_id(client: Client, method: str, path: str, body: object, 
         assert client.call(method, path, body, token=session_id, query=query).status == 403
 
 
-def test_an_expired_session_id_says_so(stack: LocalStack, client: Client) -> None:
+def test_an_expired_session_id_says_so(stack: Server, client: Client) -> None:
     secrets = stack.environment["SESSION_SECRETS"].split(",")
     for clock, kind in ((lambda: time.time() - 7200, "session-expired"), (time.time, "no-session")):
         session_id, _ = SessionIds(secrets, clock).issue(Ticket("0" * 24, "dev"))
@@ -122,7 +130,7 @@ def test_a_page_of_another_origin_is_refused(store: Store, client: Client) -> No
         assert client.call(method, path, body, token=opened, query=query, headers=other).status == 403
 
 
-def test_pages_of_the_site_itself_may_use_any_token(stack: LocalStack, store: Store, client: Client) -> None:
+def test_pages_of_the_site_itself_may_use_any_token(stack: Server, store: Store, client: Client) -> None:
     store.tokens.create(ApiToken("tried", secret_hash("s3cret"), origins=("https://shop.example",)))
     for origin, status in ((stack.url, 201), (f"{stack.url}.thief.example", 403), (f"{stack.url}1", 403)):
         answer = client.call("POST", "/v1/auth", token="cdb_tried_s3cret", headers={"origin": origin})

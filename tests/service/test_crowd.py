@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from infra.local import DEVELOPMENT_TOKEN, LocalStack
 from infra.measure.load_test import drive, main
+from infra.server.server import DEVELOPMENT_TOKEN, Server
 from tests.bench.crowd import missing_or_double
 from tests.helpers.stack.processes import LocalProcess
 
@@ -23,7 +23,7 @@ def test_acknowledged_views_are_stored_once(tmp_path: Path) -> None:
     assert missing_or_double(tmp_path / "data", outcome.heard) == []
 
 
-def test_any_stack_can_be_driven(stack: LocalStack, capsys: pytest.CaptureFixture[str]) -> None:
+def test_any_stack_can_be_driven(stack: Server, capsys: pytest.CaptureFixture[str]) -> None:
     with stack.serve() as url:
         assert main([url, "--sessions", "2", "--clients", "2", "--faults", "0"]) == 0
         assert "2 captures in" in capsys.readouterr().out

@@ -13,14 +13,14 @@ from calibdb.http import call as calls
 from calibdb.http.call import Call
 from calibdb.rules.rig_state import Rig
 from calibdb.service import Service
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.rigs import RigTruth
 from tests.helpers.service.strangers import standing_clock
 
 
 @pytest.fixture(scope="module")
-def calibration(stack: LocalStack) -> str:
+def calibration(stack: Server) -> str:
     found: str = Truth(seed=1).calibrate(Client(stack), **BRIEF)["calibration_id"]
     return found
 
@@ -70,7 +70,7 @@ def test_export_that_takes_too_long_is_unprocessable(
 
 
 def test_check_that_takes_too_long_is_unprocessable(
-    stack: LocalStack, calibration: str, monkeypatch: pytest.MonkeyPatch
+    stack: Server, calibration: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert calibration
     stack.wait_until_idle(60)
@@ -85,7 +85,7 @@ def test_check_that_takes_too_long_is_unprocessable(
 
 
 def test_rig_that_takes_too_long_is_a_conflict_and_stays(
-    stack: LocalStack, monkeypatch: pytest.MonkeyPatch
+    stack: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rig = RigTruth(stack, seed=3).open()
     rig.moment("m0")
@@ -100,7 +100,7 @@ def test_rig_that_takes_too_long_is_a_conflict_and_stays(
 
 
 def test_rig_that_took_too_long_is_charged_as_a_view_and_not_computed_by_every_read(
-    stack: LocalStack, monkeypatch: pytest.MonkeyPatch
+    stack: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     computed: list[str] = []
     solver_record = Rig.solver_record

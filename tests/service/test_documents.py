@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from calibdb_client import Board
-from infra.local import LocalStack
+from infra.server.server import Server
 from infra.web_build.docs.samples import samples
 from infra.web_build.example_calls import SCENARIO, TOKEN, calls, fill_in, learn
 from infra.web_build.openapi import EXAMPLES_PATH
@@ -47,7 +47,7 @@ PYTHON = ("docs/python.md", "clients/python/README.md", "README.md")
 class Site:
     """A running stack that knows the camera of the examples, and what samples have finished by call."""
 
-    stack: LocalStack
+    stack: Server
     url: str
     finished: dict[str, dict[str, str]] = field(default_factory=dict)
 
@@ -63,7 +63,7 @@ class Site:
 
 @pytest.fixture(scope="module")
 def site() -> Iterator[Site]:
-    with LocalStack(environment={"NEW_TOKENS": "100"}) as stack, stack.serve() as url:
+    with Server(environment={"NEW_TOKENS": "100"}) as stack, stack.serve() as url:
         prepare(stack)
         yield Site(stack, url)
 
@@ -178,7 +178,7 @@ def test_json_of_the_documents_is_json() -> None:
 
 
 def test_token_of_the_samples_is_that_of_local_stacks() -> None:
-    from infra.local.stack import DEVELOPMENT_TOKEN
+    from infra.server.server import DEVELOPMENT_TOKEN
 
     assert TOKEN == DEVELOPMENT_TOKEN
 

@@ -12,7 +12,7 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb_client import Client as PythonClient
 from calibdb_client.cli import main
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.helpers.service.known import C920, LINUX, consensus, fit
 from tests.helpers.service.storage_calls import storage_calls
@@ -24,17 +24,17 @@ STARTED = "Started Cam S1 (1111:0002)"
 ELSEWHERE = "Elsewhere Cam E1 (1111:0003)"
 
 
-def put(stack: LocalStack, *documents: ConsensusDocument) -> None:
+def put(stack: Server, *documents: ConsensusDocument) -> None:
     store = Store.of(Settings.from_environment(stack.environment))
     for document in documents:
         assert store.consensuses.put(document, GroupsDocument(pooled=document.pooled), None)
 
 
-def ask(stack: LocalStack, camera: str, platform: str = LINUX, **asked: Any) -> Answer:
+def ask(stack: Server, camera: str, platform: str = LINUX, **asked: Any) -> Answer:
     return Client(stack).lookup(camera=camera, platform=platform, **asked)
 
 
-def estimate(stack: LocalStack, camera: str, platform: str = LINUX, **asked: Any) -> dict[str, Any]:
+def estimate(stack: Server, camera: str, platform: str = LINUX, **asked: Any) -> dict[str, Any]:
     answer = ask(stack, camera, platform, miss="ok", **asked)
     assert answer.status == 200
     assert answer.json["calibration"] is None
@@ -58,7 +58,7 @@ def estimate(stack: LocalStack, camera: str, platform: str = LINUX, **asked: Any
         ("-", "x", "population"),
     ],
 )
-def test_every_camera_has_an_estimate(stack: LocalStack, camera: str, platform: str, basis: str) -> None:
+def test_every_camera_has_an_estimate(stack: Server, camera: str, platform: str, basis: str) -> None:
     for size in ((1280, 720), (640, 480), (720, 1280), (16, 16), (2048, 256)):
         likely = estimate(stack, camera, platform, img_size=size)
         assert likely["basis"] == basis
@@ -72,7 +72,7 @@ def test_every_camera_has_an_estimate(stack: LocalStack, camera: str, platform: 
             assert hfov == pytest.approx(likely["hfov_deg"], abs=0.02)
 
 
-def test_every_form_of_a_miss_carries_it(stack: LocalStack) -> None:
+def test_every_form_of_a_miss_carries_it(stack: Server) -> None:
     expected = estimate(stack, "Razer Kiyo", WINDOWS)
     redirected = ask(stack, "Razer Kiyo", WINDOWS)
     assert (redirected.status, redirected.json["estimate"]) == (307, expected)
@@ -80,7 +80,7 @@ def test_every_form_of_a_miss_carries_it(stack: LocalStack) -> None:
     assert (problem.status, problem.json["estimate"]) == (404, expected)
 
 
-def test_a_cropped_stream_has_a_wider_interval(stack: LocalStack) -> None:
+def test_a_cropped_stream_has_a_wider_interval(stack: Server) -> None:
     def width(**asked: Any) -> float:
         low, high = estimate(stack, "HD Pro Webcam C920", WINDOWS, **asked)["interval_90"]["hfov_deg"]
         return float(high - low)
@@ -88,14 +88,14 @@ def test_a_cropped_stream_has_a_wider_interval(stack: LocalStack) -> None:
     assert width(resize_mode="crop-and-scale") > 2 * width()
 
 
-def test_a_zoom_narrows_the_field(stack: LocalStack) -> None:
+def test_a_zoom_narrows_the_field(stack: Server) -> None:
     plain = estimate(stack, "HD Pro Webcam C920", WINDOWS)
     zoomed = estimate(stack, "HD Pro Webcam C920", WINDOWS, zoom=2.0)
     ratio = math.tan(math.radians(plain["hfov_deg"]) / 2) / math.tan(math.radians(zoomed["hfov_deg"]) / 2)
     assert ratio == pytest.approx(2.0, rel=0.01)
 
 
-def test_a_phones_model_makes_it_precise(stack: LocalStack) -> None:
+def test_a_phones_model_makes_it_precise(stack: Server) -> None:
     unknown = estimate(stack, "Back Camera", IPHONE)
     known = estimate(stack, "Back Camera", IPHONE, device="iPhone14,5")
     assert known["basis"] == "published"
@@ -108,7 +108,7 @@ def test_a_phones_model_makes_it_precise(stack: LocalStack) -> None:
     assert width(known) < width(unknown) / 2
 
 
-def test_what_the_device_reports_counts(stack: LocalStack) -> None:
+def test_what_the_device_reports_counts(stack: Server) -> None:
     likely = estimate(
         stack,
         "Somebody's phone 9",
@@ -122,7 +122,7 @@ def test_what_the_device_reports_counts(stack: LocalStack) -> None:
     assert ask(stack, C920, device="x" * 65).status == 422
 
 
-def test_a_photographs_zoom_is_its_focal_length(stack: LocalStack) -> None:
+def test_a_photographs_zoom_is_its_focal_length(stack: Server) -> None:
     phone = estimate(stack, "Apple iPhone 13", "photographs", img_size=(4032, 3024), zoom=5.1)
     assert phone["basis"] == "published"
     assert phone["hfov_deg"] == pytest.approx(67.0, abs=2)
@@ -141,7 +141,7 @@ def test_a_photographs_zoom_is_its_focal_length(stack: LocalStack) -> None:
     assert other["hfov_deg"] == pytest.approx(2 * math.degrees(math.atan(3000 / 8000)), rel=0.08)
 
 
-def test_too_few_calibrations_lead(stack: LocalStack) -> None:
+def test_too_few_calibrations_lead(stack: Server) -> None:
     put(stack, consensus(fit((1280, 720), 700.0), camera=STARTED, reason="too_few"))
     likely = estimate(stack, STARTED)
     assert likely["basis"] == "calibrations"
@@ -151,20 +151,20 @@ def test_too_few_calibrations_lead(stack: LocalStack) -> None:
     assert likely["hfov_deg"] == pytest.approx(own, rel=0.03)
 
 
-def test_another_size_is_evidence(stack: LocalStack) -> None:
+def test_another_size_is_evidence(stack: Server) -> None:
     put(stack, consensus(fit((1280, 720), 700.0), camera=ELSEWHERE, reason="too_few"))
     likely = estimate(stack, ELSEWHERE, img_size=(640, 360))
     assert likely["basis"] == "other_size"
     assert likely["hfov_deg"] == pytest.approx(2 * math.degrees(math.atan(640 / 700)), rel=0.06)
 
 
-def test_a_wrong_calibration_does_not_win_over_published_ones(stack: LocalStack) -> None:
+def test_a_wrong_calibration_does_not_win_over_published_ones(stack: Server) -> None:
     put(stack, consensus(fit((640, 480), 2000.0), camera=C920, reason="too_few"))
     low, high = estimate(stack, C920, img_size=(640, 480))["interval_90"]["hfov_deg"]
     assert low < 53 < high
 
 
-def test_a_hit_has_none_and_a_miss_reads_no_more_and_writes_nothing(stack: LocalStack) -> None:
+def test_a_hit_has_none_and_a_miss_reads_no_more_and_writes_nothing(stack: Server) -> None:
     put(stack, consensus(fit((1920, 1080), 1400.0, uncertainty=0.1), camera="Hit Cam H1 (1111:0004)"))
     hit = ask(stack, "Hit Cam H1 (1111:0004)", img_size=(1920, 1080))
     assert hit.status == 200
@@ -175,7 +175,7 @@ def test_a_hit_has_none_and_a_miss_reads_no_more_and_writes_nothing(stack: Local
 
 
 def test_python_client_and_command_say_what_is_likely(
-    stack: LocalStack, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    stack: Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with stack.serve() as url, PythonClient(url, TOKEN, cache=False) as client:
         answer = client.lookup("HD Pro Webcam C920", platform=WINDOWS, size=(1280, 720))
@@ -198,7 +198,7 @@ def test_python_client_and_command_say_what_is_likely(
         assert likely["hfov_deg"] == pytest.approx(67.3, abs=3)
 
 
-def test_a_session_of_an_identified_phone_is_that_phones(stack: LocalStack) -> None:
+def test_a_session_of_an_identified_phone_is_that_phones(stack: Server) -> None:
     client = Client(stack)
     assert client.open(camera="Back Camera", platform=IPHONE, device="iPhone14,5").status == 201
     assert client.state()["platform"] == f"{IPHONE}; iPhone14,5"

@@ -12,18 +12,18 @@ from calibdb.store import Store, StreamMode
 from calibdb.store.keys import consensus_id
 from calibsolver import Camera, formats
 from calibsolver.formats.reading import read
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, TOKEN, Client, Truth
 
 
 @pytest.fixture(scope="module")
-def calibration(stack: LocalStack) -> str:
+def calibration(stack: Server) -> str:
     name: str = Truth(seed=3).calibrate(Client(stack), **BRIEF)["calibration_id"]
     return name
 
 
 def test_stored_calibration_and_consensus_have_a_covariance(
-    stack: LocalStack, client: Client, calibration: str
+    stack: Server, client: Client, calibration: str
 ) -> None:
     one = client.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN).json
     covariance = np.array(one["covariance"])

@@ -10,16 +10,16 @@ from http.client import HTTPConnection
 import httpx
 import pytest
 
-from infra.local import LocalStack
-from infra.local.loopback import is_loopback
-from infra.local.protocol import TimedProtocol
+from infra.server.loopback import is_loopback
+from infra.server.protocol import TimedProtocol
+from infra.server.server import Server
 from tests.helpers.service.client import TOKEN
 
 AUTH = {"authorization": f"Bearer {TOKEN}"}
 
 
 @pytest.fixture(scope="module")
-def url(stack: LocalStack) -> Iterator[str]:
+def url(stack: Server) -> Iterator[str]:
     with stack.serve() as url:
         yield url
 

@@ -3,26 +3,22 @@
 import json
 from pathlib import Path
 
-import boto3
 import pytest
 
 from calibdb.store.keys import vote_object
-from infra.local import LocalStack
 from infra.ops import withdrawal
 from infra.ops.__main__ import main
 from infra.ops.context import OpsContext
+from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth, until
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
 from tests.helpers.service.strangers import standing_clock
 
 
-def stored(stack: LocalStack) -> tuple[set[str], set[tuple[str, str]]]:
-    """Names of all objects, in every version, but for tokens; keys of all items."""
-    versions = boto3.client("s3").list_object_versions(Bucket=stack.environment["BUCKET_NAME"])
-    found = (*versions.get("Versions", []), *versions.get("DeleteMarkers", []))
-    items = boto3.client("dynamodb").scan(TableName=stack.environment["TABLE_NAME"])["Items"]
-    names = {one["Key"] for one in found if not one["Key"].startswith("tokens/")}
-    return names, {(item["pk"]["S"], item["sk"]["S"]) for item in items}
+def stored(stack: Server) -> tuple[set[str], set[tuple[str, str]]]:
+    """Names of all objects but tokens; keys of all items."""
+    names = {name for name in stack.storage.objects.names("") if not name.startswith("tokens/")}
+    return names, set(stack.storage.table.keys(""))
 
 
 def test_forgetting_covers_revoked_tokens(
@@ -34,7 +30,7 @@ def test_forgetting_covers_revoked_tokens(
     assert main(["token", "create", "--plan", "free"]) == 0
     token = capsys.readouterr().out.strip()
     others = calibration("Another's camera Z77", 0)
-    with standing_clock(), LocalStack(folder) as stack:  # uses are counted by the hour
+    with standing_clock(), Server(folder) as stack:  # uses are counted by the hour
         store(stack).calibrations.publish(others)
         store(stack).refit.now(asked(mode_of(others)))
         before = stored(stack)
@@ -49,11 +45,11 @@ def test_forgetting_covers_revoked_tokens(
         assert (answer.json["counted"], answer.json["votes"]["agree"]) == (True, 1)
     assert main(["token", "revoke", token.split("_")[1]]) == 0
     capsys.readouterr()
-    with LocalStack(folder) as stack:
+    with Server(folder) as stack:
         assert sum(sk.startswith("SHARE#") and sk.count("#") == 2 for _, sk in stored(stack)[1]) == 1
     assert main(["contributor", "forget", "--address", "127.0.0.1"]) == 0
     assert "removed 1 calibrations, 2 sessions, 1 votes" in capsys.readouterr().out
-    with LocalStack(folder) as stack:
+    with Server(folder) as stack:
         names, items = stored(stack)
         assert names == before[0]
         # Of the token, which is revoked, it is still known how much all its users used together.
@@ -70,7 +66,7 @@ def test_forgotten_vote_under_an_earlier_key_recomputes_the_consensus() -> None:
     """The vote is stored under the key that the camera had then, its consensus under today's."""
     document = calibration("Voted on Z77", 0)
     earlier = f"c1-{document.camera_key[3:]}"
-    with LocalStack() as stack:
+    with Server() as stack:
         store(stack).calibrations.publish(document)
         store(stack).refit.now(asked(mode_of(document)))
         client = Client(stack)
@@ -94,7 +90,7 @@ def test_receipt_of_the_browser_forgets_the_contributor(
 ) -> None:
     folder = tmp_path / "data"
     monkeypatch.setenv("DATA_DIR", str(folder))
-    with LocalStack(folder) as stack:
+    with Server(folder) as stack:
         client = Client(stack)
         mine = Truth().calibrate(client, **BRIEF)["calibration_id"]
         receipt = client.session_id
@@ -107,5 +103,5 @@ def test_receipt_of_the_browser_forgets_the_contributor(
     assert main(["contributor", "forget", "--receipt", receipt]) == 0
     assert "removed 1 calibrations, 1 sessions, 0 votes" in capsys.readouterr().out
     assert main(["contributor", "forget", "--receipt", receipt]) == 1
-    with LocalStack(folder) as stack:
+    with Server(folder) as stack:
         assert [one.id for one in store(stack).calibrations.all()] == [others.id]

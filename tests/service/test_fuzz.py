@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Client
 
 EXAMPLES = 4 * int(os.environ.get("CASES", "300")) // 20
@@ -68,7 +68,7 @@ def fine(status: int) -> bool:
 
 @FUZZ
 @given(body=SESSION | TYPED.filter(utf8))
-def test_session(stack: LocalStack, body: dict[str, Any]) -> None:
+def test_session(stack: Server, body: dict[str, Any]) -> None:
     client = Client(stack)
     client.session_id = client.call("POST", "/v1/auth", token=TOKEN).json["session_id"]
     started = client.call("POST", "/v1/session", body)
@@ -79,13 +79,13 @@ def test_session(stack: LocalStack, body: dict[str, Any]) -> None:
 
 @FUZZ
 @given(body=objects(*CAMERA_FIELDS, "userAgent", "imsize", "redirect") | TYPED.filter(utf8))
-def test_lookup(stack: LocalStack, body: dict[str, Any]) -> None:
+def test_lookup(stack: Server, body: dict[str, Any]) -> None:
     assert fine(Client(stack).call("POST", "/v1/lookup", body, token=TOKEN).status)
 
 
 @FUZZ
 @given(query=st.text(alphabet="abcimg_size=&%20+zxNn1280.e-é;", max_size=80))
-def test_lookup_by_get(stack: LocalStack, query: str) -> None:
+def test_lookup_by_get(stack: Server, query: str) -> None:
     asked = f"camera=a&platform=b&{query.encode().decode('latin-1').encode('ascii', 'ignore').decode()}"
     assert fine(Client(stack).call("GET", "/v1/lookup", token=TOKEN, query=asked).status)
 
@@ -121,7 +121,7 @@ PLACES = st.one_of(
         max_size=6,
     )
 )
-def test_views(stack: LocalStack, views: list[tuple[list[int], list[tuple[float, float]]]]) -> None:
+def test_views(stack: Server, views: list[tuple[list[int], list[tuple[float, float]]]]) -> None:
     client = Client(stack)
     client.open()
     index = 0
@@ -135,7 +135,7 @@ def test_views(stack: LocalStack, views: list[tuple[list[int], list[tuple[float,
 
 @FUZZ
 @given(body=objects("index", "ids", "points"))
-def test_view_of_any_shape(stack: LocalStack, body: dict[str, Any]) -> None:
+def test_view_of_any_shape(stack: Server, body: dict[str, Any]) -> None:
     client = Client(stack)
     client.open()
     assert fine(client.call("POST", "/v1/session/views", body).status)
@@ -143,7 +143,7 @@ def test_view_of_any_shape(stack: LocalStack, body: dict[str, Any]) -> None:
 
 @FUZZ
 @given(body=st.binary(max_size=200))
-def test_bytes(stack: LocalStack, body: bytes) -> None:
+def test_bytes(stack: Server, body: bytes) -> None:
     client = Client(stack)
     client.open()
     for path in ("/v1/session", "/v1/session/views"):

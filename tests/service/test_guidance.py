@@ -8,17 +8,17 @@ import numpy as np
 from calibdb.schema import SessionDocument
 from calibdb.settings import Settings
 from calibdb.store import Store
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import Client, Truth, until
 from tests.helpers.service.known import consensus, fit
 from tests.helpers.service.published import PLATFORM, held
 
 
-def store(stack: LocalStack) -> Store:
+def store(stack: Server) -> Store:
     return Store.of(Settings.from_environment(stack.environment))
 
 
-def latest(stack: LocalStack, camera: str) -> SessionDocument:
+def latest(stack: Server, camera: str) -> SessionDocument:
     """The document of the one session of a camera."""
     [document] = [one for one in store(stack).sessions.all() if one.camera == camera]
     return document
@@ -65,7 +65,7 @@ def test_refusals_have_hints(running: Client) -> None:
     assert running.view(pose["index"], ids, points).json["hint"] is None
 
 
-def test_wrong_first_view_is_set_aside_in_the_state(stack: LocalStack, client: Client) -> None:
+def test_wrong_first_view_is_set_aside_in_the_state(stack: Server, client: Client) -> None:
     """Of another camera, and right by itself; what is published does not contain it."""
     client.open(camera="Camera whose first view was another's")
     take(client, Truth(fx=450, fy=450, distortion=(0.0,) * 5), 1)
@@ -87,7 +87,7 @@ def test_wrong_first_view_is_set_aside_in_the_state(stack: LocalStack, client: C
     assert [view.index for view in kept.set_aside] == [first["index"]]
 
 
-def test_a_refused_view_sent_twice_is_one_witness(stack: LocalStack, client: Client) -> None:
+def test_a_refused_view_sent_twice_is_one_witness(stack: Server, client: Client) -> None:
     client.open(camera="Witness camera")
     take(client, Truth(), 3)
     pose = client.pose().json
@@ -98,7 +98,7 @@ def test_a_refused_view_sent_twice_is_one_witness(stack: LocalStack, client: Cli
     assert "doubted" not in answers[0]
 
 
-def test_finished_capture_stores_its_report(stack: LocalStack, client: Client) -> None:
+def test_finished_capture_stores_its_report(stack: Server, client: Client) -> None:
     state = Truth(seed=2).calibrate(client)
     kept = store(stack).calibrations.get(state["calibration_id"])
     assert kept is not None
@@ -170,7 +170,7 @@ def test_six_duplicates_in_a_row_end_a_capture(client: Client) -> None:
     assert client.state()["calibration"]["id"] == answer["calibration_id"]
 
 
-def test_undo_cuts_the_course_of_a_capture(stack: LocalStack, client: Client) -> None:
+def test_undo_cuts_the_course_of_a_capture(stack: Server, client: Client) -> None:
     camera = "Undone camera"
     client.open(camera=camera, target_error=0.001)
     truth = Truth(seed=5)
@@ -190,7 +190,7 @@ def test_undo_cuts_the_course_of_a_capture(stack: LocalStack, client: Client) ->
     assert client.view(5, *last).json["accepted"]
 
 
-def test_capture_starts_from_a_reliable_consensus(stack: LocalStack, client: Client) -> None:
+def test_capture_starts_from_a_reliable_consensus(stack: Server, client: Client) -> None:
     """One that is not reliable may be one person's of another camera: nobody starts from it."""
     distances = []
     for name, reason in (("Camera that others measured", None), ("Camera that one measured", "too_few")):
@@ -206,7 +206,7 @@ def test_capture_starts_from_a_reliable_consensus(stack: LocalStack, client: Cli
     assert distances[1] == client.pose().json["tvec"][2]
 
 
-def test_seed_that_does_not_pose_the_first_view_is_dropped(stack: LocalStack, client: Client) -> None:
+def test_seed_that_does_not_pose_the_first_view_is_dropped(stack: Server, client: Client) -> None:
     """A reliable consensus of a long lens under the name of an ordinary camera harms no capture."""
     name = "Camera with a false consensus"
     known = consensus(fit((1280, 720), 4000.0), camera=name, platform=PLATFORM)

@@ -11,9 +11,9 @@ import pytest
 from calibdb.errors import UnavailableError
 from calibdb.http.part_checks import CHECKS_TTL_S, Part, PartChecks
 from calibdb.schema.health import CanaryRun
-from calibdb.store import Objects, Table
 from calibdb.store.canary import EXPIRY_S, store_canary_run
-from infra.local import LocalStack
+from calibdb.store.sqlite import SqliteObjects, SqliteTable
+from infra.server.server import Server
 from tests.helpers.service.client import Client
 from tests.helpers.service.published import store
 
@@ -22,8 +22,8 @@ SECRETS = "arn:aws:dynamodb:table/secret-name key=AKIA"
 
 
 @pytest.fixture(scope="module")
-def site() -> Iterator[tuple[LocalStack, str]]:
-    with LocalStack() as stack, stack.serve() as url:
+def site() -> Iterator[tuple[Server, str]]:
+    with Server() as stack, stack.serve() as url:
         assert Client(stack).call("GET", "/healthz", token="").status == 200  # the function is loaded now
         yield stack, url
 
@@ -41,7 +41,7 @@ def states(answer: Any) -> dict[str, bool]:
     return {part["part"]: part["ok"] for part in answer["parts"]}
 
 
-def test_every_part_is_checked_with_its_latency(site: tuple[LocalStack, str]) -> None:
+def test_every_part_is_checked_with_its_latency(site: tuple[Server, str]) -> None:
     _, url = site
     answer = deep(url)
     assert answer.status_code == 200, answer.text
@@ -54,7 +54,7 @@ def test_every_part_is_checked_with_its_latency(site: tuple[LocalStack, str]) ->
     assert sum(part["limit_ms"] for part in body["parts"]) <= 20_000  # of the gateway's 30 s
 
 
-def test_plain_answer_checks_nothing(site: tuple[LocalStack, str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_plain_answer_checks_nothing(site: tuple[Server, str], monkeypatch: pytest.MonkeyPatch) -> None:
     stack, _ = site
     monkeypatch.setattr(PartChecks, "__call__", fail)
     for query in ("", "deep=0"):
@@ -70,10 +70,15 @@ def fail(*_: object, **__: object) -> Any:
 
 @pytest.mark.parametrize(
     ("part", "owner", "method"),
-    [("table", Table, "get"), ("bucket", Objects, "get"), ("edge", httpx, "no"), ("solver", None, "fit")],
+    [
+        ("table", SqliteTable, "get"),
+        ("bucket", SqliteObjects, "get"),
+        ("edge", httpx, "no"),
+        ("solver", None, "fit"),
+    ],
 )
 def test_part_that_fails_is_named_and_nothing_of_why(
-    site: tuple[LocalStack, str], monkeypatch: pytest.MonkeyPatch, part: str, owner: Any, method: str
+    site: tuple[Server, str], monkeypatch: pytest.MonkeyPatch, part: str, owner: Any, method: str
 ) -> None:
     stack, url = site
     if part == "solver":
@@ -95,7 +100,7 @@ def test_part_that_fails_is_named_and_nothing_of_why(
     assert Client(stack).call("GET", "/healthz", token="").status == 200
 
 
-def test_failed_canary_is_shown_until_it_is_old(site: tuple[LocalStack, str]) -> None:
+def test_failed_canary_is_shown_until_it_is_old(site: tuple[Server, str]) -> None:
     stack, url = site
     table, now = store(stack).quotas._table, int(time.time())
     run = CanaryRun(ok=False, at=now, took_ms=900, failed_at="view")

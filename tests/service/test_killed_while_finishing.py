@@ -13,15 +13,13 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
-import boto3
 import httpx
 import pytest
 
 from calibdb import schema
-from infra.local import LocalStack
-from infra.local.invokes import INVOKE
 from infra.ops.__main__ import main
-from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth, until
+from infra.server.server import Server
+from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
 from tests.helpers.service.published import store
 from tests.helpers.stack.processes import LocalProcess
 
@@ -37,7 +35,7 @@ Views = list[dict[str, Any]]
 def capture() -> Views:
     """The views of a capture, up to the one that ends it."""
     views: Views = []
-    with LocalStack() as stack:
+    with Server() as stack:
         client, truth = Client(stack), Truth(seed=3)
         client.open(**BRIEF)
         while True:
@@ -88,14 +86,11 @@ def end_together(server: LocalProcess, sessions: list[str], last: dict[str, Any]
 
 def at_rest(data_dir: Path) -> tuple[set[str], set[str], set[str]]:
     """Ids of the calibrations in the bucket, in the index, and behind the consensus of every model."""
-    with LocalStack(data_dir) as stack:
-        queue = stack.storage
-        until(lambda: queue and not queue.persisted(INVOKE), 60)  # what was asked for is done
-        table, bucket = stack.environment["TABLE_NAME"], stack.environment["BUCKET_NAME"]
-        items = boto3.client("dynamodb").scan(TableName=table)["Items"]
-        listed = boto3.client("s3").list_objects_v2(Bucket=bucket, Prefix="calibrations/")
-        files = {entry["Key"].rpartition("/")[2][:-5] for entry in listed.get("Contents", [])}
-        indexed = [i["sk"]["S"].rpartition("#")[2] for i in items if i["sk"]["S"].startswith("CALIBRATION#")]
+    with Server(data_dir) as stack:
+        stack.wait_until_idle(60)  # what was asked for is done
+        table, objects = stack.storage.table, stack.storage.objects
+        files = {name.rpartition("/")[2][:-5] for name in objects.names("calibrations/")}
+        indexed = [sk.rpartition("#")[2] for _, sk in table.keys("CAMERA#") if sk.startswith("CALIBRATION#")]
         known = {name.rpartition("-")[0] for name in files}
         consensuses = [c for key in known for c in store(stack).consensuses.of(key)]
         groups = [(c.distortion_model, store(stack).consensuses.groups(c)) for c in consensuses]
@@ -126,7 +121,7 @@ def test_kill_while_finishing_is_completed_by_a_retry(
                 server = opened.enter_context(LocalProcess(data_dir))
                 url = server.url
             else:  # it is killed no more
-                url = opened.enter_context(opened.enter_context(LocalStack(data_dir)).serve())
+                url = opened.enter_context(opened.enter_context(Server(data_dir)).serve())
             client = opened.enter_context(httpx.Client(base_url=url, timeout=60))
             for session in cut:
                 headers = {"authorization": f"Bearer {session}"}

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import boto3
 import pytest
 
 from calibdb.dump.public_copy import public_copy
@@ -32,11 +31,10 @@ def test_consent_to_something_else_is_refused(client: Client, said: dict[str, An
 def test_licence_is_stored_with_session_calibration_and_export(client: Client) -> None:
     ended = Truth(seed=3).calibrate(client, camera="Licensed Z1", **BRIEF, **CONSENT)
     assert {name: ended[name] for name in CONSENT} == CONSENT
-    bucket = client.stack.environment["BUCKET_NAME"]
     prefix = f"sessions/{session_of(client, 'Licensed Z1')}/"
-    name = boto3.client("s3").list_objects_v2(Bucket=bucket, Prefix=prefix)["Contents"][-1]["Key"]
-    content = boto3.client("s3").get_object(Bucket=bucket, Key=name)
-    session = SessionDocument.model_validate_json(content["Body"].read())
+    objects = client.stack.storage.objects
+    *_, name = objects.names(prefix)
+    session = SessionDocument.model_validate_json(objects.get(name))
     assert session.consent == CONSENT
     stored = store(client.stack).calibrations.get(ended["calibration_id"])
     assert stored is not None

@@ -9,7 +9,7 @@ from calibdb.lookup import camera_lookup, well_known_ids
 from calibdb.schema import ConsensusDocument, GroupsDocument
 from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus, fit
 from tests.helpers.service.storage_calls import storage_calls
@@ -18,7 +18,7 @@ WINDOWS = "Windows NT 10.0; Win64; x64"
 
 
 @pytest.fixture(scope="module")
-def store(stack: LocalStack) -> Store:
+def store(stack: Server) -> Store:
     return Store.of(Settings.from_environment(stack.environment))
 
 
@@ -27,12 +27,12 @@ def put(store: Store, *documents: ConsensusDocument) -> None:
         assert store.consensuses.put(document, GroupsDocument(pooled=document.pooled), None)
 
 
-def ask(stack: LocalStack, camera: str, platform: str = LINUX, **asked: Any) -> Answer:
+def ask(stack: Server, camera: str, platform: str = LINUX, **asked: Any) -> Answer:
     return Client(stack).lookup(camera=camera, platform=platform, **asked)
 
 
 @pytest.fixture(scope="module", autouse=True)
-def known(stack: LocalStack, store: Store) -> None:
+def known(stack: Server, store: Store) -> None:
     """A webcam of one USB id, at two sizes and two zooms; one that is in doubt; and one of earlier rules."""
     store.calibrations.publish(calibration())
     put(
@@ -50,7 +50,7 @@ def known(stack: LocalStack, store: Store) -> None:
 
 
 @pytest.mark.parametrize("platform", [LINUX, WINDOWS])
-def test_a_hit_is_one_query_and_no_write(stack: LocalStack, platform: str) -> None:
+def test_a_hit_is_one_query_and_no_write(stack: Server, platform: str) -> None:
     with storage_calls(stack) as asked:
         answer = ask(stack, C920, platform)
     assert answer.status == 200
@@ -65,7 +65,7 @@ def test_a_hit_is_one_query_and_no_write(stack: LocalStack, platform: str) -> No
     }
 
 
-def test_a_name_alone_takes_a_second_query(stack: LocalStack) -> None:
+def test_a_name_alone_takes_a_second_query(stack: Server) -> None:
     with storage_calls(stack) as asked:
         answer = ask(stack, "Logitech HD Pro Webcam C920", WINDOWS)
     assert (answer.status, answer.json["camera"]) == (200, C920)
@@ -86,7 +86,7 @@ def test_a_name_alone_takes_a_second_query(stack: LocalStack) -> None:
     ],
 )
 def test_a_miss_says_why_and_computes_nothing(
-    stack: LocalStack, camera: str, options: dict[str, Any], reason: str, queries: int
+    stack: Server, camera: str, options: dict[str, Any], reason: str, queries: int
 ) -> None:
     with storage_calls(stack) as asked:
         answer = ask(stack, camera, **options)
@@ -100,7 +100,7 @@ def test_a_miss_says_why_and_computes_nothing(
     assert refused.json["detail"] == answer.json["detail"]
 
 
-def test_a_size_between_two_that_scale(stack: LocalStack) -> None:
+def test_a_size_between_two_that_scale(stack: Server) -> None:
     found = ask(stack, C920, img_size=[960, 540]).json
     assert (found["exact_size"], found["relation"]) == (False, "scale")
     assert found["adapted"]["img_size"] == [960, 540]
@@ -108,14 +108,14 @@ def test_a_size_between_two_that_scale(stack: LocalStack) -> None:
     assert ask(stack, C920, img_size=[1920, 1080]).json["adapted"] is None
 
 
-def test_a_zoom_between_two(stack: LocalStack) -> None:
+def test_a_zoom_between_two(stack: Server) -> None:
     found = ask(stack, C920, zoom=2.5).json
     assert (found["zoom"], found["adapted"]["interpolated"]) == (2.5, True)
     assert found["camera_matrix"][0][0] == pytest.approx(1600.0)
     assert ask(stack, C920, zoom=2.0).json["adapted"] is None
 
 
-def test_uncomputable_model_is_tried_once(stack: LocalStack, store: Store) -> None:
+def test_uncomputable_model_is_tried_once(stack: Server, store: Store) -> None:
     """A hostile client cannot make every lookup a computation: what came out is stored, be it nothing."""
     label = "Worthless X2 (1111:0002)"
     for number in range(5):
@@ -132,7 +132,7 @@ def test_uncomputable_model_is_tried_once(stack: LocalStack, store: Store) -> No
 
 
 def test_second_usb_id_makes_a_name_ambiguous(
-    stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
+    stack: Server, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Once its calibrations, too, are reliable; captures with an invented id end nothing."""
     monkeypatch.setenv("MIN_CONTRIBUTORS", "3")
@@ -161,7 +161,7 @@ def test_second_usb_id_makes_a_name_ambiguous(
 
 
 def test_invented_usb_id_leaves_a_name_unambiguous(
-    stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
+    stack: Server, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A calibration under a name answers for an unknown id, but not for an id under another name."""
     monkeypatch.setenv("MIN_CONTRIBUTORS", "3")
@@ -179,7 +179,7 @@ def test_invented_usb_id_leaves_a_name_unambiguous(
 
 
 def test_generic_name_is_unknown_in_public(
-    stack: LocalStack, store: Store, monkeypatch: pytest.MonkeyPatch
+    stack: Server, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     put(store, consensus(camera="Integrated Camera"))
     assert ask(stack, "Integrated Camera").status == 200  # at home one knows which is meant
@@ -190,7 +190,7 @@ def test_generic_name_is_unknown_in_public(
     assert ask(stack, C920).status == 200
 
 
-def test_a_cropped_stream_is_kept_and_never_pooled(stack: LocalStack, store: Store) -> None:
+def test_a_cropped_stream_is_kept_and_never_pooled(stack: Server, store: Store) -> None:
     label = "Cropped X5 (1111:0005)"
     store.calibrations.publish(calibration(label, resize_mode="crop-and-scale"))
     key = camera_key(label, LINUX)

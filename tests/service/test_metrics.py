@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from calibdb.http.metrics import UNITS, document
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.data import ROOT
 from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
 
@@ -30,7 +30,7 @@ def total(lines: list[dict[str, Any]], name: str) -> float:
 
 
 def test_a_capture_and_lookups(
-    stack: LocalStack, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    stack: Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
     client = Client(stack)
@@ -48,7 +48,7 @@ def test_a_capture_and_lookups(
 
 
 def test_a_repeated_start_is_one_session(
-    stack: LocalStack, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    stack: Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
     client = Client(stack)
@@ -60,7 +60,7 @@ def test_a_repeated_start_is_one_session(
 
 
 def test_refusals_by_reason(
-    stack: LocalStack, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    stack: Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
     client = Client(stack)
@@ -96,7 +96,7 @@ def test_every_published_metric_is_listed() -> None:
     assert published <= set(UNITS)
 
 
-def test_no_metrics_outside_lambda(stack: LocalStack, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_metrics_outside_lambda(stack: Server, capsys: pytest.CaptureFixture[str]) -> None:
     Client(stack).lookup(camera="Never seen")
     assert counted(capsys) == []
 

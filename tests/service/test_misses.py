@@ -8,7 +8,7 @@ from calibdb.lookup.misses import MAX_CAMERAS, REPORT_S, MissCounter
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import Client
 from tests.helpers.service.index_items import items
 from tests.helpers.service.known import C920, LINUX, calibration, consensus
@@ -36,7 +36,7 @@ def clock() -> Iterator[Clock]:
 
 
 def test_misses_are_counted_by_camera_and_written_later(clock: Clock) -> None:
-    with LocalStack(environment={"MIN_CONTRIBUTORS": "3"}) as stack:
+    with Server(environment={"MIN_CONTRIBUTORS": "3"}) as stack:
         known = calibration(C920, LINUX)
         put(store(stack), consensus(camera=C920, platform=LINUX, reason="disagree", calibrations=4))
         client = Client(stack)
@@ -48,9 +48,8 @@ def test_misses_are_counted_by_camera_and_written_later(clock: Clock) -> None:
 
         def written() -> dict[str, int]:
             stack.wait_until_idle(60)
-            return {
-                sk: int(i["asked"]["N"]) for (pk, sk), i in items(stack).items() if pk.startswith("ASKED#")
-            }
+            found = items(stack).items()
+            return {sk: int(str(i["asked"])) for (pk, sk), i in found if pk.startswith("ASKED#")}
 
         ask(C920)
         assert written() == {f"CAMERA#{known.camera_key}": 1}, (

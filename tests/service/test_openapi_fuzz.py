@@ -22,7 +22,7 @@ from schemathesis.specs.openapi.checks import (
     status_code_conformance,
 )
 
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.published import asked, calibration, mode_of, store
 from tests.helpers.service.rigs import RigTruth
@@ -50,7 +50,7 @@ EACH = math.ceil(CASES / (2 * len(OPERATIONS) - len(NEVER_WRONG)))  # of the rig
 
 
 @pytest.fixture(scope="module")
-def known(stack: LocalStack) -> dict[str, list[str]]:
+def known(stack: Server) -> dict[str, list[str]]:
     """Ids that there are: of a calibration, a consensus, a camera."""
     client = Client(stack)
     documents = [calibration(str(CAMERA["camera"]), n, views=3) for n in range(5)]
@@ -68,7 +68,7 @@ def known(stack: LocalStack) -> dict[str, list[str]]:
 
 
 @pytest.fixture(scope="module")
-def finished_rig(stack: LocalStack) -> str:
+def finished_rig(stack: Server) -> str:
     """Id of a rig that is finished."""
     rig = RigTruth(stack, seed=9).open()
     for n in range(5):
@@ -83,7 +83,7 @@ def rigs() -> list[RigTruth]:
     return []
 
 
-def running_rig(stack: LocalStack, rigs: list[RigTruth]) -> RigTruth:
+def running_rig(stack: Server, rigs: list[RigTruth]) -> RigTruth:
     """Rig of two cameras that share two moments, of which the second was undone."""
     if rigs:
         found = rigs[-1].call("GET")
@@ -99,7 +99,7 @@ def running_rig(stack: LocalStack, rigs: list[RigTruth]) -> RigTruth:
 
 
 @pytest.fixture(scope="module")
-def url(stack: LocalStack) -> Iterator[str]:
+def url(stack: Server) -> Iterator[str]:
     with stack.serve() as url:
         yield url
 
@@ -119,7 +119,7 @@ def requests(operation: APIOperation, known: dict[str, list[str]]) -> st.SearchS
     [(label, mode) for label in OPERATIONS for mode in GenerationMode if (label, mode) not in NEVER_WRONG],
 )
 def test_every_response_conforms_to_openapi(
-    stack: LocalStack,
+    stack: Server,
     url: str,
     known: dict[str, list[str]],
     finished_rig: str,

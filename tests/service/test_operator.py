@@ -3,7 +3,7 @@
 import httpx
 import pytest
 
-from infra.local import LocalStack
+from infra.server.server import Server
 
 OPERATOR = {
     "OPERATOR_NAME": "Lens Society",
@@ -15,7 +15,7 @@ OPERATOR = {
 def test_settings_and_security_file_say_who_runs_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
     for name, value in OPERATOR.items():
         monkeypatch.setenv(name, value)
-    with LocalStack() as stack, stack.serve() as url, httpx.Client(base_url=url, timeout=60) as site:
+    with Server() as stack, stack.serve() as url, httpx.Client(base_url=url, timeout=60) as site:
         told = site.get("/config.json").json()["operator"]
         security = site.get("/.well-known/security.txt").text
     assert told == {

@@ -9,12 +9,11 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
-import boto3
 import pytest
 
 from calibdb.schema import DISTORTION_MODELS
-from infra.local import LocalStack
 from infra.ops.__main__ import main
+from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, Client, Truth, until
 from tests.helpers.service.index_items import items, remove
 from tests.helpers.service.published import asked, calibration, mode_of, store
@@ -24,7 +23,7 @@ from tests.helpers.service.published import asked, calibration, mode_of, store
 def data_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A stack's folder in which a camera was calibrated three times."""
     folder = tmp_path_factory.mktemp("ops") / "data"
-    with LocalStack(folder) as stack:
+    with Server(folder) as stack:
         for seed in range(3):
             Truth(seed=seed).calibrate(Client(stack), **BRIEF)
     return folder
@@ -36,8 +35,8 @@ def on_it(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def stack(data_dir: Path) -> Iterator[LocalStack]:
-    with LocalStack(data_dir) as running:
+def stack(data_dir: Path) -> Iterator[Server]:
+    with Server(data_dir) as running:
         yield running
 
 
@@ -53,13 +52,13 @@ def test_a_token_is_issued_listed_and_revoked(data_dir: Path, capsys: pytest.Cap
         in listed
     )
     assert secret not in listed
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         client = Client(stack)
         page, other = {"origin": "https://page.example"}, {"origin": "https://other.example"}
         assert client.call("POST", "/v1/auth", token=token, headers=page).status == 201
         assert client.call("POST", "/v1/auth", token=token, headers=other).status == 403
     assert main(["token", "revoke", token_id]) == 0
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         assert Client(stack).call("POST", "/v1/auth", token=token, headers=page).status == 403
 
 
@@ -85,13 +84,12 @@ def test_an_unknown_token_cannot_be_revoked(capsys: pytest.CaptureFixture[str]) 
     assert "no token nobody" in capsys.readouterr().err
 
 
-def objects(stack: LocalStack, prefix: str = "") -> list[str]:
-    listed = boto3.client("s3").list_objects_v2(Bucket=stack.environment["BUCKET_NAME"], Prefix=prefix)
-    return [entry["Key"] for entry in listed.get("Contents", [])]
+def objects(stack: Server, prefix: str = "") -> list[str]:
+    return list(stack.storage.objects.names(prefix))
 
 
 def test_the_table_follows_from_the_bucket(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         before = items(stack)
         for key in before:
             remove(stack, key)
@@ -105,51 +103,50 @@ def test_the_table_follows_from_the_bucket(data_dir: Path, capsys: pytest.Captur
         said = capsys.readouterr().out
         assert "3 calibrations indexed, 0 of them published only now" in said
         assert f"{len(DISTORTION_MODELS)} consensuses computed, 0 stale entries removed" in said
-        with LocalStack(data_dir) as stack:
+        with Server(data_dir) as stack:
             assert items(stack) == before
 
 
 def test_reindex_publishes_after_a_crash(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         before = items(stack)
         lost = objects(stack, "calibrations/")[0]
-        boto3.client("s3").delete_object(Bucket=stack.environment["BUCKET_NAME"], Key=lost)
+        stack.storage.objects.delete([lost])
         for key in before:
             if lost.split("/")[2][:-5] in key[1] or key[1].startswith(("CONSENSUS#", "GROUPS#")):
                 remove(stack, key)
     assert main(["reindex"]) == 0
     assert "3 calibrations indexed, 1 of them published only now" in capsys.readouterr().out
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         assert items(stack) == before
 
 
 def test_reindex_removes_items_without_object(data_dir: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         before = items(stack)
-        files, bucket = boto3.client("s3"), stack.environment["BUCKET_NAME"]
+        files = stack.storage.objects
         kept = {
-            name: files.get_object(Bucket=bucket, Key=name)["Body"].read()
+            name: files.get(name) or b""
             for name in (*objects(stack, "sessions/"), max(objects(stack, "calibrations/")))
         }
         newest = max(name for name in kept if name.startswith("calibrations/"))
-        for name in kept:
-            files.delete_object(Bucket=bucket, Key=name)
+        files.delete(list(kept))
     assert main(["reindex"]) == 0
     assert "2 calibrations indexed" in capsys.readouterr().out
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         after = items(stack)
         gone = {key for key in set(before) - set(after) if not key[0].startswith("SESSION#")}
         assert gone == {key for key in before if newest.split("/")[2][:-5] in key[1]}
         totals = {
-            json.loads(item["document"]["S"])["total"]
+            json.loads(str(item["document"]))["total"]
             for (_, sk), item in after.items()
             if sk.startswith("CONSENSUS#")
         }
         assert totals == {2}
         for name, content in kept.items():
-            boto3.client("s3").put_object(Bucket=bucket, Key=name, Body=content)
+            stack.storage.objects.put(name, content)
     assert main(["reindex"]) == 0
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         assert items(stack) == before
 
 
@@ -159,7 +156,7 @@ def test_a_token_gets_another_secret(data_dir: Path, capsys: pytest.CaptureFixtu
         return capsys.readouterr().out.strip()
 
     def admitted(*tokens: str) -> list[bool]:
-        with LocalStack(data_dir) as stack:
+        with Server(data_dir) as stack:
             return [Client(stack).call("POST", "/v1/auth", token=t).status == 201 for t in tokens]
 
     first = said("token", "create")
@@ -201,7 +198,7 @@ def test_camera_includes_calibrations_of_earlier_keys(
     key = one.camera_key
     earlier = f"c1-{key[3:]}"
     old = one.model_copy(update={"camera_key": earlier, "id": one.id.replace(key, earlier)})
-    with LocalStack(tmp_path / "data") as stack:
+    with Server(tmp_path / "data") as stack:
         for document in (old, two):
             store(stack).calibrations.publish(document)
         store(stack).refit.now(asked(mode_of(two)))
@@ -212,9 +209,9 @@ def test_camera_includes_calibrations_of_earlier_keys(
     assert shown.index(old.id) < shown.index(two.id)
 
 
-def totals(stack: LocalStack) -> set[int]:
+def totals(stack: Server) -> set[int]:
     return {
-        json.loads(item["document"]["S"])["total"]
+        json.loads(str(item["document"]))["total"]
         for (_, sk), item in items(stack).items()
         if sk.startswith("CONSENSUS#")
     }
@@ -223,24 +220,24 @@ def totals(stack: LocalStack) -> set[int]:
 def test_a_withdrawn_calibration_counts_for_nothing(
     data_dir: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         before = items(stack)
         victim = objects(stack, "calibrations/")[1].split("/")[2][:-5]
     assert main(["calibration", "withdraw", victim, "--reason", "held in front of a mirror"]) == 0
     assert main(["calibration", "withdraw", victim]) == 0
     assert "withdrawn before" in capsys.readouterr().out
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         withdrawn = items(stack)
         assert totals(stack) == {2}
         for key in withdrawn:
             remove(stack, key)
     assert main(["reindex"]) == 0
     assert "2 calibrations indexed" in capsys.readouterr().out
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         assert items(stack) == withdrawn  # the bucket says so, too
     assert main(["calibration", "restore", victim]) == 0
     assert main(["calibration", "restore", victim]) == 1
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         assert items(stack) == before
     for action in ("withdraw", "restore"):
         assert main(["calibration", action, "c1-none-000000000000-00000000000000000000"]) == 1
@@ -260,10 +257,10 @@ def test_forgotten_contributor_leaves_nothing(
     monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
     assert main(["token", "create", "--plan", "development"]) == 0
     other = capsys.readouterr().out.strip()
-    with LocalStack(tmp_path / "data") as stack:
+    with Server(tmp_path / "data") as stack:
         Truth(seed=1).calibrate(Client(stack), **BRIEF)
         until(lambda: totals(stack) == {1})
-    with LocalStack(tmp_path / "data") as stack:  # all that was queued is done
+    with Server(tmp_path / "data") as stack:  # all that was queued is done
         before = items(stack)
         kept = objects(stack)
         Truth(seed=2).calibrate(Client(stack, api_token=other), **BRIEF)
@@ -273,7 +270,7 @@ def test_forgotten_contributor_leaves_nothing(
     forget = ["contributor", "forget", "--address", "127.0.0.1", "--token", other.split("_")[1]]
     assert main(forget) == 0
     assert "removed 1 calibrations, 1 sessions, 0 votes" in capsys.readouterr().out
-    with LocalStack(tmp_path / "data") as stack:
+    with Server(tmp_path / "data") as stack:
         assert objects(stack) == kept
         assert items(stack) == before
     assert main(["contributor", "forget", "0123"]) == 1
@@ -284,7 +281,7 @@ def test_forgotten_contributor_leaves_nothing(
     assert main(["camera", "show", key]) == 0
     who = re.findall("contributor ([0-9a-f]{12})", capsys.readouterr().out)
     assert main(["contributor", "forget", who[0]]) == 0
-    with LocalStack(tmp_path / "data") as stack:
+    with Server(tmp_path / "data") as stack:
         assert [name for name in objects(stack) if not name.startswith("tokens/")] == []
         assert {pk.split("#")[0] for pk, _ in items(stack)} == {"TOKEN"}
 
@@ -294,12 +291,12 @@ def test_storage_elsewhere_must_be_named(
 ) -> None:
     monkeypatch.setenv("CALIBDB_STORAGE", "aws")
     assert main(["token", "list"]) == 1
-    assert "TABLE_NAME and BUCKET_NAME and WEB_BUCKET_NAME do not say where" in capsys.readouterr().err
+    assert "TABLE_NAME and BUCKET_NAME do not say where" in capsys.readouterr().err
 
 
-def test_the_folder_of_a_running_stack_is_left_alone(
-    stack: LocalStack, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert stack.storage is not None
-    assert main(["token", "list"]) == 1
-    assert "in use by another process" in capsys.readouterr().err
+def test_commands_work_while_the_server_runs(stack: Server, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["token", "create", "--plan", "free"]) == 0
+    token = capsys.readouterr().out.strip()
+    assert Client(stack).call("POST", "/v1/auth", token=token).status == 201
+    assert main(["--data", str(stack.folder.path), "token", "list"]) == 0
+    assert token.split("_")[1] in capsys.readouterr().out

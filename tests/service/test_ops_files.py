@@ -15,11 +15,11 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 from calibsolver import models
 from calibsolver.models.rectilinear import Rectilinear
-from infra.local import LocalStack
 from infra.ops.__main__ import main
+from infra.server.server import Server
 from tests.helpers.data import data_dir as external_dir
 from tests.helpers.data import external_data
-from tests.helpers.service.client import BRIEF, Client, Truth, until
+from tests.helpers.service.client import BRIEF, Client, Truth
 from tests.helpers.service.published import calibration
 
 LABEL = "Anna's iPhone Camera"
@@ -30,12 +30,13 @@ PLATFORM = "iPhone; CPU iPhone OS 17_1 like Mac OS X"
 def data_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A stack in which one camera is reliably known, and a phone with a name on it once."""
     folder = tmp_path_factory.mktemp("files") / "data"
-    with LocalStack(folder) as stack:
+    with Server(folder) as stack:
         client = Client(stack)
         for seed in range(5):
             Truth(seed=seed).calibrate(client, licence="CC0-1.0", **BRIEF)
         Truth(seed=9).calibrate(client, camera=LABEL, platform=PLATFORM, licence="CC0-1.0", **BRIEF)
-        until(lambda: client.lookup().status == 200)
+        stack.wait_until_idle(60)
+        assert client.lookup().status == 200
     return folder
 
 
@@ -51,7 +52,7 @@ def lines(path: Path) -> Iterator[dict[str, Any]]:
         yield json.loads(line)
 
 
-def lookups(stack: LocalStack) -> list[Any]:
+def lookups(stack: Server) -> list[Any]:
     """Answers to all sorts of requests, to the byte where something is known.
 
     The address of the guidance page, which every miss names, is each stack's own.
@@ -85,19 +86,19 @@ def test_loaded_dump_answers_alike(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         expected = lookups(stack)
     assert [status for status, _ in expected[:2]] == [200, 200]  # rectilinear and fisheye
     monkeypatch.setenv("DATA_DIR", str(tmp_path / "elsewhere"))
     for _ in range(2):  # the second time changes nothing
         assert main(["load", str(dumped)]) == 0
         assert "6 calibrations and 0 votes stored" in capsys.readouterr().out
-        with LocalStack(tmp_path / "elsewhere") as stack:
+        with Server(tmp_path / "elsewhere") as stack:
             assert lookups(stack) == expected
 
 
 def test_a_dump_names_nobody(data_dir: Path, dumped: Path, tmp_path: Path) -> None:
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         store = Store.of(Settings.from_environment(stack.environment))
         known = {document.contributor for document in store.calibrations.all()}
     documents = list(lines(dumped / "calibrations.jsonl"))
@@ -118,7 +119,7 @@ def test_dumped_labels_follow_the_current_rules(tmp_path: Path, monkeypatch: pyt
     named = {"camera": label, "platform": platform, "licence": "CC0-1.0"}
     stored = calibration("webcam Z77", 0).model_copy(update=named)
     vote = VoteDocument(**stored.model_dump(exclude={"layout", "fits", "time"}), noise=0.1, time=0)
-    with LocalStack(tmp_path / "data") as stack:
+    with Server(tmp_path / "data") as stack:
         store = Store.of(Settings.from_environment(stack.environment))
         store.calibrations.publish(stored)
         store.votes.cast(vote)
@@ -204,7 +205,7 @@ def test_seeded_cameras_are_no_answers(
     found = re.match(r"(?:\d+) rows: (\d+) first guesses for (\d+) cameras", said)
     assert found
     assert int(found[1]) > 60
-    with LocalStack(tmp_path / "data") as stack:
+    with Server(tmp_path / "data") as stack:
         store = Store.of(Settings.from_environment(stack.environment))
         priors = list(store.priors.all())
         assert len(priors) == int(found[1])
@@ -220,7 +221,7 @@ def test_seeded_cameras_are_no_answers(
         before = client.call("GET", "/v1/cameras", token="cdb_dev_local")
     assert before.json["cameras"] == []  # nor are they shown as known
     assert main(["reindex"]) == 0
-    with LocalStack(tmp_path / "data") as stack:
+    with Server(tmp_path / "data") as stack:
         store = Store.of(Settings.from_environment(stack.environment))
         assert store.priors.find(*key_of(priors[0])) == priors[0].fit
 
@@ -253,7 +254,7 @@ def test_contradictory_rows_seed_nothing(
     assert "2 skipped: several lenses or modes under one name" in said
     assert "3 skipped: no camera is like that" in said
     assert "1 skipped: a number is missing" in said
-    with LocalStack(tmp_path / "data") as stack:
+    with Server(tmp_path / "data") as stack:
         store = Store.of(Settings.from_environment(stack.environment))
         fit = store.priors.find(camera_key("A One camera", "photograph"), (1280, 720), 0, "fisheye")
         assert fit is not None

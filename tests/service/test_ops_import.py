@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from calibsolver import View, fit, formats
-from infra.local import LocalStack
 from infra.ops.__main__ import main
+from infra.server.server import Server
 from tests.helpers.data import corner_views
 from tests.helpers.service.client import TOKEN, Client
 from tests.helpers.solver.export_sources import subject
@@ -53,7 +53,7 @@ def test_keypoints_become_a_calibration_like_any_other(
     assert main(["import", str(again), *WHOSE, "--model", "rectilinear"]) == 1
     assert "known already" in capsys.readouterr().err
     name = said[0].removeprefix("calibration ").split(":")[0]
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         client = Client(stack)
         shown = client.call("GET", f"/v1/calibrations/{name}", token=TOKEN).json
         assert np.allclose(shown["camera_matrix"], calibration.camera.matrix, rtol=1e-6)
@@ -82,7 +82,7 @@ def test_import_sets_a_degenerate_view_aside(
     assert main(["import", str(path), *WHOSE, "--model", "rectilinear"]) == 0
     said = capsys.readouterr().out
     assert "12 views (1 set aside: degenerate)" in said
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         name = said.removeprefix("calibration ").split(":")[0]
         shown = Client(stack).call("GET", f"/v1/calibrations/{name}", token=TOKEN).json
     assert np.allclose(shown["camera_matrix"], calibration.camera.matrix, rtol=1e-6)
@@ -96,7 +96,7 @@ def test_camera_without_keypoints_is_imported_as_a_seed(
     path.write_bytes(formats.write(subject("rectilinear"), "ros").content)
     assert main(["import", str(path), *WHOSE]) == 0
     assert "first guess" in capsys.readouterr().out
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         asked = Client(stack).lookup(camera=WHOSE[1], platform=WHOSE[3], redirect="false")
         assert asked.status == 404
         assert asked.json["reason"] in ("unknown_camera", "too_few")
@@ -132,5 +132,5 @@ def test_malformed_file_stores_nothing(
     assert main(["import", str(path), *WHOSE]) == 1
     assert "a calibration needs 4" in capsys.readouterr().err
     assert main(["import", str(path), "--camera", "OBS Virtual Camera", "--platform", "Windows"]) == 1
-    with LocalStack(data_dir) as stack:
+    with Server(data_dir) as stack:
         assert Client(stack).call("GET", "/v1/cameras", token=TOKEN).json["cameras"] == []

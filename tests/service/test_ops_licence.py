@@ -8,8 +8,8 @@ import pytest
 
 from calibdb.schema import VoteDocument
 from calibsolver import formats
-from infra.local import LocalStack
 from infra.ops.__main__ import main
+from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth, until
 from tests.helpers.service.published import held, store
 from tests.helpers.solver.export_sources import subject
@@ -26,7 +26,7 @@ def test_what_was_given_without_counts_and_stays_out_of_dumps(
 ) -> None:
     """Five calibrations, two of them given; a check that was given, and one that was not."""
     monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
-    with LocalStack(tmp_path / "data") as stack:
+    with Server(tmp_path / "data") as stack:
         client = Client(stack)
         given = [
             Truth(seed=seed).calibrate(client, **BRIEF, **(CONSENT if seed < 2 else {}))["calibration_id"]
@@ -64,6 +64,6 @@ def test_import_says_its_licence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert main([*told, "Microsoft LifeCam HD-3000 (045e:0779)", "--licence", "MIT"]) == 1
     assert main([*told, "Microsoft LifeCam HD-3000 (045e:0779)", "--licence", "CC0-1.0"]) == 0
     assert main([*told, "HD Pro Webcam C920 (046d:082d)"]) == 0
-    with LocalStack(tmp_path / "data") as stack:
+    with Server(tmp_path / "data") as stack:
         given = {document.camera: document.licence for document in store(stack).calibrations.all()}
     assert [licence for _, licence in sorted(given.items())] == [None, "CC0-1.0"]

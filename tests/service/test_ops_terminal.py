@@ -8,12 +8,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import boto3
 import pytest
 
 from calibsolver import formats
-from infra.local import LocalStack
 from infra.ops.__main__ import main
+from infra.server.server import Server
 from tests.helpers.data import ROOT
 from tests.helpers.service.index_items import items
 from tests.helpers.service.published import asked, calibration, mode_of, store
@@ -35,7 +34,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, str]:
     folder = tmp_path_factory.mktemp("terminal") / "data"
     documents = [calibration("Plotted 1234", n) for n in range(5)]
     documents.append(calibration("Plotted 1234", 5, fx=1040.0, fy=1038.0))
-    with LocalStack(folder) as stack:
+    with Server(folder) as stack:
         for document in documents:
             store(stack).calibrations.publish(document)
         store(stack).refit.now(asked(mode_of(documents[0])))
@@ -54,9 +53,9 @@ def on_it(made: tuple[Path, str, str], monkeypatch: pytest.MonkeyPatch) -> None:
 
 def everything(folder: Path) -> tuple[Any, list[tuple[str, str]]]:
     """Items of the table, and names and tags of the objects."""
-    with LocalStack(folder) as stack:
-        listed = boto3.client("s3").list_objects_v2(Bucket=stack.environment["BUCKET_NAME"])
-        return items(stack), [(o["Key"], o["ETag"]) for o in listed["Contents"]]
+    with Server(folder) as stack:
+        objects = stack.storage.objects
+        return items(stack), [(name, str(objects.get(name))) for name in objects.names("")]
 
 
 def told(capsys: pytest.CaptureFixture[str], *arguments: str) -> Any:

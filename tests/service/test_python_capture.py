@@ -23,7 +23,7 @@ from calibdb_client import (
 )
 from calibdb_client.capture.outline import TEXTS
 from calibdb_client.cli import main
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers import board_pictures
 from tests.helpers.service.client import Client as Raw
 from tests.helpers.service.client import until
@@ -34,7 +34,7 @@ LABEL, PLATFORM = "USB2.0 HD UVC WebCam (13d3:5a01)", "X11; Linux x86_64"
 
 
 @pytest.fixture(scope="module")
-def site(stack: LocalStack) -> Iterator[str]:
+def site(stack: Server) -> Iterator[str]:
     with stack.serve() as url:
         yield url
 
@@ -46,7 +46,7 @@ def served(site: str, monkeypatch: pytest.MonkeyPatch) -> str:
     return site
 
 
-def wait_for_consensus(stack: LocalStack, label: str, platform: str) -> None:
+def wait_for_consensus(stack: Server, label: str, platform: str) -> None:
     """Wait for the consensus, which is computed after the calibration is answered."""
     asked = {"camera": label, "platform": platform, "img_size": [640, 480], "redirect": False}
     until(lambda: Raw(stack).lookup(**asked).json["reason"] == "too_few")
@@ -86,9 +86,7 @@ def test_service_guides_by_words_in_at_most_eight_views(served: str, captured: C
     assert (stored.record["licence"], stored.record["platform"]) == ("CC0-1.0", PLATFORM)
 
 
-def test_check_takes_three_glances_of_different_tilts(
-    served: str, stack: LocalStack, captured: Captured
-) -> None:
+def test_check_takes_three_glances_of_different_tilts(served: str, stack: Server, captured: Captured) -> None:
     wait_for_consensus(stack, LABEL, PLATFORM)
     camera = VirtualCamera(seed=3)
     listener = Listener(camera)
@@ -151,7 +149,7 @@ def test_service_that_goes_away_leaves_every_view(served: str, monkeypatch: pyte
     ids=["chessboard", "aprilgrid"],
 )
 def test_pictures_of_other_boards_become_calibrations(
-    stack: LocalStack, board: Board, described: list[str], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    stack: Server, board: Board, described: list[str], tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     folder = board_pictures.write(tmp_path / "pictures", board)
     path = str(tmp_path / "x.json")

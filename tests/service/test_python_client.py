@@ -14,7 +14,7 @@ import yaml
 from calibdb_client import AsyncClient, Board, Calibration, Client, CredentialError, NotFoundError, Recording
 from calibdb_client.cli import main
 from calibdb_client.key import CameraKey
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers import board_pictures
 from tests.helpers.service.client import BRIEF, Truth, until
 from tests.helpers.service.client import Client as Raw
@@ -27,7 +27,7 @@ EXAMPLES = Path(__file__).parents[2] / "clients/python/examples"
 
 
 @pytest.fixture(scope="module")
-def known(stack: LocalStack) -> dict[str, Any]:
+def known(stack: Server) -> dict[str, Any]:
     """The lookup of a camera that five captures calibrated."""
     for seed in range(5):
         Truth(seed=seed).calibrate(Raw(stack), camera=LABEL, **BRIEF)
@@ -39,7 +39,7 @@ def known(stack: LocalStack) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def site(stack: LocalStack) -> Iterator[str]:
+def site(stack: Server) -> Iterator[str]:
     with stack.serve() as url:
         yield url
 

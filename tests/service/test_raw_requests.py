@@ -14,8 +14,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from infra.local import LocalStack, server
-from infra.local.protocol import TimedProtocol
+from infra.server import app
+from infra.server.protocol import TimedProtocol
+from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.rigs import RigTruth
 
@@ -66,7 +67,7 @@ VALUES = (
 
 
 @pytest.fixture(scope="module")
-def sent_to(stack: LocalStack) -> Iterator[tuple[str, dict[str, str], str]]:
+def sent_to(stack: Server) -> Iterator[tuple[str, dict[str, str], str]]:
     """Address of the server, ids that there are, and a session id."""
     client = Client(stack)
     calibration = Truth().calibrate(client, **BRIEF)["calibration_id"]
@@ -160,12 +161,12 @@ def statuses(received: bytes) -> list[int]:
 
 def test_no_raw_request_breaks_the_server(
     sent_to: tuple[str, dict[str, str], str],
-    stack: LocalStack,
+    stack: Server,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     # Of the requests that never end none is waited for longer than this.
     monkeypatch.setattr(TimedProtocol, "header_timeout_s", 0.2)
-    monkeypatch.setattr(server, "BODY_TIMEOUT_S", 0.2)
+    monkeypatch.setattr(app, "BODY_TIMEOUT_S", 0.2)
     url, ids, session_id = sent_to
     address = ("127.0.0.1", int(url.rpartition(":")[2]))
     seen: Counter[int] = Counter()

@@ -1,7 +1,6 @@
 """The consensus of a camera: one computation for all who ask, never an older over a newer, nothing lost."""
 
 import json
-import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -9,14 +8,16 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
 
-import boto3
 import pytest
 
 from calibdb import schema
 from calibdb.errors import UnavailableError
 from calibdb.store import Store
+from calibsolver import consensus, deadline
 from calibsolver.consensus import fit_memory
-from infra.local import LocalStack
+from functions.refit import app as refit
+from infra.server import jobs
+from infra.server.server import Server
 from tests.helpers.service.client import Client, Truth, until
 from tests.helpers.service.published import asked, calibration, mode_of, store
 from tests.helpers.service.storage_calls import storage_calls
@@ -26,13 +27,13 @@ MODELS = len(schema.DISTORTION_MODELS)
 
 
 @pytest.fixture(scope="module")
-def stack() -> Iterator[LocalStack]:
-    with LocalStack(retry_pauses=(0.0, 0.0)) as stack:
+def stack() -> Iterator[Server]:
+    with Server(pauses_s=(0.0, 0.0)) as stack:
         yield stack
 
 
 @pytest.fixture
-def at_rest(stack: LocalStack) -> Store:
+def at_rest(stack: Server) -> Store:
     return store(stack)
 
 
@@ -40,7 +41,7 @@ def totals(at_rest: Store, document: schema.CalibrationDocument) -> list[int]:
     return [known.total for known in at_rest.consensuses.at(mode_of(document))]
 
 
-def test_concurrent_finishes_coalesce_into_one_refit(stack: LocalStack, at_rest: Store) -> None:
+def test_concurrent_finishes_coalesce_into_one_refit(stack: Server, at_rest: Store) -> None:
     documents = [calibration("Twelve at once", n) for n in range(12)]
     mode = mode_of(documents[0])
     ready = threading.Barrier(12)
@@ -53,7 +54,7 @@ def test_concurrent_finishes_coalesce_into_one_refit(stack: LocalStack, at_rest:
     with storage_calls(stack) as seen, ThreadPoolExecutor(12) as pool:
         list(pool.map(finish, documents))
     assert totals(at_rest, documents[0]) == [12] * MODELS
-    assert not table_items(boto3.client("dynamodb"), stack, "REFIT#")  # nobody holds the lease any more
+    assert not list(stack.storage.table.keys("REFIT#"))  # nobody holds the lease any more
     assert seen.count("TransactWriteItems") <= 4 * MODELS
     (rectilinear,) = (c for c in at_rest.consensuses.at(mode) if c.distortion_model == "rectilinear")
     assert rectilinear.calibration is not None
@@ -61,11 +62,6 @@ def test_concurrent_finishes_coalesce_into_one_refit(stack: LocalStack, at_rest:
     groups = at_rest.consensuses.groups(rectilinear)
     assert groups is not None
     assert {d.id for d in documents} == {i for group in groups.groups for i in group}
-
-
-def table_items(table: Any, stack: LocalStack, prefix: str) -> list[Any]:
-    found = table.scan(TableName=stack.environment["TABLE_NAME"])["Items"]
-    return [item for item in found if item["pk"]["S"].startswith(prefix)]
 
 
 def test_concurrent_refits_leave_the_newest_consensus(at_rest: Store) -> None:
@@ -91,7 +87,7 @@ def test_concurrent_refits_leave_the_newest_consensus(at_rest: Store) -> None:
     assert (left.total, left.calibration and left.calibration.calibrations) == (8, 8)
 
 
-def test_overtaken_result_is_not_written(stack: LocalStack, at_rest: Store) -> None:
+def test_overtaken_result_is_not_written(stack: Server, at_rest: Store) -> None:
     documents = [calibration("Overtaken", n, views=3) for n in range(2)]
     mode = mode_of(documents[0])
     at_rest.calibrations.publish(documents[0])
@@ -102,7 +98,8 @@ def test_overtaken_result_is_not_written(stack: LocalStack, at_rest: Store) -> N
         if not overtaken:  # all is read; now somebody is quicker
             overtaken.append(True)
             at_rest.calibrations.publish(documents[1])
-            stack.functions["RefitFunction"]({**asked(mode).model_dump(mode="json"), "queued": True})
+            queued = asked(mode).model_copy(update={"queued": True})
+            assert stack.storage.jobs.now("refit", queued.model_dump_json().encode()) is not None
         return found
 
     with override_store(
@@ -114,16 +111,13 @@ def test_overtaken_result_is_not_written(stack: LocalStack, at_rest: Store) -> N
     assert totals(at_rest, documents[0]) == [2] * MODELS
 
 
-def test_malformed_refit_reaches_the_dead_letter_queue(stack: LocalStack, at_rest: Store) -> None:
+def test_malformed_refit_is_kept_with_its_error(stack: Server, at_rest: Store) -> None:
     before = len(stack.failures())
-    queue = boto3.client("lambda")
     for garbage in ({"camera": 5}, [], {"camera": "k", "img_size": [0, 0]}):
-        queue.invoke(
-            FunctionName="RefitFunction", InvocationType="Event", Payload=json.dumps(garbage).encode()
-        )
+        stack.storage.jobs.later("refit", json.dumps(garbage).encode())
     until(lambda: len(stack.failures()) == before + 3)
-    assert {r["requestContext"]["approximateInvokeCount"] for r in stack.failures()} == {3}
-    assert stack.failures()[before]["responsePayload"]["errorType"] == "ValidationError"
+    name, payload, error = stack.failures()[before]
+    assert (name, json.loads(payload), error.partition(":")[0]) == ("refit", {"camera": 5}, "ValidationError")
     # And nobody else has to wait for it.
     document = calibration("After the garbage", 0)
     at_rest.calibrations.publish(document)
@@ -150,21 +144,20 @@ def test_failed_refit_is_retried(at_rest: Store) -> None:
     assert broken
 
 
-def test_model_of_a_later_version_is_skipped(at_rest: Store, stack: LocalStack) -> None:
+def test_model_of_a_later_version_is_skipped(at_rest: Store, stack: Server) -> None:
     document = calibration("Asked by a later version", 0)
     at_rest.calibrations.publish(document)
     answer = at_rest.refit.now(asked(mode_of(document), "double_sphere", "fisheye"))
     assert list(answer.models) == ["fisheye"]
-    place = {"pk": {"S": f"CAMERA#{document.camera_key}"}, "sk": {"S": "CONSENSUS#1280x720#0#double_sphere"}}
     (known,) = at_rest.consensuses.of(document.camera_key)
     later = known.model_dump_json().replace('"fisheye"', '"double_sphere"')
-    table = boto3.client("dynamodb")
-    table.put_item(TableName=stack.environment["TABLE_NAME"], Item={**place, "document": {"S": later}})
+    pk, sk = f"CAMERA#{document.camera_key}", "CONSENSUS#1280x720#0#double_sphere"
+    stack.storage.table.put({"pk": pk, "sk": sk, "document": later})
     assert Client(stack).lookup(camera="Asked by a later version").status == 307
     assert list(at_rest.refit.now(asked(mode_of(document))).models) == list(schema.DISTORTION_MODELS)
 
 
-def test_withdrawn_calibrations_do_not_count(stack: LocalStack, at_rest: Store) -> None:
+def test_withdrawn_calibrations_do_not_count(stack: Server, at_rest: Store) -> None:
     documents = [calibration("Withdrawn", n) for n in range(3)]
     mode = mode_of(documents[0])
     for document in documents:
@@ -205,7 +198,7 @@ def test_cropped_streams_are_not_pooled_with_native_ones(at_rest: Store) -> None
     assert totals_now(at_rest, native) == {1}
 
 
-def test_concurrent_last_view_ends_the_session_once(stack: LocalStack, at_rest: Store) -> None:
+def test_concurrent_last_view_ends_the_session_once(stack: Server, at_rest: Store) -> None:
     """The client gave up waiting and sent it again, and again, while the first was still worked on."""
     client, truth = Client(stack), Truth(seed=5)
     client.open(camera="Impatient client")
@@ -228,10 +221,8 @@ def test_concurrent_last_view_ends_the_session_once(stack: LocalStack, at_rest: 
             break
     calibration_id = str(answers[0].json["calibration_id"])
     key = calibration_id.rpartition("-")[0]
-    files = boto3.client("s3").list_objects_v2(
-        Bucket=stack.environment["BUCKET_NAME"], Prefix=f"calibrations/{key}/"
-    )["Contents"]
-    assert [entry["Key"] for entry in files] == [f"calibrations/{key}/{calibration_id}.json"]
+    names = list(stack.storage.objects.names(f"calibrations/{key}/"))
+    assert names == [f"calibrations/{key}/{calibration_id}.json"]
     until(lambda: [c.total for c in at_rest.consensuses.of(key)] == [1] * MODELS)
 
 
@@ -259,9 +250,7 @@ def test_consensus_bears_the_label_of_most_contributors_not_of_the_newest(at_res
     assert (found.calibration.camera, found.calibration.platform) == (label, documents[0].platform)
 
 
-def test_what_many_wait_for_is_computed_once(
-    at_rest: Store, stack: LocalStack, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_many_wait_for_is_computed_once(at_rest: Store, monkeypatch: pytest.MonkeyPatch) -> None:
     """Clients that lost patience ask again while it is being computed."""
     document = calibration("Impatient", 0, views=3)
     mode = mode_of(document)
@@ -287,26 +276,46 @@ def test_what_many_wait_for_is_computed_once(
     assert reads == [1]
     assert all(answer == answers[0] for answer in answers)
     # Who computes for longer than a caller waits is not joined by others.
-    module = sys.modules[stack.functions["RefitFunction"].warm().__module__]  # functools.wraps keeps it
-    monkeypatch.setattr(module, "WAITS_S", (0.01,))
+    monkeypatch.setattr(refit, "WAITS_S", (0.01,))
     at_rest.calibrations.publish(calibration("Impatient", 1, views=3))
     at_rest.leases.take(mode, "somebody", int(time.time()), int(time.time()) + 60, "NOW#rectilinear")
     with pytest.raises(UnavailableError):
         at_rest.refit.now(asked(mode, "rectilinear"))
 
 
-def test_refit_ends_before_its_invocation_does(stack: LocalStack, at_rest: Store) -> None:
+def test_refit_ends_before_its_invocation_does(at_rest: Store, monkeypatch: pytest.MonkeyPatch) -> None:
     document = calibration("Takes too long", 0, views=3)
     at_rest.calibrations.publish(document)
-    function = stack.functions["RefitFunction"]
-    reserve = sys.modules[function.warm().__module__].MIN_PUBLISHING_S
-    assert 5 <= reserve < function.spec.timeout / 2
+    assert 5 <= refit.MIN_PUBLISHING_S < jobs.TIMEOUT_S / 2
     fit_memory.forget()  # what is remembered takes no time
-    spec, function.spec = function.spec, replace(function.spec, timeout=int(reserve))
-    try:
+    with monkeypatch.context() as patch:
+        patch.setattr(jobs, "TIMEOUT_S", refit.MIN_PUBLISHING_S)
         with pytest.raises(UnavailableError):
             at_rest.refit.now(asked(mode_of(document)))
-    finally:
-        function.spec = spec
     assert at_rest.consensuses.at(mode_of(document)) == []
     assert totals_now(at_rest, document) == {1}
+
+
+def test_refit_that_runs_out_of_time_stores_whole_models_and_continues(
+    at_rest: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Models that are stored are not computed again."""
+    document = calibration("Out of time", 0, views=3)
+    at_rest.calibrations.publish(document)
+    pool, pooled, last = consensus.pool, [], 1
+
+    def pool_some(*given: Any) -> Any:
+        if len(pooled) == last:
+            with deadline.limit(lambda: 0.0):
+                deadline.check()
+        pooled.append(given[2])
+        return pool(*given)
+
+    monkeypatch.setattr(consensus, "pool", pool_some)
+    with pytest.raises(UnavailableError):
+        at_rest.refit.now(asked(mode_of(document)))
+    assert [known.distortion_model for known in at_rest.consensuses.at(mode_of(document))] == pooled
+    assert len(pooled) == 1
+    last = 99
+    assert set(at_rest.refit.now(asked(mode_of(document))).models) == set(schema.DISTORTION_MODELS)
+    assert sorted(pooled) == sorted(schema.DISTORTION_MODELS)

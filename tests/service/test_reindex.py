@@ -14,12 +14,12 @@ from calibdb import schema
 from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.camera_key import camera_key
 from calibsolver.formats import write
-from infra.local import LocalStack
 from infra.ops import imports, tokens, withdrawal
 from infra.ops.context import OpsContext
 from infra.ops.dump import dump
 from infra.ops.reindex import reindex
 from infra.ops.restore import load
+from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, EDGE, Client, Truth
 from tests.helpers.service.index_items import Key, items, remove
 from tests.helpers.service.known import fit
@@ -49,7 +49,7 @@ class History:
 def history(tmp_path_factory: pytest.TempPathFactory) -> History:
     """A database to which everything has happened, where contributors are told apart."""
     folder = tmp_path_factory.mktemp("history")
-    with LocalStack(environment=RULES) as stack:
+    with Server(environment=RULES) as stack:
         context = context_of(stack)
         calibrated(stack)
         checked(stack)
@@ -68,18 +68,18 @@ def history(tmp_path_factory: pytest.TempPathFactory) -> History:
         return History(before, anew, answers(stack), folder / "dump")
 
 
-def context_of(stack: LocalStack) -> OpsContext:
+def context_of(stack: Server) -> OpsContext:
     return OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
 
 
-def published(stack: LocalStack, *documents: schema.CalibrationDocument) -> None:
+def published(stack: Server, *documents: schema.CalibrationDocument) -> None:
     for document in documents:
         store(stack).calibrations.publish(document)
     for mode in dict.fromkeys(map(mode_of, documents)):
         store(stack).refit.now(asked(mode))
 
 
-def calibrated(stack: LocalStack) -> None:
+def calibrated(stack: Server) -> None:
     """Reliably, once more under the name alone; members that disagree; a cropped stream; a key of old."""
     published(stack, *(calibration(KNOWN, n) for n in range(4)))
     published(stack, calibration(KNOWN.partition(" (")[0], 0))
@@ -95,7 +95,7 @@ def calibrated(stack: LocalStack) -> None:
     published(stack, former, former.model_copy(update=named))
 
 
-def checked(stack: LocalStack) -> None:
+def checked(stack: Server) -> None:
     """Votes for a calibration that they confirm, and against a consensus that they withdraw."""
     published(stack, calibration("Confirmed Z77", 0), *(calibration("Doubted Z77", n) for n in range(3)))
     for n in range(3):
@@ -108,7 +108,7 @@ def checked(stack: LocalStack) -> None:
             assert client.call("POST", "/v1/checks", body).json["counted"]
 
 
-def captured(stack: LocalStack) -> None:
+def captured(stack: Server) -> None:
     """A capture that ended, one that is under way, one that was undone, one that was forgotten."""
     client = Client(stack, address="198.51.100.1")
     ended = Truth(seed=3).calibrate(client, camera="Captured Z77", zoom=1.5)
@@ -143,7 +143,7 @@ def from_elsewhere(context: OpsContext, folder: Path) -> None:
     context.store.priors.keep(schema.PriorDocument(camera_key=key, fit=fit(), **guess))
 
 
-def answers(stack: LocalStack) -> dict[str, Any]:
+def answers(stack: Server) -> dict[str, Any]:
     """Answers for every camera, without the address of the guidance page."""
     client = Client(stack)
     cameras = "Confirmed", "Doubted", "Zoom lens", "Cropped", "Captured", "Seeded", "Of earlier rules"
@@ -195,7 +195,7 @@ def test_history_covers_every_kind_of_item(history: History) -> None:
 
 
 def test_loaded_dump_is_dumped_alike(history: History, tmp_path: Path) -> None:
-    with LocalStack(environment=RULES) as stack:
+    with Server(environment=RULES) as stack:
         context = context_of(stack)
         assert load(context, history.dumped) == (20, 6)
         assert answers(stack) == history.answers

@@ -5,10 +5,10 @@ import random
 
 from calibdb import schema
 from calibdb.store.names import with_current_key
-from infra.local import LocalStack
 from infra.ops import withdrawal
 from infra.ops.context import OpsContext
 from infra.ops.reindex import reindex
+from infra.server.server import Server
 from tests.helpers.service.client import Truth
 from tests.helpers.service.index_items import items
 from tests.helpers.service.published import asked, calibration, held, mode_of, store
@@ -41,7 +41,7 @@ def vote(of: schema.CalibrationDocument, rng: random.Random) -> schema.VoteDocum
 def test_random_history_reindexes_to_the_same_table() -> None:
     rng, documents = random.Random(3), candidates()
     done: set[str] = set()
-    with LocalStack(environment=RULES) as stack:
+    with Server(environment=RULES) as stack:
         context = OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
         for _ in range(ROUNDS):
             for document in rng.choices(documents, k=4):

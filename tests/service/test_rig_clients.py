@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from calibdb_client import AsyncClient, Client, NotFoundError, ProblemError, Rig
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.data import ROOT
 from tests.helpers.service.client import TOKEN
 from tests.helpers.service.rigs import RigTruth
@@ -49,7 +49,7 @@ console.log(JSON.stringify({
 
 
 @pytest.fixture(scope="module")
-def rig(stack: LocalStack) -> RigTruth:
+def rig(stack: Server) -> RigTruth:
     """A rig of two cameras that was captured and finished."""
     truth = RigTruth(stack, seed=3).open()
     for moment in range(MOMENTS):
@@ -60,7 +60,7 @@ def rig(stack: LocalStack) -> RigTruth:
 
 
 @pytest.fixture(scope="module")
-def url(stack: LocalStack, rig: RigTruth) -> Iterator[str]:
+def url(stack: Server, rig: RigTruth) -> Iterator[str]:
     assert rig.rig_id
     with stack.serve() as url:
         yield url

@@ -5,20 +5,18 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
 
-import boto3
 import pytest
 
 from calibdb.errors import UnavailableError
 from calibdb.store import Store
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth, until
 from tests.helpers.service.index_items import items
 from tests.helpers.service.stores import override_store, with_methods
 
 
-def objects(stack: LocalStack, prefix: str) -> list[str]:
-    found = boto3.client("s3").list_objects_v2(Bucket=stack.environment["BUCKET_NAME"], Prefix=prefix)
-    return [item["Key"] for item in found.get("Contents", [])]
+def objects(stack: Server, prefix: str) -> list[str]:
+    return list(stack.storage.objects.names(prefix))
 
 
 @pytest.fixture
@@ -96,7 +94,7 @@ def test_converged_session_is_immutable(converged: Client) -> None:
     assert converged.state() == state
 
 
-def test_the_last_view_repeated_publishes_once(stack: LocalStack, client: Client) -> None:
+def test_the_last_view_repeated_publishes_once(stack: Server, client: Client) -> None:
     truth = Truth()
     client.open(camera="Camera of a client that repeats")
     while True:
@@ -159,7 +157,7 @@ def test_restarted_session_is_another_calibration(client: Client) -> None:
     assert state["calibration_id"] != first["calibration_id"]
 
 
-def test_forgetting_removes_the_views(stack: LocalStack) -> None:
+def test_forgetting_removes_the_views(stack: Server) -> None:
     before = set(objects(stack, "sessions/"))
     fresh = Client(stack)
     fresh.open()
@@ -194,7 +192,7 @@ def test_sessions_started_at_once_are_one(client: Client) -> None:
     assert [answer.status for answer in answers] == [201] * 6
 
 
-def test_skipped_pose_writes_less_than_50_kb_however_many_views_there_are(stack: LocalStack) -> None:
+def test_skipped_pose_writes_less_than_50_kb_however_many_views_there_are(stack: Server) -> None:
     """Objects of the session, and its index item, after views of a dense board."""
     client, truth = Client(stack), Truth(squares=(50, 49), noise=0.05)
     board = {"squares": [50, 49], "dictionary": "DICT_6X6_1000", "kind": "chessboard"}
@@ -204,9 +202,8 @@ def test_skipped_pose_writes_less_than_50_kb_however_many_views_there_are(stack:
         assert client.view(index, *truth.see({**pose, "rvec": [tilt, tilt, 0]})).json["accepted"]
 
     def stored() -> tuple[int, int]:
-        bucket = boto3.client("s3")
-        found = bucket.list_objects_v2(Bucket=stack.environment["BUCKET_NAME"], Prefix="sessions/")
-        size = sum(one["Size"] for one in found["Contents"])
+        bucket = stack.storage.objects
+        size = sum(len(bucket.get(name) or b"") for name in bucket.names("sessions/"))
         written = [item for (pk, _), item in items(stack).items() if pk.startswith("SESSION#")]
         return size, max(len(json.dumps(item)) for item in written)
 

@@ -14,13 +14,12 @@ from calibdb.dump.weekly_dump import PERIOD_S, WeeklyDump
 from calibdb.schema import CalibrationDocument, VoteDocument
 from calibdb.schema.dump import Dump
 from calibdb.store import Store
-from calibdb.store.aliases import Alias
 from calibdb.store.dumps import LATEST, Dumps
 from calibdb.store.miss_counts import USB
-from infra.local import LocalStack
 from infra.ops import withdrawal
 from infra.ops.context import OpsContext
 from infra.ops.public_dump import dumps_of, publish_dump
+from infra.server.server import Server
 from tests.helpers.data import ROOT
 from tests.helpers.service.known import C920, LINUX, calibration, consensus
 from tests.service.test_lookup import put
@@ -35,13 +34,13 @@ class CrashError(Exception):
 
 
 @pytest.fixture
-def stack() -> Iterator[LocalStack]:
-    with LocalStack() as stack:
+def stack() -> Iterator[Server]:
+    with Server() as stack:
         yield stack
 
 
 @pytest.fixture
-def context(stack: LocalStack) -> OpsContext:
+def context(stack: Server) -> OpsContext:
     return OpsContext.of(stack.environment, secret_known=True)
 
 
@@ -70,17 +69,17 @@ def writer(
 ) -> WeeklyDump:
     dumps, store = dumps_of(context), context.store
     assert dumps is not None
-    figures = Figures(dumps, store.cameras, store.miss_counts, store.aliases, store.calibrations.licence, 3)
+    known = store.calibrations
+    figures = Figures(dumps, store.cameras, store.miss_counts, known.names, known.licence, 3)
     return WeeklyDump(dumps, figures, lambda: now, context.random_hex, left, **options)
 
 
-def read(stack: LocalStack, name: str) -> bytes | None:
-    assert stack.storage is not None
-    found = stack.storage.read_object(stack.environment["WEB_BUCKET_NAME"], f"dumps/{name}")
-    return found and found[0]
+def read(stack: Server, name: str) -> bytes | None:
+    assert stack.storage.site is not None
+    return stack.storage.site.get(f"dumps/{name}")
 
 
-def documents(stack: LocalStack, dump: Dump, kind: str) -> list[dict[str, Any]]:
+def documents(stack: Server, dump: Dump, kind: str) -> list[dict[str, Any]]:
     found = []
     for file in dump.files:
         content = read(stack, file.name)
@@ -92,7 +91,7 @@ def documents(stack: LocalStack, dump: Dump, kind: str) -> list[dict[str, Any]]:
     return found
 
 
-def test_dump_holds_what_was_given_and_names_nobody(stack: LocalStack, context: OpsContext) -> None:
+def test_dump_holds_what_was_given_and_names_nobody(stack: Server, context: OpsContext) -> None:
     made = fill(context.store, 20, given=lambda n: n % 2 == 0)
     context.store.votes.cast(vote(made[0], **GIVEN))
     context.store.votes.cast(vote(made[1]))
@@ -130,7 +129,7 @@ def test_dump_holds_what_was_given_and_names_nobody(stack: LocalStack, context: 
 
 
 def test_dump_survives_a_crash_at_every_write(
-    stack: LocalStack, context: OpsContext, monkeypatch: pytest.MonkeyPatch
+    stack: Server, context: OpsContext, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Small parts, and an end before or after every write: `latest.json` names a whole dump throughout."""
     fill(context.store, 12)
@@ -180,7 +179,7 @@ def test_dump_survives_a_crash_at_every_write(
     assert json.loads(read(stack, "statistics.json") or b"")["history"][-1]["calibrations"] == 11
 
 
-def test_dump_stops_when_its_time_is_up_and_goes_on(stack: LocalStack, context: OpsContext) -> None:
+def test_dump_stops_when_its_time_is_up_and_goes_on(stack: Server, context: OpsContext) -> None:
     fill(context.store, 8)
     runs = 0
     while (dump := writer(context, left=lambda: 1.0).run()) is None:
@@ -193,7 +192,7 @@ def test_dump_stops_when_its_time_is_up_and_goes_on(stack: LocalStack, context: 
     assert writer(context, NOW + PERIOD_S).run() is not None
 
 
-def test_two_writers_make_one_dump(stack: LocalStack, context: OpsContext) -> None:
+def test_two_writers_make_one_dump(stack: Server, context: OpsContext) -> None:
     """The one that was overtaken while it wrote a part stops; no part is named that another replaced."""
     fill(context.store, 12)
     slow = writer(context, max_part_bytes=1000)
@@ -213,7 +212,7 @@ def test_two_writers_make_one_dump(stack: LocalStack, context: OpsContext) -> No
     assert len({one["id"] for one in documents(stack, named, "calibrations")}) == 11
 
 
-def test_wanted_cameras_are_named_by_no_strangers_words(stack: LocalStack, context: OpsContext) -> None:
+def test_wanted_cameras_are_named_by_no_strangers_words(stack: Server, context: OpsContext) -> None:
     store = context.store
     known, doubted, single = "Known (046d:0001)", "Doubted (046d:0002)", "Buy pills (046d:0003)"
     keys = {}
@@ -235,7 +234,7 @@ def test_wanted_cameras_are_named_by_no_strangers_words(stack: LocalStack, conte
     assert statistics["history"][0]["known"] == 1
 
 
-def test_forgetting_replaces_the_dumps(stack: LocalStack, context: OpsContext) -> None:
+def test_forgetting_replaces_the_dumps(stack: Server, context: OpsContext) -> None:
     made = fill(context.store, 4)
     before = publish_dump(context)
     withdrawal.forget(context, {made[0].contributor})
@@ -250,7 +249,7 @@ def test_forgetting_replaces_the_dumps(stack: LocalStack, context: OpsContext) -
     assert LATEST in dumps.names()
 
 
-def test_bundle_of_known_cameras_says_its_licence(stack: LocalStack, context: OpsContext) -> None:
+def test_bundle_of_known_cameras_says_its_licence(stack: Server, context: OpsContext) -> None:
     """Of two known cameras one was given whole; of the other, a calibration came without a licence."""
     store = context.store
     given, mixed = C920, "Microsoft LifeCam HD-3000 (045e:0779)"
@@ -260,7 +259,6 @@ def test_bundle_of_known_cameras_says_its_licence(stack: LocalStack, context: Op
             consented = label == given or n == 0
             store.calibrations.publish(document.model_copy(update=GIVEN if consented else {}))
         put(store, consensus(camera=label, platform=LINUX))
-        store.aliases.put(document.camera_key, Alias(label, LINUX, seen=True))
     publish_dump(context)
     told = json.loads(read(stack, "statistics.json") or b"")["bundle"]
     content = read(stack, told["name"]) or b""

@@ -10,7 +10,7 @@ from calibdb.lookup import well_known_ids
 from calibdb.settings import Settings, Thresholds
 from calibdb.store import Store
 from calibdb.store.cameras import IdSupport, rivals
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.known import LINUX, calibration, consensus, fit
 from tests.helpers.service.stores import with_methods
 from tests.service.test_lookup import put
@@ -19,7 +19,7 @@ RULES = Thresholds(min_contributors=3, contributor_period=0)
 
 
 @pytest.fixture(scope="module")
-def store(stack: LocalStack) -> Store:
+def store(stack: Server) -> Store:
     return Store.of(Settings.from_environment(stack.environment))
 
 

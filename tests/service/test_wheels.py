@@ -19,7 +19,7 @@ import yaml
 from flit_core.wheel import make_wheel_in
 
 from calibdb_client import Board, Recording
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers import board_pictures
 from tests.helpers.data import data_dir, external_data
 from tests.helpers.service.client import Client, until
@@ -139,7 +139,7 @@ def test_notebook_runs_and_shows_two_plots(environment: Path, calibrated: Path) 
 
 @external_data
 def test_installed_commands_calibrate_real_photographs_by_the_service(
-    environment: Path, stack: LocalStack, tmp_path: Path
+    environment: Path, stack: Server, tmp_path: Path
 ) -> None:
     photographs = data_dir() / "photos" / "charuco_1280x720"
     camera = ("--label", "Microsoft LifeCam HD-3000 (045e:0779)")

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from infra.local import LocalStack
-from infra.local.intrinsics import parse
+from infra.deploy.intrinsics import parse
+from infra.server.server import Server
 from tests.helpers.service.client import TOKEN, Client
 
 ROOT = Path(__file__).parents[2]
@@ -30,7 +30,7 @@ def test_every_linked_test_exists(document: str, least: int) -> None:
 def test_a_compressed_body_is_never_unpacked() -> None:
     bomb = gzip.compress(b" " * 50_000_000 + json.dumps({"camera": "x"}).encode())
     assert len(bomb) < 100_000
-    with LocalStack() as stack:
+    with Server() as stack:
         client = Client(stack)
         for encoding in ("gzip", "deflate", "br", "identity"):
             headers = {"content-encoding": encoding}

@@ -11,10 +11,10 @@ import pytest
 import yaml
 
 from calibdb.access import token_cache
-from calibdb.store import clients
+from calibdb.store import aws
 from infra.deploy import account_check, package
-from infra.local import pages
-from infra.local.gateway import INTEGRATION_TIMEOUT_S
+from infra.server import pages
+from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S
 from tests.helpers.sam import as_created, complete, parsed
 from tests.helpers.service.iam import statements
 
@@ -336,6 +336,6 @@ def test_who_waits_gives_up_after_whom_it_waits_for(source: dict) -> None:
     )
     assert waits is not None
     turn = sum(map(float, waits[1].split(",")))
-    invoke = clients._INVOKE.read_timeout
+    invoke = aws._INVOKE.read_timeout
     assert turn < invoke < default < INTEGRATION_TIMEOUT_S
     assert invoke < refit

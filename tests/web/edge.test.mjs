@@ -13,15 +13,15 @@ const MISS = { status: 404, guidance_url: "https://calibdb.example/calibrate/?ca
 const json = (status, body) => new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json" } });
 let sites = 0;
 /** A site of its own, whose edge, service and settings answer as told, and what was asked of it. */
-function site({ edge = () => json(404, {}), service = () => json(404, MISS), config = () => json(200, { edge_answers: "on" }) }) {
+function site({ edge = () => json(404, { reason: "unknown_camera" }), service = () => json(404, MISS) }) {
   const asked = [];
   const fetch = async (address, request = {}) => {
     const { pathname } = new URL(address);
     asked.push({ pathname, request });
-    return await (pathname.startsWith("/known/") ? edge : pathname === "/config.json" ? config : service)(request);
+    return await (pathname.startsWith("/known/") ? edge : service)(request);
   };
   const api = `https://site${++sites}.example/v1`;
-  return { asked, paths: () => asked.map(({ pathname }) => pathname.replace(/[0-9a-f]{32}/, "*").replace(/\/[0-9a-f]{2}\//, "/**/")), options: { token: "cdb_a_b", api, cache: null, fetch, pause: async () => {} } };
+  return { asked, paths: () => asked.map(({ pathname }) => pathname.replace(/[0-9a-f]{32}/, "*")), options: { token: "cdb_a_b", api, cache: null, fetch, pause: async () => {} } };
 }
 
 test("the address of an answer is the digest that docs/api.md prints", async () => {
@@ -43,23 +43,25 @@ test("a known camera is one GET without headers, and nothing else", async () => 
   const { asked, paths, options } = site({ edge: () => json(200, KNOWN), service: () => json(500, {}) });
   const { calibration } = await lookup(KEY, options);
   assert.deepEqual(JSON.parse(JSON.stringify(calibration)), KNOWN);
-  assert.deepEqual(paths(), ["/known/**/*.json"]);
+  assert.deepEqual(paths(), ["/known/v1/*/1280x720/0/rectilinear.json"]);
   const [{ request: { method = "GET", headers, credentials } }] = asked;
   assert.deepEqual([method, headers, credentials], ["GET", undefined, "omit"], "what a browser sends without asking first");
 });
 
-test("an unknown camera is asked of the service after one miss, and the switch is read once", async () => {
+test("an unknown camera is asked of the service, and of the edge once an hour and tab", async () => {
+  const kept = new Map();
+  const cache = { getItem: (name) => kept.get(name) ?? null, setItem: (name, value) => void kept.set(name, value) };
   const { paths, options } = site({});
-  assert.equal((await lookup(KEY, options)).reason, "too_few");
-  assert.equal((await lookup(KEY, options)).reason, "too_few");
-  assert.deepEqual(paths().sort(), ["/config.json", "/known/**/*.json", "/known/**/*.json", "/v1/lookup", "/v1/lookup"]);
-});
-
-test("a deployment that counts every lookup is not asked at its edge again", async () => {
-  const { paths, options } = site({ config: () => json(200, { edge_answers: "off" }), service: () => json(200, KNOWN) });
-  for (let n = 0; n < 3; n++) assert.ok((await lookup(KEY, options)).calibration);
-  assert.equal(paths().filter((path) => path.startsWith("/known/")).length, 1);
-  assert.equal(paths().filter((path) => path === "/v1/lookup").length, 3);
+  const path = "/known/v1/*/1280x720/0/rectilinear.json";
+  for (let n = 0; n < 3; n++) assert.equal((await lookup(KEY, { ...options, cache })).reason, "too_few");
+  assert.deepEqual(paths(), [path, "/v1/lookup", "/v1/lookup", "/v1/lookup"]);
+  const [name] = [...kept].find(([, value]) => Math.abs(Number(value) - Date.now()) < 60_000);
+  kept.set(name, String(Date.now() - 3_600_001));
+  await lookup(KEY, { ...options, cache });
+  await lookup({ ...KEY, zoom: 2 }, { ...options, cache });
+  assert.deepEqual(paths().slice(4), [path, "/v1/lookup", "/known/v1/*/1280x720/2/rectilinear.json", "/v1/lookup"]);
+  const full = { getItem: () => null, setItem: () => { throw new DOMException("full", "QuotaExceededError"); } };
+  assert.equal((await lookup(KEY, { ...options, cache: full })).reason, "too_few");
 });
 
 test("while every function fails a known camera is answered, and of another it is said that it cannot be asked now", async () => {

@@ -1,4 +1,4 @@
-// Answers at the edge: cameras that are known are answered by files, which are cached near the caller and stay there while no server runs.
+// Known cameras: a lookup without a credential, which caches near the caller answer, also for a day while no server runs.
 import { CROPPED } from "./key.js";
 import { address, reach } from "./request.js";
 
@@ -11,28 +11,21 @@ import { address, reach } from "./request.js";
  * @typedef {{outcome: Outcome, calibration: CalibrationData | null}} EdgeAnswer
  */
 
-const FOLDER = "../known/"; // beside the API
-const CONFIG = "../config.json";
+const FOLDER = "../known/v1/"; // beside the API
 
 /**
- * Addresses of APIs whose deployment wants every lookup to be counted.
- * @type {Map<string, boolean>}
- */
-const off = new Map();
-
-/**
- * Address of the file that answers a lookup: half of a SHA-256, so that no label stands in it. See docs/api.md.
+ * Address of a lookup: half of a SHA-256, so that no label stands in it. See docs/api.md.
  * @param {CameraKey} key @param {string} model @param {string | URL} [api]
- * @returns {Promise<URL | null>} null where no file can answer
+ * @returns {Promise<URL | null>} null where there is none
  */
 export async function edgeAddress({ camera, platform, img_size: size, zoom, resize_mode: mode }, model, api) {
   const digits = zoomText(zoom);
   // Without a secure context there is no digest; there are no cameras either.
   if (mode === CROPPED || digits === null || !globalThis.crypto?.subtle) return null;
-  const text = ["v1", camera.normalize("NFC").trim(), platform, size.join("x"), digits, model].join("\n");
+  const text = ["v1", camera.normalize("NFC").trim(), platform].join("\n");
   const hash = await crypto.subtle.digest("SHA-256", new TextEncoder().encode(text));
   const digest = Array.from(new Uint8Array(hash, 0, 16), (byte) => byte.toString(16).padStart(2, "0")).join("");
-  return new URL(`${FOLDER}${digest.slice(0, 2)}/${digest}.json`, address(api));
+  return new URL(`${FOLDER}${digest}/${size.join("x")}/${digits}/${model}.json`, address(api));
 }
 
 /**
@@ -41,7 +34,7 @@ export async function edgeAddress({ camera, platform, img_size: size, zoom, resi
  * @returns {Promise<EdgeAnswer>} rejects as its signal says
  */
 export async function askEdge(key, model, { api, signal, fetch = globalThis.fetch }) {
-  const url = off.get(address(api).href) ? null : await edgeAddress(key, model, api);
+  const url = await edgeAddress(key, model, api);
   signal?.throwIfAborted();
   if (!url?.protocol.startsWith("http")) return { outcome: "unasked", calibration: null };
   // Without headers of its own, which a browser would have to ask permission for first, and without cookies.
@@ -49,20 +42,7 @@ export async function askEdge(key, model, { api, signal, fetch = globalThis.fetc
   if (!("response" in answer)) return { outcome: "unasked", calibration: null };
   const { response: { ok, status }, body } = answer;
   if (ok && body.camera_matrix) return { outcome: "answered", calibration: body };
-  return { outcome: status < 500 ? "missing" : "unasked", calibration: null };
-}
-
-/**
- * Finds out whether the deployment answers at the edge at all, for the lookups after this one.
- * @param {RequestOptions} options
- */
-export async function readEdgeSwitch({ api, signal, fetch = globalThis.fetch }) {
-  const { href } = address(api);
-  if (off.has(href)) return;
-  off.set(href, false);
-  const answer = await reach(fetch, new URL(CONFIG, href), { credentials: "omit", signal }).catch(() => null);
-  if (answer === null) off.delete(href); // given up before it was answered
-  else if ("response" in answer && answer.response.ok) off.set(href, answer.body.edge_answers === "off");
+  return { outcome: status === 404 ? "missing" : "unasked", calibration: null };
 }
 
 /** As the service writes it: to six decimals, without zeros at the end. @param {number} zoom @returns {string | null} null: it has more */

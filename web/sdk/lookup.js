@@ -1,7 +1,7 @@
 // Lookup of an open camera's calibration, cached as long as the tab.
 import { Calibration, Estimate } from "./calibration.js";
 import { keyOf } from "./key.js";
-import { askEdge, readEdgeSwitch } from "./edge.js";
+import { askEdge } from "./edge.js";
 import { LookupError, address, ask, calibrationIn } from "./request.js";
 
 /**
@@ -40,6 +40,10 @@ import { LookupError, address, ask, calibrationIn } from "./request.js";
 
 /** ms: a cached answer takes tens; what takes longer is likely to be no hit. */
 const EDGE_TIMEOUT_MS = 300;
+/** ms for which the edge is not asked again about a camera that it did not know. */
+const MISS_MS = 3_600_000;
+/** @type {import("./edge.js").EdgeAnswer} */
+const UNASKED = { outcome: "unasked", calibration: null };
 /** ms between a lookup that failed, while a camera is watched, and the next. */
 const WATCH_RETRY_MS = 30_000;
 
@@ -66,7 +70,7 @@ export async function lookup(source, options) {
   /** @type {Found} */
   let answer = { calibration: known, guidanceUrl: null, reason: null };
   if (!known && bundle && !manner.token) answer = { ...answer, guidanceUrl: guidance(), reason: "unknown_camera" };
-  else if (!known) answer = await fetchCalibration(key, model, /** @type {RequestOptions} */ (manner));
+  else if (!known) answer = await fetchCalibration(key, model, /** @type {RequestOptions} */ (manner), missesOf(cache, name));
   if (answer.calibration && !known) keep(cache, name, answer.calibration);
   const enough = applyRequirements(answer, { accept, exact, maxError }, guidance);
   if (!enough.calibration) onNeedCalibration?.(enough);
@@ -133,14 +137,14 @@ export function guidanceUrl(key, model, api) {
 
 /**
  * Asks the edge, and then the service. Where the edge is slow, both are asked side by side, and whoever knows the camera first answers.
- * @param {CameraKey} key @param {string} model @param {RequestOptions} options
+ * @param {CameraKey} key @param {string} model @param {RequestOptions} options @param {Misses} misses
  * @returns {Promise<Found>}
  */
-async function fetchCalibration(key, model, options) {
-  const atEdge = askEdge(key, model, options);
+async function fetchCalibration(key, model, options, misses) {
+  const atEdge = misses.recent() ? Promise.resolve(UNASKED) : askEdge(key, model, options);
   const early = await within(EDGE_TIMEOUT_MS, atEdge);
   if (early?.calibration) return answerOf(early.calibration);
-  if (early?.outcome === "missing") void readEdgeSwitch(options);
+  if (early?.outcome === "missing") misses.keep();
   const enough = new AbortController();
   const signal = options.signal ? AbortSignal.any([options.signal, enough.signal]) : enough.signal;
   const service = askService(key, model, { ...options, signal });
@@ -153,6 +157,20 @@ async function fetchCalibration(key, model, options) {
     }, reject);
     service.then(resolve, (error) => atEdge.then((late) => late.calibration || reject(explain(error, late)), reject));
   });
+}
+
+/**
+ * @typedef {object} Misses what the tab remembers of a camera that the edge did not know
+ * @property {() => boolean} recent @property {() => void} keep
+ */
+
+/** @param {Cache | null} cache @param {string} name @returns {Misses} */
+function missesOf(cache, name) {
+  const missed = `${name} missed`;
+  return {
+    recent: () => Math.abs(Date.now() - Number(cache?.getItem(missed) ?? 0)) < MISS_MS,
+    keep: () => store(cache, missed, String(Date.now())),
+  };
 }
 
 /** @param {CalibrationData} calibration @returns {Found} */
@@ -233,9 +251,12 @@ function remembered(cache, name) {
 }
 
 /** @param {Options["cache"]} cache @param {string} name @param {CalibrationData} calibration */
-function keep(cache, name, calibration) {
+const keep = (cache, name, calibration) => store(cache, name, JSON.stringify(calibration));
+
+/** @param {Options["cache"]} cache @param {string} name @param {string} value */
+function store(cache, name, value) {
   try {
-    cache?.setItem(name, JSON.stringify(calibration));
+    cache?.setItem(name, value);
   } catch (error) {
     if (!(error instanceof DOMException)) throw error; // full: it is asked for again, then
   }

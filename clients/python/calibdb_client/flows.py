@@ -31,7 +31,7 @@ MAX_PAGES = 200
 
 @dataclass
 class Edge:
-    """Answers at the edge: whether they are there, as far as this client knows, and what is kept of them.
+    """Answers at the edge, and what is kept of them.
 
     Attributes
     ----------
@@ -39,16 +39,10 @@ class Edge:
         Address of the site, which tells the addresses of two services apart.
     cache
         None keeps nothing.
-    asked
-        Whether `/config.json` has been read.
-    on
-        Whether lookups ask there.
     """
 
     site: str
     cache: Cache | None
-    asked: bool = False
-    on: bool = True
 
 
 def lookup(
@@ -62,7 +56,7 @@ def lookup(
 
     `make` turns a record into a calibration. `facts`: further members of the request, for the estimate.
     """
-    path = key.known_path(model) if edge.on else None
+    path = key.known_path(model)
     if path is not None:
         address = f"{edge.site}/{path}"
         if edge.cache and (kept := edge.cache.get(address)) and _is_record(kept):
@@ -74,7 +68,7 @@ def lookup(
                     edge.cache.put(address, record, reply.headers)
                 return Answer(make(record), source="edge")
         except CalibDBError:
-            yield from _read_switch(edge)
+            pass  # unknown there, or no edge: the service is asked
     body = {**key.record(), **(facts or {}), "redirect": False, "distortion_model": model}
     try:
         reply = yield Request("POST", "v1/lookup", body)
@@ -150,18 +144,6 @@ def camera(key: str) -> Flow[Mapping[str, Any]]:
     """Read one camera of the database."""
     reply = yield Request("GET", f"v1/cameras/{_segment(key)}")
     return reply.json
-
-
-def _read_switch(edge: Edge) -> Flow[None]:
-    """Find out, once, whether the deployment answers at the edge at all."""
-    if edge.asked:
-        return
-    edge.asked = True
-    try:
-        reply = yield Request("GET", "config.json", credential="none", repeats=False)
-        edge.on = reply.json.get("edge_answers") != "off"
-    except CalibDBError:
-        return
 
 
 def _is_record(said: Mapping[str, Any]) -> bool:

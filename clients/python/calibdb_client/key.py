@@ -84,7 +84,7 @@ class CameraKey:
         }
 
     def known_path(self, model: str = DEFAULT_MODEL) -> str | None:
-        """Return the path of the file that answers a lookup at the edge; None if no file can.
+        """Return the path of the lookup without a credential; None if there is none.
 
         The digest is half of a SHA-256, so that no label stands in an address (docs/api.md).
         """
@@ -93,9 +93,8 @@ class CameraKey:
             return None
         w, h = self.img_size
         label = unicodedata.normalize("NFC", self.camera).strip()
-        text = "\n".join(("v1", label, self.platform, f"{w}x{h}", zoom, model))
-        digest = hashlib.sha256(text.encode()).hexdigest()[:32]
-        return f"known/{digest[:2]}/{digest}.json"
+        digest = hashlib.sha256(f"v1\n{label}\n{self.platform}".encode()).hexdigest()[:32]
+        return f"known/v1/{digest}/{w}x{h}/{zoom}/{model}.json"
 
 
 def zoom_text(zoom: float) -> str | None:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from infra.console.output import Output
 from infra.ops.errors import OpsError
 from infra.ops.options import DryRun, Json, Size, complete_model, parse_size
-from infra.ops.session import open_run
+from infra.ops.session import data_folder, failure_exit, open_run
 
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER")]
 
@@ -45,6 +48,45 @@ def publish_dump(as_json: Json = False) -> None:
             f"{dump.size} bytes: dumps/{dump.name}/"
         )
         run.output.value(dump.model_dump(mode="json"))
+
+
+def backup(
+    file: Annotated[Path, typer.Argument(metavar="FILE")],
+    as_json: Json = False,
+) -> None:
+    """Back up a data folder, whose server may run, to a new file. It contains secrets: keep it private."""
+    with _without_storage(as_json=as_json) as output:
+        from infra.ops.backup import write_backup
+
+        size = write_backup(data_folder(), file)
+        output.line(f"{data_folder()} backed up to {file}, {size} bytes")
+        output.value({"file": str(file), "size": size})
+
+
+def restore(
+    file: Annotated[Path, typer.Argument(metavar="FILE")],
+    as_json: Json = False,
+) -> None:
+    """Restore a backup to a data folder whose server is stopped; its content is kept in a folder there."""
+    with _without_storage(as_json=as_json) as output:
+        from infra.ops.backup import restore_backup
+
+        kept = restore_backup(data_folder(), file)
+        output.line(f"{file} restored to {data_folder()}" + (f"; it was {kept} before" if kept else ""))
+        output.value({"folder": str(data_folder()), "before": kept and str(kept)})
+
+
+@contextmanager
+def _without_storage(*, as_json: bool) -> Iterator[Output]:
+    """Run a command on files only; an OpsError ends it with its text and the exit status 1."""
+    from calibdb.errors import CalibdbError
+
+    output = Output(as_json=as_json)
+    try:
+        yield output
+        output.finish()
+    except (CalibdbError, OpsError, OSError) as error:
+        raise failure_exit(str(error)) from error
 
 
 def load(folder: Folder, dry_run: DryRun = False, as_json: Json = False) -> None:

@@ -28,8 +28,7 @@ def reindex(dry_run: DryRun = False, as_json: Json = False) -> None:
         run.output.line(
             f"{done.calibrations} calibrations indexed, {done.published} of them published only now; "
             f"{done.votes} votes, {done.tokens} tokens, {done.sessions} sessions, {done.rigs} rigs; "
-            f"{done.consensuses} consensuses computed, {done.removed} stale entries removed; "
-            f"{done.answers} answers at the edge"
+            f"{done.consensuses} consensuses computed, {done.removed} stale entries removed"
         )
         _raise_failed(done.failed)
 

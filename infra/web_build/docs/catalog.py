@@ -111,6 +111,12 @@ GROUPS: dict[str, tuple[Entry, ...]] = {
         ),
         Entry("SECURITY.md", "vulnerabilities", "Vulnerabilities", "How to report one."),
         Entry(
+            "docs/self-hosting.md",
+            "self-hosting",
+            "Self-hosting",
+            "The service in one process over one SQLite file: systemd, TLS, backup, upgrade.",
+        ),
+        Entry(
             "docs/operations.md", "operations", "Operations", "Deploying, watching, restoring the service."
         ),
         Entry("docs/architecture.md", "architecture", "Architecture", "Parts, data at rest, flows."),

@@ -34,8 +34,8 @@ from calibdb.access.tokens import (
     source,
 )
 from calibdb.errors import ForbiddenError, TooManyError
+from calibdb.lookup.alias_filter import AliasFilter
 from calibdb.lookup.misses import MissCounter
-from calibdb.lookup.sightings import SightingFilter
 from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb.store.secrets import with_secrets
@@ -52,7 +52,7 @@ class Service:
     random_hex: Callable[[int], str]  # of so many bytes
     _tokens: TokenCache
     _plans: Mapping[str, Plan]
-    sightings: SightingFilter = field(default_factory=SightingFilter, compare=False)
+    aliases: AliasFilter = field(default_factory=AliasFilter, compare=False)
     misses: MissCounter = field(default_factory=MissCounter, compare=False)
 
     @classmethod
@@ -75,6 +75,16 @@ class Service:
             yield
         finally:
             _maker = before
+
+    @classmethod
+    def forget(cls) -> None:
+        """Forget the services that `of` has returned, as storage is another one from here on."""
+        _remembered.cache_clear()
+
+    @classmethod
+    def make(cls, settings: Settings) -> Service:
+        """Return a new service of `settings`."""
+        return cls.build(settings, Store.of(settings), plans=multiplied(settings.plan_factors))
 
     @classmethod
     def build(
@@ -198,9 +208,5 @@ class Service:
         return self.contributor(address, token.id), network(secret, address, token.id)
 
 
-@functools.lru_cache(maxsize=8)
-def _service(settings: Settings) -> Service:
-    return Service.build(settings, Store.of(settings), plans=multiplied(settings.plan_factors))
-
-
-_maker: Callable[[Settings], Service] = _service
+_remembered = functools.lru_cache(maxsize=8)(Service.make)
+_maker: Callable[[Settings], Service] = _remembered

@@ -57,14 +57,16 @@ class Thresholds:
         SettingsError
             If a value is wrong, or THRESHOLDS names something else than a threshold.
         """
-        environment = _overrides(environment.get("THRESHOLDS", "")) | dict(environment)
+        overrides = _overrides(environment.get("THRESHOLDS", ""))
         read: dict[str, int | float] = {}
         for known in fields(cls):
             name = known.name.upper()
-            if name in environment:
+            value = environment.get(name, overrides.get(name))
+            if value is not None:
                 least = 0 if known.name == "contributor_period" else 1
+                given = {name: value}
                 whole = isinstance(known.default, int)
-                read[known.name] = _count(environment, name, least) if whole else _positive(environment, name)
+                read[known.name] = _count(given, name, least) if whole else _positive(given, name)
         return cls(**read)  # type: ignore[arg-type]  # by the type of the default
 
 
@@ -98,8 +100,7 @@ class Settings:
     max_new_tokens: int = 5  # a day and source that people make for themselves
     processor_factor: float = 1.0  # processor time of a computation here / where its limits were set
     plan_factors: tuple[tuple[str, int], ...] = ()  # multiples of what all users of a token share, by plan
-    web_bucket: str | None = None  # where answers at the edge are written: `refit` and operators
-    edge_answers: bool = True  # whether lookups may be answered at the edge, and so remain uncounted
+    web_bucket: str | None = None  # of the public dumps: `dump` and operators
 
     @property
     def site_origin(self) -> str:
@@ -124,11 +125,10 @@ class Settings:
             region=environment.get("AWS_REGION") or environment.get("AWS_DEFAULT_REGION") or "us-east-1",
             edge_secrets=tuple(s for s in environment.get("EDGE_SECRETS", "").split(",") if s),
             verify_function=environment.get("VERIFY_FUNCTION") or None,
-            max_new_tokens=_count({"NEW_TOKENS": "5"} | dict(environment), "NEW_TOKENS", 0),
-            processor_factor=_positive({"PROCESSOR_FACTOR": "1"} | dict(environment), "PROCESSOR_FACTOR"),
+            max_new_tokens=_count(environment, "NEW_TOKENS", 0, "5"),
+            processor_factor=_positive(environment, "PROCESSOR_FACTOR", "1"),
             plan_factors=parse_plan_factors(environment.get("PLAN_FACTORS", "")),
             web_bucket=environment.get("WEB_BUCKET_NAME") or None,
-            edge_answers=_switch(environment, "EDGE_ANSWERS"),
         )
 
 
@@ -145,30 +145,23 @@ def parse_plan_factors(text: str) -> tuple[tuple[str, int], ...]:
     return tuple(factors)
 
 
-def _text(environment: Mapping[str, str], name: str) -> str:
-    value = environment.get(name, "")
+def _text(environment: Mapping[str, str], name: str, default: str = "") -> str:
+    value = environment.get(name, default)
     if not value:
         raise SettingsError(f"{name} is not set")
     return value
 
 
-def _switch(environment: Mapping[str, str], name: str) -> bool:
-    text = environment.get(name) or "on"
-    if text not in ("on", "off"):
-        raise SettingsError(f"{name} is neither on nor off")
-    return text == "on"
-
-
-def _count(environment: Mapping[str, str], name: str, least: int) -> int:
-    text = _text(environment, name)
+def _count(environment: Mapping[str, str], name: str, least: int, default: str = "") -> int:
+    text = _text(environment, name, default)
     if not text.isdecimal() or int(text) < least:
         raise SettingsError(f"{name} is not a whole number from {least} on")
     return int(text)
 
 
-def _positive(environment: Mapping[str, str], name: str) -> float:
+def _positive(environment: Mapping[str, str], name: str, default: str = "") -> float:
     try:
-        number = float(_text(environment, name))
+        number = float(_text(environment, name, default))
     except ValueError as error:
         raise SettingsError(f"{name} is not a number") from error
     if not 0 < number < float("inf"):

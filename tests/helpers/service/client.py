@@ -10,7 +10,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from infra.local import LocalStack
+from infra.server.server import Server
 from infra.web_build.openapi import OPERATIONS
 
 TOKEN = "cdb_dev_local"
@@ -53,9 +53,9 @@ BRIEF: Mapping[str, Any] = {"target_error": 100.0}
 
 @dataclass
 class Client:
-    """Speaks HTTP to a stack, with the credential that the call wants."""
+    """Speaks HTTP to a server, or to an emulated stack, with the credential that the call wants."""
 
-    stack: LocalStack
+    stack: Any
     session_id: str = ""
     api_token: str = TOKEN
     address: str = ""  # where they are, to a stack whose EDGE_SECRETS is `EDGE`
@@ -72,7 +72,10 @@ class Client:
     ) -> Answer:
         """`body`: bytes are sent as they are, everything else as JSON; `token`: None sends the session id."""
         sent = dict(headers or {})
-        if self.address:
+        where = {}
+        if self.address and isinstance(self.stack, Server):
+            where = {"client": self.address}
+        elif self.address:
             sent |= {"x-calibdb-edge": EDGE, "x-forwarded-for": self.address}
         credential = self.session_id if token is None else token
         if credential:
@@ -80,7 +83,7 @@ class Client:
         content = body if isinstance(body, bytes) else b"" if body is None else json.dumps(body).encode()
         if content:
             sent.setdefault("content-type", "application/json")
-        response = self.stack.request(method, path, headers=sent, query=query, body=content)
+        response = self.stack.request(method, path, headers=sent, query=query, body=content, **where)
         answer = Answer(response.status, response.headers, response.body)
         assert answer.status in documented(method, path), (method, path, answer)
         if answer.status >= 400:

@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 from botocore.client import BaseClient
 
+from infra.deploy.intrinsics import ACCOUNT, REGION, Resolver, parse_text
 from infra.deploy.package import complete_template
-from infra.local.functions import Function
-from infra.local.intrinsics import ACCOUNT, REGION, Resolver, parse_text
+from tests.aws.emulator.functions import Function
 
 ROOT = Path(__file__).parents[3]
 _running: contextvars.ContextVar[str | None] = contextvars.ContextVar("running", default=None)

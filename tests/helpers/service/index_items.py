@@ -1,27 +1,28 @@
-"""The index of a stack, as its table holds it."""
+"""The index of a server, or of an emulated stack, as its table has it."""
 
 from typing import Any
 
-import boto3
-
-from infra.local import LocalStack
+from calibdb.settings import Settings
+from calibdb.store.ports import Item
+from calibdb.store.storage import storage_of
 
 Key = tuple[str, str]  # pk, sk
 
 
-def items(stack: LocalStack) -> dict[Key, Any]:
-    """All items of the table but for times, leases and counters, once no asynchronous call may change any."""
+def items(stack: Any) -> dict[Key, Item]:
+    """All items of the table but for times, leases, counters and aliases, once no job may change any."""
     stack.wait_until_idle(60)
-    pages = boto3.client("dynamodb").get_paginator("scan").paginate(TableName=stack.environment["TABLE_NAME"])
-    return {
-        (item["pk"]["S"], item["sk"]["S"]): {k: v for k, v in item.items() if k != "ttl"}
-        for page in pages
-        for item in page["Items"]
-        if not (item["sk"]["S"].startswith(("QUOTA#", "SHARE#")) or item["pk"]["S"].startswith("REFIT#"))
-    }
+    table = storage_of(Settings.from_environment(stack.environment)).table
+    found = {}
+    for pk, sk in table.keys(""):
+        item = table.get(pk, sk)
+        if item is None or sk.startswith(("QUOTA#", "SHARE#")) or pk.startswith(("REFIT#", "ALIAS")):
+            continue
+        found[pk, sk] = {k: v for k, v in item.items() if k != "ttl"}
+    return found
 
 
-def remove(stack: LocalStack, *keys: Key) -> None:
-    table = boto3.client("dynamodb")
-    for pk, sk in keys:
-        table.delete_item(TableName=stack.environment["TABLE_NAME"], Key={"pk": {"S": pk}, "sk": {"S": sk}})
+def remove(stack: Any, *keys: Key) -> None:
+    table = storage_of(Settings.from_environment(stack.environment)).table
+    for key in keys:
+        table.delete(*key)

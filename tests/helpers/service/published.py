@@ -11,7 +11,7 @@ from calibdb.camera_key import camera_key
 from calibdb.settings import Settings
 from calibdb.store import Store, StreamMode
 from calibsolver import Board, fit
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import Truth
 
 NOW = 1_700_000_000
@@ -22,7 +22,7 @@ Vector = tuple[float, float, float]
 Seen = tuple[list[int], list[list[float]]]
 
 
-def store(stack: LocalStack) -> Store:
+def store(stack: Server) -> Store:
     return Store.of(Settings.from_environment(stack.environment))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from calibsolver import rotation
 from calibsolver.rig.start import RigidMotion
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Answer, Client, Truth
 
 MIN_SEEN = 12
@@ -20,7 +20,7 @@ MIN_SEEN = 12
 class RigTruth:
     """Cameras side by side, `baseline` squares apart, each with a client of its own; camera 0 leads."""
 
-    stack: LocalStack
+    stack: Server
     count: int = 2
     squares: tuple[int, int] = (9, 6)
     dictionary: str = "DICT_APRILTAG_36h10"

@@ -1,22 +1,24 @@
-"""Storage calls of a stack's functions, counted where nothing else can be counted along."""
+"""Storage calls of a server's functions, counted where nothing else can be counted along."""
 
 import functools
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import Any
 
-from calibdb.lookup.sightings import SightingFilter
+from calibdb.lookup.alias_filter import AliasFilter
 from calibdb.service import Service
 from calibdb.settings import Settings
-from calibdb.store import Store, clients
-from infra.local import LocalStack
+from calibdb.store import Store
+from infra.server.server import Server
 from tests.helpers.service.client import TOKEN
+from tests.helpers.service.intercepted import intercepted
 
 IDLE_S = 60.0
 
 
-class _NothingNew(SightingFilter):
+class _NothingNew(AliasFilter):
     """A filter that has seen everything."""
 
     def admit(self, *_: object) -> bool:
@@ -37,32 +39,28 @@ def lasting_tokens(*, report: bool = True) -> Iterator[None]:
         if report:
             return built
         built.misses.count("", built.clock())  # the first miss of an instance is reported at once
-        return replace(built, sightings=_NothingNew())
+        return replace(built, aliases=_NothingNew())
 
     with Service.override(service):
         yield
 
 
 @contextmanager
-def storage_calls(stack: LocalStack) -> Iterator[list[str]]:
-    """Names of the operations that the block's requests ask of table, bucket and other functions.
+def storage_calls(stack: Server) -> Iterator[list[str]]:
+    """Names of the operations that the block's requests ask of table, bucket and queue.
 
-    Asynchronous calls of earlier requests are done before the block begins, those of its own before its names
-    are complete. The development token has been read before, all labels and a miss have been reported.
+    Jobs of earlier requests are done before the block begins, those of its own before its names are complete.
+    The development token has been read before, all labels and a miss have been reported.
     """
     stack.wait_until_idle(IDLE_S)
     names: list[str] = []
-    region = Settings.from_environment(stack.environment).region
-    used = (clients.dynamodb(region), clients.s3(region), clients.lambda_(region))
-    with lasting_tokens(report=False):
+
+    def record(operation: str, call: Callable[[], Any]) -> Any:
+        names.append(operation)
+        return call()
+
+    with intercepted(stack.storage, record), lasting_tokens(report=False):
         Service.of(os.environ).api_token(TOKEN)
-        for client in used:
-            client.meta.events.register(
-                "before-call.*", lambda model, **_: names.append(model.name), unique_id="storage-calls"
-            )
-        try:
-            yield names
-            stack.wait_until_idle(IDLE_S)
-        finally:
-            for client in used:
-                client.meta.events.unregister("before-call.*", unique_id="storage-calls")
+        names.clear()
+        yield names
+        stack.wait_until_idle(IDLE_S)

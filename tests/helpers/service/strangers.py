@@ -10,8 +10,8 @@ from typing import Any
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store
-from infra.local import LocalStack
 from infra.ops.context import OpsContext
+from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, Answer, Client
 
 SITE = "https://example.org"
@@ -61,5 +61,5 @@ def states(answer: Answer) -> dict[str, str]:
     return {origin["origin"]: origin["state"] for origin in answer.json["origins"]}
 
 
-def context(stack: LocalStack) -> OpsContext:
+def context(stack: Server) -> OpsContext:
     return OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)

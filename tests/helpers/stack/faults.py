@@ -12,10 +12,10 @@ import pytest
 from botocore.awsrequest import AWSPreparedRequest
 from botocore.exceptions import ReadTimeoutError
 
-from infra.local import LocalStack
-from infra.local.events import Request, Response
-from infra.local.intercept import wrapping
-from infra.local.storage import Answer
+from tests.aws.emulator import LocalStack
+from tests.aws.emulator.events import Request, Response
+from tests.aws.emulator.intercept import wrapping
+from tests.aws.emulator.storage import Answer
 
 Service = Callable[[str, AWSPreparedRequest], Answer]
 Fault = Callable[[Service, str, AWSPreparedRequest], Answer]

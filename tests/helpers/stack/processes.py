@@ -20,12 +20,12 @@ ROOT = Path(__file__).resolve().parents[3]
 LIMITED = """
 import resource, runpy
 resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
-runpy.run_module("infra.local", run_name="__main__")
+runpy.run_module("infra.server", run_name="__main__")
 """
 
 
 class LocalProcess:
-    """`python -m infra.local` on a free port, ready when the block begins; killed when it ends.
+    """`python -m infra.server` on a free port, ready when the block begins; killed when it ends.
 
     `start_seconds` is how long it took to answer its health check. `file_limit`: bytes beyond which no file
     may grow.
@@ -45,7 +45,7 @@ class LocalProcess:
             self.process = subprocess.Popen(
                 [sys.executable, "-c", LIMITED.format(limit=self._file_limit)]
                 if self._file_limit
-                else [sys.executable, "-m", "infra.local"],
+                else [sys.executable, "-m", "infra.server"],
                 cwd=ROOT,
                 env=os.environ
                 | {

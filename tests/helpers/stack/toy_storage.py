@@ -9,11 +9,11 @@ from typing import Any
 import boto3
 from botocore.config import Config
 
-from infra.local.environment import set_variables
-from infra.local.intercept import intercepting
-from infra.local.journal import Journal
-from infra.local.storage import Storage
-from infra.local.template import load
+from tests.aws.emulator.environment import set_variables
+from tests.aws.emulator.intercept import intercepting
+from tests.aws.emulator.journal import Journal
+from tests.aws.emulator.storage import Storage
+from tests.aws.emulator.template import load
 from tests.helpers.stack.toy_stack import deploy
 
 TABLE, BUCKET = "calibdb-things", "calibdb-files"

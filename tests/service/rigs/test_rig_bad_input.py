@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, EDGE, TOKEN, Answer, Client
 from tests.helpers.service.rigs import RigTruth
 from tests.helpers.service.strangers import standing_clock
@@ -14,9 +14,9 @@ WRONG = "no rig can be joined by this code; codes last 15 minutes: ask for a new
 
 
 @pytest.fixture(scope="module")
-def stack() -> Iterator[LocalStack]:
+def stack() -> Iterator[Server]:
     """A stack whose clock stands: guesses are counted anew in each quarter of an hour."""
-    with standing_clock(), LocalStack(environment={"EDGE_SECRETS": EDGE}) as stack:
+    with standing_clock(), Server(environment={"EDGE_SECRETS": EDGE}) as stack:
         yield stack
 
 
@@ -30,14 +30,14 @@ def kind(answer: Answer) -> tuple[int, str]:
 
 
 @pytest.fixture(scope="module")
-def rig(stack: LocalStack) -> RigTruth:
+def rig(stack: Server) -> RigTruth:
     """Two cameras that share one moment."""
     rig = RigTruth(stack, seed=1).open()
     rig.moment("m0")
     return rig
 
 
-def joining(stack: LocalStack, address: str = "", **more: Any) -> Answer:
+def joining(stack: Server, address: str = "", **more: Any) -> Answer:
     return Client(stack, address=address).open(**more)
 
 
@@ -49,7 +49,7 @@ def test_wrong_expired_and_used_up_codes_are_answered_alike(rig: RigTruth) -> No
         assert fields(joining(rig.stack, address, rig={"code": code}, **request)) == {"rig.code": WRONG}
 
 
-def test_guesses_are_limited_by_source_and_the_right_code_then_waits_too(stack: LocalStack) -> None:
+def test_guesses_are_limited_by_source_and_the_right_code_then_waits_too(stack: Server) -> None:
     open_rig = RigTruth(stack, count=3, seed=2).open()
     client = Client(stack)
     client.open()
@@ -65,7 +65,7 @@ def test_guesses_are_limited_by_source_and_the_right_code_then_waits_too(stack: 
     assert joining(stack, "192.0.2.3", rig={"code": fresh}).status == 201, "others are not hindered"
 
 
-def test_right_codes_are_no_guesses(stack: LocalStack) -> None:
+def test_right_codes_are_no_guesses(stack: Server) -> None:
     client = Client(stack)
     client.open()
     for _ in range(2):
@@ -91,7 +91,7 @@ def test_right_codes_are_no_guesses(stack: LocalStack) -> None:
         ({"id": "0" * 32, "place": 1}, "rig.place"),
     ],
 )
-def test_malformed_rig_of_a_session_names_the_field(stack: LocalStack, wanted: Any, field: str) -> None:
+def test_malformed_rig_of_a_session_names_the_field(stack: Server, wanted: Any, field: str) -> None:
     client = Client(stack, address="192.0.2.5")
     assert set(fields(client.open(rig=wanted))) == {field}
     assert client.call("GET", "/v1/session").status == 404, "no session was started"
@@ -122,7 +122,7 @@ def test_session_that_joined_cannot_take_another_position(rig: RigTruth) -> None
     assert kind(other) == (409, "other-content")
 
 
-def test_another_board_is_refused(stack: LocalStack) -> None:
+def test_another_board_is_refused(stack: Server) -> None:
     client = Client(stack)
     client.open()
     code = client.call("POST", "/v1/rigs", {"cameras": 2}).json["join_code"]
@@ -131,7 +131,7 @@ def test_another_board_is_refused(stack: LocalStack) -> None:
     assert joining(stack, rig={"code": code}).status == 201, "it cost nothing"
 
 
-def test_board_that_half_a_turn_leaves_alike_cannot_lead(stack: LocalStack) -> None:
+def test_board_that_half_a_turn_leaves_alike_cannot_lead(stack: Server) -> None:
     client = Client(stack)
     client.open(board={"kind": "chessboard", "squares": [9, 7]})
     assert set(fields(client.call("POST", "/v1/rigs", {"cameras": 2}))) == {"board"}
@@ -152,7 +152,7 @@ def test_board_that_half_a_turn_leaves_alike_cannot_lead(stack: LocalStack) -> N
         ({"cameras": 2, "colour": 1}, "colour"),
     ],
 )
-def test_malformed_rig_names_the_field(stack: LocalStack, body: Any, field: str) -> None:
+def test_malformed_rig_names_the_field(stack: Server, body: Any, field: str) -> None:
     client = Client(stack)
     client.open()
     assert set(fields(client.call("POST", "/v1/rigs", body))) == {field}
@@ -241,7 +241,7 @@ def test_rig_that_is_not_there(rig: RigTruth) -> None:
             assert kind(answer) == (404, "no-rig"), (method, path)
 
 
-def test_rig_whose_cameras_all_left_waits_for_them(stack: LocalStack) -> None:
+def test_rig_whose_cameras_all_left_waits_for_them(stack: Server) -> None:
     rig = RigTruth(stack, seed=9).open()
     rig.moment("m0")
     for client in rig.clients:
@@ -251,7 +251,7 @@ def test_rig_whose_cameras_all_left_waits_for_them(stack: LocalStack) -> None:
     assert (state["target"], state["uncertainty"], state["unlinked"]) == (None, None, [0, 1])
 
 
-def test_forgotten_rig_leaves_sessions_alone_that_are_in_another(stack: LocalStack) -> None:
+def test_forgotten_rig_leaves_sessions_alone_that_are_in_another(stack: Server) -> None:
     first, second = RigTruth(stack, seed=31).open(), RigTruth(stack, seed=32, count=3).open()
     moved = first.clients[1]
     assert moved.call("DELETE", "/v1/session").status == 204
@@ -263,7 +263,7 @@ def test_forgotten_rig_leaves_sessions_alone_that_are_in_another(stack: LocalSta
     assert second.state()["cameras"][2]["status"] == "capturing"
 
 
-def test_forgotten_rig_leaves_nothing_running(stack: LocalStack) -> None:
+def test_forgotten_rig_leaves_nothing_running(stack: Server) -> None:
     rig = RigTruth(stack, seed=8).open()
     rig.moment("m0")
     for _ in range(2):

@@ -7,7 +7,6 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from typing import Any
 
-import boto3
 import cv2
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ import pytest
 from calibdb.schema.rig import RIG_FORMATS
 from calibsolver import rotation
 from calibsolver.rig.start import RigidMotion
-from infra.local import LocalStack
+from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Client
 from tests.helpers.service.rigs import RigTruth
 
@@ -34,7 +33,7 @@ def capture(rig: RigTruth, most: int = MAX_MOMENTS) -> Any:
 
 
 @pytest.fixture(scope="module")
-def finished(stack: LocalStack) -> tuple[RigTruth, Any]:
+def finished(stack: Server) -> tuple[RigTruth, Any]:
     rig = RigTruth(stack, baseline=3.0, seed=1)
     rig.open(square_size=0.03)
     capture(rig)
@@ -81,16 +80,13 @@ def test_finished_rig_is_right_within_its_uncertainty(finished: tuple[RigTruth, 
 
 def test_cameras_are_published_with_their_moments(finished: tuple[RigTruth, Any]) -> None:
     rig, state = finished
-    bucket = rig.stack.environment["BUCKET_NAME"]
-    s3 = boto3.client("s3")
+    objects = rig.stack.storage.objects
     names = {m["id"] for m in state["moments"]}
     for position, calibration in enumerate(state["result"]["cameras"]):
         answer = rig.clients[0].call("GET", f"/v1/calibrations/{calibration}", token=TOKEN)
         assert answer.status == 200
         key = answer.json["camera_key"]
-        stored = json.loads(
-            s3.get_object(Bucket=bucket, Key=f"calibrations/{key}/{calibration}.json")["Body"].read()
-        )
+        stored = json.loads(objects.get(f"calibrations/{key}/{calibration}.json"))
         assert stored["rig"] == {"id": rig.rig_id, "position": position}
         assert {view["moment"] for view in stored["views"]} <= names
         session = rig.clients[position].state()
@@ -123,7 +119,7 @@ def test_every_format_is_answered(finished: tuple[RigTruth, Any], name: str) -> 
         assert len(answer.body) > 500
 
 
-def test_unchanged_state_is_not_sent_again(stack: LocalStack) -> None:
+def test_unchanged_state_is_not_sent_again(stack: Server) -> None:
     rig = RigTruth(stack, seed=2).open()
     answer = rig.call("GET")
     tag = {"if-none-match": answer.headers["etag"]}
@@ -134,7 +130,7 @@ def test_unchanged_state_is_not_sent_again(stack: LocalStack) -> None:
     assert rig.call("GET", headers=tag).status == 200
 
 
-def test_pose_of_a_camera_is_the_target_of_its_rig(stack: LocalStack) -> None:
+def test_pose_of_a_camera_is_the_target_of_its_rig(stack: Server) -> None:
     rig = RigTruth(stack, seed=3).open()
     (seen,) = rig.state()["target"]["cameras"]
     pose = rig.clients[0].pose()
@@ -148,7 +144,7 @@ def test_pose_of_a_camera_is_the_target_of_its_rig(stack: LocalStack) -> None:
     assert rig.state() == skipped.json, "until it is skipped, too"
 
 
-def test_moment_undone_is_gone_from_all_cameras(stack: LocalStack) -> None:
+def test_moment_undone_is_gone_from_all_cameras(stack: Server) -> None:
     rig = RigTruth(stack, seed=4).open()
     for number in range(3):
         rig.moment(f"m{number}")
@@ -165,7 +161,7 @@ def test_moment_undone_is_gone_from_all_cameras(stack: LocalStack) -> None:
     assert again.status == 409
 
 
-def test_view_of_an_older_moment_is_welcome(stack: LocalStack) -> None:
+def test_view_of_an_older_moment_is_welcome(stack: Server) -> None:
     """A client that lost its network delivers what it took, in any order, and a replay changes nothing."""
     rig = RigTruth(stack, seed=5).open()
     kept = []
@@ -183,7 +179,7 @@ def test_view_of_an_older_moment_is_welcome(stack: LocalStack) -> None:
     assert [camera["views"] for camera in state["cameras"]] == [3, 3]
 
 
-def test_views_of_two_cameras_at_once_are_both_taken(stack: LocalStack) -> None:
+def test_views_of_two_cameras_at_once_are_both_taken(stack: Server) -> None:
     rig = RigTruth(stack, seed=8).open()
     poses = [rig.held() for _ in range(3)]
     for number in range(3):
@@ -195,7 +191,7 @@ def test_views_of_two_cameras_at_once_are_both_taken(stack: LocalStack) -> None:
     assert [m["positions"] for m in rig.state()["moments"]] == [[0, 1]] * 3
 
 
-def test_board_that_moved_between_two_pictures_is_set_aside_and_said(stack: LocalStack) -> None:
+def test_board_that_moved_between_two_pictures_is_set_aside_and_said(stack: Server) -> None:
     rig = RigTruth(stack, seed=6).open()
     for number in range(5):
         rig.moment(f"m{number}")
@@ -208,7 +204,7 @@ def test_board_that_moved_between_two_pictures_is_set_aside_and_said(stack: Loca
     assert "contradicts" in {one["code"] for one in state["advice"]}
 
 
-def test_state_tells_who_is_missing(stack: LocalStack) -> None:
+def test_state_tells_who_is_missing(stack: Server) -> None:
     rig = RigTruth(stack, count=3, seed=7)
     leader = rig.clients[0]
     assert leader.open(**rig.request(0)).status == 201
@@ -225,7 +221,7 @@ def test_state_tells_who_is_missing(stack: LocalStack) -> None:
     assert "Cameras 1 and 2" in few.json["detail"]
 
 
-def test_a_code_is_replaced_by_asking_again(stack: LocalStack) -> None:
+def test_a_code_is_replaced_by_asking_again(stack: Server) -> None:
     client = Client(stack)
     client.open()
     made = [client.call("POST", "/v1/rigs", {"cameras": 4}).json for _ in range(9)]

@@ -7,47 +7,41 @@ from typing import Any
 from unittest import mock
 
 import pytest
-from botocore.awsrequest import AWSPreparedRequest
-from botocore.exceptions import ReadTimeoutError
 
 from calibdb.errors import UnavailableError
-from infra.local import LocalStack
-from infra.local.storage import Answer
+from calibdb.store.ports import Storage
+from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Client
 from tests.helpers.service.client import Answer as Said
+from tests.helpers.service.intercepted import WRITES, intercepted_service
 from tests.helpers.service.rigs import RigTruth
-from tests.helpers.stack.faults import Service, wrapped_without_pauses
 
 MAX_WRITES = 60
-READS = ("Get", "Head", "List", "Query", "Scan")
 
 
 @contextmanager
-def crash_after(writes: int) -> Iterator[None]:
+def crash_after(storage: Storage, writes: int) -> Iterator[None]:
     """Lose every write after so many that wrote something: those of a process that was killed there."""
     done, lock = [0], threading.Lock()
 
-    def around(service: Service) -> Service:
-        def handle(operation: str, request: AWSPreparedRequest) -> Answer:
-            if operation.startswith(READS):
-                return service(operation, request)
-            with lock:
-                if done[0] >= writes:
-                    raise ReadTimeoutError(endpoint_url=request.url)
-                answer = service(operation, request)
-                done[0] += answer.status < 300
-            return answer
+    def around(operation: str, call: Callable[[], Any]) -> Any:
+        if operation not in WRITES:
+            return call()
+        with lock:
+            if done[0] >= writes:
+                raise UnavailableError("Storage did not answer.")
+            result = call()
+            done[0] += result is not False
+        return result
 
-        return handle
-
-    with wrapped_without_pauses(lambda name, service: around(service) if name != "lambda" else service):
+    with intercepted_service(storage, around):
         yield
 
 
-def completed(send: Callable[[], Said], check: Callable[[], None] = lambda: None) -> Said:
+def completed(stack: Server, send: Callable[[], Said], check: Callable[[], None] = lambda: None) -> Said:
     """Send a request again and again, each time killed one write later, until it is answered."""
     for writes in range(MAX_WRITES):
-        with crash_after(writes):
+        with crash_after(stack.storage, writes):
             answer = send()
         if answer.status < 400:
             assert writes, "it writes something"
@@ -58,7 +52,7 @@ def completed(send: Callable[[], Said], check: Callable[[], None] = lambda: None
 
 
 @pytest.fixture(scope="module")
-def rig(stack: LocalStack) -> RigTruth:
+def rig(stack: Server) -> RigTruth:
     return RigTruth(stack, seed=20, baseline=3.0)
 
 
@@ -79,31 +73,33 @@ def test_a_whole_capture_survives_a_crash_at_every_write(rig: RigTruth) -> None:
         leader.call("POST", "/v1/auth", token=TOKEN).json["session_id"] for _ in range(2)
     )
     assert leader.call("POST", "/v1/session", rig.request(0)).status == 201
-    made = completed(lambda: leader.call("POST", "/v1/rigs", {"cameras": 2})).json
+    made = completed(rig.stack, lambda: leader.call("POST", "/v1/rigs", {"cameras": 2})).json
     rig.rig_id, rig.join_code = made["rig_id"], made["join_code"]
     assert leader.state()["rig"] == {"id": rig.rig_id, "position": 0}
     body = {**rig.request(1), "rig": {"code": rig.join_code}}
-    joined = completed(lambda: follower.call("POST", "/v1/session", body))
+    joined = completed(rig.stack, lambda: follower.call("POST", "/v1/session", body))
     assert joined.json["rig"] == {"id": rig.rig_id, "position": 1}
     names: list[str] = []
     for number in range(4):
         names.append(f"m{number}")
         rig.moment(names[-1])
     check = readable(rig, names)
-    completed(lambda: rig.call("POST", "/moments", {"moment": "m4"}), rig.state)
+    completed(rig.stack, lambda: rig.call("POST", "/moments", {"moment": "m4"}), rig.state)
     pose = rig.held()
     for position in (0, 1):
         seen = rig.see(position, pose)
         sent = {"ids": seen[0], "points": seen[1], "moment": "m4"}
         client = rig.clients[position]
-        answer = completed(lambda client=client, sent=sent: client.call("POST", "/v1/session/views", sent))
+        answer = completed(
+            rig.stack, lambda client=client, sent=sent: client.call("POST", "/v1/session/views", sent)
+        )
         assert answer.json["accepted"]
     before = rig.state()
     assert before["moments"][-1]["positions"] == [0, 1]
-    undone = completed(lambda: rig.call("DELETE", "/moments/m4"))
+    undone = completed(rig.stack, lambda: rig.call("DELETE", "/moments/m4"))
     assert [m["id"] for m in undone.json["moments"]] == names
     check()
-    finished = completed(lambda: rig.call("POST", "/finish"))
+    finished = completed(rig.stack, lambda: rig.call("POST", "/finish"))
     result = finished.json["result"]
     assert rig.state() == finished.json
     assert rig.result().json == result
@@ -113,15 +109,15 @@ def test_a_whole_capture_survives_a_crash_at_every_write(rig: RigTruth) -> None:
         assert len(stored.json["report"]["views"]) == 4, "and the undone one in none"
 
 
-def test_forgetting_a_rig_survives_a_crash_at_every_write(stack: LocalStack) -> None:
+def test_forgetting_a_rig_survives_a_crash_at_every_write(stack: Server) -> None:
     rig = RigTruth(stack, seed=21).open()
     rig.moment("m0")
-    completed(lambda: rig.call("DELETE"))
+    completed(rig.stack, lambda: rig.call("DELETE"))
     for client in rig.clients:
         assert client.call("GET", "/v1/session").status == 404
 
 
-def test_session_started_anew_while_its_rig_ends_is_another_capture(stack: LocalStack) -> None:
+def test_session_started_anew_while_its_rig_ends_is_another_capture(stack: Server) -> None:
     rig = RigTruth(stack, seed=22).open()
     for n in range(5):
         rig.moment(f"m{n}")
@@ -136,7 +132,7 @@ def test_session_started_anew_while_its_rig_ends_is_another_capture(stack: Local
     assert (state["status"], state["calibration_id"]) == ("capturing", None)
 
 
-def test_place_of_a_camera_that_never_came_is_given_away(stack: LocalStack) -> None:
+def test_place_of_a_camera_that_never_came_is_given_away(stack: Server) -> None:
     """Its client crashed after the rig's write and before its session's; another may join a minute later."""
     leader = Client(stack)
     leader.open()
@@ -149,7 +145,7 @@ def test_place_of_a_camera_that_never_came_is_given_away(stack: LocalStack) -> N
         return client.call("POST", "/v1/session", {**CAMERA, "rig": {"code": code}})
 
     stack.wait_until_idle(60)  # what earlier tests left to be computed writes too
-    with crash_after(4):  # the guess counted and taken back, the rig's object and item
+    with crash_after(stack.storage, 4):  # the guess counted and taken back, the rig's object and item
         assert join(lost).status == 503
     assert join(other).status == 422, "it may yet come back"
     assert join(lost).json["rig"]["position"] == 1

@@ -4,14 +4,13 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-import boto3
 import pytest
 
 from calibdb.access.tokens import contributor
-from infra.local import LocalStack
 from infra.ops import reindex, restore, withdrawal
 from infra.ops.context import OpsContext
 from infra.ops.dump import dump
+from infra.server.server import Server
 from tests.helpers.service.client import EDGE, TOKEN
 from tests.helpers.service.rigs import RigTruth
 from tests.service.rigs.test_rig_crashes import crash_after
@@ -20,24 +19,22 @@ HERE, THERE = "192.0.2.10", "192.0.2.11"
 
 
 @pytest.fixture(scope="module")
-def stack() -> Iterator[LocalStack]:
-    with LocalStack(environment={"EDGE_SECRETS": EDGE}) as stack:
+def stack() -> Iterator[Server]:
+    with Server(environment={"EDGE_SECRETS": EDGE}) as stack:
         yield stack
 
 
 @pytest.fixture(scope="module")
-def context(stack: LocalStack) -> OpsContext:
+def context(stack: Server) -> OpsContext:
     return OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
 
 
-def names(stack: LocalStack, *prefixes: str) -> set[str]:
-    """Names of the objects, in any version."""
-    versions = boto3.client("s3").list_object_versions(Bucket=stack.environment["BUCKET_NAME"])
-    found = {one["Key"] for one in (*versions.get("Versions", []), *versions.get("DeleteMarkers", []))}
-    return {name for name in found if name.startswith(prefixes)}
+def names(stack: Server, *prefixes: str) -> set[str]:
+    """Names of the objects."""
+    return {name for name in stack.storage.objects.names("") if name.startswith(prefixes)}
 
 
-def two_places(stack: LocalStack, seed: int, moments: int = 4) -> RigTruth:
+def two_places(stack: Server, seed: int, moments: int = 4) -> RigTruth:
     """A rig whose second camera is somebody else's."""
     rig = RigTruth(stack, seed=seed, address=HERE, baseline=3.0)
     rig.clients[1].address = THERE
@@ -48,18 +45,18 @@ def two_places(stack: LocalStack, seed: int, moments: int = 4) -> RigTruth:
 
 
 @pytest.fixture(scope="module")
-def unpublished(stack: LocalStack) -> RigTruth:
+def unpublished(stack: Server) -> RigTruth:
     """A rig that was killed right after its document said that it had ended; nobody asks again."""
     rig = two_places(stack, 30)
     rig.state()
     stack.wait_until_idle(60)  # what earlier tests left to be computed writes too
-    with crash_after(2):  # the rig's object and item
+    with crash_after(stack.storage, 2):  # the rig's object and item
         assert rig.call("POST", "/finish").status == 503
     return rig
 
 
 def test_reindex_completes_a_rig_that_ended_and_mends_the_index(
-    stack: LocalStack, context: OpsContext, unpublished: RigTruth, tmp_path: Path
+    stack: Server, context: OpsContext, unpublished: RigTruth, tmp_path: Path
 ) -> None:
     rig, running = unpublished, two_places(stack, 31, moments=1)
     state = rig.state()
@@ -87,7 +84,7 @@ def test_reindex_completes_a_rig_that_ended_and_mends_the_index(
     assert names(stack, "rig_calibrations/") == {f"rig_calibrations/{rig.rig_id}.json"}
 
 
-def test_forgetting_a_contributor_takes_their_rigs(stack: LocalStack, context: OpsContext) -> None:
+def test_forgetting_a_contributor_takes_their_rigs(stack: Server, context: OpsContext) -> None:
     before = names(stack, "rigs/", "rig_calibrations/")
     finished, running = two_places(stack, 32), two_places(stack, 33, moments=1)
     result = finished.call("POST", "/finish").json["result"]

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 import pytest
 
 from calibdb.proof.fetch import ProofError
-from infra.local import LocalStack
-from tests.helpers.service.client import EDGE, Client
+from infra.server.server import Server
+from tests.helpers.service.client import Client
 from tests.helpers.service.strangers import Time, standing_clock
 
 
 @pytest.fixture(scope="module")
-def stack() -> Iterator[LocalStack]:
-    with LocalStack(environment={"EDGE_SECRETS": EDGE}) as stack:
+def stack() -> Iterator[Server]:
+    with Server() as stack:
         yield stack
 
 
@@ -25,7 +25,7 @@ def clock() -> Iterator[Time]:
 
 
 @pytest.fixture
-def client(stack: LocalStack, clock: Time, request: pytest.FixtureRequest) -> Client:  # noqa: ARG001
+def client(stack: Server, clock: Time, request: pytest.FixtureRequest) -> Client:  # noqa: ARG001
     """A client at an address of its own for each test."""
     number = zlib.crc32(request.node.name.encode())
     return Client(stack, address=f"198.51.{number % 251}.{number // 251 % 251}")

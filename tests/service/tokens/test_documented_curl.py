@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from infra.local import LocalStack
 from infra.ops.reindex import reindex
+from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.strangers import context
 
@@ -25,7 +25,7 @@ def block(heading: str) -> str:
 
 
 def test_documented_curl_goes_from_nothing_to_a_calibration() -> None:
-    with LocalStack() as stack, stack.serve() as url:
+    with Server() as stack, stack.serve() as url:
         for n in range(5):
             published.store(stack).calibrations.publish(published.calibration(LABEL, n, views=3))
         reindex(context(stack))
@@ -50,7 +50,7 @@ def test_documented_curl_goes_from_nothing_to_a_calibration() -> None:
 
 
 def test_curl_alone_goes_from_nothing_to_a_calibration() -> None:
-    with LocalStack() as stack, stack.serve() as url:
+    with Server() as stack, stack.serve() as url:
         for n in range(5):
             published.store(stack).calibrations.publish(published.calibration("Known to all", n, views=3))
         reindex(context(stack))

@@ -5,14 +5,13 @@ from json import loads
 
 import pytest
 
-from calibdb.store import Table
-from infra.local import LocalStack
-from tests.helpers.service.client import EDGE
+from calibdb.store.sqlite import SqliteTable
+from infra.server.server import Server
 from tests.helpers.service.strangers import SITE, Time
 
 
 def test_no_endpoint_of_tokens_writes_a_secret_into_a_log(
-    stack: LocalStack,
+    stack: Server,
     clock: Time,
     site: dict[str, str],
     monkeypatch: pytest.MonkeyPatch,
@@ -21,13 +20,13 @@ def test_no_endpoint_of_tokens_writes_a_secret_into_a_log(
 ) -> None:
     caplog.set_level(logging.DEBUG)
     assert clock.ahead == 0
-    edge = {"x-calibdb-edge": EDGE, "x-forwarded-for": "198.18.200.1", "content-type": "application/json"}
+    plain = {"content-type": "application/json"}
 
     def ask(
         method: str, path: str, credential: str = "", body: bytes = b"", query: str = ""
     ) -> tuple[int, bytes]:
-        headers = {**edge, "authorization": f"Bearer {credential}"} if credential else edge
-        answer = stack.request(method, path, headers, query, body)
+        headers = {**plain, "authorization": f"Bearer {credential}"} if credential else plain
+        answer = stack.request(method, path, headers, query, body, client="198.18.200.1")
         return answer.status, answer.body
 
     made = loads(ask("POST", "/v1/tokens", body=f'{{"origins": ["http://localhost", "{SITE}"]}}'.encode())[1])
@@ -53,7 +52,7 @@ def test_no_endpoint_of_tokens_writes_a_secret_into_a_log(
         ask("POST", "/v1/lookup", secret, b"{}")
         ask("GET", "/v1/lookup", query=f"key={secret}")
     # An error that nobody foresaw, which is logged with its trace.
-    monkeypatch.setattr(Table, "get", lambda *_: 1 / 0)
+    monkeypatch.setattr(SqliteTable, "get", lambda *_: 1 / 0)
     assert {ask(method, path, managing, body)[0] for method, path, body in calls} >= {500}
     monkeypatch.undo()
     assert ask("DELETE", "/v1/tokens/self", managing)[0] == 204

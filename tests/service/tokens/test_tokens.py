@@ -5,8 +5,8 @@ import logging
 import pytest
 
 from calibdb.access.plans import TRIAL_PERIOD_S
-from infra.local import LocalStack
 from infra.ops.reindex import reindex
+from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, Client
 from tests.helpers.service.strangers import SITE, Time, ask, context, make, manage, standing_clock, states
@@ -169,7 +169,7 @@ def test_secret_is_rotated_and_earlier_ones_keep_their_time(client: Client, cloc
     assert manage(client, "POST", made, "/rotate", body={"grace_s": 10**9}).status == 422
 
 
-def test_new_secret_works_in_the_next_request_where_the_token_is_remembered(stack: LocalStack) -> None:
+def test_new_secret_works_in_the_next_request_where_the_token_is_remembered(stack: Server) -> None:
     """Functions remember a token for half a minute; three seconds pass here."""
     with standing_clock() as clock:
         client = Client(stack, address="198.51.100.77")

@@ -34,16 +34,16 @@ TOKEN = "cdb_a_secret"
 
 #: the vectors of docs/api.md
 VECTORS = [
-    (KEY, "rectilinear", "known/3a/3a3abd6e65b4228dbd439da8639522db.json"),
+    (KEY, "rectilinear", "known/v1/42ee8917499a1c844a9e64c2d1b55760/1280x720/0/rectilinear.json"),
     (
         CameraKey("FaceTime HD-Kamera", "Macintosh; Intel Mac OS X 10_15_7", (1920, 1080), 1.5),
         "rational",
-        "known/51/513ae4e34431327c5d2a3fa061bdf53f.json",
+        "known/v1/aadf7fb2054af388be5be5291c547bb9/1920x1080/1.5/rational.json",
     ),
     (
         CameraKey("Intégrée Kamera (04f2:b6cb)", "Windows NT 10.0; Win64; x64", (640, 480)),
         "fisheye",
-        "known/45/4526bb8a645793a4ba2e1988da58dae0.json",
+        "known/v1/efdb450876c43a53e8fdc2a382abe635/640x480/0/fisheye.json",
     ),
 ]
 
@@ -135,26 +135,12 @@ def test_camera_that_the_edge_does_not_know_is_asked_of_the_service(twin: bool) 
     assert answer.source == "service"
     assert service.paths == [
         f"GET /{VECTORS[0][2]}",
-        "GET /config.json",
         "POST /v1/lookup",
         f"GET /{VECTORS[0][2]}",
         "POST /v1/lookup",
     ]
-    assert service.asked[2].headers["authorization"] == f"Bearer {TOKEN}"
-    assert json.loads(service.asked[2].content)["redirect"] is False
-
-
-@both
-def test_edge_that_is_off_is_not_asked_again(twin: bool) -> None:
-    def answer(request: httpx.Request) -> httpx.Response:
-        if request.url.path == "/config.json":
-            return httpx.Response(200, json={"edge_answers": "off"})
-        return by_post(request)
-
-    service = Service(answer)
-    service.lookup(twin, times=3)
-    assert service.paths.count(f"GET /{VECTORS[0][2]}") == 1
-    assert service.paths.count("POST /v1/lookup") == 3
+    assert service.asked[1].headers["authorization"] == f"Bearer {TOKEN}"
+    assert json.loads(service.asked[1].content)["redirect"] is False
 
 
 @both
@@ -259,7 +245,7 @@ def test_service_that_is_away_is_said_in_one_sentence(twin: bool, error: Excepti
         service.lookup(twin)
     assert "try again" in str(raised.value)
     assert len(service.pauses) == 3
-    assert len(service.asked) == 2 + 4, "the edge once, its switch once, the service four times"
+    assert len(service.asked) == 1 + 4, "the edge once, the service four times"
 
 
 @both

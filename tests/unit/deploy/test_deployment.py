@@ -262,33 +262,3 @@ def unquoted(value: str) -> str:
     for character in " \"'":
         value = value.replace("\\" + character, character)
     return value
-
-
-@pytest.mark.parametrize("denied", [False, True])
-def test_answers_are_removed_or_the_deployment_fails(denied: bool) -> None:
-    names = [f"known/{n:02x}/a.json" for n in range(3)]
-    removed: list[str] = []
-
-    class S3:
-        def get_paginator(self, operation: str) -> "S3":
-            assert operation == "list_objects_v2"
-            return self
-
-        def paginate(self, **asked: str) -> Any:
-            assert asked == {"Bucket": "web", "Prefix": "known/"}
-            return iter([{"Contents": [{"Key": name} for name in names]}, {}])
-
-        def delete_objects(self, **asked: Any) -> Any:
-            if denied:
-                return {"Errors": [{"Key": names[0], "Code": "AccessDenied"}]}
-            removed.extend(entry["Key"] for entry in asked["Delete"]["Objects"])
-            return {}
-
-    if denied:
-        with pytest.raises(
-            aws.DeployError, match=r"1 answers at the edge remain: AccessDenied known/00/a\.json"
-        ):
-            aws.remove_answers(S3(), "web")
-    else:
-        assert aws.remove_answers(S3(), "web") == 3
-        assert removed == names

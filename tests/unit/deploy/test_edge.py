@@ -132,7 +132,7 @@ def test_no_error_answer_is_kept_at_the_edge() -> None:
 
 def test_answers_to_known_cameras_are_the_same_for_all_callers() -> None:
     (behaviour,) = (b for b in distribution()["CacheBehaviors"] if b["PathPattern"] == "/known/*")
-    assert (behaviour["TargetOriginId"], behaviour["Compress"]) == ("web", True)
+    assert (behaviour["TargetOriginId"], behaviour["Compress"]) == ("api", True)
     assert behaviour["CachePolicyId"] == {"Ref": "AnswerCaching"}
     assert behaviour["ResponseHeadersPolicyId"] == {"Ref": "SharedHeaders"}
     assert not {"AllowedMethods", "OriginRequestPolicyId", "FunctionAssociations"} & behaviour.keys()

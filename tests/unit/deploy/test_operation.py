@@ -12,12 +12,12 @@ from calibdb.errors import UnavailableError
 from calibdb.store import Cameras
 from infra.deploy import __main__ as command
 from infra.deploy import aws
+from infra.deploy.intrinsics import parse, parse_text
 from infra.deploy.package import complete_template
 from infra.deploy.site import uploads
 from infra.deploy.steps import Target, steps
-from infra.local import LocalStack
-from infra.local.intrinsics import parse, parse_text
 from infra.release import checkout
+from infra.server.server import Server
 from tests.helpers.data import ROOT
 
 NOW = datetime(2026, 11, 22, tzinfo=UTC)
@@ -186,5 +186,5 @@ def test_changed_checkout_is_deployed_only_by_wish(
 @pytest.fixture(scope="module")
 def served() -> Any:
     """Address of a local stack behind its own server."""
-    with LocalStack() as stack, stack.serve() as url:
+    with Server() as stack, stack.serve() as url:
         yield url

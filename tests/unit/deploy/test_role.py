@@ -11,7 +11,7 @@ import yaml
 from calibdb.camera_key import camera_key
 from calibdb.store.keys import calibration_object
 from infra.deploy import smoke_capture
-from infra.local.intrinsics import parse
+from infra.deploy.intrinsics import parse
 from tests.helpers.data import ROOT
 from tests.helpers.sam import as_created, complete, parsed
 
@@ -247,20 +247,3 @@ def test_every_service_of_the_template_may_be_deployed(role: dict[str, Any]) -> 
     needed = {SERVICES.get(kind.split("::")[1], kind.split("::")[1].lower()) for kind in types}
     assert len(needed) >= 10
     assert needed <= allowed
-
-
-def test_answers_at_the_edge_may_be_removed(role: dict[str, Any]) -> None:
-    """`EdgeAnswers=off` lists and deletes them."""
-    bucket = "arn:aws:s3:::calibdb-webbucket-1abc2def"
-    values = {"AWS::Partition": "aws", "Stack": "calibdb"}
-    for action, resource in (("s3:ListBucket", bucket), ("s3:DeleteObject", f"{bucket}/known/00/1.json")):
-        granted = [
-            statement["Sid"]
-            for statement in statements(role)
-            if statement["Effect"] == "Allow" and action in listed(statement["Action"])
-            for pattern in listed(statement["Resource"])
-            if fnmatch.fnmatchcase(
-                resource, re.sub(r"\$\{([\w:]+)\}", lambda m: values.get(m[1], m[0]), pattern["Fn::Sub"])
-            )
-        ]
-        assert granted, action

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from infra.deploy import page_token, smoke, smoke_capture
-from infra.local import LocalStack
 from infra.web_build.site import made_files
+from tests.aws.emulator import LocalStack
 from tests.helpers.service.client import TOKEN, Client
 from tests.helpers.service.published import store
 

@@ -11,8 +11,8 @@ import pytest
 from calibdb import __version__
 from infra.deploy import aws
 from infra.deploy.site import Upload, uploads
-from infra.local.pages import headers
 from infra.release.changelog import is_released
+from infra.server.pages import headers
 from infra.web_build import sdk
 from infra.web_build.sdk import ROOT, sdk_files, sdk_version
 from tests.helpers.aws import account

@@ -14,11 +14,10 @@ from calibdb.camera_key.usb_vendors import vendor_of
 from calibdb.dump.bundle import Source, build_bundle, names_of, rank
 from calibdb.lookup.camera_search import display_name, is_listed
 from calibdb.schema.dump import BundleFile, DumpDraft, Snapshot, Statistics, WantedCamera
-from calibdb.store.aliases import Aliases
 from calibdb.store.cameras import Cameras
 from calibdb.store.dumps import FOLDER, STATISTICS, Dumps
 from calibdb.store.miss_counts import USB, MissCounts
-from calibdb.store.objects import READERS
+from calibdb.store.ports import READERS
 
 BUNDLE = "bundle.json"
 MAX_BUNDLED = 500  # cameras
@@ -37,7 +36,7 @@ class Figures:
     dumps: Dumps
     cameras: Cameras
     miss_counts: MissCounts
-    aliases: Aliases
+    names: Callable[[str], set[tuple[str, str]]]
     licence: Callable[[str], str | None]
     min_contributors: int
 
@@ -82,11 +81,8 @@ class Figures:
                     return known, [key for _, key in popular]
 
     def _bundle(self, keys: Sequence[str], now: int) -> BundleFile | None:
-        """Write the bundle of these cameras, under the names by which the edge answers for them."""
-        names = {
-            key: {name for alias in self.aliases.of(key) if alias.seen for name in names_of(*alias.name)}
-            for key in keys
-        }
+        """Write the bundle of these cameras, under the names with which they were calibrated."""
+        names = {key: {name for own in self.names(key) for name in names_of(*own)} for key in keys}
         if not any(names.values()):
             return None
         source = Source(self.cameras.known, self.licence, self.min_contributors == 1, now)

@@ -25,7 +25,7 @@ from calibdb.schema import CalibrationDocument, VoteDocument
 from calibdb.schema.dump import Dump, DumpDraft, DumpedKind, DumpFile
 from calibdb.store.dumps import FOLDER, GZIP, LATEST, Dumps
 from calibdb.store.keys import WITHDRAWN
-from calibdb.store.objects import READERS
+from calibdb.store.ports import READERS
 
 PERIOD_S = 6 * 86_400  # from one dump to the next at least: a little less than the week of the schedule
 MAX_PART_BYTES = 32 * 2**20  # of documents, before compression

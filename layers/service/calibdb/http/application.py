@@ -11,12 +11,11 @@ import json
 import logging
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from http import HTTPStatus
 from typing import Any, cast
 from urllib.parse import urljoin
 
-from mangum import Mangum
 from pydantic import BaseModel
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
@@ -42,7 +41,9 @@ _DETAILS: dict[int, str] = {
     HTTPStatus.METHOD_NOT_ALLOWED: "This path allows {Allow}.",
 }
 
-LambdaHandler = Callable[[dict[str, Any], Any], dict[str, Any]]
+IN_THREAD = "calibdb.in_thread"
+"""Place in a request's scope of what runs an endpoint in a thread, if the server serves several at a time."""
+InThread = Callable[[Callable[[], Response]], Awaitable[Response]]
 Endpoint = Callable[[Call], Response]
 
 
@@ -60,8 +61,12 @@ def route(path: str, **methods: Endpoint) -> Route:
     """Make the Starlette route of one path: its methods in capitals, each with its endpoint; HEAD as GET."""
 
     async def endpoint(request: Request) -> Response:
-        verb = "GET" if request.method == "HEAD" else request.method
-        return methods[verb](Call(request, await request.body(), _service()))
+        method = methods["GET" if request.method == "HEAD" else request.method]
+        body = await request.body()
+        in_thread: InThread | None = request.scope.get(IN_THREAD)
+        if in_thread is None:
+            return method(Call(request, body, _service()))
+        return await in_thread(lambda: method(Call(request, body, _service())))
 
     return Route(path, endpoint, methods=list(methods))
 
@@ -80,22 +85,28 @@ def application(*routes: Route) -> Starlette:
     return app
 
 
-def handler(*routes: Route) -> LambdaHandler:
-    """Make the Lambda handler of `routes`: payload format 2.0 in and out."""
-    app = _with_default_headers(application(*routes))
+class handler:  # noqa: N801 - as Lambda calls it
+    """The Lambda handler of `routes`: payload format 2.0 in and out."""
 
-    def handle(event: dict[str, Any], context: Any) -> dict[str, Any]:
+    def __init__(self, *routes: Route) -> None:
+        if "AWS_LAMBDA_RUNTIME_API" in os.environ:
+            import mangum  # noqa: F401 - now, since Lambda starts a function faster than it runs it
+        self.routes = routes
+        self._app = with_default_headers(application(*routes))
+
+    def __call__(self, event: dict[str, Any], context: Any) -> dict[str, Any]:
+        """Answer the event."""
+        from mangum import Mangum  # a server does without
+
         # Mangum asks for the thread's event loop. Lambda's thread has none, nor has a gateway's worker; one
         # of its own for each event is a tenth of a millisecond and leaves nothing behind.
         loop = asyncio.new_event_loop()
         asyncio.set_event_loop(loop)
         try:
-            return Mangum(app, lifespan="off", text_mime_types=_TEXT)(_without_host(event), context)
+            return Mangum(self._app, lifespan="off", text_mime_types=_TEXT)(_without_host(event), context)
         finally:
             asyncio.set_event_loop(None)
             loop.close()
-
-    return handle
 
 
 def _without_host(event: dict[str, Any]) -> dict[str, Any]:
@@ -165,7 +176,7 @@ PREFLIGHT = {
 }
 
 
-def _with_default_headers(app: Starlette) -> Any:
+def with_default_headers(app: Starlette) -> Any:
     """Answer preflights, and add `nosniff`, and `Cache-Control: no-store` where a response has none.
 
     An HTTP API may hand a preflight to the function, whose `ANY` route it matches, instead of answering it

@@ -35,7 +35,7 @@ from calibdb.schema.estimate import Estimate
 from calibdb.schema.export import FORMATS, ExportQuery
 from calibdb.schema.fields import DISTORTION_MODELS
 from calibdb.schema.health import DeepHealth, HealthProblem
-from calibdb.schema.lookup import LookupRequest, Miss, NoCalibration
+from calibdb.schema.lookup import LookupRequest, Miss, NoCalibration, UnknownCamera
 from calibdb.schema.managed_token import (
     HourlyLimits,
     ManagedToken,
@@ -49,7 +49,7 @@ from calibdb.schema.managed_token import (
 )
 from calibdb.schema.prior import PriorDocument
 from calibdb.schema.problem import FieldProblem, LookupProblem, Problem
-from calibdb.schema.refit import BackfillAnswer, BackfillBatch, RefitAnswer, RefitRequest, Sighting
+from calibdb.schema.refit import BackfillAnswer, BackfillBatch, NewAlias, RefitAnswer, RefitRequest
 from calibdb.schema.rig import MomentRequest, RigOpened, RigRequest, RigResult, RigState
 from calibdb.schema.rig_documents import (
     RigCalibrationDocument,
@@ -117,6 +117,7 @@ __all__ = [
     "ManagedToken",
     "Miss",
     "MomentRequest",
+    "NewAlias",
     "NoCalibration",
     "Pose",
     "PriorDocument",
@@ -137,7 +138,6 @@ __all__ = [
     "SessionOpened",
     "SessionRequest",
     "SessionState",
-    "Sighting",
     "TokenChange",
     "TokenCreated",
     "TokenDocument",
@@ -146,6 +146,7 @@ __all__ = [
     "TokenRotated",
     "Track",
     "Uncertainty",
+    "UnknownCamera",
     "UsageAnswer",
     "ViewAnswer",
     "ViewDocument",

@@ -102,6 +102,12 @@ class NoCalibration(Open):
     estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)
 
 
+class UnknownCamera(Open):
+    """Reason why `GET /known/v1/…` has no answer; the body of its 404."""
+
+    reason: Reason
+
+
 class Miss(Open):
     """Address of the guidance page, and the reason for the miss; the body of the 307."""
 

@@ -8,7 +8,7 @@ from calibdb.schema.documents import ConsensusDocument
 from calibdb.schema.fields import DistortionModel, ImgSize, Label, Open, Zoom
 
 
-class Sighting(Open):
+class NewAlias(Open):
     """Label and platform under which a lookup found a camera, and the hashed source of the lookup."""
 
     label: Label
@@ -21,7 +21,7 @@ class RefitRequest(Open):
 
     A model that the function does not know is passed over: while a new version is rolled out, an old one may
     be asked by it. `queued`: nobody waits for the answer, so that whoever computes already can do it along.
-    `sighting`: nothing is computed; an alias of the camera is written down. `misses`: nothing is computed
+    `alias`: nothing is computed; an alias of the camera is stored. `misses`: nothing is computed
     either; cameras, and how often lookups found nothing reliable of them.
     """
 
@@ -30,7 +30,7 @@ class RefitRequest(Open):
     zoom: Zoom = 0.0
     models: tuple[str, ...] = ()  # empty: all
     queued: bool = False
-    sighting: Sighting | None = None
+    alias: NewAlias | None = None
     misses: dict[str, int] = Field({}, max_length=200)
 
 

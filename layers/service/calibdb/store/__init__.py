@@ -4,11 +4,9 @@ from calibdb.store.aliases import Alias, Aliases
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.cameras import CameraRecords, Cameras
 from calibdb.store.consensus import Consensuses
-from calibdb.store.edge_answers import EdgeAnswers
 from calibdb.store.keys import StreamMode
 from calibdb.store.leases import Leases
-from calibdb.store.locks import Locks
-from calibdb.store.objects import Objects
+from calibdb.store.ports import Condition, Objects, Table
 from calibdb.store.priors import Priors
 from calibdb.store.proofs import Proofs
 from calibdb.store.quotas import Quotas
@@ -17,7 +15,6 @@ from calibdb.store.rig_codes import RigCodes
 from calibdb.store.rigs import Rigs
 from calibdb.store.sessions import Sessions
 from calibdb.store.store import Store
-from calibdb.store.table import Condition, Table
 from calibdb.store.tokens import Tokens
 from calibdb.store.votes import IndexedVote, Votes
 
@@ -29,10 +26,8 @@ __all__ = [
     "Cameras",
     "Condition",
     "Consensuses",
-    "EdgeAnswers",
     "IndexedVote",
     "Leases",
-    "Locks",
     "Objects",
     "Priors",
     "Proofs",

@@ -31,14 +31,13 @@ from calibdb.store.keys import (
     tombstone_object,
 )
 from calibdb.store.names import Names, with_current_key
-from calibdb.store.objects import READERS, Objects
-from calibdb.store.table import Condition, Item, Table
+from calibdb.store.ports import READERS, Item, Objects, Table, absent
 
 MAX_PER_SOURCE = 3  # calibrations of one source that enter a consensus
 Withdrawal = Literal["wrong", "abuse", "privacy", "other"]
 WITHDRAWALS: tuple[Withdrawal, ...] = get_args(Withdrawal)
 _MAX_CALIBRATIONS = 2_000  # of a mode that are looked through for those that count
-_NOT_WITHDRAWN = Condition("attribute_not_exists(withdrawn)")
+_NOT_WITHDRAWN = absent("withdrawn")
 
 
 @dataclass(frozen=True)
@@ -144,27 +143,16 @@ class Calibrations:
                 break
         return counted
 
-    def name_at(self, mode: StreamMode) -> tuple[str, str] | None:
-        """Return label and platform of a calibration of the newest day, whether it counts or not."""
-        items = self._table.query(
-            mode.pk,
-            calibrations_prefix(mode.img_size, mode.zoom),
-            newest_first=True,
-            limit=1,
-            consistent=True,
-        )
-        for item in items:
-            if "camera" in item:
-                return str(item["camera"]), str(item["platform"])
-            # Items written before they held it.
-            document = self.get(str(item["sk"]).rpartition("#")[2])
-            return (document.camera, document.platform) if document else None
-        return None
-
     def modes(self, camera_key: str) -> list[StreamMode]:
         """Return the sizes and zooms at which the camera was calibrated."""
         modes = {mode for mode, _ in self._not_withdrawn(camera_key)}
         return sorted(modes, key=lambda mode: (mode.img_size, mode.zoom))
+
+    def names(self, camera_key: str) -> set[tuple[str, str]]:
+        """Return the labels and platforms of the camera's calibrations that were not withdrawn."""
+        items = self._table.query(camera_pk(camera_key), "CALIBRATION#")
+        named = (item for item in items if "withdrawn" not in item and "camera" in item)
+        return {(str(item["camera"]), str(item["platform"])) for item in named}
 
     def licence(self, camera_key: str) -> str | None:
         """Return the licence under which every calibration of the camera was given; None of one without."""

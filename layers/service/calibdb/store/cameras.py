@@ -10,14 +10,10 @@ from pydantic_core import from_json
 from calibdb.camera_key import PATTERN
 from calibdb.schema import ConsensusDocument
 from calibdb.schema.cameras import CameraMember
-from calibdb.store.aliases import LIST_SK, NO_ALIASES, AliasList, parse_list
 from calibdb.store.consensus import documents
 from calibdb.store.keys import StreamMode, calibrations_prefix, camera_pk
 from calibdb.store.names import ALL, SAME_AS
-from calibdb.store.table import Condition, Item, Table
-
-_IF_EXISTS = Condition("attribute_exists(pk)")
-
+from calibdb.store.ports import IF_EXISTS, Item, Table
 
 MIN_RIVAL_SHARE = 1 / 3  # contributors of an id / of the best known one of its name, from which it rivals it
 
@@ -59,15 +55,11 @@ class CameraRecords:
         rules give to a camera of earlier ones.
     well_known
         Those of them that are known well enough to be told apart from others.
-    aliases
-        Under which labels and platforms lookups arrive, as far as that is written down.
-
     """
 
     consensuses: list[ConsensusDocument]
     same_as: tuple[str, ...] = ()
     well_known: tuple[str, ...] = ()
-    aliases: AliasList = NO_ALIASES
 
     @property
     def candidates(self) -> tuple[str, ...]:
@@ -93,7 +85,6 @@ class Cameras:
             documents(item for item in items if "document" in item),
             tuple(others),
             rivals({key: support for key, support in others.items() if support}),
-            next((parse_list(item) for item in items if item["sk"] == LIST_SK), NO_ALIASES),
         )
 
     def set_id_support(self, camera_key: str, names: Iterable[str], support: IdSupport | None) -> bool:
@@ -109,7 +100,7 @@ class Cameras:
                 mark: Item = {}
                 if support is not None:
                     mark = {"well_known": support.contributors, "reliable": int(support.reliable)}
-                self._table.put(item | mark, _IF_EXISTS)
+                self._table.put(item | mark, IF_EXISTS)
                 written = True
         return written
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from calibdb.schema.health import CanaryRun
-from calibdb.store.table import Table
+from calibdb.store.ports import Table
 
 _PK, _SK = "HEALTH#CANARY", "LAST"
 EXPIRY_S = 2 * 3600  # s; a canary that is switched off is not spoken of for long

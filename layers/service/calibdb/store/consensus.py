@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from calibdb.schema import ConsensusDocument, GroupsDocument
 from calibdb.store.keys import StreamMode, camera_pk, consensus_sk, groups_sk, parse_consensus_id
-from calibdb.store.table import IF_NOT_EXISTS, Condition, Item, Table
+from calibdb.store.ports import IF_NOT_EXISTS, Condition, Item, Table, absent, equals
 
 _log = logging.getLogger(__name__)
 
@@ -81,11 +81,7 @@ def _still(before: str | None) -> Condition:
     if before is None:
         return IF_NOT_EXISTS
     # Items written before there was a basis beside the document give way.
-    return Condition(
-        "attribute_not_exists(pk) OR attribute_not_exists(#basis) OR #basis = :before",
-        {"before": before},
-        {"basis": "basis"},
-    )
+    return absent("basis") | equals(basis=before)
 
 
 def documents(items: Iterable[Item]) -> list[ConsensusDocument]:

@@ -6,15 +6,10 @@ named. A condition on its version keeps two writers apart.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from calibdb.schema.dump import Dump, DumpDraft, Statistics
-from calibdb.store.clients import available
-from calibdb.store.objects import Objects
-
-if TYPE_CHECKING:
-    from mypy_boto3_s3 import S3Client
+from calibdb.store.ports import Objects
 
 FOLDER = "dumps/"
 LATEST, STATISTICS = f"{FOLDER}latest.json", f"{FOLDER}statistics.json"
@@ -25,13 +20,11 @@ _DRAFT = f"{FOLDER}draft.json"
 
 
 class Dumps:
-    """Store of the public dumps of one deployment; `keypoints`: objects of the bucket of keypoints."""
+    """Store of the public dumps of one deployment, from the objects of keypoints to those of the site."""
 
-    def __init__(self, client: Callable[[], S3Client], keypoints: Objects, bucket: str) -> None:
-        self._client = client
+    def __init__(self, keypoints: Objects, site: Objects) -> None:
         self._keypoints = keypoints
-        self._public = Objects(client, bucket)
-        self._bucket = bucket
+        self._public = site
 
     def latest(self) -> Dump | None:
         """Return the newest dump, None where none was written yet."""
@@ -45,14 +38,7 @@ class Dumps:
 
     def write(self, name: str, content: bytes, media_type: str = JSON) -> None:
         """Write a public object, over the one of its name if there is one."""
-        with available():
-            self._client().put_object(
-                Bucket=self._bucket,
-                Key=name,
-                Body=content,
-                ContentType=media_type,
-                CacheControl=_CACHE_CONTROL[media_type],
-            )
+        self._public.put(name, content, media_type, _CACHE_CONTROL[media_type])
 
     def names(self) -> list[str]:
         """List the names of all public objects. For operators."""

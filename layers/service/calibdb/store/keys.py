@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
-import unicodedata
 from dataclasses import dataclass
 
 from calibdb.schema.fields import size_text, zoom_text
 
 WITHDRAWN = ".withdrawn.json"  # what the name of a tombstone ends with
-ANSWERS = "known/"  # folder of the answers at the edge, in the bucket of the site
 
 _CONSENSUS_ID = re.compile(r"(c[0-9]{1,3}-[a-z0-9-]{1,40}-[0-9a-f]{12})~([0-9]+)x([0-9]+)~([0-9.]+)~([a-z]+)")
 _CALIBRATION_SK = re.compile(r"CALIBRATION#([0-9]+)x([0-9]+)#([0-9.]+)#([0-9a-z-]+)")
@@ -97,19 +94,3 @@ def tombstone_object(calibration_id: str) -> str | None:
 def vote_object(camera_key: str, vote_id: str) -> str:
     """Return the object's name of a vote."""
     return f"votes/{camera_key}/{vote_id}.json"
-
-
-def alias_digest(label: str, platform: str) -> str:
-    """Return the name of the item of an alias: 16 hex digits."""
-    return hashlib.sha256(f"{label}\n{platform}".encode()).hexdigest()[:16]
-
-
-def answer_object(label: str, platform: str, img_size: tuple[int, int], zoom: float, model: str) -> str:
-    """Return the name of the object that answers a lookup at the edge (docs/api.md, "Answers at the edge").
-
-    It holds the first 16 bytes of a SHA-256, so that no label stands in an address.
-    """
-    label = unicodedata.normalize("NFC", label).strip()
-    text = f"v1\n{label}\n{platform}\n{size_text(img_size)}\n{zoom_text(zoom)}\n{model}"
-    digest = hashlib.sha256(text.encode()).hexdigest()[:32]
-    return f"{ANSWERS}{digest[:2]}/{digest}.json"

@@ -8,7 +8,7 @@ consensus: two computations at once, or one without a lease, do no harm.
 from __future__ import annotations
 
 from calibdb.store.keys import StreamMode
-from calibdb.store.table import Condition, Item, Table
+from calibdb.store.ports import IF_NOT_EXISTS, Item, Table, below, equals
 
 _SK = "META"
 _MAX_ATTEMPTS = 8  # to learn who holds it, while others let go of it and take it
@@ -28,11 +28,7 @@ class Leases:
         `until`: unix seconds at which the computation has surely ended, one way or the other. `name`: of one
         of several computations of the mode.
         """
-        free = Condition(
-            "attribute_not_exists(pk) OR #holder = :me OR #until < :now",
-            {"me": me, "now": now},
-            {"holder": "holder", "until": "until"},
-        )
+        free = IF_NOT_EXISTS | equals(holder=me) | below("until", now)
         for _ in range(_MAX_ATTEMPTS):
             if self._table.put(_item(mode, me, until, asked=0, name=name), free):
                 return True
@@ -41,32 +37,24 @@ class Leases:
                 continue
             holder = str(item["holder"])
             asked = _item(mode, holder, int(str(item["until"])), asked=1, name=name)
-            if self._table.put(asked, _held_by(holder)):
+            if self._table.put(asked, equals(holder=holder)):
                 return False
         return True  # so much coming and going that one more does not matter
 
     def again(self, mode: StreamMode, me: str, until: int) -> None:
         """Begin once more: what was asked for until now will be seen."""
-        self._table.put(_item(mode, me, until, asked=0), _held_by(me))
+        self._table.put(_item(mode, me, until, asked=0), equals(holder=me))
 
     def release(self, mode: StreamMode, me: str) -> bool:
         """Let go of it; False, and still held, when somebody asked meanwhile."""
-        unasked = Condition("#holder = :me AND #asked = :none", {"me": me, "none": 0}, _NAMES)
-        if self._table.delete(_pk(mode), _SK, unasked):
+        if self._table.delete(_pk(mode), _SK, equals(holder=me, asked=0)):
             return True
         item = self._table.get(_pk(mode), _SK)
         return item is None or item["holder"] != me
 
     def abandon(self, mode: StreamMode, me: str, name: str = _SK) -> None:
         """Let go of it although somebody asked."""
-        self._table.delete(_pk(mode), name, _held_by(me))
-
-
-_NAMES = {"holder": "holder", "asked": "asked"}
-
-
-def _held_by(holder: str) -> Condition:
-    return Condition("#holder = :holder", {"holder": holder}, {"holder": "holder"})
+        self._table.delete(_pk(mode), name, equals(holder=me))
 
 
 def _pk(mode: StreamMode) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 
-from calibdb.store.table import Table
+from calibdb.store.ports import Table
 
 USB = "usb#"
 WEEKS = 13  # that are counted: 90 days, about

@@ -20,7 +20,7 @@ from calibdb.camera_key.names import words
 from calibdb.camera_key.usb_vendors import vendor_words
 from calibdb.schema import CalibrationDocument
 from calibdb.store.keys import camera_pk
-from calibdb.store.table import IF_NOT_EXISTS, Item, Table
+from calibdb.store.ports import IF_NOT_EXISTS, Item, Table
 
 SAME_AS = "CONSENSUS-OF#"
 ALL = "CAMERAS#"  # partition of all cameras; followed by a letter, of the words that begin with it

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from calibdb.schema import FitRecord, PriorDocument
 from calibdb.schema.fields import size_text, zoom_text
 from calibdb.store.keys import camera_pk
-from calibdb.store.objects import Objects
-from calibdb.store.table import Table
+from calibdb.store.ports import Objects, Table
 
 _PRIORS_PREFIX = "priors/"
 

@@ -2,17 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from calibdb.errors import UnavailableError
 from calibdb.schema.managed_token import ProofAnswer, ProofRequest
-from calibdb.store.clients import available
-from calibdb.store.table import Table
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mypy_boto3_lambda import LambdaClient
+from calibdb.store.ports import Jobs, Table
 
 _EXPIRY_S = 3600  # s; whoever asked reads it at once
 
@@ -23,26 +15,17 @@ def store_proof(table: Table, token_id: str, origin: str, now: int) -> None:
 
 
 class Proofs:
-    """Proofs, fetched by another function, which notes what it found."""
+    """Proofs, fetched by the job `verify`, which notes what it found."""
 
-    def __init__(self, table: Table, client: Callable[[], LambdaClient], function: str | None) -> None:
+    def __init__(self, table: Table, jobs: Jobs) -> None:
         self._table = table
-        self._client = client
-        self._function = function
+        self._jobs = jobs
 
     def fetch(self, token_id: str, origin: str, now: int) -> ProofAnswer:
         """Have the proof fetched; raises UnavailableError where that fails for a reason of ours."""
-        if self._function is None:
-            raise ValueError("VERIFY_FUNCTION is not set for a function that needs it")
         request = ProofRequest(token_id=token_id, origin=origin)
-        with available():
-            answer = self._client().invoke(
-                FunctionName=self._function,
-                InvocationType="RequestResponse",
-                Payload=request.model_dump_json().encode(),
-            )
-            content = answer["Payload"].read()
-        if "FunctionError" in answer:
+        content = self._jobs.now("verify", request.model_dump_json().encode())
+        if content is None:
             raise UnavailableError("The service could not look for the proof; try again.")
         found = ProofAnswer.model_validate_json(content)
         if found.failure is None and not self._is_found(token_id, origin, now):

@@ -16,7 +16,7 @@ from random import randrange
 from zlib import crc32
 
 from calibdb.access.plans import HOUR_S, Counter
-from calibdb.store.table import Item, Table
+from calibdb.store.ports import Item, Table
 
 _SHARE_EXPIRY_S = 2 * HOUR_S  # after the hour's end; DynamoDB removes what expired within a day or two
 _DAY_S = 24 * HOUR_S

@@ -1,48 +1,26 @@
-"""Invocations of `refit`, which computes consensuses: queued, or awaited."""
+"""Computations of consensuses by the job `refit`: queued, or awaited."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from calibdb.errors import UnavailableError
 from calibdb.schema import RefitAnswer, RefitRequest
-from calibdb.store.clients import available
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mypy_boto3_lambda import LambdaClient
+from calibdb.store.ports import Jobs
 
 
 class Refit:
-    """The internal function, by its name."""
+    """The job, by its requests."""
 
-    def __init__(self, client: Callable[[], LambdaClient], function: str | None) -> None:
-        self._client = client
-        self._function = function
+    def __init__(self, jobs: Jobs) -> None:
+        self._jobs = jobs
 
     def later(self, request: RefitRequest) -> None:
         """Have the consensus computed; returns once the request is queued."""
         queued = request.model_copy(update={"queued": True})
-        with available():
-            self._client().invoke(
-                FunctionName=self._name(), InvocationType="Event", Payload=queued.model_dump_json().encode()
-            )
+        self._jobs.later("refit", queued.model_dump_json().encode())
 
     def now(self, request: RefitRequest) -> RefitAnswer:
         """Have the consensus computed and return it; raises UnavailableError when that fails."""
-        with available():
-            answer = self._client().invoke(
-                FunctionName=self._name(),
-                InvocationType="RequestResponse",
-                Payload=request.model_dump_json().encode(),
-            )
-            content = answer["Payload"].read()
-        if "FunctionError" in answer:
+        content = self._jobs.now("refit", request.model_dump_json().encode())
+        if content is None:
             raise UnavailableError("The service could not compute this model; try again.")
         return RefitAnswer.model_validate_json(content)
-
-    def _name(self) -> str:
-        if self._function is None:
-            raise ValueError("REFIT_FUNCTION is not set for a function that needs it")
-        return self._function

@@ -7,7 +7,7 @@ back where it was right.
 
 from __future__ import annotations
 
-from calibdb.store.table import Table
+from calibdb.store.ports import Table
 
 GUESS_WINDOW_S = 900
 MAX_GUESSES = 10

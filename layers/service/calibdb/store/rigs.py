@@ -10,8 +10,7 @@ import re
 from collections.abc import Iterator, Mapping
 
 from calibdb.schema import RigCalibrationDocument, RigDocument, RigEstimateDocument
-from calibdb.store.objects import Objects
-from calibdb.store.table import Table, Value
+from calibdb.store.ports import Objects, Table, Value
 from calibdb.store.versions import Kind, Versions
 
 RIG_CALIBRATIONS_PREFIX = "rig_calibrations/"

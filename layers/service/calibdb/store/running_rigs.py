@@ -10,7 +10,7 @@ from typing import Any
 from calibdb.errors import ConflictError
 from calibdb.rules.rig_state import Rig
 from calibdb.schema import RigDocument, RigEstimateDocument, SessionDocument
-from calibdb.store.objects import READERS
+from calibdb.store.ports import READERS
 from calibdb.store.store import Store
 
 TOO_SLOW = "These moments take longer to compute than a request may; undo some of them."

@@ -7,11 +7,12 @@ import logging
 import random
 import time
 from collections.abc import Callable, Mapping
-
-from botocore.exceptions import BotoCoreError, ClientError
+from typing import TYPE_CHECKING
 
 from calibdb.errors import UnavailableError
-from calibdb.store.clients import ParameterReader, available, ssm
+
+if TYPE_CHECKING:
+    from calibdb.store.aws import ParameterReader
 
 SECRETS_TTL_S = 300.0  # after which a rotation is known everywhere
 NAMES = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRETS")
@@ -54,24 +55,26 @@ class Secrets:
         if now >= self._until:
             try:
                 self._known = self._read()
-            except (ClientError, BotoCoreError):
+            except UnavailableError:
                 if not self._known:
-                    with available():
-                        raise
+                    raise
                 _log.warning("secrets could not be read anew", exc_info=True)
             self._until = now + SECRETS_TTL_S
         return self._known
 
     def _read(self) -> Mapping[str, str]:
         """Read anew; what was read before is not worth waiting for."""
+        from calibdb.store.aws import available
+
         names = [f"{self._path}/{name}" for name in NAMES]
         for attempt in range(1 if self._known else MAX_ATTEMPTS):
             if attempt:
                 self._sleep(self._uniform(0, min(_MAX_PAUSE_S, _FIRST_PAUSE_S * 2**attempt)))
             try:
-                answer = self._client().get_parameters(Names=names, WithDecryption=True)
+                with available():
+                    answer = self._client().get_parameters(Names=names, WithDecryption=True)
                 return {p["Name"].rpartition("/")[2]: p["Value"] for p in answer["Parameters"]}
-            except (ClientError, BotoCoreError) as error:
+            except UnavailableError as error:
                 failed = error
         raise failed
 
@@ -86,6 +89,8 @@ def with_secrets(environment: Mapping[str, str]) -> Mapping[str, str]:
 
 def read_parameter(name: str, region: str) -> str:
     """Read one secure parameter; raises UnavailableError, also where it is not there."""
+    from calibdb.store.aws import available, ssm
+
     with available():
         answer = ssm(region).get_parameters(Names=[name], WithDecryption=True)
     if not answer["Parameters"]:
@@ -95,4 +100,6 @@ def read_parameter(name: str, region: str) -> str:
 
 @functools.cache
 def _cached_secrets(path: str, region: str) -> Secrets:
+    from calibdb.store.aws import ssm
+
     return Secrets(lambda: ssm(region), path, time.monotonic)

@@ -7,8 +7,7 @@ item.
 from __future__ import annotations
 
 from calibdb.schema import SessionDocument
-from calibdb.store.objects import Objects
-from calibdb.store.table import Table
+from calibdb.store.ports import Objects, Table
 from calibdb.store.versions import Kind, Versions
 
 _SESSIONS = Kind(

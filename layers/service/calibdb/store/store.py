@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import functools
 from dataclasses import dataclass
 
 from calibdb.settings import Settings
-from calibdb.store import clients
 from calibdb.store.aliases import Aliases
 from calibdb.store.calibrations import Calibrations
 from calibdb.store.cameras import Cameras
 from calibdb.store.consensus import Consensuses
-from calibdb.store.edge_answers import EdgeAnswers
 from calibdb.store.leases import Leases
-from calibdb.store.locks import Locks
 from calibdb.store.miss_counts import MissCounts
-from calibdb.store.objects import Objects
+from calibdb.store.ports import Storage
 from calibdb.store.priors import Priors
 from calibdb.store.proofs import Proofs
 from calibdb.store.quotas import Quotas
@@ -23,7 +19,7 @@ from calibdb.store.refit import Refit
 from calibdb.store.rig_codes import RigCodes
 from calibdb.store.rigs import Rigs
 from calibdb.store.sessions import Sessions
-from calibdb.store.table import Table
+from calibdb.store.storage import storage_of
 from calibdb.store.tokens import Tokens
 from calibdb.store.votes import Votes
 
@@ -43,19 +39,20 @@ class Store:
     votes: Votes
     priors: Priors
     leases: Leases
-    locks: Locks
     aliases: Aliases
-    edge_answers: EdgeAnswers
     refit: Refit
     proofs: Proofs
     miss_counts: MissCounts
 
     @classmethod
     def of(cls, settings: Settings) -> Store:
-        """Return the storage that `settings` names. Clients are made when first used."""
-        table = Table(functools.partial(clients.dynamodb, settings.region), settings.table_name)
-        s3 = functools.partial(clients.s3, settings.region)
-        objects = Objects(s3, settings.bucket_name)
+        """Return the stores of the storage that `settings` names. Clients are made when first used."""
+        return cls.over(storage_of(settings))
+
+    @classmethod
+    def over(cls, storage: Storage) -> Store:
+        """Return the stores of a storage."""
+        table, objects = storage.table, storage.objects
         return cls(
             tokens=Tokens(table, objects),
             quotas=Quotas(table),
@@ -69,11 +66,7 @@ class Store:
             priors=Priors(table, objects),
             leases=Leases(table),
             miss_counts=MissCounts(table),
-            proofs=Proofs(
-                table, functools.partial(clients.lambda_, settings.region), settings.verify_function
-            ),
-            locks=Locks(table),
+            proofs=Proofs(table, storage.jobs),
             aliases=Aliases(table),
-            edge_answers=EdgeAnswers(s3, settings.web_bucket),
-            refit=Refit(functools.partial(clients.lambda_, settings.region), settings.refit_function),
+            refit=Refit(storage.jobs),
         )

@@ -13,8 +13,7 @@ from dataclasses import replace
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import UnavailableError
 from calibdb.schema import TokenDocument
-from calibdb.store.objects import Objects
-from calibdb.store.table import Condition, Item, Table
+from calibdb.store.ports import Item, Objects, Table, absent, at_most
 
 PREFIX = "tokens/"
 _TOMBSTONE_S = 86_400  # s for which a revoked token's item keeps writers away that were overtaken
@@ -104,12 +103,7 @@ class Tokens:
 
     def index(self, token: ApiToken) -> None:
         """Write the index item, unless it is of a later version; it follows from the token."""
-        newer = Condition(
-            "attribute_not_exists(pk) OR attribute_not_exists(#version) OR #version <= :version",
-            {"version": token.version},
-            {"version": "version"},
-        )
-        self._table.put(_item(token), newer)
+        self._table.put(_item(token), absent("version") | at_most("version", token.version))
 
     def all(self) -> Iterator[ApiToken]:
         """Yield every token in the bucket that was not revoked. For operators."""

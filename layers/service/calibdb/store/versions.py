@@ -18,8 +18,7 @@ from typing import Generic, TypeVar
 from pydantic import BaseModel
 
 from calibdb.errors import ConflictError, NotFoundError, UnavailableError
-from calibdb.store.objects import Objects
-from calibdb.store.table import IF_NOT_EXISTS, Condition, Item, Table, Value
+from calibdb.store.ports import IF_NOT_EXISTS, Condition, Item, Objects, Table, Value, equals
 
 LIFETIME_S = 24 * 3600  # seconds after its last change; the bucket's rule removes the objects a day later
 _MAX_UPDATE_ATTEMPTS = 5  # of a change that others keep overtaking
@@ -283,4 +282,4 @@ class Versions(Generic[Document]):
 
 
 def _if_version(version: int) -> Condition:
-    return Condition("#version = :version", {"version": version}, {"version": "version"})
+    return equals(version=version)

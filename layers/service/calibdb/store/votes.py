@@ -10,8 +10,7 @@ from calibdb.camera_key import current_key
 from calibdb.errors import DeniedReadError
 from calibdb.schema import VoteDocument
 from calibdb.store.keys import StreamMode, vote_object
-from calibdb.store.objects import READERS, Objects
-from calibdb.store.table import Item, Table
+from calibdb.store.ports import READERS, Item, Objects, Table
 
 MAX_VOTES = 50  # the newest; more could only repeat them
 _MAX_VOTES_READ = 1_000  # of a mode that are looked through for them

@@ -1,0 +1,1 @@
+"""The self-hosted server: one process, or several, over one SQLite file."""

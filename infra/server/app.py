@@ -1,0 +1,231 @@
+"""The ASGI application: the API of `functions/*`, the public dumps, and the site."""
+
+from __future__ import annotations
+
+import asyncio
+import importlib
+import ipaddress
+import logging
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any
+from urllib.parse import urlsplit
+
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Match, Route
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from calibdb.http.application import IN_THREAD, PREFLIGHT, application, with_default_headers
+from infra.server.loopback import is_loopback
+
+FUNCTIONS = (
+    *("lookup", "health", "auth", "session", "next_pose", "submit", "rig", "cameras", "export", "checks"),
+    "tokens",
+)
+MAX_BODY_BYTES = 6 * 1024 * 1024
+_KNOWN = "/known/"
+KNOWN_TTL_S = 60.0
+"""Time for which the answers to known cameras are remembered, and that they are not known."""
+_MAX_KNOWN = 4096
+BODY_TIMEOUT_S = 30.0
+RESPONSE_TIMEOUT_S = 30.0
+_API_PREFIXES = ("/v1/", "/healthz", "/badge/", _KNOWN)
+_EXPOSED = (
+    "location,retry-after,etag,ratelimit,ratelimit-policy,content-disposition,"
+    "x-conversion-error,x-conversion-coverage,x-conversion-warning"
+)
+_CORS = [
+    (b"access-control-allow-origin", b"*"),
+    (b"access-control-expose-headers", _EXPOSED.encode()),
+]
+
+_access = logging.getLogger("infra.server.access")
+Network = ipaddress.IPv4Network | ipaddress.IPv6Network
+
+
+@dataclass(frozen=True)
+class Public:
+    """Callers that may reach the server, and its name; by default this machine only.
+
+    Attributes
+    ----------
+    url
+        Address of the site for everyone, "https://calibdb.example"; None: this machine only.
+    proxies
+        Networks of the reverse proxies whose `X-Forwarded-For` is believed.
+    """
+
+    url: str | None = None
+    proxies: Sequence[Network] = field(default=())
+
+    def allows(self, host: str) -> bool:
+        """True if the server answers to this `Host` header."""
+        return is_loopback(host) or (self.url is not None and host.lower() == urlsplit(self.url).netloc)
+
+    def caller(self, peer: str, forwarded: str) -> str:
+        """Return the address of the caller: the last one that is not a proxy's."""
+        address = peer
+        for hop in reversed([*filter(None, forwarded.split(",")), peer]):
+            try:
+                parsed = ipaddress.ip_address(hop.strip())
+            except ValueError:
+                break
+            address = str(parsed)
+            if not any(parsed in network for network in self.proxies):
+                break
+        return address
+
+
+class App:
+    """The application.
+
+    Parameters
+    ----------
+    site, dumps
+        Applications of the pages and of `/dumps/`.
+    workers
+        Threads of the API's endpoints.
+    public
+        Who may reach the server.
+    """
+
+    def __init__(
+        self, site: ASGIApp, dumps: ASGIApp, workers: ThreadPoolExecutor, public: Public | None = None
+    ) -> None:
+        self._site = site
+        self._dumps = dumps
+        self._workers = workers
+        self._public = public or Public()
+        routes: list[Route] = []
+        for name in FUNCTIONS:
+            routes += importlib.import_module(f"functions.{name}.app").handler.routes
+        self._routes = routes
+        self._known: OrderedDict[str, tuple[float, Message, Message]] = OrderedDict()
+        self._api = with_default_headers(application(*routes))
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer one request."""
+        if scope["type"] != "http":
+            return
+        begun, path, status = time.perf_counter(), scope["path"], 0
+        hosts = [value for name, value in scope["headers"] if name == b"host"]
+        is_api = path.startswith(_API_PREFIXES)
+
+        async def sending(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                if is_api and origin:
+                    own = [h for h in message["headers"] if not h[0].startswith(b"access-control-")]
+                    message["headers"] = [*own, *_CORS]
+            await send(message)
+
+        origin = any(name == b"origin" for name, _ in scope["headers"])
+        app: ASGIApp = self._answer if is_api else self._dumps if path.startswith("/dumps/") else self._site
+        if not all(self._public.allows(value.decode("latin-1")) for value in hosts):
+            app = _message(421, "This server does not answer to this host name.")
+        elif path.startswith(_KNOWN) and scope["method"] == "GET":
+            app = self._answer_known
+        if self._public.proxies and scope.get("client"):
+            self._believe_proxy(scope)
+        try:
+            await app(scope, receive, sending)
+        finally:
+            if status >= 400 or status == 0:
+                # No query, no headers, no address: they contain tokens and people.
+                took_ms = (time.perf_counter() - begun) * 1000
+                named = self._name(scope) if is_api else path
+                _access.info("%s %s %s %.1f ms", scope["method"], named, status or "aborted", took_ms)
+
+    def _name(self, scope: Scope) -> str:
+        """Return the route of a request: a path may contain what is secret."""
+        for route in self._routes:
+            if route.matches(scope)[0] is not Match.NONE:
+                return route.path
+        return "unknown path"
+
+    def _believe_proxy(self, scope: Scope) -> None:
+        peer, port = scope["client"]
+        forwarded = b",".join(value for name, value in scope["headers"] if name == b"x-forwarded-for")
+        scope["client"] = self._public.caller(peer, forwarded.decode("latin-1")), port
+
+    async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request of the API: the body is read here, the endpoint runs in a thread."""
+        if scope["method"] == "OPTIONS":
+            await Response(status_code=204, headers=PREFLIGHT)(scope, receive, send)
+            return
+        body: bytes | None = b""
+        if any(name in (b"content-length", b"transfer-encoding") for name, _ in scope["headers"]):
+            try:
+                body = await asyncio.wait_for(_read(receive), BODY_TIMEOUT_S)
+            except TimeoutError:
+                late = _message(408, "Request Timeout", {"connection": "close"})
+                await late(scope, receive, send)
+                return
+            except _DisconnectError:
+                return
+        if body is None:
+            await _message(413, "Request Entity Too Large")(scope, receive, send)
+            return
+        whole: Message = {"type": "http.request", "body": body, "more_body": False}
+
+        async def receiving() -> Message:
+            return whole
+
+        scope[IN_THREAD] = self._in_thread
+        await self._api(scope, receiving, send)
+
+    async def _answer_known(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a lookup of a known camera, the same for everyone, from memory if it was asked lately."""
+        path, now = scope["path"], time.monotonic()
+        until, start, body = self._known.get(path, (0.0, {}, {}))
+        if now >= until or any(name == b"if-none-match" for name, _ in scope["headers"]):
+            messages: list[Message] = []
+
+            async def collect(message: Message) -> None:
+                messages.append(message)
+
+            await self._answer(scope, receive, collect)
+            if not messages:
+                return  # the client is gone
+            start, body = messages[0], messages[-1]
+            if start["status"] in (200, 404):
+                self._known[path] = now + KNOWN_TTL_S, start, body
+                self._known.move_to_end(path)
+                if len(self._known) > _MAX_KNOWN:
+                    self._known.popitem(last=False)
+        await send({**start})
+        await send(body)
+
+    async def _in_thread(self, call: Callable[[], Response]) -> Response:
+        future = asyncio.get_running_loop().run_in_executor(self._workers, call)
+        done, _ = await asyncio.wait([future], timeout=RESPONSE_TIMEOUT_S)
+        # Late, the endpoint continues in its thread, and ends by its own limits.
+        return future.result() if done else _message(503, "Service Unavailable")
+
+
+class _DisconnectError(Exception):
+    """The client is gone."""
+
+
+async def _read(receive: Receive) -> bytes | None:
+    """Read the body; None if it is too large."""
+    chunks, size = [], 0
+    while True:
+        message = await receive()
+        if message["type"] == "http.disconnect":
+            raise _DisconnectError
+        chunk = message.get("body", b"")
+        chunks.append(chunk)
+        size += len(chunk)
+        if size > MAX_BODY_BYTES:
+            return None
+        if not message.get("more_body"):
+            return b"".join(chunks)
+
+
+def _message(status: int, text: str, headers: Mapping[str, str] | None = None) -> Any:
+    return JSONResponse({"message": text}, status, headers)

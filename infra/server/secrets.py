@@ -1,0 +1,69 @@
+"""The server's own secrets."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import secrets
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+_SECRET = re.compile("[0-9a-f]{64}")
+_WAY_ON = (
+    "put back a copy of it, or start once with NEW_SECRETS=1 to have new ones made; then captures that run "
+    "end, and contributors count anew"
+)
+
+
+@dataclass(frozen=True)
+class Secrets:
+    """Keys that sign session ids and hash contributors."""
+
+    session: str
+    contributor: str
+
+    def __repr__(self) -> str:
+        return "Secrets(…)"
+
+
+def generate() -> Secrets:
+    """Generate new secrets."""
+    return Secrets(secrets.token_hex(32), secrets.token_hex(32))
+
+
+class SecretsError(Exception):
+    """The file of secrets is missing or damaged."""
+
+
+def load(path: Path, *, known: bool = False) -> Secrets:
+    """Read the secrets of a file, which is created at the first time; only its owner may read it.
+
+    They last, so that a restart does not end running sessions, nor make every contributor another one.
+
+    Raises
+    ------
+    SecretsError
+        If the file is damaged, or missing where it is `known` that there was one.
+    """
+    if not path.exists():
+        if known:
+            raise SecretsError(f"{path} is missing, but the database that it belongs to is there: {_WAY_ON}")
+        # Written whole beside it, then renamed: a crash leaves either no file or all of it.
+        draft = path.with_suffix(".new")
+        descriptor = os.open(draft, os.O_CREAT | os.O_WRONLY | os.O_TRUNC, 0o600)
+        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+            json.dump(asdict(generate()), file)
+            file.flush()
+            os.fsync(file.fileno())
+        draft.replace(path)
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        found = Secrets(content["session"], content["contributor"])
+    except OSError as error:
+        raise SecretsError(f"{path} cannot be read ({error.strerror}): {_WAY_ON}") from error
+    except (ValueError, KeyError, TypeError) as error:
+        raise SecretsError(f"{path} is damaged (it holds no two secrets): {_WAY_ON}") from error
+    if not all(isinstance(secret, str) and _SECRET.fullmatch(secret) for secret in asdict(found).values()):
+        raise SecretsError(f"{path} is damaged (a secret is not 64 hex digits): {_WAY_ON}")
+    return found

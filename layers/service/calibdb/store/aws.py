@@ -1,0 +1,519 @@
+"""The ports on AWS: DynamoDB, S3 and Lambda. No other module imports botocore.
+
+Clients are created on first use and kept: a connection costs more than most requests. They are botocore's.
+boto3 would add S3's transfer manager, a fifth of what a lookup imports, and nothing here uses it.
+"""
+
+from __future__ import annotations
+
+import functools
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from decimal import Decimal
+from typing import TYPE_CHECKING, Any, Protocol, cast
+
+import botocore.session
+from botocore.config import Config
+from botocore.exceptions import BotoCoreError, ClientError
+
+from calibdb.errors import DeniedReadError, UnavailableError
+from calibdb.store.ports import Condition, Item, JobName, Value
+
+if TYPE_CHECKING:
+    from mypy_boto3_dynamodb import DynamoDBClient
+    from mypy_boto3_dynamodb.type_defs import AttributeValueTypeDef
+    from mypy_boto3_lambda import LambdaClient
+    from mypy_boto3_s3 import S3Client
+
+# 409: another write of the same name is under way. It may yet fail: nobody knows whether the name is taken.
+_UNDECIDED = "ConditionalRequestConflict"
+_MAX_WRITES = 5
+_MAX_OBJECTS_PER_DELETE = 1000  # objects that S3 removes in one request
+# Storage answers in milliseconds or not at all; the gateway gives up after 30 s, the function after 29.
+_STORAGE = Config(
+    connect_timeout=1,
+    read_timeout=2,
+    retries={"mode": "standard", "total_max_attempts": 3},
+    tcp_keepalive=True,
+)
+# Who reads the secrets tries again by itself, with pauses that spread a crowd.
+_SECRETS = Config(connect_timeout=1, read_timeout=2, retries={"mode": "standard", "total_max_attempts": 1})
+# A computation is asked for once: repeating it because it is slow would make it slower.
+_INVOKE = Config(connect_timeout=1, read_timeout=25, retries={"mode": "standard", "total_max_attempts": 1})
+
+
+class ParameterReader(Protocol):
+    """Part of SSM's client that reads parameters."""
+
+    def get_parameters(self, *, Names: Sequence[str], WithDecryption: bool) -> Mapping[str, Any]:  # noqa: N803
+        """Return the parameters of these names, ten at most."""
+        ...
+
+
+_making = threading.Lock()  # a session is not safe to make clients with in several threads
+
+
+@functools.cache
+def dynamodb(region: str) -> DynamoDBClient:
+    """Return the client of the index."""
+    return cast("DynamoDBClient", _make("dynamodb", region, _STORAGE))
+
+
+@functools.cache
+def s3(region: str) -> S3Client:
+    """Return the client of the bucket."""
+    return cast("S3Client", _make("s3", region, _STORAGE))
+
+
+@functools.cache
+def lambda_(region: str) -> LambdaClient:
+    """Return the client that asks other functions."""
+    return cast("LambdaClient", _make("lambda", region, _INVOKE))
+
+
+@functools.cache
+def ssm(region: str) -> ParameterReader:
+    """Return the client of the parameter store."""
+    return cast("ParameterReader", _make("ssm", region, _SECRETS))
+
+
+@functools.cache
+def _session() -> botocore.session.Session:
+    return botocore.session.get_session()
+
+
+def _make(service: str, region: str, config: Config) -> object:
+    with _making:
+        return _session().create_client(service, region_name=region, config=config)
+
+
+def code(error: ClientError) -> str:
+    """Return AWS's name of an error."""
+    return error.response["Error"]["Code"]
+
+
+@contextmanager
+def available() -> Iterator[None]:
+    """Turn what storage could not do, after its retries, into UnavailableError: the caller may try again."""
+    try:
+        yield
+    except (ClientError, BotoCoreError) as error:
+        name = code(error) if isinstance(error, ClientError) else type(error).__name__
+        raise UnavailableError(f"Storage did not answer ({name}).") from error
+
+
+class DynamoTable:
+    """`Table` in DynamoDB."""
+
+    def __init__(self, client: Callable[[], DynamoDBClient], name: str) -> None:
+        self._client = client
+        self._name = name
+
+    def get(self, pk: str, sk: str, *, consistent: bool = True) -> Item | None:
+        """Return the item, None when there is none."""
+        with available():
+            found = self._client().get_item(
+                TableName=self._name, Key={"pk": {"S": pk}, "sk": {"S": sk}}, ConsistentRead=consistent
+            )
+        return _decode(found["Item"]) if "Item" in found else None
+
+    def put(self, item: Item, condition: Condition | None = None) -> bool:
+        """Write the item; False, and nothing written, when `condition` does not hold."""
+        with available():
+            try:
+                self._client().put_item(
+                    TableName=self._name,
+                    Item={k: _encode(v) for k, v in item.items()},
+                    **_options(condition),
+                )
+            except ClientError as error:
+                if code(error) != "ConditionalCheckFailedException":
+                    raise
+                return False
+        return True
+
+    def put_transaction(self, items: Sequence[Item], condition: Condition) -> bool:
+        """Write all items or none; False, and nothing written, when `condition` does not hold of the first.
+
+        Of two writers at once one is told False.
+        """
+        puts: list[dict[str, Any]] = [
+            {"TableName": self._name, "Item": {k: _encode(v) for k, v in item.items()}} for item in items
+        ]
+        puts[0] |= _options(condition)
+        writes: list[Any] = [{"Put": put} for put in puts]
+        with available():
+            try:
+                self._client().transact_write_items(TransactItems=writes)
+            except ClientError as error:
+                if not _is_conditional_failure(error):
+                    raise
+                return False
+        return True
+
+    def add(
+        self, pk: str, sk: str, name: str, amount: int, *, limit: int | None = None, ttl: int | None = None
+    ) -> int | None:
+        """Add to the counter `name` of an item, both made where there is none; return what it became.
+
+        None, and nothing added, where it would exceed `limit`. An addition whose answer got lost is repeated
+        and counts twice: for what need not be exact.
+        """
+        if limit is not None and amount > limit:
+            return None
+        names, values = {"#name": name}, {":amount": _encode(amount)}
+        options: dict[str, Any] = {}
+        update = "ADD #name :amount"
+        if ttl is not None:
+            update += " SET #ttl = :ttl"
+            names["#ttl"], values[":ttl"] = "ttl", _encode(ttl)
+        if limit is not None:
+            options["ConditionExpression"] = "attribute_not_exists(#name) OR #name <= :room"
+            values[":room"] = _encode(limit - amount)
+        with available():
+            try:
+                changed = self._client().update_item(
+                    TableName=self._name,
+                    Key={"pk": {"S": pk}, "sk": {"S": sk}},
+                    UpdateExpression=update,
+                    ExpressionAttributeNames=names,
+                    ExpressionAttributeValues=values,
+                    ReturnValues="UPDATED_NEW",
+                    **options,
+                )
+            except ClientError as error:
+                if code(error) != "ConditionalCheckFailedException":
+                    raise
+                return None
+        return int(str(_decode(changed["Attributes"])[name]))
+
+    def remove(self, pk: str, sk: str, name: str) -> None:
+        """Remove the attribute `name` of an item, if there is such an item."""
+        with available():
+            try:
+                self._client().update_item(
+                    TableName=self._name,
+                    Key={"pk": {"S": pk}, "sk": {"S": sk}},
+                    UpdateExpression="REMOVE #name",
+                    ConditionExpression="attribute_exists(pk)",
+                    ExpressionAttributeNames={"#name": name},
+                )
+            except ClientError as error:
+                if code(error) != "ConditionalCheckFailedException":
+                    raise
+
+    def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
+        """Remove the item, if there is one; False, and nothing removed, when `condition` does not hold."""
+        with available():
+            try:
+                self._client().delete_item(
+                    TableName=self._name, Key={"pk": {"S": pk}, "sk": {"S": sk}}, **_options(condition)
+                )
+            except ClientError as error:
+                if code(error) != "ConditionalCheckFailedException":
+                    raise
+                return False
+        return True
+
+    def query(
+        self,
+        pk: str,
+        prefix: str,
+        *,
+        newest_first: bool = False,
+        limit: int | None = None,
+        consistent: bool = False,
+    ) -> list[Item]:
+        """Return the items of `pk` whose `sk` begins with `prefix`, in the order of `sk` or against it.
+
+        One Query for every megabyte of items.
+        """
+        return list(self._pages(pk, prefix, newest_first, limit, consistent))
+
+    def page(self, pk: str, prefix: str, limit: int, after: str | None) -> tuple[list[Item], bool]:
+        """Return at most `limit` items after the `sk` `after`, as `query` does, and whether more follow.
+
+        One Query.
+        """
+        start: dict[str, Any] = (
+            {} if after is None else {"ExclusiveStartKey": {"pk": {"S": pk}, "sk": {"S": after}}}
+        )
+        with available():
+            found = self._client().query(
+                TableName=self._name,
+                KeyConditionExpression="pk = :pk AND begins_with(sk, :prefix)",
+                ExpressionAttributeValues={":pk": {"S": pk}, ":prefix": {"S": prefix}},
+                Limit=limit,
+                **start,
+            )
+        return [_decode(item) for item in found["Items"]], "LastEvaluatedKey" in found
+
+    def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
+        """Yield the keys of all items whose `pk` begins with `pk_prefix`. Reads the whole table."""
+        with available():
+            pages = self._client().get_paginator("scan")
+            for page in pages.paginate(
+                TableName=self._name,
+                ProjectionExpression="pk, sk",
+                ConsistentRead=True,
+            ):
+                for item in page["Items"]:
+                    if item["pk"]["S"].startswith(pk_prefix):
+                        yield item["pk"]["S"], item["sk"]["S"]
+
+    def _pages(
+        self, pk: str, prefix: str, newest_first: bool, limit: int | None, consistent: bool
+    ) -> Iterator[Item]:
+        options: dict[str, Any] = {}
+        left = limit
+        while left is None or left > 0:
+            if left is not None:
+                options["Limit"] = left
+            with available():
+                page = self._client().query(
+                    TableName=self._name,
+                    KeyConditionExpression="pk = :pk AND begins_with(sk, :prefix)",
+                    ExpressionAttributeValues={":pk": {"S": pk}, ":prefix": {"S": prefix}},
+                    ScanIndexForward=not newest_first,
+                    ConsistentRead=consistent,
+                    **options,
+                )
+            for item in page["Items"]:
+                yield _decode(item)
+            if left is not None:
+                left -= len(page["Items"])
+            if "LastEvaluatedKey" not in page:
+                return
+            options["ExclusiveStartKey"] = page["LastEvaluatedKey"]
+
+
+def _is_conditional_failure(error: ClientError) -> bool:
+    """Tell whether a transaction failed for its condition, or for another writer of the same items."""
+    reasons = [str(r.get("Code")) for r in error.response.get("CancellationReasons", [])]
+    return code(error) == "TransactionCanceledException" and set(reasons) <= {
+        "None",
+        "ConditionalCheckFailed",
+        "TransactionConflict",
+    }
+
+
+def _options(condition: Condition | None) -> dict[str, Any]:
+    """Return the parameters of a conditional write."""
+    if condition is None:
+        return {}
+    names: dict[str, str] = {}
+    values: dict[str, Any] = {}
+    alternatives = []
+    for together in condition.alternatives:
+        parts = []
+        for each in together:
+            names[f"#{each.name}"] = each.name
+            if each.relation in ("absent", "present"):
+                call = "attribute_not_exists" if each.relation == "absent" else "attribute_exists"
+                parts.append(f"{call}(#{each.name})")
+            else:
+                value = f":v{len(values)}"
+                values[value] = _encode(each.value)
+                parts.append(f"#{each.name} {each.relation} {value}")
+        alternatives.append(" AND ".join(parts))
+    options: dict[str, Any] = {
+        "ConditionExpression": " OR ".join(alternatives),
+        "ExpressionAttributeNames": names,
+    }
+    return options | ({"ExpressionAttributeValues": values} if values else {})
+
+
+def _encode(value: Value) -> AttributeValueTypeDef:
+    if isinstance(value, str):
+        return {"S": value}
+    if isinstance(value, int):
+        return {"N": str(value)}
+    return {"L": [{"S": text} for text in value]}
+
+
+def _decode(item: Mapping[str, AttributeValueTypeDef]) -> Item:
+    return {name: _value(value) for name, value in item.items()}
+
+
+def _value(value: AttributeValueTypeDef) -> Value:
+    if "S" in value:
+        return value["S"]
+    if "N" in value:
+        return int(Decimal(value["N"]))
+    if "L" in value:
+        return [element["S"] for element in value["L"]]
+    if "SS" in value:
+        return sorted(value["SS"])
+    raise ValueError(f"an attribute of a type that the index does not use: {sorted(value)}")
+
+
+class S3Objects:
+    """`Objects` in a bucket of S3."""
+
+    def __init__(self, client: Callable[[], S3Client], bucket: str) -> None:
+        self._client = client
+        self._bucket = bucket
+
+    def get(self, name: str) -> bytes | None:
+        """Return the object's content, None when there is none; raises DeniedReadError."""
+        found = self.get_version(name)
+        return None if found is None else found[0]
+
+    def get_version(self, name: str) -> tuple[bytes, str] | None:
+        """Return the object's content and the tag of this version, None where there is none.
+
+        Raises DeniedReadError.
+        """
+        with available():
+            try:
+                found = self._client().get_object(Bucket=self._bucket, Key=name)
+                return found["Body"].read(), found["ETag"]
+            except ClientError as error:
+                # To whom may not list, S3 says of a missing object that it is forbidden, too.
+                if code(error) == "AccessDenied":
+                    self._confirm_missing(name)
+                elif code(error) != "NoSuchKey":
+                    raise
+                return None
+
+    def replace(self, name: str, content: bytes, tag: str) -> bool:
+        """Write the object over the version with this tag; False, and nothing written, over another."""
+        with available():
+            try:
+                self._client().put_object(
+                    Bucket=self._bucket,
+                    Key=name,
+                    Body=content,
+                    ContentType="application/json",
+                    IfMatch=tag,
+                )
+            except ClientError as error:
+                if code(error) not in ("PreconditionFailed", "NoSuchKey", _UNDECIDED):
+                    raise
+                return False
+        return True
+
+    def _confirm_missing(self, name: str) -> None:
+        """Raise DeniedReadError unless the list of the bucket, which has another right, lacks the object."""
+        try:
+            listed = self._client().list_objects_v2(Bucket=self._bucket, Prefix=name, MaxKeys=1)
+        except (ClientError, BotoCoreError) as error:
+            raise DeniedReadError("Storage denied a read; try again.") from error
+        if any(found["Key"] == name for found in listed.get("Contents", [])):
+            raise DeniedReadError("Storage denied a read; try again.")
+
+    def create(self, name: str, content: bytes) -> bool:
+        """Write a new object; False, and nothing written, when the name is taken."""
+        for _ in range(_MAX_WRITES):
+            with available():
+                try:
+                    self._client().put_object(
+                        Bucket=self._bucket,
+                        Key=name,
+                        Body=content,
+                        ContentType="application/json",
+                        IfNoneMatch="*",
+                    )
+                except ClientError as error:
+                    if code(error) == "PreconditionFailed":
+                        return False
+                    if code(error) != _UNDECIDED:
+                        raise
+                else:
+                    return True
+        raise UnavailableError("Other requests keep writing the same object; send this one again.")
+
+    def put(
+        self,
+        name: str,
+        content: bytes,
+        media_type: str = "application/json",
+        cache_control: str | None = None,
+    ) -> None:
+        """Write the object, replacing the one with its name."""
+        options: dict[str, Any] = {"CacheControl": cache_control} if cache_control else {}
+        with available():
+            self._client().put_object(
+                Bucket=self._bucket, Key=name, Body=content, ContentType=media_type, **options
+            )
+
+    def purge_all_versions(self, names: Iterable[str]) -> int:
+        """Remove the objects with every version that the bucket keeps of them; return how many those were.
+
+        For operators: what a person wants forgotten must not survive as a version.
+        """
+        removed = 0
+        for name in names:
+            versions = list(self._versions(name))
+            for start in range(0, len(versions), _MAX_OBJECTS_PER_DELETE):
+                with available():
+                    self._client().delete_objects(
+                        Bucket=self._bucket,
+                        Delete={
+                            "Objects": [
+                                {"Key": name, "VersionId": version}
+                                for version in versions[start : start + _MAX_OBJECTS_PER_DELETE]
+                            ],
+                            "Quiet": True,
+                        },
+                    )
+            removed += len(versions)
+        return removed
+
+    def _versions(self, name: str) -> Iterator[str]:
+        with available():
+            pages = self._client().get_paginator("list_object_versions")
+            for page in pages.paginate(Bucket=self._bucket, Prefix=name):
+                for found in (*page.get("Versions", []), *page.get("DeleteMarkers", [])):
+                    if found["Key"] == name:  # others may begin with it
+                        yield found["VersionId"]
+
+    def delete(self, names: Sequence[str]) -> None:
+        """Remove the objects, those that there are."""
+        for start in range(0, len(names), _MAX_OBJECTS_PER_DELETE):
+            batch = names[start : start + _MAX_OBJECTS_PER_DELETE]
+            with available():
+                self._client().delete_objects(
+                    Bucket=self._bucket, Delete={"Objects": [{"Key": name} for name in batch], "Quiet": True}
+                )
+
+    def names(self, prefix: str, after: str = "") -> Iterator[str]:
+        """Yield the names that begin with `prefix` and come after `after`, in order."""
+        start: dict[str, Any] = {"StartAfter": after} if after else {}
+        pages = self._client().get_paginator("list_objects_v2")
+        with available():
+            for page in pages.paginate(Bucket=self._bucket, Prefix=prefix, **start):
+                for found in page.get("Contents", []):
+                    yield found["Key"]
+
+
+class LambdaJobs:
+    """`Jobs` as other functions: queued jobs are asynchronous invocations.
+
+    `functions`: their names; None for one that this function may not invoke.
+    """
+
+    def __init__(self, client: Callable[[], LambdaClient], functions: Mapping[JobName, str | None]) -> None:
+        self._client = client
+        self._functions = functions
+
+    def later(self, job: JobName, payload: bytes) -> None:
+        """Invoke the function asynchronously."""
+        with available():
+            self._client().invoke(FunctionName=self._name(job), InvocationType="Event", Payload=payload)
+
+    def now(self, job: JobName, payload: bytes) -> bytes | None:
+        """Invoke the function and return its answer, None if it failed."""
+        with available():
+            answer = self._client().invoke(
+                FunctionName=self._name(job), InvocationType="RequestResponse", Payload=payload
+            )
+            content = answer["Payload"].read()
+        return None if "FunctionError" in answer else content
+
+    def _name(self, job: JobName) -> str:
+        name = self._functions[job]
+        if name is None:
+            raise ValueError(f"{job.upper()}_FUNCTION is not set for a function that needs it")
+        return name

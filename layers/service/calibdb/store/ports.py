@@ -1,0 +1,191 @@
+"""Ports of storage: `Table`, `Objects` and `Jobs`, implemented for AWS (`aws`) and SQLite (`sqlite`)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+Value = str | int | list[str]
+Item = dict[str, Value]
+JobName = Literal["refit", "verify"]
+
+READERS = 8  # threads that read objects at a time
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Comparison of one attribute of the stored item.
+
+    `absent` and `present` ignore `value`. An attribute that is absent satisfies no other relation.
+    """
+
+    name: str
+    relation: Literal["absent", "present", "=", "<", "<="]
+    value: Value = ""
+
+    def holds(self, item: Item | None) -> bool:
+        """True if the stored item satisfies the comparison; None: there is no item."""
+        stored = None if item is None else item.get(self.name)
+        if self.relation in ("absent", "present"):
+            return (stored is None) == (self.relation == "absent")
+        if self.relation == "=":
+            return stored == self.value
+        if not isinstance(stored, int) or not isinstance(self.value, int):
+            return False
+        return stored < self.value if self.relation == "<" else stored <= self.value
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Condition on the stored item of a write: all comparisons of at least one of `alternatives` hold."""
+
+    alternatives: tuple[tuple[Comparison, ...], ...]
+
+    def __or__(self, other: Condition) -> Condition:
+        return Condition(self.alternatives + other.alternatives)
+
+    def holds(self, item: Item | None) -> bool:
+        """True if the stored item satisfies the condition; None: there is no item."""
+        return any(all(each.holds(item) for each in together) for together in self.alternatives)
+
+
+def absent(name: str) -> Condition:
+    """Return the condition that the item, or its attribute `name`, does not exist."""
+    return Condition(((Comparison(name, "absent"),),))
+
+
+def equals(**values: Value) -> Condition:
+    """Return the condition that these attributes have these values."""
+    return Condition((tuple(Comparison(name, "=", value) for name, value in values.items()),))
+
+
+def below(name: str, value: int) -> Condition:
+    """Return the condition that the attribute is less than `value`."""
+    return Condition(((Comparison(name, "<", value),),))
+
+
+def at_most(name: str, value: int) -> Condition:
+    """Return the condition that the attribute is at most `value`."""
+    return Condition(((Comparison(name, "<=", value),),))
+
+
+IF_NOT_EXISTS = absent("pk")
+IF_EXISTS = Condition(((Comparison("pk", "present"),),))
+
+
+class Table(Protocol):
+    """Reads and conditional writes of single items under `pk` and `sk`. Numbers are integers."""
+
+    def get(self, pk: str, sk: str, *, consistent: bool = True) -> Item | None:
+        """Return the item, None if there is none."""
+        ...
+
+    def put(self, item: Item, condition: Condition | None = None) -> bool:
+        """Write the item; False, and nothing written, if `condition` does not hold."""
+        ...
+
+    def put_transaction(self, items: Sequence[Item], condition: Condition) -> bool:
+        """Write all items or none; False, and nothing written, if `condition` does not hold of the first.
+
+        One of two concurrent writers gets False.
+        """
+        ...
+
+    def add(
+        self, pk: str, sk: str, name: str, amount: int, *, limit: int | None = None, ttl: int | None = None
+    ) -> int | None:
+        """Add to the counter `name` of an item, creating both if necessary; return the new value.
+
+        None, and nothing added, if the value would exceed `limit`. A retried addition may count twice.
+        """
+        ...
+
+    def remove(self, pk: str, sk: str, name: str) -> None:
+        """Remove the attribute `name` of an item, if the item exists."""
+        ...
+
+    def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
+        """Delete the item, if it exists; False, and nothing deleted, if `condition` does not hold."""
+        ...
+
+    def query(
+        self,
+        pk: str,
+        prefix: str,
+        *,
+        newest_first: bool = False,
+        limit: int | None = None,
+        consistent: bool = False,
+    ) -> list[Item]:
+        """Return the items of `pk` whose `sk` begins with `prefix`, by `sk` ascending or descending."""
+        ...
+
+    def page(self, pk: str, prefix: str, limit: int, after: str | None) -> tuple[list[Item], bool]:
+        """Return at most `limit` items after the `sk` `after`, as `query` does, and whether more follow."""
+        ...
+
+    def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
+        """Yield the keys of all items whose `pk` begins with `pk_prefix`. For operators."""
+        ...
+
+
+class Objects(Protocol):
+    """Immutable objects under names."""
+
+    def get(self, name: str) -> bytes | None:
+        """Return the object's content, None if there is none; raises DeniedReadError."""
+        ...
+
+    def get_version(self, name: str) -> tuple[bytes, str] | None:
+        """Return the object's content and the tag of this version, None if there is none.
+
+        Raises DeniedReadError.
+        """
+        ...
+
+    def replace(self, name: str, content: bytes, tag: str) -> bool:
+        """Write the object over the version with this tag; False, and nothing written, over another."""
+        ...
+
+    def create(self, name: str, content: bytes) -> bool:
+        """Write a new object; False, and nothing written, if the name is taken."""
+        ...
+
+    def put(self, name: str, content: bytes, media_type: str = ..., cache_control: str | None = None) -> None:
+        """Write the object, replacing the one with its name."""
+        ...
+
+    def purge_all_versions(self, names: Iterable[str]) -> int:
+        """Remove the objects with every stored version; return the number of versions. For operators."""
+        ...
+
+    def delete(self, names: Sequence[str]) -> None:
+        """Delete the objects that exist."""
+        ...
+
+    def names(self, prefix: str, after: str = "") -> Iterator[str]:
+        """Yield the names that begin with `prefix` and come after `after`, in order."""
+        ...
+
+
+class Jobs(Protocol):
+    """Computations outside the request: queued, or awaited."""
+
+    def later(self, job: JobName, payload: bytes) -> None:
+        """Queue the job; returns once it is stored. It runs at least once."""
+        ...
+
+    def now(self, job: JobName, payload: bytes) -> bytes | None:
+        """Run the job and return its result, None if it failed."""
+        ...
+
+
+@dataclass(frozen=True)
+class Storage:
+    """The ports of one deployment. `site`: public objects, None if this function may not write them."""
+
+    table: Table
+    objects: Objects
+    jobs: Jobs
+    site: Objects | None = None

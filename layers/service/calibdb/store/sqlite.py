@@ -1,0 +1,574 @@
+"""The ports in one SQLite file, `calibdb.sqlite`; objects above 1 MB are files next to it.
+
+The file is in WAL mode with `synchronous=FULL`: a write returns after its transaction is on disk. Several
+processes may use the file at the same time, each thread with a connection of its own. Each row has a
+checksum, since SQLite would not notice a damaged page. Without a folder everything is in memory.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import sqlite3
+import threading
+import time
+import zlib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from calibdb.errors import UnavailableError
+from calibdb.store.ports import Condition, Item, JobName
+
+FILE_NAME = "calibdb.sqlite"
+FOLDER_NAME = "objects"
+SCHEMA_VERSION = 1
+MAX_INLINE_BYTES = 1_000_000  # of an object's content that is in the database itself
+_BUSY_TIMEOUT_S = 10.0
+_RANGE = "SELECT item FROM items WHERE pk = ? AND sk >= ? AND sk < ? AND (ttl IS NULL OR ttl > ?) ORDER BY sk"
+_PAGE_SIZE = 500  # rows that a listing reads at a time
+_SCHEMA = """
+CREATE TABLE items (pk TEXT, sk TEXT, item TEXT NOT NULL, ttl INTEGER, checksum INTEGER NOT NULL,
+    PRIMARY KEY (pk, sk)) WITHOUT ROWID;
+CREATE INDEX items_ttl ON items (ttl) WHERE ttl IS NOT NULL;
+CREATE TABLE objects (bucket TEXT, name TEXT, tag TEXT NOT NULL, written INTEGER NOT NULL,
+    media_type TEXT NOT NULL, cache_control TEXT, content BLOB);
+CREATE UNIQUE INDEX objects_name ON objects (bucket, name);
+CREATE TABLE jobs (id INTEGER PRIMARY KEY AUTOINCREMENT, name TEXT NOT NULL, payload BLOB NOT NULL,
+    due REAL NOT NULL, attempts INTEGER NOT NULL DEFAULT 0, leased REAL NOT NULL DEFAULT 0, error TEXT);
+"""
+
+
+class SchemaError(Exception):
+    """The file was written by a newer version, or is not a database of calibDB."""
+
+
+@contextmanager
+def available() -> Iterator[None]:
+    """Turn a failure of SQLite or of the file system into UnavailableError: the caller may retry."""
+    try:
+        yield
+    except (sqlite3.Error, OSError) as error:
+        raise UnavailableError(f"Storage did not answer ({error}).") from error
+
+
+class Database:
+    """The SQLite file in `folder`; None: in memory. `clock`: unix seconds.
+
+    Raises
+    ------
+    SchemaError
+        If this version cannot read the file.
+    sqlite3.Error, OSError
+        If the file cannot be opened.
+    """
+
+    def __init__(self, folder: Path | None, clock: Callable[[], float] = time.time) -> None:
+        self.folder = folder
+        self.clock = clock
+        self._local = threading.local()
+        self._opened: list[sqlite3.Connection] = []
+        self._writing = threading.RLock()
+        self._memory = self._connect() if folder is None else None
+        if folder is not None:
+            (folder / FOLDER_NAME).mkdir(exist_ok=True)
+        with self.writing() as connection:
+            version = connection.execute("PRAGMA user_version").fetchone()[0]
+            if version > SCHEMA_VERSION:
+                raise SchemaError(
+                    f"{self.path} was written by a newer version of calibDB (schema {version}, this version "
+                    f"reads up to {SCHEMA_VERSION}): install that version"
+                )
+            if version == 0:
+                for statement in filter(str.strip, _SCHEMA.split(";")):
+                    connection.execute(statement)
+                connection.execute(f"PRAGMA user_version={SCHEMA_VERSION}")
+
+    @property
+    def path(self) -> Path | None:
+        """Path of the file; None in memory."""
+        return None if self.folder is None else self.folder / FILE_NAME
+
+    @contextmanager
+    def reading(self) -> Iterator[sqlite3.Connection]:
+        """Yield a connection for reads."""
+        if self._memory is not None:
+            with self._writing:
+                yield self._memory
+            return
+        connection: sqlite3.Connection | None = getattr(self._local, "connection", None)
+        if connection is None:
+            connection = self._local.connection = self._connect()
+        yield connection
+
+    @contextmanager
+    def writing(self) -> Iterator[sqlite3.Connection]:
+        """Yield a connection in a transaction, committed at the end of the block."""
+        with self._writing, self.reading() as connection:
+            connection.execute("BEGIN IMMEDIATE")
+            try:
+                yield connection
+            except BaseException:
+                if connection.in_transaction:
+                    connection.execute("ROLLBACK")
+                raise
+            try:
+                connection.execute("COMMIT")
+            except BaseException:
+                if connection.in_transaction:
+                    connection.execute("ROLLBACK")
+                raise
+
+    def checkpoint(self) -> None:
+        """Copy the log into the file, as far as readers allow."""
+        with self.reading() as connection:
+            connection.execute("PRAGMA wal_checkpoint(PASSIVE)")
+
+    def sweep(self, lifetimes: Mapping[tuple[str, str], float]) -> int:
+        """Delete what has expired; return the number of rows.
+
+        `lifetimes`: seconds for which objects are kept, by bucket and prefix of the name.
+        """
+        now = self.clock()
+        with self.writing() as connection:
+            removed = connection.execute("DELETE FROM items WHERE ttl <= ?", (now,)).rowcount
+        for (bucket, prefix), lifetime in lifetimes.items():
+            with self.reading() as connection:
+                names = connection.execute(
+                    "SELECT name FROM objects WHERE bucket = ? AND name >= ? AND name < ? AND written < ?",
+                    (bucket, prefix, _after(prefix), now - lifetime),
+                ).fetchall()
+            SqliteObjects(self, bucket).delete([name for (name,) in names])
+            removed += len(names)
+        return removed
+
+    def close(self) -> None:
+        """Close all connections; the last process to do so copies the log into the file."""
+        opened, self._opened = self._opened, []
+        for connection in opened:
+            connection.close()
+
+    def _connect(self) -> sqlite3.Connection:
+        connection = sqlite3.connect(
+            ":memory:" if self.folder is None else self.folder / FILE_NAME,
+            timeout=_BUSY_TIMEOUT_S,
+            isolation_level=None,
+            check_same_thread=False,
+        )
+        self._opened.append(connection)
+        connection.execute("PRAGMA journal_mode=WAL")
+        connection.execute("PRAGMA synchronous=FULL")
+        return connection
+
+
+class SqliteTable:
+    """`Table` in SQLite. Expired items do not exist."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def get(self, pk: str, sk: str, *, consistent: bool = True) -> Item | None:  # noqa: ARG002
+        """Return the item, None if there is none."""
+        with available(), self._database.reading() as connection:
+            return self._get(connection, pk, sk)
+
+    def put(self, item: Item, condition: Condition | None = None) -> bool:
+        """Write the item; False, and nothing written, if `condition` does not hold."""
+        with available(), self._database.writing() as connection:
+            return self._put(connection, [item], condition)
+
+    def put_transaction(self, items: Sequence[Item], condition: Condition) -> bool:
+        """Write all items or none; False, and nothing written, if `condition` does not hold of the first."""
+        with available(), self._database.writing() as connection:
+            return self._put(connection, items, condition)
+
+    def add(
+        self, pk: str, sk: str, name: str, amount: int, *, limit: int | None = None, ttl: int | None = None
+    ) -> int | None:
+        """Add to the counter `name` of an item, creating both if necessary; return the new value."""
+        with available(), self._database.writing() as connection:
+            item = self._get(connection, pk, sk) or {"pk": pk, "sk": sk}
+            total = int(str(item.get(name, 0))) + amount
+            if limit is not None and total > limit:
+                return None
+            item[name] = total
+            if ttl is not None:
+                item["ttl"] = ttl
+            self._put(connection, [item], None)
+            return total
+
+    def remove(self, pk: str, sk: str, name: str) -> None:
+        """Remove the attribute `name` of an item, if the item exists."""
+        with available():
+            item = self.get(pk, sk)
+            if item is None or name not in item:
+                return
+            with self._database.writing() as connection:
+                item = self._get(connection, pk, sk)
+                if item is not None and item.pop(name, None) is not None:
+                    self._put(connection, [item], None)
+
+    def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
+        """Delete the item, if it exists; False, and nothing deleted, if `condition` does not hold."""
+        with available(), self._database.writing() as connection:
+            if condition is not None and not condition.holds(self._get(connection, pk, sk)):
+                return False
+            connection.execute("DELETE FROM items WHERE pk = ? AND sk = ?", (pk, sk))
+            return True
+
+    def query(
+        self,
+        pk: str,
+        prefix: str,
+        *,
+        newest_first: bool = False,
+        limit: int | None = None,
+        consistent: bool = False,  # noqa: ARG002
+    ) -> list[Item]:
+        """Return the items of `pk` whose `sk` begins with `prefix`, by `sk` ascending or descending."""
+        with available(), self._database.reading() as connection:
+            rows = connection.execute(
+                _RANGE + (" DESC LIMIT ?" if newest_first else " LIMIT ?"),
+                (pk, prefix, _after(prefix), self._database.clock(), -1 if limit is None else limit),
+            ).fetchall()
+        return [json.loads(text) for (text,) in rows]
+
+    def page(self, pk: str, prefix: str, limit: int, after: str | None) -> tuple[list[Item], bool]:
+        """Return at most `limit` items after the `sk` `after`, as `query` does, and whether more follow."""
+        with available(), self._database.reading() as connection:
+            rows = connection.execute(
+                "SELECT item FROM items WHERE pk = ? AND sk >= ? AND sk < ? AND sk > ? "
+                "AND (ttl IS NULL OR ttl > ?) ORDER BY sk LIMIT ?",
+                (pk, prefix, _after(prefix), after or "", self._database.clock(), limit + 1),
+            ).fetchall()
+        return [json.loads(text) for (text,) in rows[:limit]], len(rows) > limit
+
+    def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
+        """Yield the keys of all items whose `pk` begins with `pk_prefix`."""
+        pk, sk = pk_prefix, ""
+        while True:
+            with available(), self._database.reading() as connection:
+                rows = connection.execute(
+                    "SELECT pk, sk FROM items WHERE (pk, sk) > (?, ?) AND pk < ? "
+                    "AND (ttl IS NULL OR ttl > ?) ORDER BY pk, sk LIMIT ?",
+                    (pk, sk, _after(pk_prefix), self._database.clock(), _PAGE_SIZE),
+                ).fetchall()
+            yield from rows
+            if len(rows) < _PAGE_SIZE:
+                return
+            pk, sk = rows[-1]
+
+    def _get(self, connection: sqlite3.Connection, pk: str, sk: str) -> Item | None:
+        row = connection.execute(
+            "SELECT item FROM items WHERE pk = ? AND sk = ? AND (ttl IS NULL OR ttl > ?)",
+            (pk, sk, self._database.clock()),
+        ).fetchone()
+        return None if row is None else json.loads(row[0])
+
+    def _put(
+        self, connection: sqlite3.Connection, items: Sequence[Item], condition: Condition | None
+    ) -> bool:
+        if condition is not None:
+            stored = self._get(connection, str(items[0]["pk"]), str(items[0]["sk"]))
+            if not condition.holds(stored):
+                return False
+        rows = []
+        for item in items:
+            text = json.dumps(item, ensure_ascii=False, separators=(",", ":"))
+            key = str(item["pk"]), str(item["sk"])
+            ttl = item.get("ttl")
+            rows.append((*key, text, ttl, item_checksum(*key, text, ttl if isinstance(ttl, int) else None)))
+        connection.executemany("INSERT OR REPLACE INTO items VALUES (?, ?, ?, ?, ?)", rows)
+        return True
+
+
+class SqliteObjects:
+    """`Objects` of one bucket in SQLite. The tag is the SHA-256 of the content."""
+
+    def __init__(self, database: Database, bucket: str) -> None:
+        self._database = database
+        self._bucket = bucket
+
+    def get(self, name: str) -> bytes | None:
+        """Return the object's content, None if there is none."""
+        found = self.get_version(name)
+        return None if found is None else found[0]
+
+    def get_version(self, name: str) -> tuple[bytes, str] | None:
+        """Return the object's content and the tag of this version, None if there is none."""
+        with available():
+            while True:
+                with self._database.reading() as connection:
+                    row = connection.execute(
+                        "SELECT content, tag FROM objects WHERE bucket = ? AND name = ?", (self._bucket, name)
+                    ).fetchone()
+                if row is None:
+                    return None
+                content, tag = row
+                if content is not None:
+                    return content, tag
+                try:
+                    return self._file(tag).read_bytes(), tag
+                except FileNotFoundError:  # replaced or deleted between the two reads
+                    if self._tag(name) == tag:
+                        raise
+
+    def replace(self, name: str, content: bytes, tag: str) -> bool:
+        """Write the object over the version with this tag; False, and nothing written, over another."""
+        return self._write(name, content, lambda stored: stored == tag)
+
+    def create(self, name: str, content: bytes) -> bool:
+        """Write a new object; False, and nothing written, if the name is taken."""
+        return self._write(name, content, lambda stored: stored is None)
+
+    def put(
+        self,
+        name: str,
+        content: bytes,
+        media_type: str = "application/json",
+        cache_control: str | None = None,
+    ) -> None:
+        """Write the object, replacing the one with its name."""
+        self._write(name, content, lambda _: True, media_type, cache_control)
+
+    def purge_all_versions(self, names: Iterable[str]) -> int:
+        """Delete the objects; return their number. There are no earlier versions."""
+        return self._delete(names)
+
+    def delete(self, names: Sequence[str]) -> None:
+        """Delete the objects that exist."""
+        self._delete(names)
+
+    def names(self, prefix: str, after: str = "") -> Iterator[str]:
+        """Yield the names that begin with `prefix` and come after `after`, in order."""
+        while True:
+            with available(), self._database.reading() as connection:
+                rows = connection.execute(
+                    "SELECT name FROM objects WHERE bucket = ? AND name >= ? AND name < ? AND name > ? "
+                    "ORDER BY name LIMIT ?",
+                    (self._bucket, prefix, _after(prefix), after, _PAGE_SIZE),
+                ).fetchall()
+            for (name,) in rows:
+                yield name
+            if len(rows) < _PAGE_SIZE:
+                return
+            after = rows[-1][0]
+
+    def headers(self, name: str) -> tuple[str, str | None]:
+        """Return media type and `Cache-Control` of an object that exists."""
+        with available(), self._database.reading() as connection:
+            media_type, cache_control = connection.execute(
+                "SELECT media_type, cache_control FROM objects WHERE bucket = ? AND name = ?",
+                (self._bucket, name),
+            ).fetchone()
+        return media_type, cache_control
+
+    def _write(
+        self,
+        name: str,
+        content: bytes,
+        allowed: Callable[[str | None], bool],
+        media_type: str = "application/json",
+        cache_control: str | None = None,
+    ) -> bool:
+        tag = hashlib.sha256(content).hexdigest()
+        inline = self._database.folder is None or len(content) <= MAX_INLINE_BYTES
+        with available():
+            with self._database.writing() as connection:
+                before = self._tag(name)
+                if not allowed(before):
+                    return False
+                if not inline:  # within the transaction: no other writer removes the file
+                    _write_file(self._file(tag), content)
+                connection.execute(
+                    "INSERT OR REPLACE INTO objects VALUES (?, ?, ?, ?, ?, ?, ?)",
+                    (
+                        self._bucket,
+                        name,
+                        tag,
+                        int(self._database.clock()),
+                        media_type,
+                        cache_control,
+                        content if inline else None,
+                    ),
+                )
+            self._remove_files({before} - {tag, None})
+        return True
+
+    def _delete(self, names: Iterable[str]) -> int:
+        tags = set()
+        count = 0
+        with available(), self._database.writing() as connection:
+            for name in names:
+                tags.add(self._tag(name))
+                count += connection.execute(
+                    "DELETE FROM objects WHERE bucket = ? AND name = ?", (self._bucket, name)
+                ).rowcount
+        with available():
+            self._remove_files(tags - {None})
+        return count
+
+    def _tag(self, name: str) -> str | None:
+        with self._database.reading() as connection:
+            row = connection.execute(
+                "SELECT tag FROM objects WHERE bucket = ? AND name = ?", (self._bucket, name)
+            ).fetchone()
+        return None if row is None else row[0]
+
+    def _file(self, tag: str) -> Path:
+        assert self._database.folder is not None  # noqa: S101 - in memory everything is inline
+        return self._database.folder / FOLDER_NAME / tag
+
+    def _remove_files(self, tags: Iterable[str | None]) -> None:
+        """Remove the files of these tags that no object has any more."""
+        if self._database.folder is None:
+            return
+        for tag in filter(None, tags):
+            file = self._file(tag)
+            if not file.exists():
+                continue
+            with self._database.writing() as connection:  # no other writer may begin to use it
+                used = connection.execute("SELECT 1 FROM objects WHERE tag = ?", (tag,)).fetchone()
+                if used is None:
+                    file.unlink(missing_ok=True)
+
+
+@dataclass(frozen=True)
+class Job:
+    """A queued job that is leased to a worker; `attempts` includes this one."""
+
+    id: int
+    name: JobName
+    payload: bytes
+    attempts: int
+
+
+class SqliteJobs:
+    """`Jobs` in SQLite. Jobs that fail every time stay, with their error.
+
+    Parameters
+    ----------
+    database
+        Where they are queued.
+    run
+        Runs a job and returns its result.
+    """
+
+    def __init__(self, database: Database, run: Callable[[JobName, bytes], bytes | None]) -> None:
+        self._database = database
+        self._run = run
+        self.queued = threading.Event()
+        """Set when a job was queued in this process."""
+
+    def later(self, job: JobName, payload: bytes) -> None:
+        """Queue the job; returns once it is stored."""
+        with available(), self._database.writing() as connection:
+            connection.execute(
+                "INSERT INTO jobs (name, payload, due) VALUES (?, ?, ?)",
+                (job, payload, self._database.clock()),
+            )
+        self.queued.set()
+
+    def now(self, job: JobName, payload: bytes) -> bytes | None:
+        """Run the job in this thread and return its result, None if it failed."""
+        return self._run(job, payload)
+
+    def take(self, lease_s: float) -> Job | None:
+        """Lease the oldest job that is due, unless another one is leased; None if there is none."""
+        now = self._database.clock()
+        due = "error IS NULL AND due <= ?"
+        with self._database.reading() as connection:
+            if connection.execute(f"SELECT 1 FROM jobs WHERE {due}", (now,)).fetchone() is None:  # noqa: S608
+                return None
+        with self._database.writing() as connection:
+            row = connection.execute(
+                "UPDATE jobs SET leased = ?, attempts = attempts + 1 WHERE id = "  # noqa: S608
+                f"(SELECT MIN(id) FROM jobs WHERE {due}) "
+                "AND NOT EXISTS (SELECT 1 FROM jobs WHERE leased > ? AND leased <= ?) "
+                "RETURNING id, name, payload, attempts",
+                (now + lease_s, now, now, now + lease_s),
+            ).fetchone()
+        return None if row is None else Job(*row)
+
+    def finish(self, job: Job) -> None:
+        """Delete a job that succeeded."""
+        with self._database.writing() as connection:
+            connection.execute("DELETE FROM jobs WHERE id = ?", (job.id,))
+
+    def retry(self, job: Job, pause_s: float) -> None:
+        """Release a job that failed, to run again after `pause_s`."""
+        with self._database.writing() as connection:
+            connection.execute(
+                "UPDATE jobs SET leased = 0, due = ? WHERE id = ?", (self._database.clock() + pause_s, job.id)
+            )
+
+    def fail(self, job: Job, error: str) -> None:
+        """Keep a job that failed every time."""
+        with self._database.writing() as connection:
+            connection.execute("UPDATE jobs SET leased = 0, error = ? WHERE id = ?", (error, job.id))
+
+    def release_all(self) -> None:
+        """Release every lease: the process that had them is gone."""
+        with self._database.writing() as connection:
+            connection.execute("UPDATE jobs SET leased = 0 WHERE leased > 0")
+
+    def unfinished(self) -> int:
+        """Count the jobs that are queued, running, or waiting for a retry."""
+        with self._database.reading() as connection:
+            return int(connection.execute("SELECT COUNT(*) FROM jobs WHERE error IS NULL").fetchone()[0])
+
+    def failures(self) -> list[tuple[str, bytes, str]]:
+        """Return name, payload and error of the jobs that failed every time."""
+        with self._database.reading() as connection:
+            return connection.execute(
+                "SELECT name, payload, error FROM jobs WHERE error IS NOT NULL ORDER BY id"
+            ).fetchall()
+
+
+def backup(source: Path, target: Path) -> None:
+    """Copy the data folder `source`, which may be in use, to the new folder `target`.
+
+    SQLite copies the database as it was at one moment. Files of objects never change.
+    """
+    target.mkdir(parents=True)
+    (target / FOLDER_NAME).mkdir()
+    with (
+        closing(sqlite3.connect(source / FILE_NAME, timeout=_BUSY_TIMEOUT_S)) as connection,
+        closing(sqlite3.connect(target / FILE_NAME)) as copy,
+    ):
+        connection.backup(copy)
+        tags = copy.execute("SELECT DISTINCT tag FROM objects WHERE content IS NULL").fetchall()
+        for (tag,) in tags:
+            try:
+                content = (source / FOLDER_NAME / tag).read_bytes()
+            except FileNotFoundError:  # deleted since: the copy is of a moment before
+                copy.execute("DELETE FROM objects WHERE tag = ?", (tag,))
+                copy.commit()
+                continue
+            _write_file(target / FOLDER_NAME / tag, content)
+
+
+def item_checksum(pk: str, sk: str, item: str, ttl: int | None) -> int:
+    """Compute the checksum of a row of `items`."""
+    return zlib.crc32(f"{pk}\0{sk}\0{item}\0{ttl}".encode())
+
+
+def _after(prefix: str) -> str:
+    """Return a text that sorts after all texts with this prefix."""
+    return prefix + "\U0010ffff"
+
+
+def _write_file(path: Path, content: bytes) -> None:
+    draft = path.with_name(f"{path.name}.{os.getpid()}.{threading.get_ident()}.new")
+    with draft.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    draft.replace(path)
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)

@@ -1,0 +1,26 @@
+"""The whole stack emulated in memory, one for each module of tests, and a client of it."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from tests.aws.emulator import LocalStack
+from tests.helpers.service.client import Client
+
+
+@pytest.fixture(scope="module")
+def stack() -> Iterator[LocalStack]:
+    with LocalStack() as stack:
+        yield stack
+
+
+@pytest.fixture
+def client(stack: LocalStack) -> Client:
+    return Client(stack)
+
+
+@pytest.fixture
+def running(client: Client) -> Client:
+    """A client with a session of its own."""
+    assert client.open().status == 201
+    return client

@@ -1,0 +1,78 @@
+"""Routing of an HTTP API by method and path. Pure.
+
+Source: Amazon API Gateway developer guide, "Create routes for HTTP APIs in API Gateway", routing API
+requests.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from urllib.parse import unquote
+
+from tests.aws.emulator.template import RouteSpec
+
+
+@dataclass(frozen=True)
+class Match:
+    """A route and the values of its path's parameters."""
+
+    route: RouteSpec
+    parameters: dict[str, str]
+
+    @property
+    def key(self) -> str:
+        """The `routeKey` of the event."""
+        return f"{self.route.method} {self.route.path}"
+
+
+class Routes:
+    """A template's routes: the most specific path that has the method wins, and there the method before ANY.
+
+    A literal segment is more specific than a `{parameter}`, that more than a greedy `{parameter+}`.
+    """
+
+    def __init__(self, routes: Iterable[RouteSpec]):
+        self._routes = sorted(
+            ((_pattern(route.path), route) for route in routes),
+            key=lambda entry: (_rank(entry[1].path), entry[1].method == "ANY"),
+        )
+
+    def match(self, method: str, path: str) -> Match | None:
+        """Find the route of a request, or None.
+
+        Parameters
+        ----------
+        method
+            Upper case.
+        path
+            Percent-encoded; it is matched decoded, as an HTTP API does.
+        """
+        decoded = unquote(path)
+        for pattern, route in self._routes:
+            if route.method in (method, "ANY") and (found := pattern.fullmatch(decoded)):
+                return Match(route, found.groupdict())
+        return None
+
+    def owns(self, path: str) -> bool:
+        """Tell whether the path starts with the first segment of some route."""
+        return _first(unquote(path)) in {_first(route.path) for _, route in self._routes}
+
+
+def _first(path: str) -> str:
+    return path.removeprefix("/").partition("/")[0]
+
+
+def _pattern(path: str) -> re.Pattern[str]:
+    parts = re.split(r"\{(\w+)(\+?)\}", path)
+    pattern = re.escape(parts[0])
+    for name, greedy, literal in zip(parts[1::3], parts[2::3], parts[3::3], strict=True):
+        pattern += f"(?P<{name}>{'.+' if greedy else '[^/]+'})" + re.escape(literal)
+    return re.compile(pattern, re.DOTALL)
+
+
+def _rank(path: str) -> tuple[int, ...]:
+    return tuple(
+        2 if segment.endswith("+}") else 1 if segment.startswith("{") else 0 for segment in path.split("/")
+    )

@@ -1,0 +1,124 @@
+"""Price of calls to AWS, by calls and sizes measured here and prices written down."""
+
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+
+import pytest
+import yaml
+
+from infra.deploy.intrinsics import parse
+from infra.measure import edge_month
+from infra.measure.fixed_costs import ROOT, firewall, fixed_costs
+from infra.measure.usage import PRICES, Usage, price, price_at_edge, price_preflights, read_units, write_units
+from tests.bench.cost import MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of, report
+from tests.helpers.service.storage_calls import lasting_tokens
+
+MAX_COMPUTE_USD = {"a million lookups": 0.1, "a finished calibration": 0.0001}
+"""Part of the price that the processor's time may take: `make bench` measures it, on an idle machine."""
+
+
+def test_a_lookup_and_a_calibration_are_affordable() -> None:
+    prices = yaml.safe_load(PRICES.read_text())
+    with lasting_tokens():
+        uses = measure(lookups=100)
+    lookup, calibration = uses["a million lookups"], uses["a finished calibration"]
+    assert lookup.requests == lookup.invocations == 100
+    # One Query each, nothing written, nothing else asked.
+    assert [service for service, _ in lookup.waits] == ["dynamodb"] * 100
+    assert (lookup.writes, lookup.puts, lookup.gets) == (0, 0, 0)
+    assert MAX_USD["a million lookups"] == 2.0
+    for name, most in MAX_COMPUTE_USD.items():
+        assert uses[name].gb_seconds > 0
+        parts = price_of(name, replace(uses[name], gb_seconds=0.0), prices)
+        assert sum(parts.values()) <= MAX_USD[name] - most
+    parts = price_of("a million lookups", lookup, prices)
+    # One in twenty asks first whether it may; each of these is at least a request.
+    assert parts["preflights"] >= 0.05
+    edge = at_edge(replace(lookup, gb_seconds=0.0), prices)
+    assert edge_month.price(*edge) <= 1.50 - 0.2 * MAX_COMPUTE_USD["a million lookups"]
+    every_line_names_its_place(report(uses, prices, fixed_costs(prices)))
+    assert calibration.kept > 1000
+    assert calibration.puts >= 3
+
+
+def every_line_names_its_place(lines: Iterable[str]) -> None:
+    """Each item of the bill names lines of the template, where a resource begins."""
+    items = [line for line in lines if "yaml:" in line]
+    assert len(items) >= 20
+    for item in items:
+        for file, number in re.findall(r"([\w/.]+\.yaml):(\d+)", item):
+            line = (ROOT / file).read_text().splitlines()[int(number) - 1]
+            assert re.fullmatch(r"  \w+:", line), (item, line)
+
+
+def test_fixed_costs_are_bounded_and_the_budget_is_above_them() -> None:
+    prices = yaml.safe_load(PRICES.read_text())
+    costs = fixed_costs(prices)
+    total = sum(cost.usd for cost in costs)
+    assert 5 < total <= MAX_FIXED_USD == 12.0
+    assert all(cost.places for cost in costs)
+    budget = parse(ROOT / "template.yaml")["Parameters"]["MonthlyBudget"]["Default"]
+    with_firewall = total + firewall(prices).usd
+    assert with_firewall <= MAX_FIXED_USD + 6.0
+    assert 0.8 * budget > 2 * with_firewall  # it rings at 80 %
+    assert {"dashboard", "ServerErrorAlarm", "index and its recovery"} <= {cost.what for cost in costs}
+
+
+def test_more_lookups_are_cached_more_often() -> None:
+    rates = [edge_month.hit_rate(lookups, 13) for lookups in (1e5, 1e6, 1e8, 1e12)]
+    assert rates == sorted(rates)
+    assert rates[0] < 0.02
+    assert rates[-1] > 0.95
+    # One address at one location, asked for once in the time for which it is kept
+    assert edge_month.hit_rate(edge_month.MONTH_S / edge_month.TTL_S, 1) < 0.5
+    enough = edge_month.lookups_for(edge_month.HIT_RATE, 13)
+    assert edge_month.hit_rate(enough, 13) >= edge_month.HIT_RATE > edge_month.hit_rate(0.9 * enough, 13)
+    assert edge_month.MAX_EDGE_USD == 1.50
+
+
+def test_every_price_has_a_source_and_a_date() -> None:
+    prices = yaml.safe_load(PRICES.read_text())
+    sources = prices.pop("sources")
+    assert re.fullmatch(r"20\d\d-\d\d", str(sources.pop("month")))
+    assert all(re.fullmatch(r"https://aws\.amazon\.com/[\w/-]+/", page) for page in sources)
+    named = [name for names in sources.values() for name in names]
+    assert sorted(named) == sorted(prices.keys() - {"assumed", "not_in_it"})
+
+
+def test_preflights_are_priced_as_if_the_function_answered_them() -> None:
+    prices = yaml.safe_load(PRICES.read_text())
+    usd = price_preflights(1e6, 0.5, prices)
+    assert 0.05 * 1.2 < usd < 0.05 * 1.5
+
+
+def test_units_as_dynamodb_counts_them() -> None:
+    assert [read_units(n, consistent=False) for n in (0, 4096, 4097)] == [0.5, 0.5, 1.0]
+    assert read_units(4097, consistent=True) == 2.0
+    assert [write_units(n, together=False) for n in (0, 1024, 1025)] == [1, 1, 2]
+    assert write_units(1025, together=True) == 4
+
+
+def test_every_use_has_its_price() -> None:
+    prices = yaml.safe_load(PRICES.read_text())
+    assert sum(price(Usage(), prices).values()) == 0
+    for use, usd in (
+        (Usage(invocations=1_000_000), 0.20),
+        (Usage(gb_seconds=1000.0), 0.0133334),
+        (Usage(reads=1e6, writes=1e6), 0.75),
+        (Usage(puts=1000, gets=1000), 0.0054),
+        (Usage(kept=10**9), 0.023 * 36),
+        (Usage(sent=10**9), 0.09),
+        (Usage(memory=1000.0), 0.005 * 1.0 * 1000 * 13.3334e-6),
+        (Usage(solver_memory=1000.0), 0.005 * 5.0 * 1000 * 13.3334e-6),
+        (Usage(waits=[("dynamodb", 0.5)] * 1000), 0.005 * 500 * 13.3334e-6),
+    ):
+        assert sum(price(use, prices).values()) == pytest.approx(usd)
+
+
+def test_cloudfront_is_paid_by_requests_and_bytes() -> None:
+    prices = yaml.safe_load(PRICES.read_text())
+    parts = price(Usage(requests=10**6, sent=10**9), prices)
+    asked, known = price_at_edge(parts, 1e9, prices)
+    assert known == pytest.approx(1.0 + 0.085)
+    assert asked == pytest.approx(sum(parts.values()) + known - 0.09)

@@ -1,0 +1,313 @@
+"""Every role grants what its function asks of AWS, and nothing that it never asks for.
+
+moto lets everybody do everything. So the calls are recorded on their way out, by the function that makes
+them, and held against the template's statements.
+"""
+
+import json
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+import boto3
+import pytest
+
+from calibdb.access.tokens import ApiToken, secret_hash
+from calibdb.service import Service
+from calibdb.settings import Settings
+from calibdb.store import Store
+from calibdb.store.ports import Condition, Item
+from calibdb.store.rigs import Rigs
+from calibdb.store.sessions import Sessions
+from calibdb.store.storage import storage_of
+from tests.aws.emulator import LocalStack
+from tests.helpers.service.client import CAMERA, Client, Truth
+from tests.helpers.service.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
+from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
+from tests.helpers.service.rigs import RigTruth
+from tests.helpers.service.stores import with_methods
+
+TOKEN = "cdb_page_secret"  # of a plan with limits, so that use is counted
+#: granted and not asked for in a local stack, and why it is granted nevertheless
+UNASKED = {
+    "ssm:GetParameters": "secrets are in the environment here",
+    "s3:ListBucket": "tells a missing object from a denied one, where S3 does not",
+}
+
+
+class Clock:
+    ahead = 0.0
+
+    def __call__(self) -> float:
+        return time.time() + self.ahead
+
+
+@pytest.fixture(scope="module")
+def recorded() -> Iterator[set[tuple[str, Needed]]]:
+    recorder, clock = Recorder(set()), Clock()
+    # On AWS each function remembers tokens for itself; here they would share one memory.
+    instances: dict[tuple[str | None, Settings], Service] = {}
+
+    def of(settings: Settings) -> Service:
+        key = (running(), settings)
+        if key not in instances:
+            instances[key] = Service.build(settings, contended(settings), clock)
+        return instances[key]
+
+    with LocalStack(environment={"CONTRIBUTOR_PERIOD": "86400"}) as stack, Service.override(of):
+        for token_id in ("page", "other"):
+            token = ApiToken(token_id, secret_hash("secret"), plan="page")
+            store(stack).tokens.create(token)
+        for n in range(5):
+            store(stack).calibrations.publish(calibration("Well known", n, views=3))
+        mode = mode_of(calibration("Well known", 0, views=3))
+        with recorder.recording():
+            invoke("RefitFunction", asked(mode, "rectilinear").model_dump(mode="json"))
+            use(stack)
+            rig = capture_rig(stack)
+            manage(stack)
+            clock.ahead += 700  # what was counted in memory is written down
+            use_again(stack)
+            assert Client(stack).call("GET", f"/v1/rigs/{rig}/result", token=TOKEN).status == 200
+            stack.wait_until_idle(60)
+            assert invoke("DumpFunction", {})["name"] is not None
+            assert invoke("DumpFunction", {})["name"] is None
+            objects = boto3.client("s3").list_objects_v2(
+                Bucket=stack.environment["BUCKET_NAME"], Prefix="calibrations/"
+            )["Contents"]
+            items = [{"Key": o["Key"].replace("c4-", "c1-"), "Size": 1} for o in objects[:2]]
+            invoke("BackfillFunction", {"Items": [*items, {"Key": objects[0]["Key"], "Size": 1}]})
+            stack.functions["RefitFunction"]({**asked(mode).model_dump(mode="json"), "queued": True})
+            stack.wait_until_idle(60)
+            # The answers at the edge change, and go.
+            store(stack).calibrations.publish(calibration("Well known", 5, views=3))
+            invoke("RefitFunction", asked(mode, "rectilinear").model_dump(mode="json"))
+            for n in range(6):
+                store(stack).calibrations.withdraw(calibration("Well known", n, views=3), "wrong", 0)
+            invoke("RefitFunction", asked(mode).model_dump(mode="json"))
+        yield recorder.needed
+
+
+def invoke(function: str, payload: Any) -> Any:
+    answer = boto3.client("lambda").invoke(FunctionName=function, Payload=json.dumps(payload).encode())
+    content = json.load(answer["Payload"])
+    assert "FunctionError" not in answer, content
+    return content
+
+
+def use(stack: LocalStack) -> None:
+    """A capture with an undone view, one that is forgotten, and every way of reading."""
+    client = Client(stack, api_token=TOKEN)
+    assert client.open(camera="Well known", platform=PLATFORM).status == 201
+    truth = Truth(seed=11)
+    with overtaken():
+        pose = client.pose().json
+    with overtaken():
+        assert client.view(pose["index"], *truth.see(pose)).json["accepted"]
+    assert client.call("DELETE", f"/v1/session/views/{pose['index']}").status == 200
+    assert client.pose("skip=1").status == 200
+    assert client.state()["status"] == "capturing"
+    assert client.call("DELETE", "/v1/session").status == 204
+    started_anew = {**CAMERA, "camera": "Well known", "platform": PLATFORM}
+    assert client.call("POST", "/v1/session", started_anew).status == 201
+    state = Truth(seed=12).calibrate(client, camera="Captured here", platform=PLATFORM)
+    consent = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
+    assert client.call("POST", "/v1/session/licence", consent).status == 200
+    stack.wait_until_idle(60)
+    assert store(stack).consensuses.of(state["calibration_id"].rpartition("-")[0])
+    path = f"/v1/calibrations/{state['calibration_id']}"
+    assert client.call("GET", path, token=TOKEN, query="format=gltf").status == 200
+    assert client.call("GET", path, token=TOKEN).status == 200
+    assert client.lookup(camera="Well known", platform=PLATFORM).status == 200
+    assert client.lookup(camera="Well known", platform=PLATFORM, distortion_model="rational").status == 200
+    assert client.call("GET", "/v1/cameras", token=TOKEN, query="query=known").json["cameras"]
+    assert client.lookup(camera="Unknown (046d:0825)", redirect=False).status == 404
+    views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=30), 3)]
+    checker = Client(stack, api_token="cdb_other_secret")
+    checker.session_id = checker.call("POST", "/v1/auth", token=checker.api_token).json["session_id"]
+    body = {**CAMERA, "camera": "Well known", "platform": PLATFORM, "views": views}
+    assert checker.call("POST", "/v1/checks", body).json["counted"]
+    assert checker.call("POST", "/v1/checks", body).status == 200
+    assert client.call("GET", "/healthz", token="", query="deep=1").status == 503  # nothing serves the site
+
+
+#: what the key of a write begins with that is to come too late, as when another request got ahead
+_to_lose: list[str] = []
+
+
+def contended(settings: Settings) -> Store:
+    """Storage in which a write of a session, or of a rig, can come too late."""
+    storage = storage_of(settings)
+    table, objects = storage.table, storage.objects
+
+    def put(item: Item, condition: Condition | None = None) -> bool:
+        if _to_lose and str(item["pk"]).startswith(_to_lose[-1]):
+            _to_lose.pop()
+            return False
+        return table.put(item, condition)
+
+    losing = with_methods(table, put=put)
+    return replace(Store.of(settings), sessions=Sessions(losing, objects), rigs=Rigs(losing, objects))
+
+
+@contextmanager
+def overtaken(key: str = "SESSION#") -> Iterator[None]:
+    """The first write of a session, or of another key, within the block comes too late."""
+    _to_lose.append(key)
+    yield
+    assert not _to_lose
+
+
+def capture_rig(stack: LocalStack) -> str:
+    """Capture a rig from its first camera to its files, and forget another; return the id of the first."""
+    rig = RigTruth(stack, seed=13, baseline=3.0, api_token=TOKEN)
+    with overtaken("RIG#"):
+        rig.open()
+    assert rig.clients[0].pose().status == 200, "the first to ask computes the target"
+    for number in range(5):
+        rig.moment(f"m{number}")
+    assert rig.call("GET", query="skip=1").status == 200
+    assert rig.call("DELETE", "/moments/m4").status == 200
+    assert rig.call("GET", token=TOKEN).status == 200
+    assert rig.call("POST", "/finish").status == 200
+    stack.wait_until_idle(60)
+    assert rig.result("ros").status == 200
+    store(stack).rigs.forget(rig.rig_id, 0)  # as if it had expired
+    assert rig.result().json["cameras"]
+    forgotten = RigTruth(stack, seed=14, api_token=TOKEN).open()
+    assert forgotten.clients[1].call("DELETE", "/v1/session").status == 204
+    with overtaken("RIG#"):
+        assert forgotten.join(1).status == 201
+    assert forgotten.call("DELETE").status == 204
+    return rig.rig_id
+
+
+def manage(stack: LocalStack) -> None:
+    """A token that somebody makes, proves, changes, uses, and revokes."""
+    client = Client(stack)
+    made = client.call("POST", "/v1/tokens", {"origins": ["https://example.org"]}, token="").json
+    managing, line = made["management_token"], made["origins"][0]["proof"]["content"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("calibdb.proof.fetch.read_proof", lambda _: line)
+        verified = client.call("POST", "/v1/tokens/self/verify", token=managing).json
+    assert [origin["state"] for origin in verified["origins"]] == ["verified"]
+    other = client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}, token="").json
+    for _ in range(2):
+        assert client.call("GET", "/v1/usage", token=other["token"]).json["plan"] == "trial"
+    assert client.call("PATCH", "/v1/tokens/self", {"name": "x"}, token=managing).status == 200
+    assert client.call("POST", "/v1/tokens/self/rotate", token=managing).status == 200
+    assert client.call("GET", "/v1/tokens/self", token=managing).status == 200
+    assert client.call("DELETE", "/v1/tokens/self", token=managing).status == 204
+
+
+def use_again(stack: LocalStack) -> None:
+    client = Client(stack, api_token=TOKEN)
+    key = calibration("Well known", 0, views=3).camera_key
+    assert client.lookup(camera="Unknown (046d:0825)", redirect=False).status == 404
+    for _ in range(2):
+        assert client.lookup(camera="Well known", platform=PLATFORM).status == 200
+        assert client.call("GET", "/v1/cameras", token=TOKEN, query="query=known").json["cameras"]
+        assert client.call("GET", f"/v1/cameras/{key}", token=TOKEN).json["modes"]
+        consensus = client.lookup(camera="Well known", platform=PLATFORM).json["id"]
+        assert client.call("GET", f"/v1/calibrations/{consensus}", token=TOKEN).status == 200
+        old = consensus.replace("c4-", "c1-", 1)
+        client.call("GET", f"/v1/calibrations/{old}", token=TOKEN)
+
+
+def test_no_call_without_a_grant(recorded: set[tuple[str, Needed]]) -> None:
+    given = grants()
+    refused = {(who, one) for who, one in recorded if not any(grant.allows(one) for grant in given[who])}
+    assert refused == set()
+    assert {who for who, _ in recorded} == set(given)
+
+
+def test_no_grant_without_a_call(recorded: set[tuple[str, Needed]]) -> None:
+    unused = {
+        (who, grant.sid, action)
+        for who, statements in grants().items()
+        for grant in statements
+        for action in grant.actions
+        if action not in UNASKED
+        and not any(one.action == action and grant.allows(one) for asker, one in recorded if asker == who)
+    }
+    assert unused == set()
+
+
+def test_every_granted_attribute_is_written(recorded: set[tuple[str, Needed]]) -> None:
+    """A function adds to the counters that it counts with, and to no others."""
+    unused = {
+        (who, grant.sid, attribute)
+        for who, given in grants().items()
+        for grant in given
+        for attribute in grant.attributes
+        if not any(
+            attribute in (one.attributes or ()) and grant.allows(one)
+            for asker, one in recorded
+            if asker == who
+        )
+    }
+    assert unused == set()
+
+
+def test_state_machine_role_grants_what_its_definition_needs() -> None:
+    ((name, given),) = grants("AWS::Serverless::StateMachine").items()
+    asked = set(needs_of_machine(name))
+    assert {one for one in asked if not any(grant.allows(one) for grant in given)} == set()
+    unused = {
+        (grant.sid, action)
+        for grant in given
+        for action in grant.actions
+        if not any(one.action == action and grant.allows(one) for one in asked)
+    }
+    assert unused == set()
+    for other in (
+        Needed("s3:ListBucket", "arn:aws:s3:::calibdb-keypointbucket", prefix="sessions/"),
+        Needed("s3:GetObject", "arn:aws:s3:::calibdb-keypointbucket/calibrations/x"),
+        Needed(
+            "lambda:InvokeFunction", "arn:aws:lambda:us-east-1:123456789012:function:calibdb-SubmitFunction"
+        ),
+        Needed("states:StopExecution", "arn:aws:states:us-east-1:123456789012:execution:calibdb-backfill2:x"),
+    ):
+        assert not any(grant.allows(other) for grant in given), other
+
+
+@pytest.mark.parametrize(
+    "needed",
+    [
+        Needed(
+            "dynamodb:PutItem",
+            "arn:aws:dynamodb:us-east-1:123456789012:table/calibdb-table",
+            frozenset({"TOKEN#x"}),
+        ),
+        Needed("dynamodb:Scan", "arn:aws:dynamodb:us-east-1:123456789012:table/calibdb-table"),
+        Needed("s3:GetObject", "arn:aws:s3:::calibdb-keypointbucket/calibrations/x"),
+        Needed("s3:DeleteObject", "arn:aws:s3:::calibdb-keypointbucket/sessions/x"),
+    ],
+    ids=lambda needed: needed.action,
+)
+def test_lookup_role_cannot_write_calibrations(needed: Needed) -> None:
+    assert not any(grant.allows(needed) for grant in grants()["LookupFunction"])
+
+
+def test_statement_allows_only_its_named_calls() -> None:
+    grant = Grant(
+        "S",
+        ("dynamodb:UpdateItem",),
+        ("arn:t",),
+        {
+            "ForAllValues:StringLike": {"dynamodb:LeadingKeys": ["A#*"]},
+            "ForAllValues:StringEquals": {"dynamodb:Attributes": ["pk", "n"]},
+            "StringEqualsIfExists": {"dynamodb:ReturnValues": ["NONE"]},
+        },
+    )
+    fine = Needed("dynamodb:UpdateItem", "arn:t", frozenset({"A#1"}), frozenset({"pk", "n"}))
+    assert grant.allows(fine)
+    for other in (
+        Needed("dynamodb:UpdateItem", "arn:u", fine.keys, fine.attributes),
+        Needed("dynamodb:UpdateItem", "arn:t", frozenset({"B#1"}), fine.attributes),
+        Needed("dynamodb:UpdateItem", "arn:t", fine.keys, frozenset({"pk", "secret"})),
+        Needed("dynamodb:UpdateItem", "arn:t", fine.keys, fine.attributes, "ALL_OLD"),
+    ):
+        assert not grant.allows(other)

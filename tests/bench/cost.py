@@ -1,0 +1,268 @@
+"""Price of a million lookups and of a finished calibration on AWS: `python -m tests.bench.cost`.
+
+Calls, durations and sizes are measured on a local stack, whose functions ask the same of storage as they do
+on AWS; what is paid without any request is counted in the template. Prices and what cannot be measured here
+are in `infra/measure/prices.yaml`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import yaml
+from botocore.awsrequest import AWSPreparedRequest
+
+from infra.console.progress import track
+from infra.measure import edge_month, load_test
+from infra.measure.fixed_costs import FixedCost, firewall, fixed_costs, places
+from infra.measure.usage import (
+    PRICES,
+    Usage,
+    price,
+    price_at_edge,
+    price_preflights,
+    read_units,
+    write_units,
+)
+from tests.aws.emulator import LocalStack, intercept
+from tests.aws.emulator.stack import DEVELOPMENT_TOKEN
+from tests.aws.emulator.storage import Answer
+
+LOOKUPS, CALIBRATION = "a million lookups", "a finished calibration"
+ALIAS = "a new label or platform of a known camera"
+MAX_USD = {LOOKUPS: 2.0, CALIBRATION: 0.0006, ALIAS: 0.0001}  # USD
+MAX_FIXED_USD = 12.0  # USD a month
+#: resources of the template that each kind of cost follows from
+_RESOURCES = {
+    "API": ("HttpApi",),
+    "functions": ("LookupFunction", "SubmitFunction", "NextPoseFunction", "RefitFunction"),
+    "index": ("Table",),
+    "objects": ("KeypointBucket",),
+    "logs": ("AccessLog", "FunctionLog"),
+    "secrets": ("ReadSecretsPolicy",),
+    "transfer": ("HttpApi",),
+    "preflights": ("HttpApi", "LookupFunction"),
+}
+_CAMERA = {"camera": "Priced camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
+_MEASURED_ALIASES = 5
+_POOLED_CALIBRATIONS = 5  # calibrations, that a lookup hits
+_IDLE_TIMEOUT_S = 120.0  # after which a consensus is surely computed
+_READS = {"GetItem", "Query"}
+_MB_PER_VCPU = 1769  # MB, AWS Lambda developer guide, "Configure Lambda function memory"
+
+
+class _Storage(threading.local):
+    """Processor seconds that storage took in this thread, and whether its last read is a consistent one."""
+
+    seconds = 0.0
+    consistent = False
+
+
+class Meter:
+    """Meter of the resources that a stack's functions use."""
+
+    def __init__(self, stack: LocalStack) -> None:
+        self._stack = stack
+        self.use = Usage()
+        self._gb = 0.0
+        self._storage = _Storage()
+
+    @contextmanager
+    def running(self) -> Iterator[Usage]:
+        """Count within the block, from nothing."""
+        from calibdb.settings import Settings
+        from calibdb.store import aws
+
+        self.use = Usage()
+        region = Settings.from_environment(self._stack.environment).region
+        used = (aws.dynamodb(region), aws.s3(region))
+        for client in used:
+            client.meta.events.register("provide-client-params.*", self._on_request, unique_id="meter")
+            client.meta.events.register("after-call.*", self._on_response, unique_id="meter-after")
+        functions = dict(self._stack.functions)
+        self._stack.functions.update({name: self._wrap_with_timer(f) for name, f in functions.items()})
+        try:
+            with intercept.wrapping(self._around):
+                yield self.use
+        finally:
+            self._stack.functions.update(functions)
+            for client in used:
+                client.meta.events.unregister("provide-client-params.*", unique_id="meter")
+                client.meta.events.unregister("after-call.*", unique_id="meter-after")
+
+    def ask(self, method: str, path: str, credential: str, body: object = None, query: str = "") -> bytes:
+        """Send a request through the gateway and count it; return the answer's body."""
+        content = json.dumps(body).encode() if body is not None else b""
+        headers = {"authorization": f"Bearer {credential}"}
+        answer = self._stack.request(method, path, headers, query, content)
+        self.use.requests += 1
+        self.use.sent += len(answer.body)
+        if answer.status >= 400:
+            raise RuntimeError(f"{method} {path}: {answer.status} {answer.body[:200]!r}")
+        return answer.body
+
+    def _wrap_with_timer(self, function: Any) -> Any:
+        memory = function.spec.memory
+
+        def timed(*arguments: Any) -> Any:
+            self._gb = memory / 1024
+            begun = time.thread_time() - self._storage.seconds
+            try:
+                return function(*arguments)
+            finally:
+                # Lambda gives a part of a processor with a part of its memory, and bills whole milliseconds.
+                alone = time.thread_time() - self._storage.seconds - begun
+                self.use.seconds += alone
+                taken = alone / min(1, memory / _MB_PER_VCPU)
+                self.use.gb_seconds += math.ceil(taken * 1e3) / 1e3 * memory / 1024
+                if memory >= _MB_PER_VCPU:
+                    self.use.solver_memory += memory / 1024
+                else:
+                    self.use.memory += memory / 1024
+                self.use.invocations += 1
+
+        timed.spec = function.spec  # type: ignore[attr-defined]  # as a Function has it
+        return timed
+
+    def _around(self, name: str, service: intercept.Service) -> intercept.Service:
+        """Storage runs in this process; its part in the time of a function is not the function's."""
+
+        def handle(operation: str, request: AWSPreparedRequest) -> Answer:
+            if name == "lambda":
+                return service(operation, request)
+            begun = time.thread_time()
+            try:
+                return service(operation, request)
+            finally:
+                self._storage.seconds += time.thread_time() - begun
+
+        return handle
+
+    def _on_request(self, params: Mapping[str, Any], model: Any, **_: object) -> None:
+        service, use = model.service_model.service_name, self.use
+        use.waits.append((service, self._gb))
+        if service == "s3":
+            reading = model.name == "GetObject"
+            use.gets += reading
+            use.puts += model.name == "PutObject"
+            if str(params.get("Key", "")).startswith("calibrations/") and not reading:
+                use.kept += len(params["Body"])
+        elif model.name not in _READS:
+            together = "TransactItems" in params
+            for part in [w["Put"] for w in params["TransactItems"]] if together else [params]:
+                use.writes += write_units(len(json.dumps(part.get("Item", {}))), together=together)
+        self._storage.consistent = params.get("ConsistentRead", False)
+
+    def _on_response(self, http_response: Any, model: Any, **_: object) -> None:
+        if model.name in _READS:
+            self.use.reads += read_units(len(http_response.content), consistent=self._storage.consistent)
+
+
+def run_capture(meter: Meter, seed: int) -> None:
+    """Run one capture as the page does: each pose as numbers and as a picture, views until it is done."""
+    token = DEVELOPMENT_TOKEN
+    session = json.loads(meter.ask("POST", "/v1/auth", token))["session_id"]
+    meter.ask("POST", "/v1/session", session, {**_CAMERA, "target_error": 1.0})
+    index = 0
+    for ids, points in load_test.observe_board(seed):
+        for _ in range(2):
+            meter.ask("GET", "/v1/session/pose", session)
+        view = {"index": index, "ids": ids, "points": points}
+        state = json.loads(meter.ask("POST", "/v1/session/views", session, view))
+        if state["status"] == "converged":
+            return
+        index += state["accepted"]
+    raise RuntimeError("a capture did not end")
+
+
+def measure(lookups: int = 200) -> dict[str, Usage]:
+    """Measure some lookups that hit, together, and the last of several calibrations of a camera."""
+    with LocalStack() as stack:
+        meter = Meter(stack)
+        with meter.running():
+            for seed in track(range(_POOLED_CALIBRATIONS), "captures", _POOLED_CALIBRATIONS):
+                run_capture(meter, seed)
+            stack.wait_until_idle(_IDLE_TIMEOUT_S)
+        with meter.running() as calibration:
+            run_capture(meter, _POOLED_CALIBRATIONS)
+            stack.wait_until_idle(_IDLE_TIMEOUT_S)
+        meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, _CAMERA)
+        stack.wait_until_idle(_IDLE_TIMEOUT_S)  # its label is an alias now
+        with meter.running() as lookup:
+            for _ in track(range(lookups), "lookups", lookups):
+                meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, _CAMERA)
+        with meter.running() as alias:
+            for number in range(_MEASURED_ALIASES):
+                asked = {**_CAMERA, "platform": f"X11; Linux x86_64; rv:{number}.0"}
+                meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, asked)
+                stack.wait_until_idle(_IDLE_TIMEOUT_S)
+    return {LOOKUPS: lookup, CALIBRATION: calibration, ALIAS: alias}
+
+
+def price_of(name: str, use: Usage, prices: Mapping[str, Any]) -> dict[str, float]:
+    """Price what `name` stands for, USD by kind of cost; lookups with the preflights of other origins."""
+    times = {LOOKUPS: 1e6, ALIAS: 1.0}.get(name, use.requests) / use.requests
+    parts = {part: times * usd for part, usd in price(use, prices).items()}
+    if name == LOOKUPS:
+        memory = (use.memory + use.solver_memory) / use.invocations
+        parts["preflights"] = price_preflights(1e6, memory, prices)
+    return parts
+
+
+def report(uses: Mapping[str, Usage], prices: Mapping[str, Any], fixed: list[FixedCost]) -> Iterator[str]:
+    """Yield the prices line by line, each with the lines of the template that it follows from."""
+    for name, use in uses.items():
+        parts = price_of(name, use, prices)
+        yield f"{name}: {sum(parts.values()):.6f} USD, at most {MAX_USD[name]}"
+        for part, usd in parts.items():
+            yield f"  {part:28} {usd:.6f}  {', '.join(places(*_RESOURCES[part]))}"
+        if name == LOOKUPS:
+            sent = 1e6 / use.requests * use.sent
+            asked, known = price_at_edge(parts, sent, prices)
+            enough = max(0.0, (asked - MAX_USD[name]) / (asked - known))
+            yield f"  through CloudFront {asked:.2f} where it must ask, {known:.2f} where it has the answer:"
+            yield f"  at most {MAX_USD[name]} where it has {math.ceil(100 * enough)} % of them"
+    base, wall = sum(f.usd for f in fixed), firewall(prices)
+    yield f"a month without any request: {base:.2f} USD, at most {MAX_FIXED_USD}"
+    yield f"  with the firewall {base + wall.usd:.2f}"
+    yield f"  {'firewall (WafRate)':28} {wall.usd:8.2f}  {', '.join(wall.places)}"
+    for cost in fixed:
+        yield f"  {cost.what:28} {cost.usd:8.2f}  {', '.join(cost.places)}"
+    yield f"prices of us-east-1, {prices['sources']['month']}; not in it:"
+    for left_out in prices["not_in_it"]:
+        yield f"  {left_out}"
+
+
+def main(say: Callable[[str], None] = print) -> int:
+    """Print the prices; return 1 where one is above its bound."""
+    prices = yaml.safe_load(PRICES.read_text(encoding="utf-8"))
+    uses, fixed = measure(), fixed_costs(prices)
+    for line in report(uses, prices, fixed):
+        say(line)
+    over = [n for n, use in uses.items() if sum(price_of(n, use, prices).values()) > MAX_USD[n]]
+    asked, cached = at_edge(uses[LOOKUPS], prices)
+    for line in edge_month.report(asked, cached, prices["assumed"]["edge_locations"]):
+        say(line)
+    expensive = edge_month.price(asked, cached) > edge_month.MAX_EDGE_USD
+    return 1 if over or expensive or sum(cost.usd for cost in fixed) > MAX_FIXED_USD else 0
+
+
+def at_edge(lookup: Usage, prices: Mapping[str, Any]) -> tuple[float, float]:
+    """Price a million cacheable lookups, USD: if CloudFront forwards them, and if it has them in its cache.
+
+    They need no preflight.
+    """
+    size = lookup.sent / lookup.requests + prices["assumed"]["edge_header_bytes"]
+    parts = price_of(LOOKUPS, lookup, prices)
+    return price_at_edge({**parts, "preflights": 0.0}, 1e6 * size, prices)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

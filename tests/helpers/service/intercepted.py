@@ -1,0 +1,72 @@
+"""Calls of the ports of storage in a test's hands: counted, refused, lost."""
+
+import functools
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+from calibdb.service import Service
+from calibdb.settings import Settings
+from calibdb.store import Store
+from calibdb.store.ports import Storage
+from calibdb.store.storage import opened
+from tests.helpers.service.stores import with_methods
+
+#: operations of AWS that calls of the ports are
+OPERATIONS: Mapping[str, Mapping[str, str]] = {
+    "table": {
+        "get": "GetItem",
+        "put": "PutItem",
+        "put_transaction": "TransactWriteItems",
+        "add": "UpdateItem",
+        "remove": "UpdateItem",
+        "delete": "DeleteItem",
+        "query": "Query",
+        "page": "Query",
+    },
+    "objects": {
+        "get": "GetObject",
+        "get_version": "GetObject",
+        "replace": "PutObject",
+        "create": "PutObject",
+        "put": "PutObject",
+        "delete": "DeleteObjects",
+        "names": "ListObjectsV2",
+    },
+    "jobs": {"later": "Invoke", "now": "Invoke"},
+}
+#: operations that change something
+WRITES = {"PutItem", "TransactWriteItems", "UpdateItem", "DeleteItem", "PutObject", "DeleteObjects"}
+
+#: is given the name of an operation and what performs it, and returns its result
+Around = Callable[[str, Callable[[], Any]], Any]
+
+
+@contextmanager
+def intercepted(storage: Storage, around: Around) -> Iterator[None]:
+    """Have every call of the ports go through `around` within the block."""
+
+    def wrap(method: Callable[..., Any], operation: str) -> Callable[..., Any]:
+        return lambda *arguments, **options: around(operation, lambda: method(*arguments, **options))
+
+    def port(name: str) -> Any:
+        original = getattr(storage, name)
+        return with_methods(
+            original, **{method: wrap(getattr(original, method), o) for method, o in OPERATIONS[name].items()}
+        )
+
+    with opened(replace(storage, **{name: port(name) for name in OPERATIONS})):
+        yield
+
+
+@contextmanager
+def intercepted_service(storage: Storage, around: Around, **build: Any) -> Iterator[None]:
+    """As `intercepted`, for services that exist already; `build`: arguments of `Service.build`."""
+
+    @functools.cache
+    def make(settings: Settings) -> Service:
+        return Service.build(settings, Store.of(settings), **build)
+
+    with intercepted(storage, around), Service.override(make):
+        yield

@@ -1,0 +1,249 @@
+"""Data folders: damage is reported in a sentence, nothing is lost silently, backups answer alike."""
+
+import json
+import os
+import random
+import shutil
+import sqlite3
+import stat
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from calibdb.store.sqlite import (
+    FILE_NAME,
+    FOLDER_NAME,
+    SCHEMA_VERSION,
+    Database,
+    SqliteObjects,
+    SqliteTable,
+)
+from infra.ops.__main__ import main
+from infra.ops.backup import write_backup
+from infra.server import folder as folders
+from infra.server.folder import KEYPOINTS, SITE, Folder, FolderError
+from infra.server.secrets import SecretsError
+from infra.server.server import Server
+from infra.server.write_ahead_log import lost_commits
+from tests.helpers.service.client import Client
+from tests.helpers.service.published import asked, calibration, mode_of, store
+
+ROWS = 120
+#: random damages; all 100 with `DAMAGES=100`
+DAMAGES = int(os.environ.get("DAMAGES", "30"))
+LOG = f"{FILE_NAME}-wal"
+
+
+def item(n: int) -> dict[str, Any]:
+    return {"pk": f"CAMERA#{n % 7}", "sk": f"CALIBRATION#{n:03d}", "text": "x" * (97 * n % 3000), "n": n}
+
+
+def content(n: int) -> bytes:
+    return (f'{{"n": {n}}}'.encode()) * (1 + 97 * n % 400 if n else 300_000)
+
+
+@pytest.fixture(scope="module")
+def undamaged(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder after a kill: half of its rows are in the log only."""
+    made = tmp_path_factory.mktemp("undamaged") / "made"
+    opened = Folder(made)
+    table, objects = SqliteTable(opened.database), SqliteObjects(opened.database, KEYPOINTS)
+    for n in range(ROWS):
+        table.put(item(n))
+        objects.put(f"calibrations/{n:03d}.json", content(n))
+        if n == ROWS // 2:
+            with opened.database.reading() as connection:
+                connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    shutil.copytree(made, made.with_name("data"))
+    opened.close()
+    return made.with_name("data")
+
+
+@pytest.fixture
+def folder(undamaged: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(undamaged, tmp_path / "data"))
+
+
+def missing(opened: Folder) -> int:
+    """Number of rows that are not there; those that are, are as they were written."""
+    table, objects = SqliteTable(opened.database), SqliteObjects(opened.database, KEYPOINTS)
+    found_items = [table.get(str(item(n)["pk"]), str(item(n)["sk"])) for n in range(ROWS)]
+    found_objects = [objects.get(f"calibrations/{n:03d}.json") for n in range(ROWS)]
+    assert all(found in (None, item(n)) for n, found in enumerate(found_items))
+    assert all(found in (None, content(n)) for n, found in enumerate(found_objects))
+    return (found_items + found_objects).count(None)
+
+
+def test_killed_folder_is_whole(folder: Path) -> None:
+    assert (folder / LOG).stat().st_size > 100_000
+    assert lost_commits(folder / LOG) == 0
+    opened = Folder(folder)
+    assert (opened.damage, missing(opened)) == ([], 0)
+    opened.close()
+    for name in (FILE_NAME, "secrets.json", "lock"):
+        assert stat.S_IMODE((folder / name).stat().st_mode) == 0o600
+
+
+def test_damage_anywhere_is_reported_and_the_rest_is_served(undamaged: Path, tmp_path: Path) -> None:
+    """Many times some random bytes in the database, its log or a file."""
+    rng = random.Random(1)
+    said = refused = whole = 0
+    for number in range(DAMAGES):
+        folder = Path(shutil.copytree(undamaged, tmp_path / str(number)))
+        (large,) = (folder / FOLDER_NAME).iterdir()
+        path = (folder / FILE_NAME, folder / LOG, large)[number % 3]
+        damaged = bytearray(path.read_bytes())
+        # Of the log's last frame, nothing tells damage from a write that was cut off.
+        at = rng.randrange(len(damaged) - (3 * 4120 if path.name == LOG else 64))
+        count = rng.choice([1, 8, 64])
+        damaged[at : at + count] = rng.randbytes(count)
+        path.write_bytes(damaged)
+        try:
+            opened = Folder(folder)
+        except FolderError as error:
+            refused += 1
+            assert "restore" in str(error)  # noqa: PT017
+            assert "\n" not in str(error)  # noqa: PT017
+            continue
+        lost = missing(opened)
+        opened.close()
+        assert lost == 0 or opened.damage, (number, path.name, at, lost)
+        assert all("restore" in sentence and "\n" not in sentence for sentence in opened.damage)
+        said += bool(opened.damage)
+        whole += not opened.damage
+        again = Folder(folder)
+        assert (again.damage, missing(again)) == ([], lost), "said once"
+        again.close()
+        shutil.rmtree(folder)
+    assert said + refused + whole == DAMAGES
+    assert said >= 0.3 * DAMAGES
+    assert refused >= 1
+
+
+def test_lost_commits_are_counted(folder: Path) -> None:
+    log = bytearray((folder / LOG).read_bytes())
+    log[32 + 24 + 100] ^= 1  # of the first frame
+    (folder / LOG).write_bytes(log)
+    lost = lost_commits(folder / LOG)
+    assert lost == ROWS - 1 - ROWS // 2 + ROWS - 1 - ROWS // 2
+    opened = Folder(folder)
+    (sentence,) = opened.damage
+    assert f"{lost} of the last writes are lost" in sentence
+    (kept,) = folder.glob("damaged-*")
+    assert (kept / LOG).read_bytes() == bytes(log)
+    opened.close()
+
+
+@pytest.mark.parametrize("name", [FILE_NAME, "secrets.json"])
+def test_missing_file_is_not_taken_for_a_beginning(folder: Path, name: str) -> None:
+    (folder / name).unlink()
+    with pytest.raises((FolderError, SecretsError), match="missing"):
+        Folder(folder)
+
+
+def test_newer_schema_is_refused(folder: Path) -> None:
+    with closing(sqlite3.connect(folder / FILE_NAME)) as connection:
+        connection.execute(f"PRAGMA user_version={SCHEMA_VERSION + 1}")
+    with pytest.raises(FolderError, match="newer version"):
+        Folder(folder)
+
+
+def test_folder_that_cannot_be_used_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(FolderError, match="cannot hold the data"):
+        Folder(tmp_path / "file" / "data")
+
+
+def test_second_server_is_refused_and_an_operator_is_a_guest(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(folders, "LOCK_TIMEOUT_S", 0.1)
+    first = Folder(folder)
+    with pytest.raises(FolderError, match="in use by another server"):
+        Folder(folder)
+    guest = Folder(folder, as_guest=True)
+    SqliteTable(guest.database).put({"pk": "P", "sk": "S"})
+    assert SqliteTable(first.database).get("P", "S") is not None
+    guest.close()
+    first.close()
+
+
+def test_journal_of_before_is_converted(tmp_path: Path) -> None:
+    folder = tmp_path / "data"
+    folder.mkdir()
+    Folder(tmp_path / "other").close()
+    shutil.copy(tmp_path / "other" / "secrets.json", folder)
+    with closing(sqlite3.connect(folder / "journal.sqlite")) as journal, journal:
+        journal.execute("CREATE TABLE state (kind, container, key, about, body BLOB, checksum)")
+        stored = {"pk": {"S": "P"}, "sk": {"S": "S"}, "n": {"N": "7"}, "l": {"L": [{"S": "a"}]}}
+        rows = [
+            ("item", "calibdb-table", '["P","S"]', json.dumps(stored).encode()),
+            ("object", "calibdb-keypointbucket", "calibrations/a.json", b"{}"),
+            ("object", "calibdb-webbucket", "dumps/latest.json", b"{1}"),
+            ("invoke", "RefitFunction", "id", b'{"camera": "c"}'),
+        ]
+        journal.executemany("INSERT INTO state VALUES (?, ?, ?, '', ?, 0)", rows)
+    opened = Folder(folder)
+    assert SqliteTable(opened.database).get("P", "S") == {"pk": "P", "sk": "S", "n": 7, "l": ["a"]}
+    assert SqliteObjects(opened.database, KEYPOINTS).get("calibrations/a.json") == b"{}"
+    assert SqliteObjects(opened.database, SITE).get("dumps/latest.json") == b"{1}"
+    with opened.database.reading() as connection:
+        assert connection.execute("SELECT name, payload FROM jobs").fetchall() == [
+            ("refit", b'{"camera": "c"}')
+        ]
+    opened.close()
+    assert (folder / "journal.sqlite.converted").exists()
+    assert not (folder / "journal.sqlite").exists()
+
+
+def test_expired_items_are_not_returned_and_swept() -> None:
+    now = [1000.0]
+    database = Database(None, lambda: now[0])
+    table, objects = SqliteTable(database), SqliteObjects(database, KEYPOINTS)
+    table.put({"pk": "P", "sk": "S", "ttl": 1100})
+    table.put({"pk": "P", "sk": "T"})
+    objects.put("sessions/a/1.json", b"1")
+    objects.put("calibrations/a.json", b"1")
+    assert len(table.query("P", "")) == 2
+    now[0] = 1100.0
+    assert [found["sk"] for found in table.query("P", "")] == ["T"]
+    assert table.get("P", "S") is None
+    assert table.add("P", "S", "n", 1) == 1, "a new item"
+    table.put({"pk": "P", "sk": "S", "ttl": 1100})
+    assert database.sweep({(KEYPOINTS, "sessions/"): 50.0}) == 2
+    assert list(objects.names("")) == ["calibrations/a.json"]
+    database.close()
+
+
+def answers(server: Server) -> list[Any]:
+    """Answers to lookups, without the address of the server."""
+    return [
+        {name: value for name, value in answer.json.items() if name != "guidance_url"}
+        for camera in ("Backed up one", "Backed up two")
+        if (answer := Client(server).lookup(camera=camera)).status == 200
+    ]
+
+
+def test_backup_of_a_running_server_answers_alike(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    backup, restored = tmp_path / "backup.tar", tmp_path / "restored"
+    with Server(tmp_path / "data") as server:
+        for camera in ("Backed up one", "Backed up two"):
+            for n in range(5):
+                store(server).calibrations.publish(document := calibration(camera, n, views=3))
+            store(server).refit.now(asked(mode_of(document)))
+        before = answers(server)
+        assert len(before) == 2
+        write_backup(tmp_path / "data", backup)
+    assert stat.S_IMODE(backup.stat().st_mode) == 0o600
+    assert main(["--data", str(restored), "restore", str(backup)]) == 0
+    with Server(restored) as server:
+        assert answers(server) == before
+        assert main(["--data", str(restored), "restore", str(backup)]) == 1
+        assert "in use" in capsys.readouterr().err
+    assert main(["--data", str(restored), "backup", str(backup)]) == 1
+    assert "exists" in capsys.readouterr().err
+    assert main(["--data", str(restored), "restore", str(backup), "--json"]) == 0
+    kept = json.loads(capsys.readouterr().out)["before"]
+    assert (Path(kept) / FILE_NAME).exists()

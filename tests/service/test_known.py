@@ -1,0 +1,189 @@
+"""Known cameras by GET: cacheable, the same for all callers, bounded, and gone when they are withdrawn."""
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from calibdb.lookup.alias_filter import AliasFilter
+from calibdb.store.aliases import (
+    ALIAS_EXPIRY_S,
+    ALIAS_RENEWAL_S,
+    MAX_OF_CAMERA,
+    MAX_OF_SOURCE,
+    Alias,
+    Aliases,
+    alias_digest,
+)
+from calibdb.store.sqlite import Database, SqliteTable
+from infra.server import app
+from infra.server.server import Response, Server
+from tests.helpers.service.client import Client
+from tests.helpers.service.intercepted import WRITES, intercepted_service
+from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
+
+CAMERA = "Known by all (046d:0825)"
+DIGEST = alias_digest(CAMERA, PLATFORM)
+PATH = f"/known/v1/{DIGEST}/1280x720/0/rectilinear.json"
+KNOWN_CACHE = "public, max-age=60, s-maxage=300, stale-while-revalidate=60, stale-if-error=86400"
+DAY_S = 86_400
+
+
+@pytest.fixture(scope="module")
+def stack() -> Iterator[Server]:
+    with Server() as stack:
+        for n in range(5):
+            store(stack).calibrations.publish(document := calibration(CAMERA, n, views=3))
+        store(stack).refit.now(asked(mode_of(document)))
+        yield stack
+
+
+@pytest.fixture(autouse=True)
+def fresh(stack: Server) -> None:
+    """Forget what the server remembers for a minute."""
+    stack.app._known.clear()  # type: ignore[attr-defined]
+
+
+def get(stack: Server, path: str = PATH, **headers: str) -> Response:
+    return stack.request("GET", path, {name.replace("_", "-"): value for name, value in headers.items()})
+
+
+def posted(stack: Server, camera: str = CAMERA, platform: str = PLATFORM) -> Any:
+    answer = Client(stack).lookup(camera=camera, platform=platform)
+    stack.wait_until_idle(60)
+    return answer
+
+
+def test_camera_is_known_by_get_once_a_post_found_it(stack: Server) -> None:
+    unknown = get(stack)
+    assert (unknown.status, json.loads(unknown.body)) == (404, {"reason": "unknown_camera"})
+    assert unknown.headers["cache-control"] == "public, max-age=60, s-maxage=60"
+    answer = posted(stack)
+    stack.app._known.clear()  # type: ignore[attr-defined]
+    found = get(stack)
+    assert (found.status, found.body) == (200, answer.body)
+    for each in (found, unknown):
+        assert each.headers["access-control-allow-origin"] == "*"
+        assert each.headers["content-type"] == "application/json"
+    assert found.headers["cache-control"] == KNOWN_CACHE
+    same = get(stack, if_none_match=found.headers["etag"])
+    assert (same.status, same.body, same.headers["etag"]) == (304, b"", found.headers["etag"])
+
+
+def test_other_forms_of_an_address_are_unknown(stack: Server) -> None:
+    posted(stack)
+    for path in (
+        PATH.replace("1280x720", "01280x720"),
+        PATH.replace("1280x720", "1280x"),
+        PATH.replace("/0/", "/0.0/"),
+        PATH.replace("/0/", "/-0/"),
+        PATH.replace("rectilinear.json", "rectilinear"),
+        PATH.replace("rectilinear", "none"),
+        PATH.replace(DIGEST, DIGEST.upper()),
+        PATH.replace(DIGEST, "0" * 32),
+    ):
+        answer = get(stack, path)
+        assert (answer.status, answer.headers["cache-control"]) == (
+            404,
+            "public, max-age=60, s-maxage=60",
+        ), path
+    assert stack.request("POST", PATH).status == 405
+    other = Client(stack).lookup(camera=CAMERA, platform=PLATFORM, img_size=[640, 360])
+    assert get(stack, PATH.replace("1280x720", "640x360")).body == other.body
+
+
+def test_many_visitors_are_one_lookup_a_minute(stack: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+    posted(stack)
+    calls: list[str] = []
+
+    def record(operation: str, call: Any) -> Any:
+        calls.append(operation)
+        return call()
+
+    unknown = PATH.replace(DIGEST, "1" * 32)
+    with intercepted_service(stack.storage, record):
+        assert {get(stack).status for _ in range(50)} == {200}
+        assert calls == ["GetItem", "Query"]
+        assert {get(stack, unknown).status for _ in range(50)} == {404}
+        assert calls == ["GetItem", "Query", "GetItem"]
+        later = app.time.monotonic() + app.KNOWN_TTL_S
+        monkeypatch.setattr(app.time, "monotonic", lambda: later)
+        get(stack)
+        get(stack, unknown)
+    assert len(calls) == 6
+    assert not WRITES & set(calls)
+
+
+def test_withdrawn_camera_is_gone(stack: Server) -> None:
+    label = "To be withdrawn (046d:0826)"
+    documents = [calibration(label, n, views=3) for n in range(5)]
+    for document in documents:
+        store(stack).calibrations.publish(document)
+    store(stack).refit.now(asked(mode_of(documents[0])))
+    posted(stack, label)
+    path = f"/known/v1/{alias_digest(label, PLATFORM)}/1280x720/0/rectilinear.json"
+    assert get(stack, path).status == 200
+    for document in documents[:4]:
+        store(stack).calibrations.withdraw(document, "wrong", 0)
+    store(stack).refit.now(asked(mode_of(documents[0])))
+    stack.app._known.clear()  # type: ignore[attr-defined]
+    gone = get(stack, path)
+    assert (gone.status, json.loads(gone.body)) == (404, {"reason": "too_few"})
+    browsers, caches = 60, 300
+    assert f"max-age={browsers}, s-maxage={caches}" in KNOWN_CACHE
+    assert browsers + caches <= 6 * 60
+
+
+def test_label_of_a_person_is_not_stored(stack: Server) -> None:
+    label = "Anna's iPhone Camera"
+    posted(stack, label)
+    assert store(stack).aliases.get(alias_digest(label, PLATFORM)) is None
+
+
+@pytest.fixture
+def clock() -> list[int]:
+    return [1_700_000_000]
+
+
+@pytest.fixture
+def aliases(clock: list[int]) -> Iterator[Aliases]:
+    database = Database(None, lambda: clock[0])
+    yield Aliases(SqliteTable(database))
+    database.close()
+
+
+def test_aliases_are_bounded_by_source_and_camera(aliases: Aliases, clock: list[int]) -> None:
+    stored = [aliases.record(Alias(f"Label {n}", "Linux"), "c4-a", "source", clock[0]) for n in range(30)]
+    assert stored == [True] * MAX_OF_SOURCE + [False] * 10
+    assert aliases.record(Alias("Label 0", "Linux"), "c4-a", "source", clock[0]), "it is known"
+    others = [
+        aliases.record(Alias(f"Other {n}", "Linux"), "c4-a", f"source {n}", clock[0])
+        for n in range(MAX_OF_CAMERA)
+    ]
+    assert others.count(True) == MAX_OF_CAMERA - MAX_OF_SOURCE
+    assert aliases.record(Alias("Label", "Linux"), "c4-b", "another", clock[0])
+    clock[0] += DAY_S
+    assert aliases.record(Alias("Of the next day", "Linux"), "c4-b", "source", clock[0])
+
+
+def test_alias_expires_180_days_after_its_last_use(aliases: Aliases, clock: list[int]) -> None:
+    alias = Alias("Label", "Linux")
+    assert aliases.record(alias, "c4-a", "source", clock[0])
+    clock[0] += ALIAS_RENEWAL_S + 1
+    found = aliases.get(alias.digest)
+    assert found is not None
+    assert not found.is_fresh(clock[0])
+    assert aliases.record(alias, "c4-a", "source", clock[0])
+    clock[0] += ALIAS_EXPIRY_S - 1
+    assert aliases.get(alias.digest) is not None
+    clock[0] += 1
+    assert aliases.get(alias.digest) is None
+
+
+def test_filter_looks_after_each_alias_once_a_day() -> None:
+    seen = AliasFilter()
+    assert [seen.admit(("a", "b"), now) for now in (0, 1, DAY_S - 1, DAY_S, DAY_S)] == [
+        *[True, False, False, True, False]
+    ]
+    assert seen.admit(("a", "c"), 0)

@@ -1,0 +1,313 @@
+"""Storage by its promises: crashes leave orphans, races have one winner, what is published stays."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import boto3
+import pytest
+from botocore.exceptions import ClientError, EndpointConnectionError
+
+from calibdb.access.tokens import ApiToken
+from calibdb.errors import ConflictError, NotFoundError, UnavailableError
+from calibdb.rules import session_rules
+from calibdb.schema import (
+    SessionDocument,
+    SessionRequest,
+)
+from calibdb.store import Objects, Sessions, Table, Tokens
+from calibdb.store.aws import DynamoTable, S3Objects
+from tests.helpers.service.stores import with_methods
+
+NOW = 1_700_000_000
+SID = "6553f1000123456789abcdef"
+REGION = "eu-central-1"
+REQUEST = SessionRequest(camera="Camera", platform="Linux", img_size=(1280, 720))
+
+
+@pytest.fixture
+def sessions(table: Table, objects: Objects) -> Sessions:
+    return Sessions(table, objects)
+
+
+def begin(version: int) -> SessionDocument:
+    return session_rules.begin(REQUEST, SID, version, NOW)
+
+
+def opened(document: SessionDocument) -> tuple[SessionDocument, int]:
+    """A change: one index further. Answers the index."""
+    changed = document.model_copy(update={"next_index": document.next_index + 1})
+    return changed, changed.next_index
+
+
+def versions(objects: Objects) -> list[str]:
+    return sorted(name.rpartition("/")[2] for name in objects.names(f"sessions/{SID}/"))
+
+
+def test_a_session_is_kept_version_by_version(sessions: Sessions, objects: Objects) -> None:
+    assert sessions.find(SID) is None
+    assert sessions.start(SID, NOW, begin) == (begin(1), True)
+    assert sessions.start(SID, NOW, begin) == (begin(1), False)
+    assert sessions.update(SID, NOW, opened) == 1
+    assert sessions.update(SID, NOW, opened) == 2
+    assert sessions.get(SID).next_index == 2
+    assert versions(objects) == ["1.json", "2.json", "3.json"]
+
+
+def aimed(n: int) -> Callable[[SessionDocument], tuple[SessionDocument, int]]:
+    """A change: another target, and the one before not wanted."""
+
+    def change(document: SessionDocument) -> tuple[SessionDocument, int]:
+        return session_rules.with_target(session_rules.without_target(document), {"n": n}), n
+
+    return change
+
+
+def test_another_target_writes_no_object(sessions: Sessions, objects: Objects, table: Table) -> None:
+    sessions.start(SID, NOW, begin)
+    for n in range(12):
+        assert sessions.update(SID, NOW, aimed(n)) == n
+    document = sessions.get(SID)
+    assert document.target == {"n": 11}
+    assert [target["n"] for target in document.skipped] == list(range(3, 11))
+    assert list(sessions.all()) == [document]
+    assert versions(objects) == ["1.json"]
+    assert sessions.update(SID, NOW, opened) == 1
+    after = sessions.get(SID)
+    assert (after.target, after.skipped, after.next_index) == (document.target, document.skipped, 1)
+    assert versions(objects) == ["1.json", "14.json"]
+    table.delete(f"SESSION#{SID}", "META")
+    sessions.index(NOW)
+    assert sessions.get(SID) == after
+    assert sessions.forget(SID, NOW)
+    assert versions(objects) == []
+
+
+def test_of_a_target_and_a_view_at_once_neither_is_lost(sessions: Sessions) -> None:
+    sessions.start(SID, NOW, begin)
+    raced = []
+
+    def slow(document: SessionDocument) -> tuple[SessionDocument, int]:
+        if not raced:
+            raced.append(1)
+            sessions.update(SID, NOW, opened)
+        return aimed(7)(document)
+
+    sessions.update(SID, NOW, slow)
+    raced.clear()
+
+    def slower(document: SessionDocument) -> tuple[SessionDocument, int]:
+        if not raced:
+            raced.append(1)
+            sessions.update(SID, NOW, aimed(8))
+        return opened(document)
+
+    assert sessions.update(SID, NOW, slower) == 2
+    document = sessions.get(SID)
+    assert (document.target, document.next_index) == ({"n": 8}, 2)
+
+
+def test_session_that_is_deleted_during_a_read_is_missing(
+    sessions: Sessions, objects: Objects, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not denied: the roles may list `sessions/`, so S3 says 404 of the object that is gone."""
+    sessions.start(SID, NOW, begin)
+    get = objects.get
+
+    def late(name: str) -> bytes | None:
+        sessions.forget(SID, NOW)
+        return get(name)
+
+    monkeypatch.setattr(objects, "get", late)
+    assert sessions.find(SID) is None
+    with pytest.raises(NotFoundError):
+        sessions.get(SID)
+
+
+def test_empty_change_writes_nothing(sessions: Sessions, objects: Objects) -> None:
+    sessions.start(SID, NOW, begin)
+    assert sessions.update(SID, NOW, lambda document: (None, document.next_index)) == 0
+    assert versions(objects) == ["1.json"]
+
+
+def test_unstarted_session_is_not_found(sessions: Sessions) -> None:
+    with pytest.raises(NotFoundError):
+        sessions.get(SID)
+    with pytest.raises(NotFoundError):
+        sessions.update(SID, NOW, opened)
+    assert sessions.forget(SID, NOW) is False
+
+
+def test_orphaned_version_is_skipped(sessions: Sessions, objects: Objects) -> None:
+    """The process died between object and index: what it wrote counts for nothing and blocks nothing."""
+    sessions.start(SID, NOW, begin)
+    orphan = begin(1).model_copy(update={"next_index": 77})
+    assert objects.create(f"sessions/{SID}/2.json", orphan.model_dump_json().encode())
+    assert sessions.get(SID).next_index == 0
+    assert sessions.update(SID, NOW, opened) == 1
+    assert sessions.get(SID).next_index == 1
+    assert sessions.update(SID, NOW, opened) == 2
+
+
+def test_of_two_changes_at_once_one_is_made_anew(sessions: Sessions) -> None:
+    sessions.start(SID, NOW, begin)
+    seen = []
+
+    def change(document: SessionDocument) -> tuple[SessionDocument, int]:
+        seen.append(document.next_index)
+        if len(seen) == 1:  # another request gets ahead, after we read and before we write
+            sessions.update(SID, NOW, opened)
+        return opened(document)
+
+    assert sessions.update(SID, NOW, change) == 2
+    assert seen == [0, 1]
+    assert sessions.get(SID).next_index == 2
+
+
+def test_contended_change_gives_up(sessions: Sessions) -> None:
+    sessions.start(SID, NOW, begin)
+
+    def change(document: SessionDocument) -> tuple[SessionDocument, int]:
+        sessions.update(SID, NOW, opened)
+        return opened(document)
+
+    with pytest.raises(ConflictError):
+        sessions.update(SID, NOW, change)
+
+
+def test_write_with_a_lost_response_is_done(table: Table, objects: Objects) -> None:
+    """botocore sends it again, finds its own write there, and the condition false."""
+
+    def put(item: Any, condition: Any = None) -> bool:
+        return table.put(item, condition) and table.put(item, condition)
+
+    sessions = Sessions(with_methods(table, put=put), objects)
+    sessions.start(SID, NOW, begin)
+    assert sessions.update(SID, NOW, opened) == 1
+    assert sessions.update(SID, NOW, opened) == 2
+
+
+def test_forgotten_session_can_be_restarted(sessions: Sessions, objects: Objects) -> None:
+    sessions.start(SID, NOW, begin)
+    sessions.update(SID, NOW, opened)
+    assert sessions.forget(SID, NOW) is True
+    assert sessions.forget(SID, NOW) is True
+    assert versions(objects) == []
+    assert sessions.find(SID) is None
+    anew, _ = sessions.start(SID, NOW, begin)
+    assert anew.first_version > 1
+    assert sessions.update(SID, NOW, opened) == 1
+
+
+def test_concurrent_change_does_not_revive_a_forgotten_session(sessions: Sessions) -> None:
+    sessions.start(SID, NOW, begin)
+
+    def change(document: SessionDocument) -> tuple[SessionDocument, int]:
+        sessions.forget(SID, NOW)
+        return opened(document)
+
+    with pytest.raises(NotFoundError):
+        sessions.update(SID, NOW, change)
+    assert sessions.find(SID) is None
+
+
+def test_tokens(table: Table, objects: Objects) -> None:
+    tokens = Tokens(table, objects)
+    token = ApiToken("id", "hash", ("https://a.example",), "free", NOW)
+    assert tokens.get("id") is None
+    assert tokens.create(token) is True
+    assert tokens.create(token) is False
+    assert tokens.get("id") == token
+    exchanged = replace(token, secret_sha256="new", former_sha256="hash", former_until=NOW + 9)
+    tokens.change(exchanged)
+    assert tokens.get("id") == exchanged
+    assert list(tokens.all()) == [exchanged]
+    tokens.revoke(exchanged, NOW)
+    assert tokens.get("id") is None
+    assert list(tokens.all()) == []
+    assert tokens.create(token) is False  # an id is never another's
+    tokens.index(exchanged)  # as if the revocation had been cut short
+    assert tokens.reindex() == 0
+    assert tokens.get("id") is None
+    other = replace(token, id="other")
+    tokens.create(other)
+    table.delete("TOKEN#other", "META")
+    assert tokens.reindex() == 1
+    assert tokens.get("other") == other
+
+
+def test_purged_object_is_gone(objects: Objects) -> None:
+    objects.put("a/b", b"1")
+    objects.put("a/bc", b"2")
+    assert objects.purge_all_versions(["a/b", "a/none"]) == 1
+    assert list(objects.names("")) == ["a/bc"]
+
+
+def test_purged_object_leaves_no_version(aws: None) -> None:  # noqa: ARG001
+    client = boto3.client("s3", REGION)
+    objects = S3Objects(lambda: client, "bucket")
+    client.put_bucket_versioning(Bucket="bucket", VersioningConfiguration={"Status": "Enabled"})
+    for content in (b"1", b"2"):
+        objects.put("a/b", content)
+    objects.put("a/bc", b"3")
+    objects.delete(["a/b"])
+    assert objects.purge_all_versions(["a/b", "a/none"]) == 3  # two versions and the mark of the deletion
+    left = client.list_object_versions(Bucket="bucket")
+    assert [found["Key"] for found in left["Versions"]] == ["a/bc"]
+    assert "DeleteMarkers" not in left
+
+
+def failing(error: Exception) -> Callable[[], Any]:
+    class Client:
+        def __getattr__(self, name: str) -> Callable[..., Any]:
+            def call(**_: object) -> Any:
+                raise error
+
+            return call
+
+    return Client
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        ClientError({"Error": {"Code": "ProvisionedThroughputExceededException"}}, "PutItem"),
+        ClientError({"Error": {"Code": "SlowDown"}}, "PutObject"),
+        EndpointConnectionError(endpoint_url="http://storage"),
+    ],
+)
+def test_storage_outage_is_a_503(error: Exception) -> None:
+    objects, table = S3Objects(failing(error), "bucket"), DynamoTable(failing(error), "table")
+    calls: list[Callable[[], object]] = [
+        lambda: objects.get("name"),
+        lambda: objects.create("name", b""),
+        lambda: objects.delete(["name"]),
+        lambda: table.get("pk", "sk"),
+        lambda: table.put({"pk": "pk", "sk": "sk"}),
+        lambda: table.query("pk", "sk"),
+    ]
+    for call in calls:
+        with pytest.raises(UnavailableError) as raised:
+            call()
+        assert raised.value.headers == {"Retry-After": "1"}
+
+
+class Undecided:
+    """S3 while another writes the same name, so and so many times; what then is found."""
+
+    def __init__(self, times: int, code: str | None) -> None:
+        self._codes = [*["ConditionalRequestConflict"] * times, code]
+
+    def put_object(self, **_: object) -> None:
+        if code := self._codes.pop(0):
+            raise ClientError({"Error": {"Code": code}}, "PutObject")
+
+
+@pytest.mark.parametrize(("code", "written"), [(None, True), ("PreconditionFailed", False)])
+def test_conflicting_object_write_is_retried(code: str | None, written: bool) -> None:
+    """The other may still fail; then nobody would have written what both were told is there."""
+    client: Any = Undecided(3, code)
+    assert S3Objects(lambda: client, "bucket").create("name", b"") is written
+    busy: Any = Undecided(99, None)
+    with pytest.raises(UnavailableError):
+        S3Objects(lambda: busy, "bucket").create("name", b"")
