@@ -27,7 +27,7 @@ LINES = 9
 def residual_vectors(calibration: Calibration, views: Sequence[View]) -> tuple[Array, Array]:
     """Points (n, 2) px of all views with a pose, and observed minus projected (n, 2), px; NaN behind."""
     points, vectors = [np.empty((0, 2))], [np.empty((0, 2))]
-    for view, pose in zip(views, calibration.poses, strict=True):
+    for view, pose in zip(calibration.shaped(views), calibration.poses, strict=True):
         if not np.isfinite(pose).all():
             continue
         seen = view.object_points @ rotation.matrix(pose[:3]).T + pose[3:]
