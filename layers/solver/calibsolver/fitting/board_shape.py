@@ -17,7 +17,7 @@ from .mixed_model import SHAPE_SIZE
 from .observations import Observations
 from .systematic_effects import BEND_SIZE
 
-GRID = np.linspace(-1, 1, 9)
+HEIGHT_GRID = np.linspace(-1, 1, 9)
 """Places along each side of the board at which its height is looked up."""
 
 
@@ -91,7 +91,7 @@ class BoardShape:
     @cached_property
     def _off_plane(self) -> Array:
         """Derivatives (m, SHAPE_SIZE) of the heights over the best plane by the parameters."""
-        x, y = (c.ravel() for c in np.meshgrid(self.reach[0] * GRID, self.reach[1] * GRID))
+        x, y = (c.ravel() for c in np.meshgrid(self.reach[0] * HEIGHT_GRID, self.reach[1] * HEIGHT_GRID))
         height = np.stack([x * x, x * y, y * y], axis=1)
         plane = np.stack([x, y, np.ones_like(x)], axis=1)
         height -= plane @ np.linalg.lstsq(plane, height, rcond=None)[0]

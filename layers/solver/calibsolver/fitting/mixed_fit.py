@@ -20,15 +20,15 @@ from .outliers import OUTLIER_SIGMAS
 from .robust_covariance import Evidence, Result
 from .systematic_effects import BEND_SIZE
 
-MAX_STEPS = 12
-NEGLIGIBLE = 1e-6
+MAX_GAUSS_NEWTON_STEPS = 12
+MIN_STEP_DECREASE = 1e-6
 """Decrease of the cost, in squares of the noise, that a last step would bring."""
-MIN_DECREASE = 9.0
+MIN_SHAPE_DECREASE = 9.0
 """Decrease of the cost, in squares of the noise, by a shape that is believed; of one flat board in ten chance
 brings more."""
 TYPICAL_NOISE_WIDTHS = 0.25 / 1280
 """Noise of a corner's coordinate / image width that is usual."""
-SHARES = (1.0, 0.5, 0.25, 0.1)
+TRIED_SHARES = (1.0, 0.5, 0.25, 0.1)
 """Shares of a step that are tried."""
 NO_METRIC: Array = np.zeros((0, 0))
 """Metric of a linearization that is not asked for error bars."""
@@ -131,12 +131,12 @@ class MixedFit:
         """True if a shape of the board explains more than chance does, and more than motion."""
         at = self.at(start.k, start.poses, BoardShape.of(self.problem.obs), noise2)
         v, _ = at.model.learn(Variances(noise2))
-        return at.model.shape_gain(v) > MIN_DECREASE
+        return at.model.shape_gain(v) > MIN_SHAPE_DECREASE
 
     def solve(self, start: State, shape: BoardShape, v: Variances) -> tuple[Linearization, Variances] | None:
         """Iterate from a state, a shape and variances near it to the optimum; None where there is none."""
         at = self.at(start.k, start.poses, shape, v.noise2)
-        for _ in range(MAX_STEPS):
+        for _ in range(MAX_GAUSS_NEWTON_STEPS):
             deadline.check()
             v, _ = at.model.learn(v)
             # Least squares, with the shape as variable as the views tell when motion is allowed for.
@@ -144,7 +144,7 @@ class MixedFit:
             found = at.model.solve(plain)
             if not np.isfinite(found.x).all():
                 return None
-            if self._decrease(at, found, plain) < NEGLIGIBLE:
+            if self._decrease(at, found, plain) < MIN_STEP_DECREASE:
                 break
             after = self._step(at, found, plain)
             if after is None:
@@ -189,7 +189,7 @@ class MixedFit:
         k, poses, x = at.state.k, at.state.poses, found.x
         size, before = len(k), at.cost(v)
         turn = -(at.evidence.solved[:, :, : len(x)] @ x + at.evidence.solved[:, :, -1])
-        for share in SHARES:
+        for share in TRIED_SHARES:
             moved = k + share * x[:size]
             if not self.problem.is_feasible(moved):
                 continue

@@ -26,7 +26,7 @@ EXPECTED_MOTION, MOTION_FREEDOM = 0.008, 1.0
 """Prior of the variance of motion / that of a hand, for usual corners, and its degrees of freedom."""
 FIRST_MOTION = 1.0
 """Variance of motion before the views have told any: from above the maximization is fast, from below slow."""
-MAX_STEPS, TOLERANCE = 60, 1e-3
+MAX_LEARNING_STEPS, LEARNING_TOLERANCE = 60, 1e-3
 """Steps of the maximization, and relative change of the variances below which it ends."""
 
 
@@ -156,14 +156,14 @@ class MixedModel:
 
     def learn(self, v: Variances) -> tuple[Variances, Solution]:
         """Learn the variances from `v` on; the solution there."""
-        for _ in range(MAX_STEPS):
+        for _ in range(MAX_LEARNING_STEPS):
             found = self.solve(v)
             last, v = v, found.variances
             changes = [
                 abs(now / max(before, 1e-12) - 1)
                 for now, before in zip(astuple(v), astuple(last), strict=True)
             ]
-            if max(changes[0], *changes[2:], changes[1] * (v.motion > 0)) < TOLERANCE:
+            if max(changes[0], *changes[2:], changes[1] * (v.motion > 0)) < LEARNING_TOLERANCE:
                 break
         return v, self.solve(v)
 
