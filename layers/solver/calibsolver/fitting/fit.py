@@ -116,20 +116,18 @@ def fit(
 
 
 @undetermined()
-def refine(views: Sequence[View], near: Camera, poses: Array, *, planar: bool = True) -> Calibration:
+def refine(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
     """Refine a fit of which camera and poses (v, 6) are nearly known: robustly, from there alone.
 
-    For parts of what was fitted before; raises as `fit` does. A board that is not `planar` may bend a little.
+    For parts of what was fitted before; raises as `fit` does.
     """
-    given = pack(views, near.img_size, planar=planar)
+    given = pack(views, near.img_size)
     degenerate = degenerate_views(given)
     if degenerate.any():
         if degenerate.all():
             check(views, near.img_size)  # raises
         kept = np.flatnonzero(~degenerate).tolist()
-        return with_degenerate_views(
-            refine([views[i] for i in kept], near, poses[kept], planar=planar), views, degenerate
-        )
+        return with_degenerate_views(refine([views[i] for i in kept], near, poses[kept]), views, degenerate)
     obs, order = given.sort_canonically()
     mirrored = validation.mirrored_views(given)[order.views]
     problem = Problem(models.get(near.model), obs, near.img_size)

@@ -21,7 +21,7 @@ from .robust_covariance import Evidence, Result
 from .systematic_effects import BEND_SIZE
 
 MAX_GAUSS_NEWTON_STEPS = 12
-MIN_STEP_DECREASE = 1e-6
+MIN_STEP_DECREASE = 1e-4
 """Decrease of the cost, in squares of the noise, that a last step would bring."""
 MIN_SHAPE_DECREASE = 9.0
 """Decrease of the cost, in squares of the noise, by a shape that is believed; of one flat board in ten chance

@@ -26,7 +26,7 @@ EXPECTED_MOTION, MOTION_FREEDOM = 0.008, 1.0
 """Prior of the variance of motion / that of a hand, for usual corners, and its degrees of freedom."""
 FIRST_MOTION = 1.0
 """Variance of motion before the views have told any: from above the maximization is fast, from below slow."""
-MAX_LEARNING_STEPS, LEARNING_TOLERANCE = 60, 1e-3
+MAX_LEARNING_STEPS, LEARNING_TOLERANCE = 60, 1e-2
 """Steps of the maximization, and relative change of the variances below which it ends."""
 
 
