@@ -23,9 +23,9 @@ from .systematic_effects import BEND_SIZE
 MAX_GAUSS_NEWTON_STEPS = 12
 MIN_STEP_DECREASE = 1e-4
 """Decrease of the cost, in squares of the noise, that a last step would bring."""
-MIN_SHAPE_DECREASE = 9.0
-"""Decrease of the cost, in squares of the noise, by a shape that is believed; of one flat board in ten chance
-brings more."""
+MIN_SHAPE_DECREASE = 15.0
+"""Decrease of the cost, in squares of the noise, by a shape that is believed: with five numbers chance brings
+more to one flat board in a hundred."""
 TYPICAL_NOISE_WIDTHS = 0.25 / 1280
 """Noise of a corner's coordinate / image width that is usual."""
 TRIED_SHARES = (1.0, 0.5, 0.25, 0.1)
