@@ -90,10 +90,9 @@ def to_reported(document: CalibrationDocument) -> ReportedCalibration:
 
 def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:
     """Refit the calibration without these views."""
-    from calibsolver import Board, CalibrationError
+    from calibsolver import Board, CalibrationError, fit
     from calibsolver.fitting.coverage import Coverage, record_covered
     from calibsolver.quality import report
-    from calibsolver.quality.board_flatness import fit_with_board_shape
 
     unknown = sorted(set(without) - {view.index for view in document.views})
     if unknown:
@@ -101,17 +100,11 @@ def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> Ca
     left = tuple(view for view in document.views if view.index not in without)
     views = Board.from_record(document.board.model_dump()).views([view.model_dump() for view in left])
     try:
-        made = fit_with_board_shape(views, document.img_size, document.distortion_model)
+        made = fit(views, document.img_size, document.distortion_model, board_shape=True)
     except CalibrationError as error:
         raise InvalidError.field("without", error.message) from error
-    if made.used and made.shape is not None:  # as a session that ends does
-        views = [made.shape.apply(view) for view in views]
-    described = report.describe(made.calibration, views, [view.index for view in left], board=made)
-    fits = {
-        document.distortion_model: FitRecord(
-            **record_covered(made.calibration, Coverage.of(made.calibration, views))
-        )
-    }
+    described = report.describe(made, views, [view.index for view in left])
+    fits = {document.distortion_model: FitRecord(**record_covered(made, Coverage.of(made, views)))}
     return document.model_copy(update={"views": left, "fits": fits, "report": described})
 
 

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from calibsolver import Board, View
+from calibsolver import Board, View, fit
 from calibsolver.formats.grid import grid
-from calibsolver.quality.board_flatness import fit_with_board_shape
+from calibsolver.quality.report import MIN_REPORTED
 from tests.helpers.data import available, corner_views
 from tests.helpers.service.client import Client, Truth
 
@@ -50,16 +50,19 @@ def test_every_real_view_that_agrees_counts(client: Client, name: str) -> None:
     assert (ended.status, ended.json["status"]) == (200, "converged")
     used = [v for v, state in zip(taken, ended.json["views"], strict=True) if state["set_aside"] is None]
     assert len(used) >= len(views) - 1
-    expected = fit_with_board_shape(used, tuple(ended.json["img_size"]))
-    matrix = expected.calibration.camera.matrix
+    expected = fit(used, tuple(ended.json["img_size"]), board_shape=True)
+    matrix = expected.camera.matrix
     assert np.allclose(ended.json["calibration"]["camera_matrix"], matrix, rtol=1e-4)
     assert client.call("POST", "/v1/session/finish").json == ended.json, "again is answered again"
     token = client.api_token
     stored = client.call("GET", f"/v1/calibrations/{ended.json['calibration_id']}", token=token).json
     assert len(stored["report"]["views"]) == len(used)
-    assert stored["report"]["board"]["used"] == expected.used
+    shape, board = expected.board_shape, stored["report"]["board"]
+    assert (board is None) == (shape is None)
     reasons = [reason["code"] for reason in stored["report"]["verdict"]["reasons"]]
-    assert ("board_not_flat" in reasons) == expected.reported
+    if shape is not None:
+        assert board["sag"] == pytest.approx(shape.sag, rel=0.05)
+        assert ("board_not_flat" in reasons) == (max(shape.sag, shape.stretch) > MIN_REPORTED)
 
 
 def test_duplicate_counts_where_it_is_recorded_only(client: Client) -> None:

@@ -25,6 +25,13 @@ def dot(one: Array, other: Array) -> float:
     return float(np.vdot(one, other))
 
 
+def block_diagonal(one: Array, other: Array) -> Array:
+    """Matrix of two square ones on its diagonal."""
+    out = np.zeros((len(one) + len(other),) * 2)
+    out[: len(one), : len(one)], out[len(one) :, len(one) :] = one, other
+    return out
+
+
 def symmetric_inverse(a: Array) -> Array:
     """Inverse of positive definite (..., p, p) matrices whose entries may differ by many powers of ten.
 

@@ -11,7 +11,6 @@ from calibsolver.capture import Capture
 from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import ExportSource, write
 from calibsolver.quality import report
-from calibsolver.quality.board_flatness import shaped_fit
 from calibsolver.quality.systematic import probable_cause
 from tests.helpers.solver import rigs, synthetic
 from tests.helpers.solver.export_sources import captured
@@ -37,7 +36,7 @@ ENTRIES: dict[str, Callable[[], object]] = {
     "held_out": lambda: quality.held_out(VIEWS, SIZE),
     "cause": lambda: probable_cause(FITTED, VIEWS),
     "report": lambda: report.describe(FITTED, VIEWS),
-    "board": lambda: shaped_fit(FITTED, VIEWS),
+    "board": lambda: fit(VIEWS, SIZE, board_shape=True),
     "consensus": lambda: consensus.pool(
         [consensus.Member(str(i), VIEWS[:3], str(i), 0) for i in range(2)], SIZE, "rectilinear"
     ),

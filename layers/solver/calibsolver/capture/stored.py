@@ -6,8 +6,8 @@ from typing import Any
 
 from ..errors import CalibrationError
 from ..fitting.coverage import Coverage, record_covered, uncertainty_members
+from ..fitting.fit import fit
 from ..guidance.target import TargetPose
-from ..quality.board_flatness import shaped_fit
 from ..view import View
 from .decision import Estimate, Exclusion, exclusions
 from .rules import Capture
@@ -66,12 +66,15 @@ def end(estimate: Estimate, views: Sequence[View], indices: Sequence[int]) -> Ou
     if estimate.calibration is None:
         return None
     used = [one for i, one in enumerate(views) if i not in estimate.excluded]
-    board = shaped_fit(estimate.calibration, used)
-    fit = None
-    if board.used and board.shape is not None:
-        used = [board.shape.apply(view) for view in used]
-        fit = record_covered(board.calibration, Coverage.of(board.calibration, used))
-    return Outcome(fit, report.describe(board.calibration, used, indices, board=board))
+    found, camera = estimate.calibration, estimate.calibration.camera
+    try:
+        shaped = fit(used, camera.img_size, camera.model, start=camera, board_shape=True)
+    except CalibrationError:
+        shaped = found
+    if shaped.board_shape is None:
+        return Outcome(None, report.describe(found, used, indices))
+    record = record_covered(shaped, Coverage.of(shaped, used))
+    return Outcome(record, report.describe(shaped, used, indices))
 
 
 def finish(record: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """The result of a fit."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,7 +9,9 @@ import numpy as np
 from .. import models
 from ..arrays import Array, Mask
 from ..camera import Camera
+from ..view import View
 from . import description
+from .board_shape import BoardShape
 from .uncertainty import Uncertainty, projection_jacobian_rotation_free, variance
 
 
@@ -47,6 +49,8 @@ class Calibration:
         Whether the data were too few to go without the prior.
     cut_views
         Views wholly left out of the fit: index -> why (``outlier``, ``mirrored``, ``degenerate``).
+    board_shape
+        Bend and stretch of the board, which poses and residuals refer to; None: it was taken as drawn.
     """
 
     camera: Camera
@@ -61,6 +65,11 @@ class Calibration:
     used: tuple[Mask, ...]
     prior_used: bool
     cut_views: Mapping[int, str] = field(default_factory=dict)
+    board_shape: BoardShape | None = None
+
+    def shaped(self, views: Sequence[View]) -> list[View]:
+        """Return views of the same board in its shape."""
+        return list(views) if self.board_shape is None else [self.board_shape.apply(v) for v in views]
 
     @property
     def rms_inliers(self) -> float:

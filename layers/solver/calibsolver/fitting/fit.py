@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from .. import models
-from ..arrays import Array, Mask, frozen
+from ..arrays import Array, IntArray, Mask, frozen
 from ..camera import Camera
 from ..errors import CalibrationError, undetermined
 from ..models import Model
@@ -25,9 +25,12 @@ from . import (
     systematic_effects,
     validation,
 )
+from .board_shape import BoardShape
 from .calibration import Calibration
 from .degenerate_views import with_degenerate_views
 from .levenberg_marquardt import Options, Problem, State
+from .mixed_fit import Linearization, MixedFit
+from .mixed_model import Variances, marginal_information
 from .multistart import TOWARDS_OPTIMUM, MultiStart
 from .normal_equations import Poses
 from .observations import Order
@@ -42,6 +45,10 @@ MAX_RIM_RMS_RATIO = 4.0
 points cut were wrong."""
 MAX_REJECTIONS = 6
 """Rounds of outlier rejection."""
+MIN_SHAPE_VIEWS = 3
+"""Views that take part from which the board's shape is told from the lens."""
+MAX_MASKS = 3
+"""Rounds in which points are cut, or taken back, by what the shape explains."""
 REJECTION = Options(tolerance=1e-5, one_step=True)
 """Fits that only distinguish outliers."""
 FREE = Options(with_prior=False, iterations=400, tolerance=1e-15)
@@ -56,6 +63,7 @@ def fit(
     robust: bool = True,
     *,
     start: Camera | None = None,
+    board_shape: bool = False,
 ) -> Calibration:
     """Fit a camera model to views of a planar board.
 
@@ -74,6 +82,10 @@ def fit(
     start
         A camera that may be near: where the fit starts first. The result depends on it only where the views
         allow two optima (`focal_profile`).
+    board_shape
+        Estimate bend and stretch of the board with the rest, if at least MIN_SHAPE_VIEWS views take part and
+        a shape explains them better than chance and motion do. Otherwise, and in plain least squares (not
+        `robust`), the board is as drawn.
 
     Raises
     ------
@@ -90,7 +102,9 @@ def fit(
         if degenerate.all() or not robust:
             check(views, img_size)  # raises: too little is left, or nothing may be left out
         kept = [views[i] for i in np.flatnonzero(~degenerate)]
-        return with_degenerate_views(fit(kept, img_size, model, start=start), views, degenerate)
+        return with_degenerate_views(
+            fit(kept, img_size, model, start=start, board_shape=board_shape), views, degenerate
+        )
     mirrored = validation.mirrored_views(given)
     if mirrored.any() and not robust:
         raise CalibrationError("mirrored", f"view {int(np.argmax(mirrored))} shows the board mirrored")
@@ -98,24 +112,23 @@ def fit(
     obs, order = given.sort_canonically()
     # Far from the solution numbers may overflow; every step is tested before it is taken.
     with np.errstate(all="ignore"):
-        return _Fit(Problem(camera_model, obs, img_size), order, mirrored[order.views], robust, start).run()
+        problem = Problem(camera_model, obs, img_size)
+        return _Fit(problem, order, mirrored[order.views], robust, start, board_shape).run()
 
 
 @undetermined()
-def refine(views: Sequence[View], near: Camera, poses: Array, *, planar: bool = True) -> Calibration:
+def refine(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
     """Refine a fit of which camera and poses (v, 6) are nearly known: robustly, from there alone.
 
-    For parts of what was fitted before; raises as `fit` does. A board that is not `planar` may bend a little.
+    For parts of what was fitted before; raises as `fit` does.
     """
-    given = pack(views, near.img_size, planar=planar)
+    given = pack(views, near.img_size)
     degenerate = degenerate_views(given)
     if degenerate.any():
         if degenerate.all():
             check(views, near.img_size)  # raises
         kept = np.flatnonzero(~degenerate).tolist()
-        return with_degenerate_views(
-            refine([views[i] for i in kept], near, poses[kept], planar=planar), views, degenerate
-        )
+        return with_degenerate_views(refine([views[i] for i in kept], near, poses[kept]), views, degenerate)
     obs, order = given.sort_canonically()
     mirrored = validation.mirrored_views(given)[order.views]
     problem = Problem(models.get(near.model), obs, near.img_size)
@@ -133,6 +146,7 @@ class _Fit:
     mirrored: Mask
     robust: bool
     known: Camera | None
+    board_shape: bool = False
 
     @property
     def model(self) -> Model:
@@ -158,10 +172,52 @@ class _Fit:
         if not self.robust:
             return self._least_squares(self.multistart.run())
         state, good = self._settle(near or self.multistart.run())
-        found = self._result(state, good, with_prior=True)
+        shaped, good = self._shaped(state, good)
+        if shaped is not None:
+            state = replace(shaped.state, converged=True)
+        found = self._result(state, good, shaped, with_prior=True)
         if near is not None:
             return found
-        return replace(found, covariance=focal_profile.covariance_of_optima(self.problem, state, good, found))
+        covariance = focal_profile.covariance_of_optima(self._problem_of(shaped), state, good, found)
+        return replace(found, covariance=covariance)
+
+    def _problem_of(self, shaped: Linearization | None) -> Problem:
+        """Problem of the board in its shape; None: as drawn."""
+        return self.problem.reshaped(shaped.shape) if shaped else self.problem
+
+    def _shaped(self, state: State, good: Mask) -> tuple[Linearization | None, Mask]:
+        """Fit the board's shape with the rest, from an optimum of least squares with the board as drawn.
+
+        Also returns the points (v, n) that took part: what the shape explains is no outlier. None where the
+        board is known to be as drawn, where there are too few views to tell, and where a shape would explain
+        no more than chance.
+        """
+        if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
+            return None, good
+        at, taken, shape = None, good, BoardShape.of(self.problem.obs)
+        v = Variances(self._sigma(state, good) ** 2)
+        labels = self._labels(state, good)
+        if not MixedFit(self.problem, good, labels).tells_shape(state, v.noise2):
+            return None, good
+        for _ in range(MAX_MASKS):
+            found = MixedFit(self.problem, taken, labels).solve(state, shape, v)
+            if found is None:
+                break
+            good, (at, v) = taken, found
+            state, shape = at.state, found[0].shape
+            taken = outliers.inlier_mask(
+                state, self.mask, good, outliers.OUTLIER_SIGMAS, self.problem.img_size
+            )
+            if self._concentrate_at_rim(taken, good):
+                taken = taken | good
+            if np.array_equal(taken, good) or not taken.any():
+                break
+        return at, good
+
+    def _labels(self, state: State, good: Mask) -> IntArray:
+        """Clusters (v,) of views in nearly the same pose."""
+        focal = float(self.model.focal(state.k)[0]) / self.width
+        return robust_covariance.same_pose_labels(state.poses, self.problem.obs, good, focal)
 
     def _settle(self, state: State) -> tuple[State, Mask]:
         """Optimum from a state near it, and the points (v, n) that took part, in three stages.
@@ -237,10 +293,9 @@ class _Fit:
                 and plausibility.share_outside_domain(problem, best, self.mask)
                 <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
             ):
-                return self._result(best, self.mask, with_prior=False)
-        return self._result(
-            problem.solve(state, self.multistart.unit_weights, Options()), self.mask, with_prior=True
-        )
+                return self._result(best, self.mask, None, with_prior=False)
+        state = problem.solve(state, self.multistart.unit_weights, Options())
+        return self._result(state, self.mask, None, with_prior=True)
 
     def _evidence(self, state: State, good: Mask, sigma: float) -> robust_covariance.Evidence:
         """Gather what the good points (v, n) say of the intrinsics, by clusters of views."""
@@ -276,7 +331,9 @@ class _Fit:
         noise = float(np.sqrt(state.square[good].sum() / max(free, 0.1 * used, 1.0)))
         return max(noise, levenberg_marquardt.ROUNDOFF * self.width)
 
-    def _result(self, state: State, good: Mask, *, with_prior: bool) -> Calibration:
+    def _result(
+        self, state: State, good: Mask, shaped: Linearization | None, *, with_prior: bool
+    ) -> Calibration:
         """Check the fit and describe it: errors over all points, covariance from the good ones.
 
         Parameters
@@ -286,6 +343,8 @@ class _Fit:
             has them in the order in which the views came.
         good
             (v, n) points that took part.
+        shaped
+            The optimum in the board's shape; None: of the board as drawn.
         with_prior
             Whether the prior took part: its information (p, p) is added to that of the points.
 
@@ -293,8 +352,9 @@ class _Fit:
         """
         if not state.converged:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
-        plausibility.check_result(self.problem, state, good, self.robust)
-        state = self._resect_excluded_views(state, good)
+        problem = self._problem_of(shaped)
+        plausibility.check_result(problem, state, good, self.robust)
+        state = self._resect_excluded_views(problem, state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size
         # No point is farther off than the image is large: of a view that no pose explains the model says
         # anything.
@@ -305,7 +365,16 @@ class _Fit:
         believed = prior.information(self.model, k, img_size) if with_prior else None
         if believed is not None:
             believed *= max(sigma, 1e-5 * img_size[0]) ** 2
-        spread = robust_covariance.estimate(self._evidence(state, good, sigma), sigma, believed)
+        size, shape = self.model.size, None
+        if shaped is None:
+            spread = robust_covariance.estimate(self._evidence(state, good, sigma), sigma, believed)
+            covariance, information = spread.covariance, spread.information
+        else:
+            whole = MixedFit(self.problem, good, self._labels(state, good))
+            spread = whole.spread(shaped, sigma**2, mask=self.mask)
+            covariance = spread.covariance[:size, :size]
+            information = marginal_information(spread.information, size)
+            shape = replace(shaped.shape, covariance=frozen(spread.covariance[size:, size:]))
         if not (np.isfinite(rms) and np.isfinite(spread.covariance).all()):
             raise CalibrationError("not_believable", "the fit has no finite error")
         measured, back = self.order.points_back(mask), self.order.points_back
@@ -315,27 +384,26 @@ class _Fit:
             poses=frozen(self.order.back(state.poses.vectors())),
             avg_reprojection_error=rms,
             view_errors=frozen(self.order.back(np.sqrt(square.sum(axis=1) / mask.sum(axis=1)))),
-            covariance=frozen(spread.covariance),
-            information=frozen(spread.information),
+            covariance=frozen(covariance),
+            information=frozen(information),
             noise=sigma,
             inflation=spread.inflation,
             residuals=tuple(frozen(e[m]) for e, m in zip(signed, measured, strict=True)),
             used=tuple(g[m] for g, m in zip(back(good), measured, strict=True)),
             prior_used=with_prior,
             cut_views=self._cut_reasons(good),
+            board_shape=shape,
         )
 
-    def _resect_excluded_views(self, state: State, good: Mask) -> State:
+    def _resect_excluded_views(self, problem: Problem, state: State, good: Mask) -> State:
         """Resect views that took no part: their errors are reported, too."""
         out = np.flatnonzero(~good.any(axis=1))
         if not out.size:
             return state
-        poses, square = resection.resect(self.model, state.k, self.problem.obs.subset(out))
-        better = np.isfinite(square) & (
-            square < np.where(self.problem.obs.mask, state.square, 0)[out].sum(axis=1)
-        )
+        poses, square = resection.resect(self.model, state.k, problem.obs.subset(out))
+        better = np.isfinite(square) & (square < np.where(problem.obs.mask, state.square, 0)[out].sum(axis=1))
         resected = state.poses.replace(out[better], Poses(poses.r[better], poses.t[better]))
-        return replace(self.problem.at(state.k, resected), converged=state.converged)
+        return replace(problem.at(state.k, resected), converged=state.converged)
 
     def _cut_reasons(self, good: Mask) -> dict[int, str]:
         """Reasons why views (by number) are wholly left out."""

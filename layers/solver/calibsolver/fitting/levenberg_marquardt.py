@@ -14,6 +14,7 @@ from .. import deadline
 from ..arrays import Array, Mask
 from ..models import Model
 from . import normal_equations, prior
+from .board_shape import BoardShape
 from .normal_equations import POSE_SIZE, Elimination, Poses, System
 from .observations import Observations
 
@@ -282,6 +283,10 @@ class Problem(LeastSquares):
             rows = np.concatenate([np.tensordot(self.basis.T, rows[:size], 1), rows[size:]])
             j = j @ self.basis
         return State(k, poses, rows, square, r, j)
+
+    def reshaped(self, shape: BoardShape) -> "Problem":
+        """Return the problem of a board in its shape."""
+        return replace(self, obs=shape.reshape(self.obs))
 
     def residuals(self, k: Array, poses: Poses) -> Array:
         """Compute the residuals (2, v, n) at given intrinsics (p,) and poses, px."""

@@ -27,7 +27,7 @@ definite always, and under white noise hardly larger than sigma^2 M^-1.
 Views in nearly the same pose share what is wrong in them: frames of a video, or of a burst, are one cluster.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -38,7 +38,6 @@ from .effect_likelihood import EffectLikelihood, trust
 from .effect_moments import EffectMoments
 from .normal_equations import POSE_SIZE, Poses, Projection
 from .observations import Observations
-from .systematic_effects import EFFECTS_SIZE
 
 PRIOR_INFLATION_FREEDOM = 30.0
 """Weight of the prior of f, which is 1, in degrees of freedom."""
@@ -64,7 +63,7 @@ class Evidence:
     Attributes
     ----------
     gram
-        (c, p + EFFECTS_SIZE + 1, ...) Gram matrices of the derivatives by the intrinsics, the systematic
+        (c, p + e + 1, ...) Gram matrices of the derivatives by the intrinsics, the systematic
         effects and the residuals, px^2: of the first alone it is the Fisher information.
     metric
         (p, p) W: trace(covariance W) is the mean square projection error at the corners seen, with the
@@ -72,11 +71,14 @@ class Evidence:
     of_effects
         As `gram`, of more points: also of those that the fit cut, but an effect explains. They tell the
         variances. None: there are none.
+    solved
+        (v, 6, ...) changes of the pose of each view that undo those of the columns of `gram`.
     """
 
     gram: Array
     metric: Array
     of_effects: Array | None = None
+    solved: Array = field(default_factory=lambda: np.zeros((0, POSE_SIZE, 0)))
 
     @classmethod
     def of(
@@ -90,12 +92,13 @@ class Evidence:
     ) -> "Evidence":
         """Gather the evidence of rows (p + 7, 2, v, n), poses and the cluster (v,) of each view.
 
-        The last row holds the residuals, px, `effects` (EFFECTS_SIZE, 2, v, n) their derivatives; of points
+        The last row holds the residuals, px, `effects` (e, 2, v, n) displacements by the effects; of points
         `used` (v, n), or all. A `metric` (p, p) takes the place of the one at the corners seen, which is
         that of one camera.
         """
         size, views = len(rows) - POSE_SIZE - 1, len(labels)
-        gram = np.empty((views, size + EFFECTS_SIZE + 1, size + EFFECTS_SIZE + 1))
+        columns = size + len(effects) + 1
+        gram, solved = np.empty((views, columns, columns)), np.empty((views, POSE_SIZE, columns))
         turned = np.zeros((size + 3, size + 3))
         # In blocks: what does not fit a cache, and memory that is mapped anew, costs several times as much.
         step = max(1, MAX_BLOCK_NUMBERS // (gram.shape[1] * rows[0, :, 0].size))
@@ -105,6 +108,7 @@ class Evidence:
                 part, moved = part * used[block], moved * used[block]
             projection = Projection.of((part[:size], moved, part[-1:], part[size:-1]))
             np.matmul(projection.left, projection.left.transpose(0, 2, 1), out=gram[block])
+            solved[block] = projection.solved
             if metric is None:
                 turned += _turned_gram(projection, gram[block, :size, :size], poses.t[block])
         if metric is None:
@@ -112,7 +116,7 @@ class Evidence:
         count = int(labels.max()) + 1
         if count < views:
             gram = _sum_by(gram, labels, count)
-        return cls(gram, metric)
+        return cls(gram, metric, solved=solved)
 
 
 def _sum_by(values: Array, labels: IntArray, count: int) -> Array:
@@ -198,7 +202,7 @@ def estimate(evidence: Evidence, sigma: float, prior_information: Array | None =
     working = b + motion
     total = working.sum(axis=0)
     h = whitened[:, :, -1] / sigma
-    inflation = _inflation(w, b, working, h)
+    inflation = scatter_inflation(w, b, working, h)
     shape = np.eye(size) - b.sum(axis=0) + inflation * total + bend_share * bend
     covariance: Array = sigma**2 * basis @ shape @ basis.T
     white = float(np.trace(w))
@@ -218,7 +222,7 @@ def _whitened(gram: Array, size: int, prior_information: Array | None) -> tuple[
     return information, basis, basis.T @ gram[:, :size]
 
 
-def _inflation(w: Array, b: Array, working: Array, h: Array) -> float:
+def scatter_inflation(w: Array, b: Array, working: Array, h: Array) -> float:
     """Inflation by what is neither noise nor motion; matrices are whitened, of unit noise.
 
     Metric (p, p), information (c, p, p), covariance of the gradients before the fit took its part (c, p, p),

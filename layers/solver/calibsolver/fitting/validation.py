@@ -30,8 +30,8 @@ def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
     return obs
 
 
-def pack(views: Iterable[View], img_size: tuple[int, int], *, planar: bool = True) -> Observations:
-    """Pack views as `check` does, the degenerate ones too; `planar`: the board must be."""
+def pack(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
+    """Pack views as `check` does, the degenerate ones too."""
     views = list(views or ())
     try:
         w, h = img_size
@@ -56,7 +56,7 @@ def pack(views: Iterable[View], img_size: tuple[int, int], *, planar: bool = Tru
     )
     extent = obs.points.max(axis=2) - obs.points.min(axis=2)
     refuse(
-        planar & (extent[:, 2] > 1e-9 * np.maximum(extent[:, 0], extent[:, 1])),
+        extent[:, 2] > 1e-9 * np.maximum(extent[:, 0], extent[:, 1]),
         "not_planar",
         "the points of view {} do not lie on a board",
     )

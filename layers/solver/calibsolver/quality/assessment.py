@@ -208,7 +208,7 @@ def _uncovered_edge(calibration: Calibration, views: Sequence[View]) -> Reason |
 
 def residual_vectors(calibration: Calibration, views: Sequence[View]) -> list[Array]:
     """Measured minus predicted pixel of every point: for each view (n, 2), px."""
-    obs = Observations.of(views)
+    obs = Observations.of(calibration.shaped(views))
     model, k = models.get(calibration.camera.model), calibration.camera.intrinsics
     q = project(model, k, Poses.of_vectors(calibration.poses), obs.points)
     return [(obs.pixels[i] - q[i]).T[obs.mask[i]] for i in range(len(views))]

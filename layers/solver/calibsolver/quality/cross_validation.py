@@ -40,12 +40,14 @@ def held_out(
     model: str = "rectilinear",
     folds: int = 5,
     split: Sequence[int] | None = None,
+    *,
+    board_shape: bool = False,
 ) -> HeldOut:
     """Cross-validate: intrinsics from the training views, the poses of the views left out fitted anew.
 
     Parameters
     ----------
-    views, img_size, model
+    views, img_size, model, board_shape
         As for `fit`.
     folds
         Number of parts; every view is left out once, view i in part i mod folds. With fewer views than
@@ -68,8 +70,10 @@ def held_out(
         raise CalibrationError("too_few_views", "without the views left out there are none to fit")
     errors, counts = np.full(len(views), np.nan), np.array([len(view) for view in views])
     for left in parts:
-        camera = fit([view for i, view in enumerate(views) if i not in left], img_size, model).camera
-        errors[left] = reprojection_score(camera, [views[i] for i in left]).view_errors
+        training = [view for i, view in enumerate(views) if i not in left]
+        found = fit(training, img_size, model, board_shape=board_shape)
+        shaped = found.shaped([views[i] for i in left])
+        errors[left] = reprojection_score(found.camera, shaped).view_errors
 
     def rms(index: list[int]) -> float:
         return float(np.sqrt(np.average(errors[index] ** 2, weights=counts[index])))

@@ -33,7 +33,7 @@ def prediction_ratio(calibration: Calibration, view: View, use: Mask, min_noise:
         return 1.0
     seen = View(view.object_points[use], view.image_points[use])
     model, k = models.get(calibration.camera.model), calibration.camera.intrinsics
-    obs = Observations.of([seen])
+    obs = Observations.of(calibration.shaped([seen]))
     poses, square = resect(model, k, obs)
     _, rows = linearize(model, k, poses, obs.points, 0)
     if not (np.isfinite(square).all() and np.isfinite(rows).all()):

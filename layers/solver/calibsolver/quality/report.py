@@ -11,11 +11,12 @@ from ..fitting.board_shape import BoardShape
 from ..fitting.calibration import Calibration
 from ..view import View
 from .assessment import Assessment, Reason, assess, residual_vectors
-from .board_flatness import ShapedFit, board_reasons
 from .systematic import Cause, probable_cause
 
 __all__ = ["Assessment", "Json", "Reason", "assess", "describe"]
 
+MIN_REPORTED = 0.002
+"""Sag or stretch / the board's longer side from which a user is told."""
 Json: TypeAlias = Union["dict[str, Json]", "list[Json]", str, bool, int, float, None]
 """Value that JSON can hold."""
 
@@ -26,7 +27,6 @@ def describe(
     views: Sequence[View],
     indices: Sequence[int] | None = None,
     held_out: float | None = None,
-    board: ShapedFit | None = None,
 ) -> dict[str, Json]:
     """Describe a calibration for a page that shows it: plain JSON values, rounded to what they carry.
 
@@ -38,28 +38,25 @@ def describe(
         The views' names in the capture they come from; counted from 0 where there are none.
     held_out
         px, rms of a cross-validation, where there is one.
-    board
-        What the views tell of the board's shape, where that was asked; the calibration is in that shape where
-        it is used, and so are the `views`.
 
     Returns
     -------
-    ``verdict`` (level; reasons, the one to act on first), ``board`` (``sag`` and ``stretch`` / longer
-    side, whether they are ``used``, px ``held_out`` as drawn and ``held_out_shaped``; null where too few
-    views tell it), ``std`` (standard deviations of the intrinsics), ``covariance`` ((p, p) of the
-    intrinsics, not rounded), ``error_map`` (predicted projection error over the image, px, null where the
-    model has no ray), ``held_out`` (px; null where there is none, or more than the image is wide),
-    ``systematic`` (``inflation``; probable ``cause``, what to do in ``text``, the ``model`` to choose;
-    null where there is none; a cause that moves corners by more than their noise is a reason of the
-    verdict too), ``views``: per view its ``index``, ``rms``, ``points`` (px), ``residuals`` (measured
-    minus predicted, px), ``rvec``, ``tvec`` (board -> camera), ``cut`` (numbers of the points left out),
+    ``verdict`` (level; reasons, the one to act on first), ``board`` (``sag`` and ``stretch`` / longer side,
+    which were taken into account, and their standard deviations ``sag_std`` and ``stretch_std``; null if
+    the board was taken as drawn), ``std`` (standard deviations of the intrinsics), ``covariance`` ((p, p)
+    of the intrinsics, not rounded), ``error_map`` (predicted projection error over the image, px, null
+    where the model has no ray), ``held_out`` (px; null where there is none, or more than the image is
+    wide), ``systematic`` (``inflation``; probable ``cause``, what to do in ``text``, the ``model`` to
+    choose; null where there is none; a cause that moves corners by more than their noise is a reason of the
+    verdict too), ``views``: per view its ``index``, ``rms``, ``points`` (px), ``residuals`` (measured minus
+    predicted, px), ``rvec``, ``tvec`` (board -> camera), ``cut`` (numbers of the points left out),
     ``reason`` (why the whole view was left out, or null). A degenerate view has neither pose nor error:
     null.
     """
     verdict = assess(calibration, views, held_out)
     cause = probable_cause(calibration, views)
-    reasons = verdict.reasons if board is None else (*verdict.reasons, *board_reasons(board))
-    reasons = _with_cause(reasons, cause)
+    shape = calibration.board_shape
+    reasons = _with_cause((*verdict.reasons, *board_reasons(shape)), cause)
     level = "fair" if verdict.level == "good" and reasons else verdict.level
     std = np.sqrt(np.maximum(np.diagonal(calibration.covariance), 0))
     grid, width = (20, 15), calibration.camera.img_size[0]
@@ -69,7 +66,7 @@ def describe(
             "level": level,
             "reasons": [{"code": r.code, "text": r.text} for r in reasons],
         },
-        "board": None if board is None or board.shape is None else _board(board, board.shape),
+        "board": None if shape is None else _board(shape),
         "std": {
             **{name: _digits(value) for name, value in zip(("fx", "fy", "cx", "cy"), std, strict=False)},
             "distortion": [_digits(value) for value in std[4:]],
@@ -109,13 +106,25 @@ def _with_cause(reasons: tuple[Reason, ...], cause: Cause | None) -> tuple[Reaso
     return (*(reason for reason in reasons if reason.code != "model_too_simple"), cause.reason)
 
 
-def _board(found: ShapedFit, shape: BoardShape) -> dict[str, Json]:
+def board_reasons(shape: BoardShape | None) -> tuple[Reason, ...]:
+    """Word what a user should know of the board: nothing where it is as drawn."""
+    if shape is None or max(shape.sag, shape.stretch) <= MIN_REPORTED:
+        return ()
+    what = []
+    if shape.sag > MIN_REPORTED:
+        what.append(f"bent by {shape.sag:.1%} of its length")
+    if shape.stretch > MIN_REPORTED:
+        what.append(f"printed {shape.stretch:.1%} out of shape")
+    text = f"the board is {' and '.join(what)}, which was taken into account: glue it to something rigid"
+    return (Reason("board_not_flat", text),)
+
+
+def _board(shape: BoardShape) -> dict[str, Json]:
     return {
         "sag": _digits(shape.sag),
+        "sag_std": _digits(shape.sag_std),
         "stretch": _digits(shape.stretch),
-        "used": found.used,
-        "held_out": _digits(found.held_out),
-        "held_out_shaped": _digits(found.held_out_shaped),
+        "stretch_std": _digits(shape.stretch_std),
     }
 
 

@@ -158,7 +158,7 @@ def _better_model(
 def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[InView, float]:
     """Share of the residuals' variance that each cause within a view explains: adjusted R^2."""
     taken = [i for i, used in enumerate(calibration.used) if used.any()]
-    obs = Observations.of([views[i] for i in taken])
+    obs = Observations.of(calibration.shaped([views[i] for i in taken]))
     poses = Poses.of_vectors(calibration.poses[taken])
     model, k = models.get(calibration.camera.model), calibration.camera.intrinsics
     q, rows = linearize(model, k, poses, obs.points, 0)

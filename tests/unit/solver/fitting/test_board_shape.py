@@ -1,0 +1,143 @@
+"""Shape of the board: recovered where it is bent, left alone where it is flat, and helpful on real boards."""
+
+import numpy as np
+import pytest
+
+from calibsolver import View, fit
+from calibsolver.fitting.board_shape import BoardShape
+from calibsolver.fitting.fit import MIN_SHAPE_VIEWS
+from calibsolver.fitting.resection import reprojection_score
+from calibsolver.quality import held_out
+from tests.helpers.data import available, corner_views, external_data
+from tests.helpers.solver import hands, peers, populations, synthetic
+
+CAMERA = synthetic.rectilinear_cameras()[5]
+
+
+def captured(hand: hands.Hand, views: int = 15) -> list[View]:
+    return peers.random_poses(CAMERA, np.random.default_rng(1), views, 0.2, hand).views
+
+
+def test_bend_is_recovered_and_no_longer_spoils_the_camera() -> None:
+    views = captured(hands.BENT)
+    found, flat = fit(views, CAMERA.img_size, board_shape=True), fit(views, CAMERA.img_size)
+    shape = found.board_shape
+    assert shape is not None
+    assert 0.002 < shape.sag < 0.008  # 0.5 % over its mean
+    assert shape.sag_std < 0.1 * shape.sag
+    assert shape.stretch < 0.001
+    assert shape.stretch < 3 * shape.stretch_std
+    before = synthetic.projection_error(CAMERA, flat.camera).mean()
+    after = synthetic.projection_error(CAMERA, found.camera).mean()
+    assert after < 0.25 * before  # 0.37 px instead of 1.81
+    assert found.noise == pytest.approx(0.2, rel=0.1)
+    assert held_out(views, CAMERA.img_size, board_shape=True).rms < 0.4 * flat.avg_reprojection_error
+
+
+def test_flat_board_stays_as_drawn() -> None:
+    views = captured(hands.STEADY)
+    found, flat = fit(views, CAMERA.img_size, board_shape=True), fit(views, CAMERA.img_size)
+    assert found.board_shape is None
+    np.testing.assert_array_equal(found.camera.intrinsics, flat.camera.intrinsics)
+    np.testing.assert_array_equal(found.covariance, flat.covariance)
+
+
+def test_stretch_of_the_print_is_recovered() -> None:
+    drawn = captured(hands.STEADY)
+    views = [View(v.object_points * (1.005, 1, 1), v.image_points) for v in drawn]
+    shape = fit(views, CAMERA.img_size, board_shape=True).board_shape
+    assert shape is not None
+    assert shape.stretch == pytest.approx(0.005, rel=0.2)
+    assert shape.stretch == pytest.approx(0.005, abs=3 * shape.stretch_std)
+
+
+def test_few_views_tell_no_shape() -> None:
+    views = captured(hands.BENT)[: MIN_SHAPE_VIEWS - 1]
+    found, flat = fit(views, CAMERA.img_size, board_shape=True), fit(views, CAMERA.img_size)
+    assert found.board_shape is None
+    np.testing.assert_array_equal(found.camera.intrinsics, flat.camera.intrinsics)
+
+
+def test_residuals_are_those_of_the_board_in_its_shape() -> None:
+    views = captured(hands.BENT)
+    found = fit(views, CAMERA.img_size, board_shape=True)
+    for residuals, error in zip(found.residuals, found.view_errors, strict=True):
+        assert np.sqrt(np.mean(residuals**2)) == pytest.approx(error)
+    again = reprojection_score(found.camera, found.shaped(views))
+    np.testing.assert_allclose(again.view_errors, found.view_errors, rtol=0.01)
+    assert reprojection_score(found.camera, views).rms > 2 * again.rms
+
+
+@pytest.mark.parametrize("count", [4, 10])
+def test_errors_in_hands_are_predicted(count: int) -> None:
+    """The board bends by 0.5 %, and moves at 5 cm/s. Of true bars one in 20 is above 2."""
+    ratios = []
+    rng = np.random.default_rng(count)
+    for hand in (hands.BENT, hands.MOVING_AND_BENT):
+        for camera in synthetic.rectilinear_cameras():
+            found = fit(populations.views(camera, rng, 0.2, count, hand), camera.img_size, board_shape=True)
+            error = synthetic.projection_error(camera, found.camera)
+            ratios.append(float(np.sqrt(np.mean(error**2))) / found.uncertainty().rms)
+    assert 0.4 < np.median(ratios) < 1.3
+    assert np.mean(np.array(ratios) > 2) <= 0.05
+
+
+def test_error_bars_of_a_bent_board_shrink_with_more_views_as_the_error_does() -> None:
+    ratios, bars = [], []
+    for seed, camera in enumerate(synthetic.rectilinear_cameras()[::3]):
+        few, many = (
+            fit(
+                populations.views(camera, np.random.default_rng(seed), 0.2, count, hands.BENT),
+                camera.img_size,
+                board_shape=True,
+            )
+            for count in (10, 40)
+        )
+        error = synthetic.projection_error(camera, many.camera)
+        ratios.append(float(np.sqrt(np.mean(error**2))) / many.uncertainty().rms)
+        bars.append(many.uncertainty().rms / few.uncertainty().rms)
+    assert np.median(bars) < 0.7
+    assert max(ratios) < 2
+
+
+@pytest.mark.parametrize("name", available(["jy_left", "derlunz", "opencv_right", "babel_ov_plane"]))
+def test_real_boards_are_predicted_better_in_their_shape(name: str) -> None:
+    views, size = corner_views(name)
+    kept = [
+        View(view.object_points[used], view.image_points[used])
+        for view, used in zip(views, fit(views, size, "fisheye").used, strict=True)
+        if used.sum() >= 6
+    ]
+    squares = np.zeros(2)
+    for fold in range(5):
+        training, test = [view for i, view in enumerate(kept) if i % 5 != fold], kept[fold::5]
+        for i, shaped in enumerate((False, True)):
+            found = fit(training, size, "fisheye", board_shape=shaped)
+            score = reprojection_score(found.camera, found.shaped(test))
+            squares[i] += score.rms**2 * sum(map(len, test))
+    assert squares[1] < 0.98**2 * squares[0]
+
+
+@pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
+def test_one_real_board_has_one_shape(model: str) -> None:
+    """Two halves of a set, fitted by themselves, tell the same bend, whatever the model."""
+    views, size = corner_views("jy_left")
+    shapes = [fit(half, size, model, board_shape=True).board_shape for half in (views[::2], views[1::2])]
+    one, other = (np.array(shape.parameters[:3]) for shape in shapes if shape)
+    assert np.abs(one - other).max() < 0.6 * np.abs(one + other).max() / 2
+
+
+def test_shape_moves_points_by_its_parameters() -> None:
+    view = captured(hands.STEADY, 1)[0]
+    shape = BoardShape((4.5, 3.0), 4.0, (1.0, 0.6), (0.01, 0.0, 0.0, 0.001, 0.0))
+    moved = shape.apply(view).object_points - view.object_points
+    x, y = ((view.object_points[:, :2] - (4.5, 3.0)) / 4.0).T
+    np.testing.assert_allclose(moved, np.stack([0.004 * x, -0.004 * y, 0.08 * x * x], axis=1), atol=1e-12)
+
+
+@external_data
+def test_shape_leaves_pixels_square() -> None:
+    """A stretch of the print stands in for pixels that are not square: its prior keeps it small."""
+    views, size = corner_views("pv_charuco_1280")
+    fx, fy = fit(views, size, board_shape=True).camera.focal
+    assert fx == pytest.approx(fy, rel=0.004)
