@@ -87,8 +87,8 @@ browser: $(SETUP) ## test the pages in Chromium and Firefox
 	$(PYTEST) $(MODULES) tests/browser
 
 thorough: export THOROUGH := 1
-thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz,edge KILLS=54 CASES=5000 FILES=100000 HISTORIES=500
-	@$(MAKE) --no-print-directory $(addprefix .thorough-,$(call words_of,$(or $(ONLY),browser,unit,kills,fuzz,edge)))
+thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS=54 CASES=5000 FILES=100000
+	@$(MAKE) --no-print-directory $(addprefix .thorough-,$(call words_of,$(or $(ONLY),browser,unit,kills,fuzz)))
 
 .thorough-browser: browser
 
@@ -99,18 +99,13 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz,edge 
 .thorough-kills:
 	CALIBDB_KILLS=$(or $(KILLS),54) $(PYTEST) -s tests/service/test_killed_while_finishing.py
 
-# As many random histories of the answers at the edge, half of them cut off by a crash
-.thorough-edge:
-	CALIBDB_HISTORIES=$(or $(HISTORIES),500) $(PYTEST) $(TWO) tests/aws/test_edge_histories.py \
-		tests/aws/test_killed_while_publishing.py
-
 # As many requests made of the OpenAPI document, and values of every schema, as CASES, and files as FILES; others with SEED=1
 .thorough-fuzz:
 	CASES=$(or $(CASES),5000) FILES=$(or $(FILES),100000) SEED=$(or $(SEED),0) $(PYTEST) \
 		tests/service/test_openapi_fuzz.py tests/service/test_fuzz.py tests/service/test_foreign_files.py \
 		tests/unit/service/schema/test_schema_fuzz.py tests/service/test_raw_requests.py
 
-kills fuzz edge:
+kills fuzz:
 	@$(MAKE) --no-print-directory thorough ONLY=$@
 
 bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,consensus,uncertainty,real-views,board-shape,frc,keys,estimates,load,cost,slowest,page-speed

@@ -22,7 +22,7 @@ LONGEST = (
     *("test_other_boards", "test_result", "test_rig", "test_examples", "test_rectifier"),
     *("test_controls", "test_preflights", "test_photos", "test_outages", "test_lost_gpu"),
     *("test_guidance", "test_reindex", "test_crowd", "test_hostile", "test_ops", "test_durability"),
-    *("test_loop", "test_pooling", "test_killed_while_finishing", "test_edge_histories", "test_bundle"),
+    *("test_loop", "test_pooling", "test_killed_while_finishing", "test_bundle"),
     *("test_openapi_fuzz", "test_documents", "test_imports", "test_python_capture"),
 )
 

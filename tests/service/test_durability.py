@@ -113,7 +113,7 @@ def killed(tmp_path_factory: pytest.TempPathFactory) -> Killed:
     data_dir = tmp_path_factory.mktemp("killed") / "data"
     ledger = Ledger()
     tokens: list[dict[str, Any]] = [{} for _ in range(4)]
-    with LocalProcess(data_dir) as server, ThreadPoolExecutor(8) as pool:
+    with LocalProcess(data_dir, {"WORKERS": "2"}) as server, ThreadPoolExecutor(8) as pool:
         workers = [pool.submit(write_until_cut_off, server.url, ledger, worker) for worker in range(4)]
         workers += [
             pool.submit(rotate_until_cut_off, server.url, token, used=n % 2 == 0)

@@ -22,6 +22,7 @@ from schemathesis.specs.openapi.checks import (
     status_code_conformance,
 )
 
+from calibdb.store.aliases import alias_digest
 from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.published import asked, calibration, mode_of, store
@@ -41,10 +42,11 @@ CHECKS = [
 ]
 API = schemathesis.openapi.from_path(ROOT / "web" / "openapi.json")
 OPERATIONS = {operation.ok().label: operation.ok() for operation in API.get_all_operations()}
-#: There is no wrong way to ask whether the service is there, and a badge answers every one.
+#: Nothing is a wrong question about health, a badge or a known camera: of texts, all are taken.
 NEVER_WRONG = {
     ("GET /healthz", GenerationMode.NEGATIVE),
     ("GET /badge/{key}/{file}", GenerationMode.NEGATIVE),
+    ("GET /known/v1/{digest}/{size}/{zoom}/{file}", GenerationMode.NEGATIVE),
 }
 EACH = math.ceil(CASES / (2 * len(OPERATIONS) - len(NEVER_WRONG)))  # of the right ones, and of the wrong ones
 
@@ -63,7 +65,10 @@ def known(stack: Server) -> dict[str, list[str]]:
         "id": [documents[0].id, consensus],
         "key": [key],
         "index": ["0", "1"],
-        "file": ["1280x720.svg", "1x1.svg"],
+        "file": ["1280x720.svg", "1x1.svg", "rectilinear.json", "fisheye.json"],
+        "digest": [alias_digest(CAMERA["camera"], CAMERA["platform"]), "0" * 32],
+        "size": ["1280x720", "640x360", "0x1"],
+        "zoom": ["0", "1.5"],
     }
 
 

@@ -1,0 +1,108 @@
+"""A server behind a proxy: its host name, its tokens, and whose address counts."""
+
+import ipaddress
+import json
+from collections.abc import Iterator
+
+import pytest
+
+from infra.server.app import Public
+from infra.server.command import main
+from infra.server.server import DEVELOPMENT_TOKEN, Server
+
+URL = "https://calibdb.example"
+HOST = {"host": "calibdb.example"}
+PROXIES = (ipaddress.ip_network("127.0.0.1/32"), ipaddress.ip_network("10.0.0.0/8"))
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Server]:
+    with Server(public=Public(URL, PROXIES)) as server:
+        yield server
+
+
+def opened(server: Server, token: str, origin: str | None = None) -> int:
+    headers = {**HOST, "authorization": f"Bearer {token}"} | ({"origin": origin} if origin else {})
+    return server.request("POST", "/v1/auth", headers).status
+
+
+def test_development_token_is_refused_and_the_pages_have_their_own(server: Server) -> None:
+    token = json.loads(server.request("GET", "/config.json", HOST).body)["token"]
+    assert opened(server, DEVELOPMENT_TOKEN) == 403
+    assert opened(server, token, URL) == 201
+    assert opened(server, token, "https://elsewhere.example") == 403
+
+
+def test_foreign_pages_create_no_tokens(server: Server) -> None:
+    headers = {**HOST, "content-type": "application/json"}
+    body = b'{"origins": ["https://page.example"]}'
+    statuses = {
+        origin: server.request("POST", "/v1/tokens", headers | {"origin": origin}, body=body).status
+        for origin in (URL, "https://elsewhere.example", "http://localhost")
+    }
+    assert statuses == {URL: 201, "https://elsewhere.example": 403, "http://localhost": 403}
+
+
+@pytest.mark.parametrize(
+    ("host", "status"),
+    [
+        ("calibdb.example", 200),
+        ("CalibDB.example", 200),
+        ("127.0.0.1:8000", 200),
+        ("elsewhere.example", 421),
+        ("calibdb.example.evil", 421),
+        ("calibdb.example:8000", 421),
+    ],
+)
+def test_server_answers_to_its_own_names(server: Server, host: str, status: int) -> None:
+    assert server.request("GET", "/healthz", {"host": host}).status == status
+
+
+@pytest.mark.parametrize(
+    ("peer", "forwarded", "caller"),
+    [
+        ("127.0.0.1", "", "127.0.0.1"),
+        ("127.0.0.1", "198.51.100.7", "198.51.100.7"),
+        ("127.0.0.1", "203.0.113.9, 198.51.100.7", "198.51.100.7"),
+        ("127.0.0.1", "203.0.113.9, 198.51.100.7, 10.1.2.3", "198.51.100.7"),
+        ("127.0.0.1", "203.0.113.9, nonsense", "127.0.0.1"),
+        ("127.0.0.1", "2001:db8::1", "2001:db8::1"),
+        ("198.51.100.7", "203.0.113.9", "198.51.100.7"),
+    ],
+)
+def test_address_comes_from_trusted_proxies_only(peer: str, forwarded: str, caller: str) -> None:
+    assert Public(URL, PROXIES).caller(peer, forwarded) == caller
+
+
+def test_one_address_creates_five_tokens_whatever_it_forwards(server: Server) -> None:
+    body = b'{"origins": ["http://localhost"]}'
+    headers = {**HOST, "content-type": "application/json"}
+    statuses = [
+        server.request(
+            "POST", "/v1/tokens", headers | {"x-forwarded-for": f"203.0.113.{n}, 198.51.100.9"}, body=body
+        ).status
+        for n in range(6)
+    ]
+    assert statuses == [201] * 5 + [429]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["--host", "0.0.0.0"], "--public-url is required"),
+        (["--public-url", "calibdb.example"], "--public-url is an address"),
+        (["--public-url", "https://calibdb.example/path"], "--public-url is an address"),
+        (["--trusted-proxy", "nobody"], "nobody"),
+        (["--workers", "0"], "--workers is at least 1"),
+        (["--port", "70000"], "port 70000 does not exist"),
+    ],
+)
+def test_wrong_options_are_said_in_a_sentence(
+    arguments: list[str],
+    complaint: str,
+    tmp_path_factory: pytest.TempPathFactory,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    data = tmp_path_factory.mktemp("options") / "data"
+    assert main(["--data", str(data), *arguments]) == 1
+    assert complaint in capsys.readouterr().err
