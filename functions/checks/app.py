@@ -30,14 +30,17 @@ from calibdb.schema import (
     FitRecord,
     GivenCalibration,
     RefitRequest,
+    ShapeDocument,
     ViewDocument,
     VoteDocument,
 )
 from calibdb.store import StreamMode
-from calibsolver import Board, CalibrationError, Camera, DeadlineError, View, deadline, fit
+from calibsolver import Board, CalibrationError, Camera, DeadlineError, View, deadline
 from calibsolver.capture.admission import rejection_reason
 from calibsolver.consensus import difference
 from calibsolver.consensus.comparison import compare
+from calibsolver.consensus.fit_memory import fit_plausible
+from calibsolver.fitting.board_shape import BoardShape
 from calibsolver.fitting.resection import reprojection_score
 
 _MIN_POINTS = 4  # for a pose
@@ -60,11 +63,14 @@ class MeasuredViews:
         px rms of these under a camera fitted to them.
     own
         The camera fitted to them; None where they say nothing of some part of the image.
+    board_shape
+        Shape of the board that both refer to; None: as drawn.
     """
 
     views: tuple[ViewDocument, ...]
     noise: float
     own: FitRecord | None
+    board_shape: BoardShape | None
 
 
 def check(call: application.Call) -> Response:
@@ -87,6 +93,8 @@ def check(call: application.Call) -> Response:
     width = request.img_size[0]
     camera = Camera.from_record(known.model_dump())
     views = Board.from_record(request.board.model_dump()).views([v.model_dump() for v in examined.views])
+    if examined.board_shape is not None:
+        views = [examined.board_shape.apply(view) for view in views]
     error = min(reprojection_score(camera, views).rms, math.hypot(*request.img_size))
     own = None
     if examined.own is not None:
@@ -189,7 +197,7 @@ def examine(request: CheckRequest) -> MeasuredViews:
     """Fit a camera to the views alone; raises InvalidError where there is none that believably took them."""
     views = usable_views(request)
     try:
-        own = fit(views, request.img_size, request.distortion_model)
+        own = fit_plausible(views, request.img_size, request.distortion_model)
     except CalibrationError as error:
         raise InvalidError.field("views", error.message) from error
     kept = [
@@ -205,7 +213,7 @@ def examine(request: CheckRequest) -> MeasuredViews:
         raise InvalidError.field("views", "no view can show a board: too few of its corners fit")
     u = own.uncertainty()
     record = FitRecord.model_validate(own.record()) if math.isfinite(u.rms) and math.isfinite(u.max) else None
-    return MeasuredViews(tuple(kept), math.sqrt(2) * own.noise, record)
+    return MeasuredViews(tuple(kept), math.sqrt(2) * own.noise, record, own.board_shape)
 
 
 def usable_views(request: CheckRequest) -> list[View]:
@@ -240,6 +248,7 @@ def vote(
     seen = {view_digest(view.ids, view.points) for view in request.views}
     if any(seen & calibration.views for calibration in known):
         return False
+    shape = examined.board_shape
     service.store.votes.cast(
         VoteDocument(
             id=vote_id(request, mode.camera_key, where, ticket.sid, service.now, period),
@@ -252,6 +261,7 @@ def vote(
             views=examined.views,
             noise=examined.noise,
             fit=examined.own,
+            board_shape=None if shape is None else ShapeDocument.model_validate(shape.record()),
             contributor=contributor(secret, call.address, ticket.token),
             source=where,
             time=service.now,

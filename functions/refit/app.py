@@ -46,6 +46,7 @@ from calibdb.store.calibrations import CountedCalibration
 from calibdb.store.keys import consensus_id
 from calibsolver import FIT_VERSION, Board, CalibrationError, Camera, DeadlineError, View, consensus, deadline
 from calibsolver.consensus import difference
+from calibsolver.fitting.board_shape import BoardShape
 from calibsolver.fitting.coverage import record_covered
 from calibsolver.fitting.resection import reprojection_score
 
@@ -308,7 +309,11 @@ def count(
     width, ratio = document.img_size[0], thresholds.max_check_ratio
     findings = []
     for vote in votes:
-        error, own, same = reprojection_score(camera, views_of(vote)).rms, None, False
+        views = views_of(vote)
+        if vote.board_shape is not None:
+            shape = BoardShape.from_record(vote.board_shape.model_dump())
+            views = [shape.apply(view) for view in views]
+        error, own, same = reprojection_score(camera, views).rms, None, False
         if vote.fit is not None:
             by_itself = Camera.from_record(vote.fit.model_dump())
             own = OwnCamera(difference(camera, by_itself), vote.fit.uncertainty.rms)

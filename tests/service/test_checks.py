@@ -17,9 +17,11 @@ from tests.helpers.service.published import NOW, TILTS, asked, calibration, held
 FLAT = ((0.01, 0.0, 0.0),)
 
 
-def views(count: int = 3, seed: int = 100, fx: float = 950.0, tilts: Any = TILTS) -> list[dict[str, Any]]:
+def views(
+    count: int = 3, seed: int = 100, fx: float = 950.0, tilts: Any = TILTS, sag: float = 0.0
+) -> list[dict[str, Any]]:
     """Views of a board held by hand, through a camera with this focal length."""
-    seen = held(Truth(fx=fx, fy=fx - 2, seed=seed), count, tilts)
+    seen = held(Truth(fx=fx, fy=fx - 2, seed=seed, sag=sag), count, tilts)
     return [{"ids": ids, "points": points} for ids, points in seen]
 
 
@@ -73,6 +75,21 @@ def test_three_checks_that_agree_confirm_a_single_calibration(
     assert (found.json["calibrations"], found.json["basis"]) == (1, "checked")
     # The other models are confirmed by the same views.
     until(lambda: client.lookup(camera=name, distortion_model="rational").status == 200)
+
+
+def test_checks_with_bent_boards_confirm_a_calibration(stack: Server, camera: Callable[[int], str]) -> None:
+    """Boards of their own bend, by up to 2 % of their length: the votes are scored in the shape of each."""
+    name = camera(1)
+    for seed, sag in ((100, 0.1), (101, -0.16), (102, 0.13)):
+        answer = check(stack, name, views=views(5, seed=seed, sag=sag)).json
+        assert (answer["fits"], answer["counted"]) == ("fits", True)
+        assert answer["expected"] < 0.27
+        assert answer["error"] < 1.2 * answer["expected"]
+    assert answer["votes"] == {"agree": 3, "disagree": 0}
+    mode = mode_of(calibration(name, 0))
+    votes = store(stack).votes.read(store(stack).votes.newest(mode, one_per_source=False))
+    assert [vote.board_shape is not None for vote in votes] == [True] * 3
+    assert store(stack).refit.now(asked(mode)).models["rectilinear"].votes.agree == 3
 
 
 def test_three_failed_checks_withdraw_until_recalibration(

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from . import capture, consensus, fitting, formats, guidance, models, plots, quality, rig
 
 __version__ = "0.1.0"
-FIT_VERSION = "0.1.0"
+FIT_VERSION = "0.1.1"
 """Version of what is computed: another one has every stored consensus computed anew."""
 
 __all__ = [

@@ -124,6 +124,7 @@ class Truth:
     img_size: tuple[int, int] = (1280, 720)
     squares: tuple[int, int] = (9, 6)
     noise: float = 0.15  # px
+    sag: float = 0.0  # squares, height of the board's middle over its ends
     seed: int = 0
     rng: np.random.Generator = field(init=False)
 
@@ -139,6 +140,7 @@ class Truth:
         columns, rows = self.squares[0] - 1, self.squares[1] - 1
         row, column = np.divmod(np.arange(columns * rows), columns)
         board = np.stack([column + 1.0, row + 1.0, np.zeros(columns * rows)], axis=1)
+        board[:, 2] = self.sag * (1 - np.linspace(-1, 1, columns)[column] ** 2)
         rvec = np.array(pose["rvec"]) + self.rng.normal(0, 0.04, 3)
         tvec = np.array(pose["tvec"]) * (1 + self.rng.normal(0, 0.02, 3))
         points = cv2.projectPoints(board, rvec, tvec, self.matrix, np.array(self.distortion))[0].reshape(

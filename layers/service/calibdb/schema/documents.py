@@ -129,6 +129,15 @@ class Votes(Open):
     disagree: int = 0
 
 
+class ShapeDocument(Open):
+    """Shape of a board, by the names of `calibsolver`'s `BoardShape`."""
+
+    center: Pixel
+    half: float = Field(gt=0)
+    reach: Pixel
+    parameters: tuple[float, float, float, float, float]
+
+
 class VoteDocument(Open, Licensed):
     """One check that counts: `votes/<camera key>/<id>.json`. Never overwritten.
 
@@ -147,6 +156,7 @@ class VoteDocument(Open, Licensed):
     views: tuple[ViewDocument, ...]
     noise: float  # px rms of the views under a camera of their own: what no camera can do better
     fit: FitRecord | None = None  # that camera, by the model that was checked; votes of old have none
+    board_shape: ShapeDocument | None = Field(None, exclude_if=is_none)  # that `noise` and `fit` refer to
     contributor: str
     source: str | None = None
     time: int  # unix seconds

@@ -7,10 +7,10 @@ import numpy as np
 
 from ..camera import Camera
 from ..errors import CalibrationError, undetermined
-from ..fitting.fit import fit
 from ..fitting.resection import MIN_POSE_POINTS, reprojection_score
 from ..view import View
 from .agreement import difference
+from .fit_memory import fit_plausible
 
 MAX_RMS_RATIO = 1.5
 """Error under the calibration / error under a camera fitted to the views, up to which it fits."""
@@ -47,11 +47,14 @@ class Comparison:
 
 @undetermined()
 def compare(camera: Camera, views: Sequence[View]) -> Comparison:
-    """Compare a camera with a fit of `views` in its model. Raises CalibrationError as `fit` does."""
-    own = fit(views, camera.img_size, camera.model)
+    """Compare a camera with a fit of `views` in its model. Raises CalibrationError as `fit` does.
+
+    Both errors are those of the board in the shape that the fit finds.
+    """
+    own = fit_plausible(views, camera.img_size, camera.model)
     used = [
         View(view.object_points[mask], view.image_points[mask])
-        for view, mask in zip(views, own.used, strict=True)
+        for view, mask in zip(own.shaped(views), own.used, strict=True)
         if mask.sum() >= MIN_POSE_POINTS
     ]
     if not used:

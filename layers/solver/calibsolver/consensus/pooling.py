@@ -124,8 +124,7 @@ def pool(
     failure = CalibrationError("no_members", "there is no calibration to pool")
     for member in members:
         try:
-            member = replace(member, views=without_degenerate_views(member.views, img_size))
-            fits.append(FittedMember(member, fit_once(member.views, img_size, model)))
+            fits.append(_fit_member(member, img_size, model))
         except CalibrationError as error:
             dropped[member.id], failure = error.code, error
     if not fits:
@@ -164,6 +163,15 @@ def pool(
         member_errors={f.member.id: float(e) for f, e in zip(group, errors, strict=False)},
         held_out_error=float(np.sqrt(np.average(errors**2, weights=shares))) if len(group) > 1 else math.nan,
     )
+
+
+def _fit_member(member: Member, img_size: tuple[int, int], model: str) -> FittedMember:
+    """Fit a member's views, which then show its own board in its own shape; raises as `fit` does."""
+    views = without_degenerate_views(member.views, img_size)
+    calibration = fit_once(views, img_size, model)
+    shaped = tuple(calibration.shaped(views))
+    pack(shaped, img_size)  # or it is not a board
+    return FittedMember(replace(member, views=shaped), calibration)
 
 
 def without_degenerate_views(views: Sequence[View], img_size: tuple[int, int]) -> tuple[View, ...]:

@@ -6,8 +6,10 @@ accurate pinhole camera calibration with imperfect planar target", ICCV workshop
 instead). Their variance is learnt (`mixed_model`), so that a flat board costs nothing.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +19,8 @@ from .mixed_model import SHAPE_SIZE
 from .observations import Observations
 from .systematic_effects import BEND_SIZE
 
+MAX_STRETCH = 0.01
+"""Stretch that a printer may cause; a larger one is rather the lens or the shutter."""
 HEIGHT_GRID = np.linspace(-1, 1, 9)
 """Places along each side of the board at which its height is looked up."""
 
@@ -59,6 +63,21 @@ class BoardShape:
         points: Array = obs.points.transpose(0, 2, 1)[obs.mask]
         return cls.flat(points)
 
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> "BoardShape":
+        """Shape of a record (`record`), without its covariance."""
+        (x, y), (wide, high) = record["center"], record["reach"]
+        return cls((x, y), record["half"], (wide, high), tuple(record["parameters"]))
+
+    def record(self) -> dict[str, Any]:
+        """Parameters and frame as plain values: what `apply` needs."""
+        return {
+            "center": list(self.center),
+            "half": self.half,
+            "reach": list(self.reach),
+            "parameters": list(self.parameters),
+        }
+
     def shifted(self, step: Array) -> "BoardShape":
         """Return the shape after a step (SHAPE_SIZE,) of the parameters."""
         return replace(self, parameters=tuple((np.array(self.parameters) + step).tolist()))
@@ -87,6 +106,11 @@ class BoardShape:
     def stretch_std(self) -> float:
         """Standard deviation of `stretch`."""
         return self._std(self._print[int(np.argmax(np.abs(self._print @ self.parameters)))])
+
+    @property
+    def is_plausible(self) -> bool:
+        """True if a printer may have stretched the board so."""
+        return self.stretch <= MAX_STRETCH
 
     @cached_property
     def _off_plane(self) -> Array:

@@ -15,6 +15,8 @@ MIN_FLATNESS_BOARD, MIN_FLATNESS_IMAGE = 0.02, 1e-3
 """Smaller / larger extent of points below which they lie on a line, on the board and in the image."""
 MIN_EXTENT_PX = 4.0
 """Extent of the points in the image below which they lie in one place."""
+MAX_RELIEF = 0.1
+"""Height of a bent board over its plane / its longer side, above which points do not lie on a board."""
 MAX_IMAGE_DISTANCE, MAX_BOARD_DISTANCE = 10.0, 1e9
 """Image sizes from the middle of the image, and units of the board, within which points are."""
 
@@ -56,7 +58,7 @@ def pack(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
     )
     extent = obs.points.max(axis=2) - obs.points.min(axis=2)
     refuse(
-        extent[:, 2] > 1e-9 * np.maximum(extent[:, 0], extent[:, 1]),
+        extent[:, 2] > MAX_RELIEF * np.maximum(extent[:, 0], extent[:, 1]),
         "not_planar",
         "the points of view {} do not lie on a board",
     )

@@ -23,9 +23,11 @@ def fitted(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
     """Models fitted to members' views, as they are fitted."""
     made: list[str] = []
 
-    def counted(views: Sequence[View], img_size: tuple[int, int], model: str) -> Calibration:
+    def counted(
+        views: Sequence[View], img_size: tuple[int, int], model: str, *, board_shape: bool = False
+    ) -> Calibration:
         made.append(model)
-        return fit(views, img_size, model)
+        return fit(views, img_size, model, board_shape=board_shape)
 
     monkeypatch.setattr(fit_memory, "fit", counted)
     fit_memory.forget()
