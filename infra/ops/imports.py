@@ -127,7 +127,7 @@ def _document(
         )
         ours = [board.view(ids, view.image_points) for ids, view in zip(found.ids, views, strict=True)]
         chosen = model or suggest_model(ours, size).model
-        calibration = fit(ours, size, model=chosen)
+        calibration = fit(ours, size, model=chosen, board_shape=True)
         kept = [i for i in range(len(ours)) if calibration.cut_views.get(i) != "degenerate"]
         if len(kept) < MIN_VIEWS:
             raise OpsError(f"{path} has {len(kept)} usable views, a calibration needs {MIN_VIEWS}")

@@ -1,11 +1,13 @@
 """Calibrations made with other tools, taken in by the operator."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from calibsolver import View, fit, formats
+from calibsolver import Board, Calibration, View, fit, formats
+from calibsolver.formats.grid import grid
 from infra.ops.__main__ import main
 from infra.server.server import Server
 from tests.helpers.data import corner_views
@@ -31,11 +33,19 @@ def real_views() -> tuple[View, ...]:
     return tuple(View(25.4 * view.object_points, view.image_points) for view in views)
 
 
+def fitted_as_imported(views: Sequence[View]) -> Calibration:
+    """Fit views in the frame and unit of the service's boards, in the board's shape."""
+    numbered = grid(views)
+    board = Board(numbered.squares)
+    ours = [board.view(ids, view.image_points) for ids, view in zip(numbered.ids, views, strict=True)]
+    return fit(ours, SIZE, board_shape=True)
+
+
 def test_keypoints_become_a_calibration_like_any_other(
     data_dir: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     views = real_views()
-    calibration = fit(views, SIZE)
+    calibration = fitted_as_imported(views)
     file = formats.write(
         formats.ExportSource(
             calibration.camera, views, name="LifeCam", rms=calibration.avg_reprojection_error
@@ -73,7 +83,7 @@ def test_import_sets_a_degenerate_view_aside(
     """One row of corners has no pose; the twelve other views make the calibration that they make alone."""
     views = real_views()
     row = View(views[12].object_points[:6], views[12].image_points[:6])
-    calibration = fit(views[:12], SIZE)
+    calibration = fitted_as_imported(views[:12])
     content = formats.write(
         formats.ExportSource(calibration.camera, (*views[:12], row), name="LifeCam", rms=0.2), "photonvision"
     ).content

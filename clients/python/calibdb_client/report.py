@@ -92,7 +92,7 @@ def write_report(path: str | Path, calibration: Calibration, picture: Any = None
         from calibsolver import plots
     except ImportError:
         raise MissingPackageError("plots need matplotlib: pip install matplotlib") from None
-    fit, views = _fit(recording, calibration)
+    fit, views = fit_again(recording, calibration)
     title = (
         f"{recording.key.camera}, {calibration.img_size[0]} x {calibration.img_size[1]}, {fit.camera.model}"
     )
@@ -109,19 +109,27 @@ def write_report(path: str | Path, calibration: Calibration, picture: Any = None
     write_whole(target, content.getvalue())
 
 
-def _fit(recording: Recording, calibration: Calibration) -> tuple[Fit, list[View]]:
+def fit_again(recording: Recording, calibration: Calibration) -> tuple[Fit, list[View]]:
+    """Fit a calibration to its corners again, and return the views with it.
+
+    Raises CaptureError if they determine none.
+    """
     import calibsolver
+    from calibsolver.board import CIRCLES
 
     try:
         views = recording.board.views([{"ids": view.ids, "points": view.points} for view in recording.views])
         lens = calibration.lens
-        return calibsolver.fit(views, lens.img_size, lens.model, start=lens), views
+        bends = recording.board.kind not in CIRCLES
+        return calibsolver.fit(views, lens.img_size, lens.model, start=lens, board_shape=bends), views
     except (calibsolver.CalibrationError, ValueError) as error:
         raise CaptureError(f"the corners determine no calibration: {error}") from None
 
 
 def _page(title: str, calibration: Calibration, fit: Fit, rows: Sequence[PictureRow], png: bytes) -> str:
     """Return the page: everything is in it, nothing is loaded from elsewhere."""
+    from calibsolver.quality.report import board_sentence
+
     from .cli.output import calibration_facts
 
     names = ("fx", "fy", "cx", "cy", *_coefficients(fit))
@@ -139,10 +147,12 @@ def _page(title: str, calibration: Calibration, fit: Fit, rows: Sequence[Picture
         f"<tr><td>{html.escape(name)}</td><td>{html.escape(value)}</td></tr>"
         for name, value in calibration_facts(calibration.record)
     )
+    board = board_sentence(fit.board_shape)
     image = base64.b64encode(png).decode()
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{html.escape(title)}</title>'
         f"<style>{_STYLE}</style><h1>{html.escape(title)}</h1><table>{facts}</table>"
+        f"{f'<p>{board}</p>' if board else ''}"
         f'<p><img alt="Residuals, corners, uncertainty, poses, before and after" '
         f'src="data:image/png;base64,{image}"></p>'
         f"<h2>Parameters</h2><table><tr><th></th><th>value</th><th>standard deviation</th></tr>"

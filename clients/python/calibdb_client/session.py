@@ -46,6 +46,8 @@ class CaptureResult:
         Distortion model that explains these views better, or None.
     verdict
         Level and reasons, the one to act on first; empty if an older service states none.
+    board
+        Sentence on the bend and the print of the board; None if they are as drawn, and from the service.
     """
 
     calibration: Calibration
@@ -53,6 +55,7 @@ class CaptureResult:
     left_out: tuple[tuple[str, str], ...] = ()
     suggested_model: str | None = None
     verdict: tuple[str, ...] = ()
+    board: str | None = None
 
 
 def start(
@@ -162,7 +165,9 @@ def verdict_of(state: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def calibrate_offline(recording: Recording, model: str, time: int) -> CaptureResult:
-    """Calibrate on this machine with `calibsolver`, the board taken as drawn; nothing is sent.
+    """Calibrate on this machine with `calibsolver`; nothing is sent.
+
+    The shape of the board is estimated too, except that of a circle grid.
 
     Parameters
     ----------
@@ -178,6 +183,7 @@ def calibrate_offline(recording: Recording, model: str, time: int) -> CaptureRes
     from calibsolver.circles import fit_circles
     from calibsolver.fitting.coverage import Coverage, record_covered
     from calibsolver.quality import assessment, cross_validation
+    from calibsolver.quality.report import board_sentence
 
     chosen, better = chosen_model(recording, model)
     size = recording.key.img_size
@@ -187,12 +193,13 @@ def calibrate_offline(recording: Recording, model: str, time: int) -> CaptureRes
             fitted, corrected = fit_circles(views, size, recording.board.marker_ratio / 2, chosen)
             views = list(corrected)
         else:
-            fitted = calibsolver.fit(views, size, chosen)
+            fitted = calibsolver.fit(views, size, chosen, board_shape=True)
     except (calibsolver.CalibrationError, ValueError) as error:
         other = f"--model {better} fits them" if better else "take more, with the board tilted"
         raise CaptureError(f"these pictures do not determine the model {chosen} ({error}): {other}") from None
     try:
-        held_out = cross_validation.held_out(views, size, chosen).rms
+        flat = recording.board.kind in CIRCLES
+        held_out = cross_validation.held_out(views, size, chosen, board_shape=not flat).rms
     except calibsolver.CalibrationError:
         held_out = None
     coverage = Coverage.of(fitted, views)
@@ -214,6 +221,7 @@ def calibrate_offline(recording: Recording, model: str, time: int) -> CaptureRes
         cut,
         better,
         (said.level, *(reason.text for reason in said.reasons)),
+        board_sentence(fitted.board_shape),
     )
 
 

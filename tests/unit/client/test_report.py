@@ -5,10 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from calibdb_client import Calibration, UsageError, offline
+from calibdb_client import Board, Calibration, CameraKey, Recording, UsageError, offline
 from calibdb_client.cli import main
+from calibdb_client.recording import RecordedView
 from calibdb_client.report import write_report
 from tests.helpers.recordings import recording_of
+from tests.helpers.service.client import Truth
+from tests.helpers.service.published import held
 
 
 def test_report_of_a_file_has_plots_and_a_row_per_picture(
@@ -34,3 +37,28 @@ def test_report_without_corners_is_refused(tmp_path: Path) -> None:
     calibration = offline.calibrate_recording(recording_of("opencv_left"), "rectilinear").calibration
     with pytest.raises(UsageError, match="corners"):
         write_report(tmp_path / "report.html", Calibration(calibration.record))
+
+
+def test_bent_board_is_named_by_the_command_and_the_report(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A board as drawn, and one whose middle rises by 0.08 squares, 0.7 % of its length off a plane."""
+    monkeypatch.chdir(tmp_path)
+    said = []
+    for name, sag in (("flat.json", 0.0), ("bent.json", 0.08)):
+        views = tuple(
+            RecordedView(f"{n}.jpg", tuple(ids), tuple((x, y) for x, y in points))
+            for n, (ids, points) in enumerate(held(Truth(sag=sag), 8))
+        )
+        Recording(CameraKey("Webcam", "linux", (1280, 720)), Board(), views).save(name)
+        assert main(["submit", name, "--offline", "--model", "rectilinear"]) == 0
+        assert main(["plot", name]) == 0
+        page = Path("report.html").read_text()
+        (sentence,) = re.findall(r"Your board [^<]*", page) or [""]
+        assert ("Your board" in capsys.readouterr().err) == bool(sentence)
+        said.append(sentence)
+    flat, bent = said
+    assert flat == ""
+    found = re.fullmatch(r"Your board is bent by (.*) % of its length; that was taken into account.", bent)
+    assert found is not None
+    assert float(found[1]) == pytest.approx(0.7, abs=0.15)

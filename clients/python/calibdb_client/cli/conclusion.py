@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..conversion import NATIVE
+from ..errors import CaptureError
 from ..files import write_whole
 from ..recording import Recording
 from ..session import CaptureResult
@@ -64,6 +65,8 @@ def conclude(
         output.note(f"--model {result.suggested_model} explains these pictures better")
     for text in result.verdict[1:]:
         output.note(text)
+    if result.board:
+        output.note(result.board)
     if output.json:
         output.document(dict(result.calibration.record))
     else:
@@ -86,15 +89,11 @@ def conclude(
 
 def _picture_rows(recording: Recording, result: CaptureResult) -> list[tuple[str, ...]]:
     """Return a row for each view: corners, those used, rms, and why it is left out."""
-    import calibsolver
+    from ..report import fit_again, rows_of
 
-    from ..report import rows_of
-
-    lens = result.calibration.lens
-    views = [recording.board.view(view.ids, view.points) for view in recording.views]
     try:
-        fit = calibsolver.fit(views, lens.img_size, lens.model, start=lens)
-    except calibsolver.CalibrationError:
+        fit, _ = fit_again(recording, result.calibration)
+    except CaptureError:
         return []
     why = dict(result.left_out)
     return [

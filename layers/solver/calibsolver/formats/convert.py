@@ -51,6 +51,7 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
         same = embed(source.camera, constraint.model)
         if same is not None and satisfies(same, constraint):
             return Conversion(same)
+    source = in_shape(source)
     found: list[tuple[float, Conversion]] = []
     reasons = []
     # Of what none can hold no constraint is to be chosen.
@@ -75,6 +76,19 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
             "not_representable", f"the closest camera this format can hold is {away} somewhere in the image"
         )
     return conversion
+
+
+def in_shape(source: ExportSource) -> ExportSource:
+    """Replace the views by those of the board in its shape, if the camera was fitted to that."""
+    camera, views = source.camera, source.views
+    if not views:
+        return source
+    try:
+        shaped = fit(views, camera.img_size, camera.model, start=camera, board_shape=True).shaped(views)
+        errors = [resection.reprojection_score(camera, each).rms for each in (shaped, views)]
+    except CalibrationError:
+        return source
+    return replace(source, views=tuple(shaped)) if errors[0] < errors[1] else source
 
 
 def _rms(source: ExportSource, camera: Camera, widest: float) -> float:

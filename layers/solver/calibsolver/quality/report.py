@@ -13,10 +13,12 @@ from ..view import View
 from .assessment import Assessment, Reason, assess, residual_vectors
 from .systematic import Cause, probable_cause
 
-__all__ = ["Assessment", "Json", "Reason", "assess", "describe"]
+__all__ = ["Assessment", "Json", "Reason", "assess", "board_sentence", "describe"]
 
 MIN_REPORTED = 0.002
 """Sag or stretch / the board's longer side from which a user is told."""
+MIN_CERTAIN_SIGMAS = 2.0
+"""Sag or stretch / its standard deviation above which it is certain."""
 Json: TypeAlias = Union["dict[str, Json]", "list[Json]", str, bool, int, float, None]
 """Value that JSON can hold."""
 
@@ -117,6 +119,27 @@ def board_reasons(shape: BoardShape | None) -> tuple[Reason, ...]:
         what.append(f"printed {shape.stretch:.1%} out of shape")
     text = f"the board is {' and '.join(what)}, which was taken into account: glue it to something rigid"
     return (Reason("board_not_flat", text),)
+
+
+def board_sentence(shape: BoardShape | None) -> str | None:
+    """Sentence on the board for its owner; None if nothing is certain, or if the shape is not a board's."""
+    if shape is None or not shape.is_plausible:
+        return None
+    what = []
+    if shape.sag > MIN_CERTAIN_SIGMAS * shape.sag_std:
+        what.append(f"bent by {_percent(shape.sag)} of its length")
+    if shape.stretch > MIN_CERTAIN_SIGMAS * shape.stretch_std:
+        width, shear = 2 * shape.parameters[3], shape.parameters[4]
+        wider = "wider" if width > 0 else "narrower"
+        skewed = abs(shear) > abs(width)
+        what.append(f"skewed by {_percent(shear)}" if skewed else f"{_percent(width)} {wider} than drawn")
+    return f"Your board is {' and '.join(what)}; that was taken into account." if what else None
+
+
+def _percent(share: float) -> str:
+    """Share as text: one decimal, or one digit if it is small."""
+    percent = 100 * abs(share)
+    return f"{percent:.1f} %" if percent >= 0.1 else f"{percent:.1g} %"
 
 
 def _board(shape: BoardShape) -> dict[str, Json]:

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from calibsolver import Board, Calibration, View, fit, rotation
+from calibsolver.fitting.board_shape import BoardShape
 from calibsolver.fitting.coverage import Coverage
 from calibsolver.quality.assessment import EDGES, level_of, residual_vectors
-from calibsolver.quality.report import assess, describe
+from calibsolver.quality.report import assess, board_sentence, describe
 from tests.helpers.data import corner_views
 from tests.helpers.solver import populations, synthetic
 
@@ -182,3 +183,22 @@ def test_residuals_are_measured_minus_predicted() -> None:
     before, after = residual_vectors(calibration, views), residual_vectors(calibration, moved)
     for b, a in zip(before, after, strict=True):
         np.testing.assert_allclose(a - b, np.tile([0.5, 0.0], (len(a), 1)), atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "sentence"),
+    [
+        ((0.0, 0.0, 0.006, 0.001, 0.0), "bent by 0.1 % of its length and 0.2 % wider than drawn"),
+        ((0.0, 0.0, 0.0, -0.0015, 0.002), "0.3 % narrower than drawn"),
+        ((0.0, 0.0, 0.0, 0.0, -0.0006), "skewed by 0.06 %"),
+        ((0.0002, 0.0, 0.0, 0.00005, 0.0), None),
+        ((0.01, 0.0, 0.0, 0.006, 0.0), None),
+    ],
+    ids=["both", "narrower", "skewed", "within two standard deviations", "rather lens or shutter"],
+)
+def test_owner_of_a_board_reads_what_is_certain(parameters: tuple[float, ...], sentence: str | None) -> None:
+    covariance = np.diag([0.0002, 0.0002, 0.0002, 0.0001, 0.0001]) ** 2
+    shape = BoardShape((4.5, 3.0), 3.5, (1.0, 4 / 7), parameters, covariance)
+    said = board_sentence(shape)
+    assert said == (sentence and f"Your board is {sentence}; that was taken into account.")
+    assert board_sentence(None) is None
