@@ -83,6 +83,7 @@ def to_reported(document: CalibrationDocument) -> ReportedCalibration:
         report=report or None,
         covariance=covariance,
         board=document.board,
+        board_shape=document.fits[document.distortion_model].board_shape,
         camera_key=key,
         **document.consent,
     )

@@ -9,6 +9,7 @@ from pydantic import Field
 from calibdb.schema.board import Board
 from calibdb.schema.fields import DistortionModel, ImgSize, Members, Open, Row
 from calibdb.schema.licence import Licensed
+from calibdb.schema.membership import is_none
 
 Basis = Literal["consensus", "checked"]
 Relation = Literal["scale", "crop", "scale+crop", "neither"]
@@ -27,6 +28,15 @@ class Uncertainty(Open):
     covered: float | None = Field(None, description="Share of the image that this part is, 0 to 1.")
 
 
+class BoardShape(Open):
+    """Shape that a fit found of the board: shares of its longer side, with their standard deviations."""
+
+    sag: float = Field(description="Largest height over the plane.")
+    sag_std: float
+    stretch: float = Field(description="Error of the print: of its width against its height, or shear.")
+    stretch_std: float
+
+
 class FitRecord(Open):
     """One fit of one model, as the solver records it."""
 
@@ -40,6 +50,9 @@ class FitRecord(Open):
         None,
         description="Variance of the parameters that the views show / variance that independent noise of the "
         "corners would give; 1: nothing systematic. null: made before it was estimated.",
+    )
+    board_shape: BoardShape | None = Field(
+        None, exclude_if=is_none, description="What the board was found to be; missing: as drawn."
     )
 
 
@@ -159,4 +172,9 @@ class ReportedCalibration(Calibration, Licensed):
         "before it was kept.",
     )
     board: Board | None = Field(None, description="The board that was seen; null: of a consensus.")
+    board_shape: BoardShape | None = Field(
+        None,
+        exclude_if=is_none,
+        description="Shape of the board that was taken into account; missing: as drawn, and of a consensus.",
+    )
     camera_key: str | None = Field(None, description="Key of the camera, as a search answers it.")

@@ -78,6 +78,15 @@ class BoardShape:
             "parameters": list(self.parameters),
         }
 
+    def figures(self) -> dict[str, float]:
+        """Sag and stretch with their standard deviations, as a calibration's record has them."""
+        return {
+            "sag": self.sag,
+            "sag_std": self.sag_std,
+            "stretch": self.stretch,
+            "stretch_std": self.stretch_std,
+        }
+
     def shifted(self, step: Array) -> "BoardShape":
         """Return the shape after a step (SHAPE_SIZE,) of the parameters."""
         return replace(self, parameters=tuple((np.array(self.parameters) + step).tolist()))

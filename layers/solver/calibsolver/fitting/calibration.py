@@ -110,7 +110,7 @@ class Calibration:
 
     def record(self) -> dict[str, Any]:
         """Return the calibration as plain values, under the names of the published file format."""
-        uncertainty = self.uncertainty()
+        uncertainty, shape = self.uncertainty(), self.board_shape
         return {
             "img_size": list(self.camera.img_size),
             "camera_matrix": self.camera.matrix.tolist(),
@@ -119,4 +119,5 @@ class Calibration:
             "avg_reprojection_error": self.avg_reprojection_error,
             "uncertainty": {"rms": uncertainty.rms, "max": uncertainty.max},
             "systematic": self.inflation,
+            **({} if shape is None else {"board_shape": shape.figures()}),
         }

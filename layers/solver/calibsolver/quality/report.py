@@ -143,12 +143,7 @@ def _percent(share: float) -> str:
 
 
 def _board(shape: BoardShape) -> dict[str, Json]:
-    return {
-        "sag": _digits(shape.sag),
-        "sag_std": _digits(shape.sag_std),
-        "stretch": _digits(shape.stretch),
-        "stretch_std": _digits(shape.stretch_std),
-    }
+    return {name: _digits(value) for name, value in shape.figures().items()}
 
 
 def _digits(value: float, digits: int = 3) -> float | None:
