@@ -169,11 +169,13 @@ def test_installed_commands_calibrate_real_photographs_by_the_service(
         for view in recording.views
     ]
     seen = [np.array(view.points, dtype=np.float32) for view in recording.views]
-    _, matrix, _, _, _, std, *_ = cv2.calibrateCameraExtended(places, seen, (1280, 720), None, None)
+    _, matrix, *_ = cv2.calibrateCamera(places, seen, (1280, 720), None, None)
     assert len(recording.views) == 16
     fx, fy = known["camera_matrix"][0][0], known["camera_matrix"][1][1]
-    assert abs(fx - matrix[0, 0]) < std.ravel()[0]
-    assert abs(fy - matrix[1, 1]) < std.ravel()[1]
+    # OpenCV takes the board as drawn, so that its own error bars leave out what the shape moves.
+    std = np.sqrt(np.diagonal(json.loads(stored.body)["covariance"]))
+    assert abs(fx - matrix[0, 0]) < std[0] < 5
+    assert abs(fy - matrix[1, 1]) < std[1] < 5
     # as ROS's camera_calibration_parsers reads it
     ros = yaml.safe_load((tmp_path / "ros.yaml").read_bytes())
     assert (ros["image_width"], ros["image_height"], ros["distortion_model"]) == (1280, 720, "plumb_bob")
