@@ -16,6 +16,7 @@ from calibsolver.fitting.observations import Observations
 from calibsolver.formats import ExportSource
 from calibsolver.formats.grid import grid
 from tests.helpers.data import corner_views
+from tests.helpers.solver import hands, populations, synthetic
 from tests.helpers.solver.export_sources import IMG_SIZE, captured, image_rays, subject
 
 GRID = (200, 150)
@@ -181,3 +182,15 @@ def test_file_says_where_wpical_is_no_reader() -> None:
         warning = formats.write(subject(model), "calibdb").warning
         assert (warning is None) == (model in ("rectilinear", "rational"))
         assert warning is None or "WPIcal" in warning
+
+
+@pytest.mark.parametrize("number", [2, 5, 8])
+def test_another_model_is_fitted_in_the_boards_shape(number: int) -> None:
+    """A board bent by 0.5 %: fitted as drawn, the fisheye camera of the file would be 3.6 to 6 px off."""
+    camera = synthetic.rectilinear_cameras()[number]
+    views = populations.views(camera, np.random.default_rng(0), count=8, hand=hands.BENT)
+    own = fit(views, camera.img_size, board_shape=True).camera
+    conversion = held(ExportSource(own, tuple(views)), "gyroflow")
+    error = synthetic.projection_error(camera, conversion.camera)
+    assert conversion.camera.model == "fisheye"
+    assert float(np.sqrt(np.mean(error**2))) < 0.4
