@@ -62,7 +62,7 @@ def test_residuals_are_those_of_the_board_in_its_shape() -> None:
     views = captured(hands.BENT)
     found = fit(views, CAMERA.img_size, board_shape=True)
     for residuals, error in zip(found.residuals, found.view_errors, strict=True):
-        assert np.sqrt(np.mean(residuals**2)) == pytest.approx(error)
+        assert np.sqrt(np.mean(np.sum(residuals**2, axis=1))) == pytest.approx(error)
     again = reprojection_score(found.camera, found.shaped(views))
     np.testing.assert_allclose(again.view_errors, found.view_errors, rtol=0.01)
     assert reprojection_score(found.camera, views).rms > 2 * again.rms
