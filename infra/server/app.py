@@ -118,7 +118,7 @@ class App:
             nonlocal status
             if message["type"] == "http.response.start":
                 status = message["status"]
-                if is_api and origin:
+                if is_api and origin and scope["method"] != "OPTIONS":
                     own = [h for h in message["headers"] if not h[0].startswith(b"access-control-")]
                     message["headers"] = [*own, *_CORS]
             await send(message)

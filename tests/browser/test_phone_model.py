@@ -15,7 +15,7 @@ ASK = """async () => {
 
 
 def test_the_visitor_chooses_among_few_models_and_is_asked_once(page: Page) -> None:
-    page.goto("/cameras/")
+    page.goto("/calibrate/")
     page.evaluate(ASK)
     dialog = page.locator("dialog")
     expect(dialog).to_contain_text("Which iPhone is this?")

@@ -1,5 +1,6 @@
 """The operator's command line: tokens, and an index that follows from the bucket alone."""
 
+import gzip
 import json
 import re
 import subprocess
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from calibdb.schema import DISTORTION_MODELS
+from calibdb.store import Alias
 from infra.ops.__main__ import main
 from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, Client, Truth, until
@@ -32,6 +34,25 @@ def data_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(autouse=True)
 def on_it(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("DATA_DIR", str(data_dir))
+
+
+def test_lookups_at_the_edge_are_counted_by_camera(
+    data_dir: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    alias = Alias("HD Pro Webcam C920 (046d:082d)", "Linux")
+    with Server(data_dir) as stack:
+        assert store(stack).aliases.record(alias, "c4-a", "source", int(time.time()))
+    paths = [f"/known/v1/{alias.digest}/1280x720/0/rectilinear.json"] * 3
+    paths += [f"/known/v1/{'0' * 32}/640x480/0/fisheye.json", "/calibrate/"]
+    with gzip.open(tmp_path / "one.gz", "wt") as log:
+        log.writelines(json.dumps({"cs-uri-stem": path, "sc-status": "200"}) + "\n" for path in paths)
+    assert main(["camera", "use", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.split() == ["3", *alias.label.split(), "1", "unknown"]
+    (tmp_path / "two.gz").write_bytes(b"no log")
+    assert main(["camera", "use", str(tmp_path)]) == 1
+    assert "two.gz" in capsys.readouterr().err
+    assert main(["camera", "use", str(tmp_path / "elsewhere")]) == 1
+    assert "EdgeLogBucket" in capsys.readouterr().err
 
 
 @pytest.fixture

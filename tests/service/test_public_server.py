@@ -106,3 +106,14 @@ def test_wrong_options_are_said_in_a_sentence(
     data = tmp_path_factory.mktemp("options") / "data"
     assert main(["--data", str(data), *arguments]) == 1
     assert complaint in capsys.readouterr().err
+
+
+def test_preflights_permit_what_pages_of_other_origins_send(server: Server) -> None:
+    asked = {"origin": "https://page.example", "access-control-request-method": "POST"}
+    answer = server.request("OPTIONS", "/v1/lookup", HOST | asked)
+    assert answer.status == 204
+    assert answer.headers["access-control-allow-origin"] == "*"
+    assert {"authorization", "content-type"} <= set(answer.headers["access-control-allow-headers"].split(","))
+    assert {"GET", "POST", "PATCH", "DELETE"} <= set(
+        answer.headers["access-control-allow-methods"].split(",")
+    )

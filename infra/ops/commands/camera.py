@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -58,6 +59,20 @@ def show_camera(
                 run.output.table(_COLUMNS, rows, lines)
         if plot:
             _draw(run, found)
+
+
+@app.command("use")
+def show_use(
+    logs: Annotated[Path, typer.Argument(help="Folder with a copy of the bucket EdgeLogBucket.")],
+    as_json: Json = False,
+) -> None:
+    """Count lookups at the edge by camera."""
+    with open_run(as_json=as_json) as run:
+        from infra.ops import edge_use
+
+        use = edge_use.count_use(logs, run.context.store.aliases).most_common()
+        run.output.table(("camera", "#lookups"), use, (f"{count:>9}  {label}" for label, count in use))
+        run.output.value([{"camera": label, "lookups": count} for label, count in use])
 
 
 def _sections(found: CameraDetail) -> Iterator[tuple[str, list[tuple[object, ...]], list[str]]]:

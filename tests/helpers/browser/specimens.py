@@ -118,7 +118,9 @@ def cameras() -> dict[str, Any]:
 
 
 def answer(page: Page, pattern: str, body: Callable[[], dict[str, Any]]) -> None:
-    """Answer requests of a page by a specimen."""
+    """Answer requests of a page by a specimen. A lookup is answered by no cache."""
+    if pattern.endswith("/v1/lookup"):
+        page.route("**/known/v1/**", lambda route: route.fulfill(status=404, json={"reason": "unknown_camera"}))
 
     def fulfil(route: Route) -> None:
         route.fulfill(json=body())
