@@ -144,4 +144,6 @@ def unhealthy(checked_at: int, parts: tuple[PartHealth, ...], canary: CanaryRun 
     )
 
 
-handler = application.handler(application.route("/healthz", GET=health))
+handler = application.handler(
+    application.route("/healthz", is_quick=lambda request: not request.scope["query_string"], GET=health)
+)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import os
 import secrets
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -58,7 +59,20 @@ class Service:
     @classmethod
     def of(cls, environment: Mapping[str, str]) -> Service:
         """Return the service of `environment`; one and the same for equal settings."""
+        if _fixed is not None and environment is os.environ:
+            return _maker(_fixed)
         return _maker(Settings.from_environment(with_secrets(environment)))
+
+    @classmethod
+    @contextmanager
+    def fixed(cls) -> Iterator[None]:
+        """Read the environment of the process once: within the block it does not change."""
+        global _fixed
+        _fixed = Settings.from_environment(with_secrets(os.environ))
+        try:
+            yield
+        finally:
+            _fixed = None
 
     @classmethod
     @contextmanager
@@ -209,4 +223,5 @@ class Service:
 
 
 _remembered = functools.lru_cache(maxsize=8)(Service.make)
+_fixed: Settings | None = None
 _maker: Callable[[Settings], Service] = _remembered

@@ -57,14 +57,17 @@ def no_content() -> Response:
     return Response(status_code=204)
 
 
-def route(path: str, **methods: Endpoint) -> Route:
-    """Make the Starlette route of one path: its methods in capitals, each with its endpoint; HEAD as GET."""
+def route(path: str, *, is_quick: Callable[[Request], bool] = lambda _: False, **methods: Endpoint) -> Route:
+    """Make the Starlette route of one path: its methods in capitals, each with its endpoint; HEAD as GET.
+
+    `is_quick`: True if the endpoint neither reads storage nor computes. A server then uses no thread.
+    """
 
     async def endpoint(request: Request) -> Response:
         method = methods["GET" if request.method == "HEAD" else request.method]
         body = await request.body()
         in_thread: InThread | None = request.scope.get(IN_THREAD)
-        if in_thread is None:
+        if in_thread is None or is_quick(request):
             return method(Call(request, body, _service()))
         return await in_thread(lambda: method(Call(request, body, _service())))
 
