@@ -107,7 +107,7 @@ def _serve(server: Server, *, announce: bool) -> int:
         http = HttpServer(server.app)
         if announce:
             _announce(server.url, server.token if server.public.url is None else None)
-        with Service.fixed():
+        with Service.in_server():
             http.run([server.listener])
         if announce:
             print("stopped", flush=True)
