@@ -14,7 +14,7 @@ from infra.web_build import site
 
 PROJECTS = (ROOT / "clients" / "python", ROOT / "layers" / "solver")
 _FOLDERS = ("functions", "infra/console", "infra/ops", "infra/server", "infra/web_build")
-_FILES = ("infra/release/__init__.py", "infra/release/changelog.py")
+_RELEASE_FILES = ("infra/release/__init__.py", "infra/release/changelog.py")
 _GROUPS = ("service", "solver", "server", "ops")
 _NOT_NEEDED = ("boto", "mangum", "markdown-it-py", "pygments")  # on AWS, and to build the site
 _PROJECT = """
@@ -52,11 +52,11 @@ def build_server(target: Path) -> Path:
             shutil.copytree(ROOT / folder, library / folder, ignore=ignored)
         for name in ("service/calibdb", "solver/calibsolver"):
             shutil.copytree(ROOT / "layers" / name, library / Path(name).name, ignore=ignored)
-        for name in _FILES:
+        for name in _RELEASE_FILES:
             (library / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, library / name)
         shutil.copytree(site.WEB, library / "web", ignore=shutil.ignore_patterns("node_modules"))
-        site.build_for_wheel(library / site.BUILT.name)
+        site.build_for_wheel(library / site.MADE_FILES.name)
         program = (ROOT / "infra" / "release" / "server_program.py").read_text(encoding="utf-8")
         stamped = f'{program}\n__version__ = "{version()}"\n'
         (package / "__init__.py").write_text(stamped, encoding="utf-8")

@@ -34,7 +34,7 @@ from infra.web_build.sdk import sdk_files
 ROOT = Path(__file__).parents[2]
 WEB = ROOT / "web"
 LANGUAGES = ("de", "uk")  # besides English; `web/lib/i18n.js` has them too
-BUILT = ROOT / "built"
+MADE_FILES = ROOT / "built"
 """In a wheel, which has no sources: the files that are made, of any origin and any contacts."""
 _CACHE = ROOT / ".build" / "site"
 _MAX_CACHED = 16
@@ -85,7 +85,7 @@ def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, 
         If a file cannot be made.
     """
     options = options or Options()
-    if BUILT.is_dir():
+    if MADE_FILES.is_dir():
         return _complete(json.dumps(dict(options.contacts)), options.origin)
     if not (web / "messages").is_dir():
         return {}
@@ -95,7 +95,7 @@ def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, 
 
 def page_keys(web: Path = WEB) -> list[str]:
     """List the keys of all pages in all languages, without making them."""
-    if BUILT.is_dir():
+    if MADE_FILES.is_dir():
         return sorted(key for key in made_files() if key.endswith(".html"))
     return list(_page_keys(web, _state(web)))
 
@@ -121,7 +121,7 @@ def generate_pages(web: Path = WEB) -> Mapping[str, str]:
 
 
 def build_for_wheel(folder: Path) -> None:
-    """Write to a folder, a wheel's `BUILT`, the files that are made."""
+    """Write to a folder, a wheel's `MADE_FILES`, the files that are made."""
     told = json.dumps([_ANY_ORIGIN, _ANY_CONTACTS], sort_keys=True)
     for key, content in _make_files(WEB, told, _state(WEB)).items():
         (folder / key).parent.mkdir(parents=True, exist_ok=True)
@@ -132,7 +132,9 @@ def build_for_wheel(folder: Path) -> None:
 def _complete(told: str, origin: str) -> Mapping[str, bytes]:
     """Read the built files, and put the site's own address and contacts in."""
     contacts = json.loads(told)
-    files = {p.relative_to(BUILT).as_posix(): p.read_bytes() for p in BUILT.rglob("*") if p.is_file()}
+    files = {
+        p.relative_to(MADE_FILES).as_posix(): p.read_bytes() for p in MADE_FILES.rglob("*") if p.is_file()
+    }
     for key in [key for key in files if key.endswith(".html")]:
         text = files[key].decode().replace(_ANY_ORIGIN, origin)
         for name, place in _ANY_CONTACTS.items():
