@@ -170,10 +170,11 @@ class Service:
             f"{self.now:08x}{self.random_hex(8)}", token.id, origin if token.is_restricted else None
         )
 
-    def api_token(self, text: str) -> ApiToken:
+    def api_token(self, text: str, before_write: Callable[[], None] = lambda: None) -> ApiToken:
         """Return the token that `text` is; raises ForbiddenError when it is unknown or its secret is wrong.
 
         A token once read is remembered for half a minute: a lookup then costs one Query and nothing else.
+        The first use of a token is written; `before_write` is called before.
         """
         token_id, secret = parse(text) or ("", "")
 
@@ -189,7 +190,8 @@ class Service:
                 kind="token-expired",
             )
         if token.expires is not None:
-            self.write_later(lambda: self._tokens.keep(token))
+            before_write()
+            self._tokens.keep(token)
         return token
 
     def managed_token(self, text: str) -> ApiToken:

@@ -86,7 +86,8 @@ class TokenCache:
     plans
         By the names that tokens bear.
     in_background
-        Lookups are written down by `write_pending` only, which a server calls every second.
+        Lookups are written down by `write_pending`, which a server calls every second; at once only those of
+        plans that count each.
     """
 
     def __init__(
@@ -201,7 +202,7 @@ class TokenCache:
             for who in shares:
                 known.sources[who] = known.sources.get(who, 0) + 1
             known.pending[hour] = known.pending.get(hour, 0) + 1
-        if allowed.counts_each_lookup and not self._in_background:
+        if allowed.counts_each_lookup:
             self._flush(known, now)
         return _limits(
             "lookups", now, (each, 0 if each is None else each - own - 1), (together, left_together - 1)

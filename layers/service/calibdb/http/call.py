@@ -221,7 +221,7 @@ class Call:
             sent = credential
         else:
             sent = self._bearer()
-        token = self.service.api_token(sent)
+        token = self.service.api_token(sent, self.require_thread)
         # The site's own pages try calls with a visitor's token, whatever its origins.
         if not token.admits(self.origin) and self.origin != self.service.settings.site_origin:
             if self.origin in token.pending:
@@ -233,6 +233,8 @@ class Call:
             raise ForbiddenError("The API token does not admit pages of this origin.", kind="origin")
         if charge == "lookups":
             if RATE_LIMITS not in self.request.scope:  # else it was counted before it required a thread
+                if self.service.plan_of(token).counts_each_lookup:
+                    self.require_thread()
                 self._tell(self.service.count_lookup(token, self.address))
         else:
             self._tell(self.service.charge(token, charge, self.address))
