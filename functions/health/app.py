@@ -121,6 +121,7 @@ def health(call: application.Call) -> Response:
     """Answer that the service is there; with `deep=1`, how its parts are."""
     if not call.flag("deep"):
         return application.json_response(Health())
+    call.require_thread()
     checks = checks_of(call.service.settings)
     parts, canary = checks.parts(), checks.canary
     if all(part.ok for part in parts) and (canary is None or canary.ok):
@@ -144,4 +145,4 @@ def unhealthy(checked_at: int, parts: tuple[PartHealth, ...], canary: CanaryRun 
     )
 
 
-handler = application.handler(application.route("/healthz", GET=health))
+handler = application.handler(application.route("/healthz", is_quick=True, GET=health))

@@ -37,6 +37,7 @@ from calibdb.schema import (
 )
 from calibdb.schema.fields import size_text, zoom_text
 from calibdb.schema.lookup import Reason
+from calibdb.service import Service
 from calibdb.store import CameraRecords
 from calibdb.store.aliases import alias_digest
 from calibdb.store.miss_counts import USB
@@ -103,6 +104,7 @@ def _find(call: application.Call, request: LookupRequest) -> LookupResult:
     read = functools.cache(store.cameras.known)
 
     def compute(key: str, size: tuple[int, int]) -> ConsensusDocument | None:
+        call.require_thread()
         refit = RefitRequest(camera=key, img_size=size, zoom=zoom, models=(model,))
         return store.refit.now(refit).models.get(model)
 
@@ -135,11 +137,7 @@ def _count_miss(
     counted = service.misses.count(camera, service.clock())
     if not counted:
         return
-    asked = RefitRequest(camera=found.key, img_size=request.img_size, misses=counted)
-    try:
-        service.store.refit.later(asked)
-    except UnavailableError as error:  # the answer does not depend on it
-        _log.warning("misses were not reported: %s", error.detail)
+    _queue(service, RefitRequest(camera=found.key, img_size=request.img_size, misses=counted))
 
 
 def _report(call: application.Call, request: LookupRequest, found: LookupResult) -> None:
@@ -153,11 +151,19 @@ def _report(call: application.Call, request: LookupRequest, found: LookupResult)
         return
     sender = source(service.settings.contributor_secret, call.address)
     new = NewAlias(label=request.camera, platform=request.platform, source=sender)
-    asked = RefitRequest(camera=found.key, img_size=request.img_size, zoom=request.zoom, alias=new)
-    try:
-        service.store.refit.later(asked)
-    except UnavailableError as error:
-        _log.warning("an alias was not reported: %s", error.detail)
+    _queue(service, RefitRequest(camera=found.key, img_size=request.img_size, zoom=request.zoom, alias=new))
+
+
+def _queue(service: Service, request: RefitRequest) -> None:
+    """Have misses or an alias stored; no response depends on it."""
+
+    def write() -> None:
+        try:
+            service.store.refit.later(request)
+        except UnavailableError as error:
+            _log.warning("misses or an alias were not reported: %s", error.detail)
+
+    service.write_later(write)
 
 
 def is_public(name: tuple[str, str]) -> bool:
@@ -216,6 +222,6 @@ def _key(request: LookupRequest) -> dict[str, str]:
 
 
 handler = application.handler(
-    application.route("/v1/lookup", POST=ask, GET=visit),
-    application.route("/known/v1/{digest}/{size}/{zoom}/{file}", GET=known),
+    application.route("/v1/lookup", is_quick=True, POST=ask, GET=visit),
+    application.route("/known/v1/{digest}/{size}/{zoom}/{file}", is_quick=True, GET=known),
 )

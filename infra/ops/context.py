@@ -11,10 +11,10 @@ from calibdb.settings import Settings
 from calibdb.store import Objects, Store
 from calibdb.store.keys import WITHDRAWN
 from calibdb.store.ports import Storage
+from calibdb.store.sqlite import SqliteObjects
 from calibdb.store.storage import storage_of
 from infra.console.progress import Track, pass_through
 from infra.ops.index import Index
-from infra.ops.replica import replicated
 
 CALIBRATIONS_PREFIX = "calibrations/"
 
@@ -51,13 +51,21 @@ class OpsContext:
             secret_known=secret_known,
             store=Store.of(settings),
             storage=storage,
-            objects=replicated(storage.objects, settings.bucket_name, settings.region),
+            objects=_replicated(storage.objects, settings),
             index=Index(storage.table),
             now=int(time.time()),
             random_hex=secrets.token_hex,
             echo=echo,
             track=track,
         )
+
+
+def _replicated(objects: Objects, settings: Settings) -> Objects:
+    if isinstance(objects, SqliteObjects):
+        return objects
+    from infra.ops.replica import replicated  # not needed, and botocore not installed, elsewhere
+
+    return replicated(objects, settings.bucket_name, settings.region)
 
 
 def count_objects(context: OpsContext, prefix: str) -> int:

@@ -1,4 +1,4 @@
-"""Artifacts of a release: source, SDK, layers, notes, checksums."""
+"""Artifacts of a release: source, SDK, layers, wheels, notes, checksums."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import zipfile
 from pathlib import Path
 
 from infra.console.steps import announce
-from infra.release import changelog
+from infra.release import changelog, wheels
 from infra.release.checkout import ROOT, version
 
 RELEASE = ROOT / ".build" / "release"
@@ -31,6 +31,7 @@ def build() -> list[Path]:
         "archive the source": lambda: _source(name),
         "pack the SDK": _sdk,
         "build the layers": lambda: _layers(name),
+        "build the wheels": lambda: wheels.build(RELEASE),
         "write notes and checksums": _summaries,
     }
     for _, part in announce("release", list(parts.items()), lambda step: step[0]):

@@ -160,7 +160,8 @@ class App:
         body: bytes | None = b""
         if any(name in (b"content-length", b"transfer-encoding") for name, _ in scope["headers"]):
             try:
-                body = await asyncio.wait_for(_read(receive), BODY_TIMEOUT_S)
+                async with asyncio.timeout(BODY_TIMEOUT_S):
+                    body = await _read(receive)
             except TimeoutError:
                 late = _message(408, "Request Timeout", {"connection": "close"})
                 await late(scope, receive, send)

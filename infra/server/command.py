@@ -18,6 +18,7 @@ from pathlib import Path
 from types import FrameType
 from urllib.parse import urlsplit
 
+from calibdb.service import Service
 from infra.server.app import Public
 from infra.server.folder import Folder, FolderError
 from infra.server.loopback import is_loopback
@@ -106,7 +107,8 @@ def _serve(server: Server, *, announce: bool) -> int:
         http = HttpServer(server.app)
         if announce:
             _announce(server.url, server.token if server.public.url is None else None)
-        http.run([server.listener])
+        with Service.in_server():
+            http.run([server.listener])
         if announce:
             print("stopped", flush=True)
     # A job or a request that has not ended by now runs again, or was not acknowledged.

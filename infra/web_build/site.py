@@ -14,8 +14,10 @@ The local stack makes them anew when one of their sources changed.
 from __future__ import annotations
 
 import hashlib
+import html
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -32,9 +34,12 @@ from infra.web_build.sdk import sdk_files
 ROOT = Path(__file__).parents[2]
 WEB = ROOT / "web"
 LANGUAGES = ("de", "uk")  # besides English; `web/lib/i18n.js` has them too
+MADE_FILES = ROOT / "built"
+"""In a wheel, which has no sources: the files that are made, of any origin and any contacts."""
 _CACHE = ROOT / ".build" / "site"
 _MAX_CACHED = 16
 _ANY_ORIGIN = "https://origin.invalid"
+_ANY_CONTACTS = {name: f"https://{name}.invalid" for name in ("contact", "imprint")}
 _MAX_BUILD_S = 120
 _PAGE_BUILDER = Path(__file__).parent / "site.mjs"
 # Not pages, though HTML or full of files.
@@ -79,15 +84,19 @@ def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, 
     SiteError
         If a file cannot be made.
     """
+    options = options or Options()
+    if MADE_FILES.is_dir():
+        return _complete(json.dumps(dict(options.contacts)), options.origin)
     if not (web / "messages").is_dir():
         return {}
-    options = options or Options()
     told = json.dumps([_ANY_ORIGIN, dict(options.contacts)], sort_keys=True)
     return _at_origin(web, told, _state(web), options.origin)
 
 
 def page_keys(web: Path = WEB) -> list[str]:
     """List the keys of all pages in all languages, without making them."""
+    if MADE_FILES.is_dir():
+        return sorted(key for key in made_files() if key.endswith(".html"))
     return list(_page_keys(web, _state(web)))
 
 
@@ -109,6 +118,32 @@ def sources(web: Path = WEB) -> dict[str, str]:
 def generate_pages(web: Path = WEB) -> Mapping[str, str]:
     """Return all that the generators make, or made of the same sources before."""
     return _generate_pages(web, _state(web))
+
+
+def build_for_wheel(folder: Path) -> None:
+    """Write to a folder, a wheel's `MADE_FILES`, the files that are made."""
+    told = json.dumps([_ANY_ORIGIN, _ANY_CONTACTS], sort_keys=True)
+    for key, content in _make_files(WEB, told, _state(WEB)).items():
+        (folder / key).parent.mkdir(parents=True, exist_ok=True)
+        (folder / key).write_bytes(content)
+
+
+@lru_cache(maxsize=8)
+def _complete(told: str, origin: str) -> Mapping[str, bytes]:
+    """Read the built files, and put the site's own address and contacts in."""
+    contacts = json.loads(told)
+    files = {
+        p.relative_to(MADE_FILES).as_posix(): p.read_bytes() for p in MADE_FILES.rglob("*") if p.is_file()
+    }
+    for key in [key for key in files if key.endswith(".html")]:
+        text = files[key].decode().replace(_ANY_ORIGIN, origin)
+        for name, place in _ANY_CONTACTS.items():
+            if contacts.get(name):
+                text = text.replace(place, html.escape(contacts[name]))
+            else:
+                text = re.sub(rf'<li><a href="{re.escape(place)}"[^>]*>[^<]*</a></li>', "", text)
+        files[key] = text.encode()
+    return files
 
 
 @lru_cache(maxsize=8)

@@ -1,12 +1,12 @@
 """One request, again and again over keep-alive sockets, from a process of its own."""
 
 import json
+import select
 import socket
 import subprocess
 import sys
 import time
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 
 from tests.bench.load import ROOT, Load
 
@@ -29,35 +29,46 @@ def drive(
     return Load(**json.loads(done.stdout))
 
 
-def client(address: str, message: bytes, requests: int) -> list[float]:
-    host, _, port = address.partition(":")
-    latencies = []
-    with socket.create_connection((host, int(port))) as connection:
+def main(asked: Mapping[str, str], requests: int, clients: int) -> None:
+    host, _, port = asked["address"].partition(":")
+    message = asked["message"].encode()
+    poll = select.epoll()
+    connections = {}
+    for _ in range(clients):
+        connection = socket.create_connection((host, int(port)))
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        length = 0
-        for _ in range(requests):
-            start = time.perf_counter()
-            connection.sendall(message)
-            answer = connection.recv(65536)
-            if not length:
+        poll.register(connection, select.EPOLLIN)
+        connections[connection.fileno()] = connection
+    sent, received, latencies = {}, dict.fromkeys(connections, b""), []
+    start = time.perf_counter()
+    for number, connection in connections.items():
+        sent[number] = time.perf_counter()
+        connection.sendall(message)
+    left = requests - clients
+    length = 0
+    while len(latencies) < requests:
+        for number, _ in poll.poll():
+            connection = connections[number]
+            answer = received[number] + connection.recv(65536)
+            if not answer.startswith(b"HTTP/1.1 200"):
+                raise SystemExit(answer[:500].decode("latin-1") or "the connection was closed")
+            if not length and b"\r\n\r\n" in answer:
                 head, _, _ = answer.partition(b"\r\n\r\n")
                 length = len(head) + 4 + int(head.lower().partition(b"content-length: ")[2].split()[0])
-            while len(answer) < length:
-                answer += connection.recv(65536)
-            latencies.append((time.perf_counter() - start) * 1e3)
-            if not answer.startswith(b"HTTP/1.1 200") or len(answer) != length:
+            if not length or len(answer) < length:
+                received[number] = answer
+                continue
+            if len(answer) != length:
                 raise SystemExit(answer[:500].decode("latin-1"))
-    return latencies
-
-
-def main(asked: Mapping[str, str], requests: int, clients: int) -> None:
-    with ThreadPoolExecutor(clients) as pool:
-        start = time.perf_counter()
-        message = asked["message"].encode()
-        each = [pool.submit(client, asked["address"], message, requests // clients) for _ in range(clients)]
-        latencies = sorted(latency for future in each for latency in future.result())
-        elapsed = time.perf_counter() - start
-    print(json.dumps({"each": elapsed * 1e3 / len(latencies), "latencies": latencies}))
+            now = time.perf_counter()
+            latencies.append((now - sent[number]) * 1e3)
+            received[number] = b""
+            if left > 0:
+                left -= 1
+                sent[number] = now
+                connection.sendall(message)
+    elapsed = time.perf_counter() - start
+    print(json.dumps({"each": elapsed * 1e3 / requests, "latencies": sorted(latencies)}))
 
 
 if __name__ == "__main__":

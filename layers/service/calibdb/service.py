@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import functools
+import logging
+import os
 import secrets
+import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -40,6 +44,11 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb.store.secrets import with_secrets
 
+WRITE_INTERVAL_S = 1.0
+"""Time after which a server writes what no response waits for."""
+
+_log = logging.getLogger(__name__)
+
 
 @dataclass(frozen=True)
 class Service:
@@ -54,11 +63,55 @@ class Service:
     _plans: Mapping[str, Plan]
     aliases: AliasFilter = field(default_factory=AliasFilter, compare=False)
     misses: MissCounter = field(default_factory=MissCounter, compare=False)
+    _writes: deque[Callable[[], None]] | None = field(default=None, compare=False)
 
     @classmethod
     def of(cls, environment: Mapping[str, str]) -> Service:
         """Return the service of `environment`; one and the same for equal settings."""
+        if _of_server is not None and environment is os.environ:
+            return _of_server
         return _maker(Settings.from_environment(with_secrets(environment)))
+
+    @classmethod
+    @contextmanager
+    def in_server(cls) -> Iterator[None]:
+        """Make `of(os.environ)` return one service, with a thread that writes what no response needs."""
+        global _of_server
+        settings = Settings.from_environment(with_secrets(os.environ))
+        plans = multiplied(settings.plan_factors)
+        service = cls.build(settings, Store.of(settings), plans=plans, in_background=True)
+        stopping = threading.Event()
+
+        def work() -> None:
+            while not stopping.wait(WRITE_INTERVAL_S):
+                service.write_pending()
+
+        thread = threading.Thread(target=work, name="pending writes", daemon=True)
+        thread.start()
+        _of_server = service
+        try:
+            yield
+        finally:
+            _of_server = None
+            stopping.set()
+            thread.join()
+            service.write_pending()
+
+    def write_later(self, write: Callable[[], None]) -> None:
+        """Run `write` within `WRITE_INTERVAL_S` in a server, else now."""
+        if self._writes is None:
+            write()
+        else:
+            self._writes.append(write)
+
+    def write_pending(self) -> None:
+        """Write the lookups that were counted, and what `write_later` has gathered."""
+        try:
+            self._tokens.write_pending()
+            while self._writes:
+                self._writes.popleft()()
+        except Exception:  # noqa: BLE001 - the rest is written the next time
+            _log.exception("pending writes failed")
 
     @classmethod
     @contextmanager
@@ -95,11 +148,16 @@ class Service:
         random_hex: Callable[[int], str] = secrets.token_hex,
         token_ttl_s: float = TOKEN_TTL_S,
         plans: Mapping[str, Plan] = PLANS,
+        *,
+        in_background: bool = False,
     ) -> Service:
-        """Put a service together from its parts."""
+        """Put a service together from its parts; `in_background`: `write_pending` is called every second."""
         ids = SessionIds(settings.session_secrets, clock)
-        tokens = TokenCache(store.tokens, store.quotas, clock, token_ttl_s, plans)
-        return cls(settings, store, ids, clock, random_hex, tokens, plans)
+        tokens = TokenCache(
+            store.tokens, store.quotas, clock, token_ttl_s, plans, in_background=in_background
+        )
+        writes = deque[Callable[[], None]]() if in_background else None
+        return cls(settings, store, ids, clock, random_hex, tokens, plans, _writes=writes)
 
     @property
     def now(self) -> int:
@@ -112,10 +170,11 @@ class Service:
             f"{self.now:08x}{self.random_hex(8)}", token.id, origin if token.is_restricted else None
         )
 
-    def api_token(self, text: str) -> ApiToken:
+    def api_token(self, text: str, before_write: Callable[[], None] = lambda: None) -> ApiToken:
         """Return the token that `text` is; raises ForbiddenError when it is unknown or its secret is wrong.
 
         A token once read is remembered for half a minute: a lookup then costs one Query and nothing else.
+        The first use of a token is written; `before_write` is called before.
         """
         token_id, secret = parse(text) or ("", "")
 
@@ -130,7 +189,9 @@ class Service:
                 "The API token has expired: it was not used within 30 days. Make a new one.",
                 kind="token-expired",
             )
-        self._tokens.keep(token)
+        if token.expires is not None:
+            before_write()
+            self._tokens.keep(token)
         return token
 
     def managed_token(self, text: str) -> ApiToken:
@@ -209,4 +270,5 @@ class Service:
 
 
 _remembered = functools.lru_cache(maxsize=8)(Service.make)
+_of_server: Service | None = None
 _maker: Callable[[Settings], Service] = _remembered

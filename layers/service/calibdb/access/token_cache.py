@@ -85,6 +85,9 @@ class TokenCache:
         Seconds for which a token is remembered.
     plans
         By the names that tokens bear.
+    in_background
+        Lookups are written down by `write_pending`, which a server calls every second; at once only those of
+        plans that count each.
     """
 
     def __init__(
@@ -94,12 +97,15 @@ class TokenCache:
         clock: Callable[[], float],
         ttl_s: float = TOKEN_TTL_S,
         plans: Mapping[str, Plan] = PLANS,
+        *,
+        in_background: bool = False,
     ) -> None:
         self._tokens = tokens
         self._quotas = quotas
         self._clock = clock
         self._ttl_s = ttl_s
         self._plans = plans
+        self._in_background = in_background
         self._known: dict[str, _Entry] = {}
         self._lock = threading.Lock()
 
@@ -124,7 +130,7 @@ class TokenCache:
 
     def _is_current(self, entry: _Entry, accepts: Callable[[ApiToken], bool]) -> bool:
         now = self._clock()
-        if now >= entry.read_again or entry.is_full(now, self._plans):
+        if now >= entry.read_again or (not self._in_background and entry.is_full(now, self._plans)):
             return False
         return now < entry.refused_until or accepts(entry.token)
 
@@ -143,12 +149,15 @@ class TokenCache:
                 entry.used_up = False
             entry.token, entry.read_again = token, now + self._ttl_s
             entry.refused_until = 0.0 if accepts(token) else now + REFUSAL_TTL_S
-        self._flush(entry, now)
+        if not self._in_background:
+            self._flush(entry, now)
         return token
 
     def keep(self, token: ApiToken) -> None:
         """Have a token not expire that is used for the first time."""
-        if token.expires is None:
+        with self._lock:
+            known = self._known.get(token.id)
+        if token.expires is None or (known is not None and known.token.expires is None):
             return
         try:
             self._tokens.keep(token.id)
@@ -181,7 +190,8 @@ class TokenCache:
             own = known.sources.get(hash(source), 0)
             hour = known.hour
             left_together = 0 if known.used_up else together - known.used - known.pending.get(hour, 0)
-            if known.used_up or (
+            is_used_up = known.used_up or (self._in_background and left_together <= 0)
+            if is_used_up or (
                 each is not None
                 and any(known.sources.get(who, 0) >= share * each for who, share in shares.items())
             ):
@@ -198,9 +208,17 @@ class TokenCache:
             "lookups", now, (each, 0 if each is None else each - own - 1), (together, left_together - 1)
         )
 
+    def write_pending(self) -> None:
+        """Write down all lookups that were counted since the last time."""
+        with self._lock:
+            entries = list(self._known.values())
+        for entry in entries:
+            self._flush(entry, self._clock())
+
     def _flush(self, entry: _Entry, now: float) -> None:
         with self._lock:
-            if not entry.is_due(now, self._plans):
+            is_due = entry.pending and now >= entry.next_flush
+            if not (is_due if self._in_background else entry.is_due(now, self._plans)):
                 return
             pending, entry.pending, entry.flushed = entry.pending, {}, now
         limit, hour = plan(entry.token.plan, self._plans).together.lookups, int(now // HOUR_S)

@@ -14,6 +14,7 @@ The key carries the version of these rules, so that keys of different versions n
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import re
@@ -75,6 +76,7 @@ class Identity:
     distinct: bool
 
 
+@functools.lru_cache(maxsize=1024)
 def identify(label: str, platform: str) -> Identity:
     """Identify the camera of `label` (`MediaStreamTrack.label`) and `platform`.
 

@@ -12,6 +12,7 @@ import logging
 import os
 import time
 from collections.abc import Awaitable, Callable, Mapping
+from contextlib import suppress
 from http import HTTPStatus
 from typing import Any, cast
 from urllib.parse import urljoin
@@ -25,7 +26,7 @@ from starlette.routing import Route
 
 from calibdb.errors import PROBLEMS, CalibdbError, DeniedReadError
 from calibdb.http import metrics
-from calibdb.http.call import RATE_LIMITS
+from calibdb.http.call import RATE_LIMITS, InLoopError
 from calibdb.http.call import Call as Call
 from calibdb.service import Service
 
@@ -57,8 +58,12 @@ def no_content() -> Response:
     return Response(status_code=204)
 
 
-def route(path: str, **methods: Endpoint) -> Route:
-    """Make the Starlette route of one path: its methods in capitals, each with its endpoint; HEAD as GET."""
+def route(path: str, *, is_quick: bool = False, **methods: Endpoint) -> Route:
+    """Make the Starlette route of one path: its methods in capitals, each with its endpoint; HEAD as GET.
+
+    `is_quick`: a server runs the endpoint in its event loop, and again in a thread if the endpoint calls
+    `Call.require_thread`.
+    """
 
     async def endpoint(request: Request) -> Response:
         method = methods["GET" if request.method == "HEAD" else request.method]
@@ -66,6 +71,9 @@ def route(path: str, **methods: Endpoint) -> Route:
         in_thread: InThread | None = request.scope.get(IN_THREAD)
         if in_thread is None:
             return method(Call(request, body, _service()))
+        if is_quick:
+            with suppress(InLoopError):
+                return method(Call(request, body, _service(), in_loop=True))
         return await in_thread(lambda: method(Call(request, body, _service())))
 
     return Route(path, endpoint, methods=list(methods))

@@ -53,6 +53,10 @@ Model = TypeVar("Model", bound=BaseModel)
 Compute = Callable[[dict[str, Any]], dict[str, Any]]
 
 
+class InLoopError(Exception):
+    """The call is to run in a thread."""
+
+
 @dataclass(frozen=True)
 class Call:
     """One request, its body read, and the service that answers it."""
@@ -64,6 +68,13 @@ class Call:
     """Processor time that this thread has used so far, s."""
     begun_s: float = field(default_factory=time.thread_time)
     """The same when the call began."""
+    in_loop: bool = False
+    """True in the event loop of a server, which serves no other request meanwhile."""
+
+    def require_thread(self) -> None:
+        """Have the endpoint run again in a thread, since it is about to wait or compute."""
+        if self.in_loop:
+            raise InLoopError
 
     def seconds_left(self) -> float:
         """Return the s left to compute: of the request's processor time, or of the invocation if less.
@@ -210,7 +221,7 @@ class Call:
             sent = credential
         else:
             sent = self._bearer()
-        token = self.service.api_token(sent)
+        token = self.service.api_token(sent, self.require_thread)
         # The site's own pages try calls with a visitor's token, whatever its origins.
         if not token.admits(self.origin) and self.origin != self.service.settings.site_origin:
             if self.origin in token.pending:
@@ -221,7 +232,10 @@ class Call:
                 )
             raise ForbiddenError("The API token does not admit pages of this origin.", kind="origin")
         if charge == "lookups":
-            self._tell(self.service.count_lookup(token, self.address))
+            if RATE_LIMITS not in self.request.scope:  # else it was counted before it required a thread
+                if self.service.plan_of(token).counts_each_lookup:
+                    self.require_thread()
+                self._tell(self.service.count_lookup(token, self.address))
         else:
             self._tell(self.service.charge(token, charge, self.address))
         return token

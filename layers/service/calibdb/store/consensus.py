@@ -7,6 +7,7 @@ and an older result never replaces a newer one, however long the one or the othe
 
 from __future__ import annotations
 
+import functools
 import logging
 from collections.abc import Iterable
 
@@ -91,8 +92,13 @@ def documents(items: Iterable[Item]) -> list[ConsensusDocument]:
 
 def _document(item: Item) -> ConsensusDocument | None:
     try:
-        return ConsensusDocument.model_validate_json(str(item["document"]))
+        return _parsed(str(item["document"]))
     except ValidationError:
         # Of a later version that is being rolled out: its models are not known here, the others are.
         _log.warning("%s of %s is not of this version", item["sk"], item["pk"])
         return None
+
+
+@functools.lru_cache(maxsize=256)  # documents are frozen, and lookups read the same ones again and again
+def _parsed(text: str) -> ConsensusDocument:
+    return ConsensusDocument.model_validate_json(text)

@@ -113,6 +113,18 @@ def test_most_lookups_neither_read_nor_write(memory: TokenCache, tokens: Tokens,
     assert tokens.reads == 10
 
 
+def test_lookups_of_a_server_are_written_only_when_it_asks(
+    tokens: Tokens, quotas: Quotas, clock: Clock
+) -> None:
+    memory = TokenCache(tokens, cast(Any, quotas), clock, plans=PLANS_WITH_SMALL, in_background=True)
+    for _ in range(4 * LOOKUPS_PER_FLUSH):
+        look_up(memory)
+    assert (quotas.writes, tokens.reads) == ([], 1)
+    memory.write_pending()
+    memory.write_pending()
+    assert quotas.writes == [4 * LOOKUPS_PER_FLUSH]
+
+
 def test_rare_lookups_are_flushed_together(memory: TokenCache, quotas: Quotas, clock: Clock) -> None:
     for _ in range(60):  # one a minute: each reads the token anew, one in ten writes
         look_up(memory)

@@ -1,0 +1,85 @@
+"""Requests per second with two workers, against an empty application under the same uvicorn options."""
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from infra.server.server import Server
+from tests.bench import raw_load
+from tests.bench.table import Row
+from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
+from tests.helpers.service.published import store
+from tests.helpers.stack.processes import ROOT, LocalProcess
+
+WORKERS, CLIENTS, REQUESTS, ROUNDS = 2, 8, 4000, 5
+EMPTY = """
+import os, socket
+from starlette.applications import Starlette
+from starlette.responses import Response
+from starlette.routing import Route
+from infra.server.server import HttpServer, bind
+
+async def empty(request):
+    return Response(b"")
+
+listener = bind("127.0.0.1", 0)
+listener.listen(1024)
+print(f"http://127.0.0.1:{listener.getsockname()[1]}", flush=True)
+for _ in range(1, WORKERS):
+    if os.fork() == 0:
+        break
+HttpServer(Starlette(routes=[Route("/", empty)])).run([listener])
+"""
+
+
+def rows() -> Iterator[Row]:
+    with tempfile.TemporaryDirectory() as place:
+        data_dir = Path(place, "data")
+        with Server(data_dir) as stack:
+            done = [Truth(seed=seed).calibrate(Client(stack)) for seed in range(5)]
+            key = done[-1]["calibration_id"].rpartition("-")[0]
+            until(lambda: [c.total for c in store(stack).consensuses.of(key)] == 4 * [5], 120)
+        with empty_server() as empty, LocalProcess(data_dir, {"WORKERS": str(WORKERS)}) as server:
+            body = json.dumps({**CAMERA, "img_size": [1280, 720]})
+            headers = {"authorization": f"Bearer {TOKEN}", "content-type": "application/json"}
+            for what, least, request in (
+                ("POST lookup of a known camera", 0.10, ("POST", "/v1/lookup", headers, body)),
+                ("landing page", 0.25, ("GET", "/", {"accept-encoding": "gzip"}, "")),
+                ("/healthz", 0.5, ("GET", "/healthz", {}, "")),
+            ):
+                rate(server.url, *request)  # warm
+                pairs = [(rate(server.url, *request), rate(empty, "GET", "/", {}, "")) for _ in range(ROUNDS)]
+                ours, theirs = (statistics.median(column) for column in zip(*pairs, strict=True))
+                note = f"{ours:.0f} of {theirs:.0f}/s, share {ours / theirs:.3f}, at least {least}"
+                yield Row(f"requests of an empty app per {what}", theirs / ours, 1 / least, "", note)
+
+
+def rate(url: str, method: str, path: str, headers: dict[str, str], body: str) -> float:
+    """Requests per second from `CLIENTS` connections."""
+    load = raw_load.drive(url, method, path, headers, body, requests=REQUESTS, clients=CLIENTS)
+    return 1e3 / load.each
+
+
+@contextmanager
+def empty_server() -> Iterator[str]:
+    """Run an empty Starlette application in `WORKERS` processes; yields its address."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", f"WORKERS = {WORKERS}\n{EMPTY}"],
+        cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(("layers/service", "layers/solver", "."))},
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        assert process.stdout
+        yield process.stdout.readline().strip()
+    finally:
+        os.killpg(process.pid, 9)
+        process.wait()

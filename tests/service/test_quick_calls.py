@@ -1,0 +1,85 @@
+"""Calls that a server runs in its event loop: they write nothing, and those that compute move to a thread."""
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+from calibdb.camera_key import camera_key
+from calibdb.service import Service
+from calibdb.store.refit import Refit
+from infra.server.server import Server
+from tests.helpers.service.client import Client
+from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
+
+CAMERA = "Known by all (046d:0825)"
+
+
+@pytest.fixture
+def stack(monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
+    monkeypatch.setattr("calibdb.service.WRITE_INTERVAL_S", 3600.0)
+    with Server() as stack:
+        for n in range(5):
+            store(stack).calibrations.publish(document := calibration(CAMERA, n, views=3))
+        store(stack).refit.now(asked(mode_of(document)))
+        stack.wait_until_idle(60)
+        yield stack
+
+
+@contextmanager
+def writes(stack: Server, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
+    """Yield the names of the threads that write within the block, the server's own excepted."""
+    seen: list[str] = []
+    database = stack.folder.database
+    writing = database.writing
+
+    def watched() -> Any:
+        if (name := threading.current_thread().name) not in ("upkeep", "jobs"):
+            seen.append(name)
+        return writing()
+
+    with monkeypatch.context() as patched:
+        patched.setattr(database, "writing", watched)
+        yield seen
+
+
+def test_lookup_writes_only_after_its_response(stack: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+    client = Client(stack)
+    with Service.in_server():
+        with writes(stack, monkeypatch) as within:
+            answers = [client.lookup(camera=CAMERA, platform=PLATFORM).status for _ in range(20)]
+        assert answers == [200] * 20
+        assert within == []
+        assert list(stack.storage.table.keys("ALIAS#")) == []
+    stack.wait_until_idle(60)
+    assert len(list(stack.storage.table.keys("ALIAS#"))) == 1
+
+
+def test_lookup_that_computes_runs_in_a_thread_and_counts_once(
+    stack: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    computed_in, counted = [], []
+    compute, count = Refit.now, Service.count_lookup
+
+    def now(self: Refit, request: Any) -> Any:
+        computed_in.append(threading.current_thread().name)
+        return compute(self, request)
+
+    def count_lookup(self: Service, *arguments: Any) -> Any:
+        counted.append(1)
+        return count(self, *arguments)
+
+    monkeypatch.setattr(Refit, "now", now)
+    monkeypatch.setattr(Service, "count_lookup", count_lookup)
+    (fisheye,) = (
+        each
+        for each in store(stack).consensuses.of(camera_key(CAMERA, PLATFORM))
+        if each.distortion_model == "fisheye"
+    )
+    assert store(stack).consensuses.drop(fisheye)
+    answer = Client(stack).lookup(camera=CAMERA, platform=PLATFORM, distortion_model="fisheye")
+    assert answer.status == 200
+    assert [name.rpartition("_")[0] for name in computed_in] == ["function"]
+    assert counted == [1]

@@ -1,0 +1,135 @@
+"""The server's wheel in an environment without Node.js and this checkout, and used from there."""
+
+import os
+import re
+import subprocess
+import sys
+import sysconfig
+import threading
+import venv
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import httpx
+import pytest
+
+from calibdb import __version__
+from infra.release import wheels
+from infra.server.server import Response
+from tests.helpers.service.client import BRIEF, Client, Truth
+
+NOT_INSTALLED = ("boto", "s3transfer", "mangum", "moto", "calib", "infra", "functions", "__editable__")
+MAX_S = 120
+
+
+@pytest.fixture(scope="module")
+def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of programs of an environment with the wheel and the packages that it names."""
+    root = tmp_path_factory.mktemp("server")
+    wheel = wheels.build_server(root)
+    assert wheel.name == f"calibdb_server-{__version__}-py3-none-any.whl"
+    venv.create(root / "venv", with_pip=False)
+    scripts = root / "venv" / "bin"
+    install = ("install", "--quiet", "--no-index", "--no-deps", "--no-compile", str(wheel))
+    subprocess.run([sys.executable, "-m", "pip", "--python", str(scripts / "python"), *install], check=True)
+    (packages,) = (root / "venv" / "lib").glob("python*/site-packages")
+    for package in Path(sysconfig.get_path("purelib")).iterdir():
+        if not package.name.startswith(NOT_INSTALLED) and not (packages / package.name).exists():
+            (packages / package.name).symlink_to(package)
+    return scripts
+
+
+def environment(scripts: Path) -> dict[str, str]:
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("CALIBDB", "PYTHON"))}
+    return kept | {"PATH": str(scripts), "OPERATOR_CONTACT": "mailto:op@calibdb.example", "PORT": "0"}
+
+
+class Installed:
+    """The installed server, as `Client` speaks to it."""
+
+    def __init__(self, url: str) -> None:
+        self.url = url
+        self.http = httpx.Client(base_url=url, timeout=60)
+
+    def request(
+        self,
+        method: str,
+        path: str,
+        headers: Mapping[str, str] | None = None,
+        query: str = "",
+        body: bytes = b"",
+        client: str = "",  # noqa: ARG002
+    ) -> Response:
+        address = f"{path}?{query}" if query else path
+        answer = self.http.request(method, address, headers=dict(headers or {}), content=body)
+        return Response(answer.status_code, dict(answer.headers), answer.content)
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("data")
+
+
+@pytest.fixture(scope="module")
+def installed(scripts: Path, data: Path) -> Iterator[Installed]:
+    with (
+        (data / "log").open("w") as log,
+        subprocess.Popen(
+            [scripts / "calibdb-server", "--data", data / "calibdb"],
+            cwd=data,
+            env=environment(scripts),
+            stdout=subprocess.PIPE,
+            stderr=log,
+            text=True,
+        ) as process,
+    ):
+        watchdog = threading.Timer(MAX_S, process.kill)  # of the whole module: nothing here may hang
+        watchdog.start()
+        try:
+            assert process.stdout
+            found = re.search(r"http://127\.0\.0\.1:\d+", process.stdout.readline())
+            assert found, (data / "log").read_text()[-2000:]
+            server = Installed(found[0])
+            yield server
+            server.http.close()
+        finally:
+            watchdog.cancel()
+            process.kill()
+
+
+def test_guided_capture_is_looked_up(installed: Installed) -> None:
+    client = Client(installed)
+    truth = Truth(seed=1)
+    done = truth.calibrate(client, **BRIEF)
+    assert done["calibration_id"]
+
+
+def test_pages_are_those_of_the_build(installed: Installed) -> None:
+    pages = {path: installed.http.get(path) for path in ("/", "/de/board/", "/docs/api/")}
+    assert {path: page.status_code for path, page in pages.items()} == dict.fromkeys(pages, 200)
+    for page in pages.values():
+        assert '<a href="mailto:op@calibdb.example"' in page.text
+        assert ".invalid" not in page.text
+    assert installed.http.get("/nothing/").status_code == 404
+    assert "<html" in installed.http.get("/nothing/").text
+    assert len(installed.http.get("/shell.json").json()["files"]) > 100
+    assert installed.http.get("/sitemap.xml").text.count("<loc>") > 20
+
+
+def test_operator_acts_on_the_data_folder(installed: Installed, scripts: Path, data: Path) -> None:
+    assert installed.http.get("/healthz").status_code == 200
+    for command in (
+        ("backup", data / "backup.tar"),
+        ("token", "create", "--origin", "https://page.example"),
+        ("publish-dump",),
+    ):
+        done = subprocess.run(
+            [scripts / "calibdb-ops", "--data", data / "calibdb", *command],
+            cwd=data,
+            env=environment(scripts),
+            capture_output=True,
+            text=True,
+            timeout=60,
+        )
+        assert done.returncode == 0, (command, done.stderr[-2000:])
+    assert (data / "backup.tar").stat().st_size > 10_000
