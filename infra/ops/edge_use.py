@@ -12,13 +12,13 @@ from pathlib import Path
 from calibdb.store import Aliases
 from infra.ops.errors import OpsError
 
-_KNOWN = re.compile(r"/known/v1/([0-9a-f]{32})/")
+_LOOKUP_PATH = re.compile(r"/known/v1/([0-9a-f]{32})/")
 UNKNOWN = "unknown"  # cameras that no lookup has found
 
 
 def count_use(folder: Path, aliases: Aliases) -> Counter[str]:
     """Count the requests of `GET /known/v1/…` by camera label, in all logs below a folder."""
-    digests = Counter(m[1] for path in _paths(folder) if (m := _KNOWN.match(path)))
+    digests = Counter(m[1] for path in _paths(folder) if (m := _LOOKUP_PATH.match(path)))
     use: Counter[str] = Counter()
     for digest, requests in digests.items():
         alias = aliases.get(digest)

@@ -120,7 +120,8 @@ def cameras() -> dict[str, Any]:
 def answer(page: Page, pattern: str, body: Callable[[], dict[str, Any]]) -> None:
     """Answer requests of a page by a specimen. A lookup is answered by no cache."""
     if pattern.endswith("/v1/lookup"):
-        page.route("**/known/v1/**", lambda route: route.fulfill(status=404, json={"reason": "unknown_camera"}))
+        miss = {"reason": "unknown_camera"}
+        page.route("**/known/v1/**", lambda route: route.fulfill(status=404, json=miss))
 
     def fulfil(route: Route) -> None:
         route.fulfill(json=body())
