@@ -4,6 +4,7 @@ import { test } from "node:test";
 import { returnAddress, withResult } from "../../web/lib/result/return-address.js";
 import { viewIssue, coverage, digitsFor, digitsOf, fieldOfView, fileName, intrinsics, levelOf } from "../../web/lib/result/numbers.js";
 import { setLanguage } from "../../web/lib/i18n.js";
+import { boardSentence } from "../../web/lib/result/card.js";
 import { reasonTexts } from "../../web/lib/result/reasons.js";
 import "./messages.mjs";
 import { ticks } from "../../web/lib/svg.js";
@@ -105,4 +106,17 @@ test("a cause is told once, whether the verdict, the report or the capture names
   assert.deepEqual(reasonTexts(null, [{ code: "of_tomorrow", text: "As the service says." }], "rectilinear"), ["As the service says."]);
   const simple = { verdict: { level: "fair", reasons: [{ code: "model_too_simple", text: "" }] } };
   assert.match(reasonTexts(simple, [], "fisheye")[0], /Choose the rational or omnidirectional model/);
+});
+
+test("what is certain of the board's shape is said, and nothing where no printer stretches a board so", () => {
+  setLanguage("en");
+  const board = { sag: 0.0071, sag_std: 0.0004, stretch: 0.0021, stretch_std: 0.0005 };
+  const said = (/** @type {any} */ shape) => boardSentence(shape).map((text) => text.replaceAll("\u00a0", " "));
+  const [both] = said(board);
+  assert.equal(both, "Your board is bent by 0.71 % of its length and was printed 0.21 % out of shape. Both were taken into account.");
+  assert.match(said({ ...board, stretch_std: 0.002 })[0], /^Your board is bent by 0\.71 % of its length\. That was taken into account\.$/);
+  assert.match(said({ ...board, sag_std: 0.005 })[0], /printed 0\.21 % out of shape/);
+  for (const none of [undefined, null, { ...board, stretch: 0.02 }, { ...board, sag_std: 0.01, stretch_std: 0.01 }]) {
+    assert.deepEqual(said(none), []);
+  }
 });

@@ -20,6 +20,8 @@ import { button, listViews } from "./views.js";
  */
 
 const FILES = ["photographs", "video"]; // platforms of what no browser opened as a camera
+const MIN_SIGMAS = 2; // of a shape that is certain
+const MAX_STRETCH = 0.01; // share of the length by which a printer may stretch a board
 const BOARDS = /** @type {Record<string, string>} */ ({ charuco: "ChArUco", chessboard: "Chessboard", aprilgrid: "AprilGrid" });
 
 /** Level of a result. @param {Calibration} calibration @param {Report | null} report */
@@ -60,7 +62,7 @@ export function card(result, trial, id) {
       el("p", { class: "lead" },
         el("span", {}, t("result.sentence", { rms: rough(uncertainty.rms), max: rough(uncertainty.max) })), hint(t("result.uncertainty"), t("result.uncertainty_hint")),
         ...(practice ? [] : [" ", el("span", { class: "means" }, t(`result.means_${level === "fair" && isFairInside(calibration) ? "fair_inside" : level}`))]))),
-    el("p", { class: "errors" }, detailSentences(calibration).join(" ")),
+    el("p", { class: "errors" }, [...detailSentences(calibration), ...boardSentence(report?.board)].join(" ")),
     ...(reasons.length > 1 ? [el("p", { class: "muted" }, t("result.improve"))] : []),
     ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map((text) => el("li", {}, text)))] : []),
     nextSteps(result, trial, id),
@@ -77,6 +79,20 @@ function detailSentences(calibration) {
     t("result.inside_sentence", { inside: rough(inside), covered: number(100 * covered, 0) }),
     t("result.millimetres_inside", { mm, inside: rough(millimetres(inside, calibration)) }),
   ];
+}
+
+/**
+ * What is certain of the board's shape; nothing where no board would be of that shape.
+ * @param {Report["board"]} [board] @returns {string[]}
+ */
+export function boardSentence(board) {
+  if (!board || !(board.stretch < MAX_STRETCH)) return [];
+  const [sag, stretch] = [rough(100 * board.sag), rough(100 * board.stretch)];
+  const bent = board.sag > MIN_SIGMAS * board.sag_std;
+  const stretched = board.stretch > MIN_SIGMAS * board.stretch_std;
+  if (bent && stretched) return [t("result.board_bent_and_stretched", { sag, stretch })];
+  if (bent) return [t("result.board_bent", { sag })];
+  return stretched ? [t("result.board_stretched", { stretch })] : [];
 }
 
 /** @param {Result} result @param {Trial | null} trial @param {string | null} id */

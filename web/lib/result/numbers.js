@@ -20,6 +20,8 @@ import { COEFFICIENTS, isKnownModel, lensOf } from "../../sdk/projection.js";
  * @property {{fx: number | null, fy: number | null, cx: number | null, cy: number | null, distortion: (number | null)[]}} std
  * @property {{grid: [number, number], px: (number | null)[][]}} error_map columns and rows; predicted error, px
  * @property {number | null} held_out px rms
+ * @property {{sag: number, sag_std: number, stretch: number, stretch_std: number} | null} [board] shape that was taken into account, shares
+ *   of the board's length
  * @property {ReportView[]} views
  *
  * @typedef {object} Row

@@ -17,8 +17,7 @@ const WIDE_MODELS = ["fisheye", "rational", "omnidirectional"];
 export function reasonTexts(report, notes, model) {
   const { cause, text, model: better } = report?.systematic ?? {};
   const told = [...(report?.verdict.reasons ?? []), ...(cause ? [{ code: cause, text: text ?? "" }] : []), ...notes];
-  const shaped = told.some(({ code }) => code === "board_not_flat"); // which says the same, and what was done about it
-  return [...new Map(told.filter(({ code }) => !shaped || code !== "board_bent").map((reason) => [reason.code, reason])).values()].map((reason) => wording(reason, better ?? null, model));
+  return [...new Map(told.map((reason) => [reason.code, reason])).values()].map((reason) => wording(reason, better ?? null, model));
 }
 
 /** @param {Reason} reason @param {string | null} better model that follows the lens, if one is known @param {string} model */

@@ -29,7 +29,6 @@ Code = Literal[
     "uncertain",
     "over_fitted",
     "model_too_simple",
-    "board_not_flat",
     "board_bent",
     "motion",
     "focus_changed",

@@ -58,7 +58,7 @@ def describe(
     verdict = assess(calibration, views, held_out)
     cause = probable_cause(calibration, views)
     shape = calibration.board_shape
-    reasons = _with_cause((*verdict.reasons, *board_reasons(shape)), cause)
+    reasons = _with_cause(verdict.reasons, cause)
     level = "fair" if verdict.level == "good" and reasons else verdict.level
     std = np.sqrt(np.maximum(np.diagonal(calibration.covariance), 0))
     grid, width = (20, 15), calibration.camera.img_size[0]
@@ -106,19 +106,6 @@ def _with_cause(reasons: tuple[Reason, ...], cause: Cause | None) -> tuple[Reaso
     if cause is None or not cause.is_noticeable:
         return reasons
     return (*(reason for reason in reasons if reason.code != "model_too_simple"), cause.reason)
-
-
-def board_reasons(shape: BoardShape | None) -> tuple[Reason, ...]:
-    """Word what a user should know of the board: nothing where it is as drawn."""
-    if shape is None or max(shape.sag, shape.stretch) <= MIN_REPORTED:
-        return ()
-    what = []
-    if shape.sag > MIN_REPORTED:
-        what.append(f"bent by {shape.sag:.1%} of its length")
-    if shape.stretch > MIN_REPORTED:
-        what.append(f"printed {shape.stretch:.1%} out of shape")
-    text = f"the board is {' and '.join(what)}, which was taken into account: glue it to something rigid"
-    return (Reason("board_not_flat", text),)
 
 
 def board_sentence(shape: BoardShape | None) -> str | None:
