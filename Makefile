@@ -108,6 +108,7 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS
 kills fuzz:
 	@$(MAKE) --no-print-directory thorough ONLY=$@
 
+bench: export PYTHONPATH := $(PYTHONPATH):clients/python
 bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,consensus,uncertainty,real-views,board-shape,contributors,frc,keys,estimates,load,cost,slowest,page-speed
 ifdef DOCS
 	@set -e; for name in $(call words_of,$(DOCS)); do $(MAKE) --no-print-directory .bench-$$name; done
