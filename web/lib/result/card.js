@@ -82,7 +82,7 @@ function detailSentences(calibration) {
 }
 
 /**
- * What is certain of the board's shape; nothing where no board would be of that shape.
+ * Sentence about the board's shape, if it is certain and a printer may have made it.
  * @param {Report["board"]} [board] @returns {string[]}
  */
 export function boardSentence(board) {
