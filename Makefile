@@ -84,7 +84,8 @@ service: $(SETUP) ## test HTTP against the server, and on emulated AWS
 
 browser: $(SETUP) ## test the pages in Chromium and Firefox
 	@bash infra/ci/browsers.sh
-	$(PYTEST) $(MODULES) tests/browser
+	$(PYTEST) $(MODULES) -m "not alone" tests/browser
+	$(PYTEST) -m alone tests/browser
 
 thorough: export THOROUGH := 1
 thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS=54 CASES=5000 FILES=100000

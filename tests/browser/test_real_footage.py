@@ -14,7 +14,7 @@ from playwright.sync_api import Page, Playwright, expect
 from tests.helpers.browser import stop_and_go
 from tests.helpers.data import data_dir, external_data
 
-pytestmark = external_data
+pytestmark = [external_data, pytest.mark.alone]
 
 RESULT_S = 90.0
 SUGGESTION_S = 4.0

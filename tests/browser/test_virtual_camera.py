@@ -84,6 +84,7 @@ def test_chromium_hands_free_with_nothing_but_keypoints_until_the_camera_is_know
     expect_known_after_five(page, api, stack, stored)
 
 
+@pytest.mark.alone
 def test_firefox_hands_free(stack: str) -> None:
     there = f"{stack}/calibrate/?{SMALL.query(seed=5, hand='person', rate=RATE)}"
     script = ROOT / "tests/helpers/browser/firefox.mjs"
