@@ -2,7 +2,7 @@
 
 A calibration that the request gives is scored instead, without a vote. The consensus is taken as it is,
 reliable or not; only the poses are fitted to the views. A vote keeps the views, so that it can be counted
-anew for whatever the consensus becomes (`calibdb.rules.votes`).
+again for each new consensus (`calibdb.rules.votes`).
 """
 
 from __future__ import annotations

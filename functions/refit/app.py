@@ -55,7 +55,7 @@ WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # for the same com
 MAX_ATTEMPTS = 5  # while other writers keep winning the conditional put
 MIN_PUBLISHING_S = 8.0  # of an invocation, kept for storage, the edge and the answer
 
-POOLING_VERSION = 6  # of pooling and counting: what another one computed is computed anew
+POOLING_VERSION = 6  # of pooling and counting: results of another version are recomputed
 
 Consensuses = dict[str, ConsensusDocument | None]
 Stored = Mapping[str, ConsensusDocument]

@@ -35,7 +35,7 @@ _POLICY = {
     "form-action": "'self'",
     "object-src": "'none'",
 }
-# What pages of other origins load: a module is always asked for with CORS, whoever asks.
+# What pages of other origins load: a module is always requested with CORS.
 SHARED = ("/sdk/", "/webxr/", "/vendor/webxr/", "/openapi.json")
 FOREVER = "public, max-age=31536000, immutable"
 """Of what has a name that changes with its content."""
@@ -294,6 +294,6 @@ def contacts(parameters: Mapping[str, str]) -> dict[str, str]:
     """Return the addresses that every page's footer names: `contact`, `imprint`."""
     found = operator(parameters)
     imprint = found.get("imprint", "")
-    told = {"contact": found.get("contact", "")}
-    told["imprint"] = imprint if imprint.startswith("https://") else "/privacy/#imprint" if found else ""
-    return {name: address for name, address in told.items() if address}
+    addresses = {"contact": found.get("contact", "")}
+    addresses["imprint"] = imprint if imprint.startswith("https://") else "/privacy/#imprint" if found else ""
+    return {name: address for name, address in addresses.items() if address}

@@ -89,8 +89,8 @@ def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, 
         return _complete(json.dumps(dict(options.contacts)), options.origin)
     if not (web / "messages").is_dir():
         return {}
-    told = json.dumps([_ANY_ORIGIN, dict(options.contacts)], sort_keys=True)
-    return _at_origin(web, told, _state(web), options.origin)
+    settings_text = json.dumps([_ANY_ORIGIN, dict(options.contacts)], sort_keys=True)
+    return _at_origin(web, settings_text, _state(web), options.origin)
 
 
 def page_keys(web: Path = WEB) -> list[str]:
@@ -122,16 +122,16 @@ def generate_pages(web: Path = WEB) -> Mapping[str, str]:
 
 def build_for_wheel(folder: Path) -> None:
     """Write to a folder, a wheel's `MADE_FILES`, the files that are made."""
-    told = json.dumps([_ANY_ORIGIN, _ANY_CONTACTS], sort_keys=True)
-    for key, content in _make_files(WEB, told, _state(WEB)).items():
+    settings_text = json.dumps([_ANY_ORIGIN, _ANY_CONTACTS], sort_keys=True)
+    for key, content in _make_files(WEB, settings_text, _state(WEB)).items():
         (folder / key).parent.mkdir(parents=True, exist_ok=True)
         (folder / key).write_bytes(content)
 
 
 @lru_cache(maxsize=8)
-def _complete(told: str, origin: str) -> Mapping[str, bytes]:
+def _complete(settings_text: str, origin: str) -> Mapping[str, bytes]:
     """Read the built files, and put the site's own address and contacts in."""
-    contacts = json.loads(told)
+    contacts = json.loads(settings_text)
     files = {
         p.relative_to(MADE_FILES).as_posix(): p.read_bytes() for p in MADE_FILES.rglob("*") if p.is_file()
     }
@@ -147,11 +147,11 @@ def _complete(told: str, origin: str) -> Mapping[str, bytes]:
 
 
 @lru_cache(maxsize=8)
-def _at_origin(web: Path, told: str, state: str, origin: str) -> Mapping[str, bytes]:
+def _at_origin(web: Path, settings_text: str, state: str, origin: str) -> Mapping[str, bytes]:
     """Put the site's own address in: one build serves stacks on any port."""
     return {
         key: content.replace(_ANY_ORIGIN.encode(), origin.encode()) if key.endswith(".html") else content
-        for key, content in _make_files(web, told, state).items()
+        for key, content in _make_files(web, settings_text, state).items()
     }
 
 
@@ -177,8 +177,8 @@ def _generate_pages(web: Path, state: str) -> Mapping[str, str]:
 
 
 @lru_cache(maxsize=8)
-def _make_files(web: Path, told: str, state: str) -> Mapping[str, bytes]:
-    made = _remember(f"{state}{told}", lambda: _build(web, told))
+def _make_files(web: Path, settings_text: str, state: str) -> Mapping[str, bytes]:
+    made = _remember(f"{state}{settings_text}", lambda: _build(web, settings_text))
     from infra.web_build import calibration_schema  # here: the models take their time
 
     schema = {calibration_schema.KEY: calibration_schema.text().encode()}
@@ -196,8 +196,8 @@ def _remember(name: str, make: Callable[[], dict[str, str]]) -> dict[str, str]:
     return found
 
 
-def _build(web: Path, told: str) -> dict[str, str]:
-    origin, contacts = json.loads(told)
+def _build(web: Path, settings_text: str) -> dict[str, str]:
+    origin, contacts = json.loads(settings_text)
     if source := _repository():
         contacts = {"source": source} | contacts
     task = {"web": str(web), "pages": sources(web), "origin": origin, "contacts": contacts}

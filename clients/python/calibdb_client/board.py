@@ -76,16 +76,20 @@ class Board(calibsolver.Board):
 
     def record(self) -> dict[str, Any]:
         """Return the board as the members of a request; those that older services do not know if needed."""
-        told: dict[str, Any] = {"squares": list(self.squares)}
+        members: dict[str, Any] = {"squares": list(self.squares)}
         if self.kind in CIRCLES:
-            told |= {"kind": self.kind, "marker_ratio": self.marker_ratio}
+            members |= {"kind": self.kind, "marker_ratio": self.marker_ratio}
         elif self.kind == "charuco":
-            told |= {"marker_ratio": self.marker_ratio, "dictionary": self.dictionary, "legacy": self.legacy}
+            members |= {
+                "marker_ratio": self.marker_ratio,
+                "dictionary": self.dictionary,
+                "legacy": self.legacy,
+            }
         else:
-            told["kind"] = self.kind
+            members["kind"] = self.kind
         if self.kind == "aprilgrid":
-            told |= {"dictionary": self.dictionary, "tag_spacing": self.tag_spacing}
-        return told | ({"inverted": True} if self.inverted else {})
+            members |= {"dictionary": self.dictionary, "tag_spacing": self.tag_spacing}
+        return members | ({"inverted": True} if self.inverted else {})
 
     def markers(self) -> Any:
         """Return the `cv2.aruco.Dictionary` of the markers. Raises MissingPackageError without OpenCV."""

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import cv2
 import numpy as np
 from playwright.sync_api import Page, Playwright
 
-from ...browser.conftest import CHROMIUM, chromium_path
-from .waiting import TIMEOUT_S
+from . import stop_and_go
 
 WIDTH, HEIGHT = 1280, 720
 SQUARE = 80  # texture pixels
@@ -51,19 +49,6 @@ def video(path: Path, grey: np.ndarray, rate: int) -> Path:
     return path
 
 
-@contextmanager
-def camera(playwright: Playwright, url: str, folder: Path, rate: int = 20) -> Iterator[Page]:
+def camera(playwright: Playwright, url: str, folder: Path, rate: int = 20) -> AbstractContextManager[Page]:
     """Give a page in a Chromium whose camera shows a board."""
-    source = video(folder / "board.y4m", board_seen()[0], rate)
-    flags = [
-        "--use-fake-ui-for-media-stream",
-        "--use-fake-device-for-media-stream",
-        f"--use-file-for-fake-video-capture={source}",
-    ]
-    browser = playwright.chromium.launch(executable_path=chromium_path(), args=CHROMIUM + flags)
-    try:
-        page = browser.new_page(base_url=url, service_workers="block")
-        page.set_default_timeout(1000 * TIMEOUT_S)
-        yield page
-    finally:
-        browser.close()
+    return stop_and_go.camera(playwright, url, video(folder / "board.y4m", board_seen()[0], rate))

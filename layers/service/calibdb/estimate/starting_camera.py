@@ -1,4 +1,4 @@
-"""Initial camera of a capture that nobody measured: where its search begins, and its first target is drawn.
+"""Initial camera of a capture, estimated: its search begins there, and its first target is drawn with it.
 
 Published facts only. Calibrations that are not reliable start nothing: they may be of another camera.
 """

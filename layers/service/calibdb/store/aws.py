@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mypy_boto3_lambda import LambdaClient
     from mypy_boto3_s3 import S3Client
 
-# 409: another write of the same name is under way. It may yet fail: nobody knows whether the name is taken.
+# 409: another write of the same name is under way. It may still fail, so it is unknown if the name is taken.
 _UNDECIDED = "ConditionalRequestConflict"
 _MAX_WRITES = 5
 _MAX_OBJECTS_PER_DELETE = 1000  # objects that S3 removes in one request
@@ -136,7 +136,7 @@ class DynamoTable:
     def put_transaction(self, items: Sequence[Item], condition: Condition) -> bool:
         """Write all items or none; False, and nothing written, when `condition` does not hold of the first.
 
-        Of two writers at once one is told False.
+        One of two concurrent writers gets False.
         """
         puts: list[dict[str, Any]] = [
             {"TableName": self._name, "Item": {k: _encode(v) for k, v in item.items()}} for item in items

@@ -46,7 +46,7 @@ points cut were wrong."""
 MAX_REJECTIONS = 6
 """Rounds of outlier rejection."""
 MIN_SHAPE_VIEWS = 3
-"""Views that take part from which the board's shape is told from the lens."""
+"""Number of views from which the shape of the board is distinguished from the lens."""
 MAX_MASKS = 3
 """Rounds in which points are cut, or taken back, by what the shape explains."""
 REJECTION = Options(tolerance=1e-5, one_step=True)

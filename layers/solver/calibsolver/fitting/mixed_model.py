@@ -21,11 +21,11 @@ MOTION_SIZE = EFFECTS_SIZE - BEND_SIZE
 EXPECTED_HEIGHT, EXPECTED_STRETCH, SHAPE_FREEDOM = 2e-4, 1e-4, 1.0
 """Prior of the standard deviations of heights / board and of stretch, and its degrees of freedom."""
 FIRST_HEIGHT, FIRST_STRETCH = 3e-3, 1.5e-3
-"""Standard deviations before the views have told any: those of boards of paper."""
+"""Initial standard deviations: those of boards of paper."""
 EXPECTED_MOTION, MOTION_FREEDOM = 0.008, 1.0
 """Prior of the variance of motion / that of a hand, for usual corners, and its degrees of freedom."""
 FIRST_MOTION = 1.0
-"""Variance of motion before the views have told any: from above the maximization is fast, from below slow."""
+"""Initial variance of motion: the maximization is fast from above and slow from below."""
 MAX_LEARNING_STEPS, LEARNING_TOLERANCE = 60, 1e-2
 """Steps of the maximization, and relative change of the variances below which it ends."""
 
