@@ -10,7 +10,7 @@ from pydantic.json_schema import models_json_schema
 from calibdb.schema import CalibrationDocument, VoteDocument
 from calibdb.schema.dump import Dump, Statistics
 
-KEY = "data/schema.json"
+DUMP_SCHEMA_KEY = "data/schema.json"
 
 
 def text() -> str:

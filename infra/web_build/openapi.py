@@ -21,11 +21,11 @@ from infra.web_build.operation_texts import TAGS, text_of
 from infra.web_build.operations import OPERATIONS
 from infra.web_build.parameters import Node
 
-__all__ = ["KEY", "OPERATIONS", "document", "text"]
+__all__ = ["OPENAPI_KEY", "OPERATIONS", "document", "text"]
 
 EXAMPLES_PATH = Path(__file__).with_name("examples.json")
 """Answers to the examples of `operation_texts`, written by `infra.web_build.recorded_examples`."""
-KEY = "openapi.json"
+OPENAPI_KEY = "openapi.json"
 RATE_LIMITED = ("RateLimit-Policy", "RateLimit")
 """Headers of every answer under a plan that has limits."""
 _REFERENCE = "#/components/schemas/{model}"

@@ -217,7 +217,11 @@ def _build(web: Path, settings_text: str) -> dict[str, str]:
     files: dict[str, str] = json.loads(made.stdout)
     from infra.web_build import calibration_schema, dump_schema, openapi  # here: the models take their time
 
-    schemas = {module.KEY: module.text() for module in (calibration_schema, dump_schema, openapi)}
+    schemas = {
+        calibration_schema.CALIBRATION_SCHEMA_KEY: calibration_schema.text(),
+        dump_schema.DUMP_SCHEMA_KEY: dump_schema.text(),
+        openapi.OPENAPI_KEY: openapi.text(),
+    }
     others = {key: text for key, text in generate_pages(web).items() if not key.endswith(".html")}
     return others | files | schemas
 
