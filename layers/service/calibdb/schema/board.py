@@ -61,7 +61,7 @@ class Board(Strict):
     corners anticlockwise from the tag's lower left.
     """
 
-    kind: BoardKind = Field("charuco", exclude_if=_is_usual, description="What is on the board.")
+    kind: BoardKind = Field("charuco", exclude_if=_is_usual, description="Kind of the board.")
     squares: tuple[SquareCount, SquareCount] = Field(
         (9, 6),
         description="Columns and rows of squares, 3 to 50 each; of an AprilGrid its tags, 1 to 50 each.",
