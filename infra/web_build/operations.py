@@ -284,7 +284,7 @@ OPERATIONS = (
         "Check a consensus or a calibration against fresh views",
         {
             200: Content(
-                "Whether it fits, and what checks say of it by now; or the comparison of `calibration`.",
+                "Result of the check and the votes so far, or the comparison of `calibration`.",
                 schema.CheckAnswer,
                 other=schema.ComparisonAnswer,
             )
@@ -348,7 +348,7 @@ OPERATIONS = (
         "get",
         "/healthz",
         "health",
-        "Whether the service is there",
+        "State of the service",
         {
             200: Content("It is; with `deep=1`, so is every part.", schema.Health, other=schema.DeepHealth),
             503: Content("With `deep=1`: some part does not work.", schema.HealthProblem, media_type=PROBLEM),

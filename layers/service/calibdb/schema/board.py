@@ -127,7 +127,7 @@ class Board(Strict):
 
     @property
     def is_half_turn_symmetric(self) -> bool:
-        """Whether it looks the same after half a turn: then it cannot link cameras."""
+        """True if it looks the same after half a turn, and therefore cannot link cameras."""
         return self.kind == "chessboard" and sum(self.squares) % 2 == 0
 
 
