@@ -39,7 +39,7 @@ class Upload:
     cache_control: str
     content_encoding: str | None = None
     is_versioned: bool = False
-    """Whether the object, once there, never changes."""
+    """True if the object never changes once it exists."""
 
 
 def uploads(
