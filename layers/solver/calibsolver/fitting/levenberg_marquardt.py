@@ -176,7 +176,7 @@ class LeastSquares(ABC):
         refused = 0.0
         for iteration in range(options.iterations):
             deadline.check()
-            sigma = max(robust_sigma(state, counted), sigma_floor)
+            sigma = max(self.noise(state, counted), sigma_floor)
             objective = Objective(
                 plain, HUBER_SIGMAS * sigma if options.robust else np.inf, sigma * sigma * options.with_prior
             )
@@ -212,6 +212,10 @@ class LeastSquares(ABC):
         visible = max(sigma, NOISE_FLOOR * self.width)
         # Where curvature beyond Gauss-Newton's makes it slow, what is left may be nothing that could be seen.
         return replace(state, converged=bool(predicted < NEGLIGIBLE_DECREASE * visible * visible))
+
+    def noise(self, state: State, counted: Mask) -> float:
+        """Noise of a coordinate, px, over the points that count (v, n): what weighs the prior."""
+        return robust_sigma(state, counted)
 
     def free(self, da: Array) -> Array:
         """Change (p,) of the shared unknowns by a step (a,) of the free ones."""
@@ -298,9 +302,14 @@ class Problem(LeastSquares):
         return da if self.basis is None else self.basis @ da
 
 
-def residual_rows(model: Model, k: Array, poses: Poses, obs: Observations) -> tuple[Array, Array]:
-    """Jacobian and residuals (p + 7, 2, v, n) at k (p,), and the residuals' squared lengths (v, n), px^2."""
-    q, rows = normal_equations.linearize(model, k, poses, obs.points, 1)
+def residual_rows(
+    model: Model, k: Array, poses: Poses, obs: Observations, rows_before: int = 0
+) -> tuple[Array, Array]:
+    """Jacobian and residuals (p + 7, 2, v, n) at k (p,), and the residuals' squared lengths (v, n), px^2.
+
+    As many rows before them are left empty as are asked for.
+    """
+    q, rows = normal_equations.linearize(model, k, poses, obs.points, 1, rows_before)
     r = rows[-1]
     np.subtract(q, obs.pixels.transpose(1, 0, 2), out=r)
     return rows, r[0] * r[0] + r[1] * r[1]
