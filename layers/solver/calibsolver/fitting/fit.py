@@ -30,7 +30,7 @@ from .degenerate_views import with_degenerate_views
 from .levenberg_marquardt import Options, Problem, State
 from .mixed_fit import MIN_SHAPE_DECREASE, MixedFit
 from .mixed_model import SHAPE_SIZE, marginal_information
-from .multistart import TOWARDS_OPTIMUM, MultiStart
+from .multistart import MultiStart
 from .normal_equations import Poses
 from .observations import Order
 from .validation import MIN_POINTS, check, degenerate_views, pack
@@ -226,7 +226,7 @@ class _Fit:
         state, inliers = outliers.reject_gross(self.problem, state, self.mask)
         if self._concentrate_at_rim(inliers, self.mask):
             # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
-            all_points = self._refit_all_points(state, self.multistart.unit_weights)
+            all_points = self.problem.solve(state, self.multistart.unit_weights, Options())
             if self._is_close(all_points, self.mask, state, inliers, MAX_RIM_RMS_RATIO):
                 return all_points, self.mask
         if not inliers.any():  # refused later
@@ -265,12 +265,6 @@ class _Fit:
         """Whether the rms of one fit over its points (v, n) is within `ratio` of another's over its own."""
         mean = np.mean(other.square[other_mask])
         return bool(np.mean(one.square[one_mask]) < ratio**2 * mean)
-
-    def _refit_all_points(self, state: State, weights: Array) -> State:
-        """Least squares over points of weight (v, n), begun anew from the intrinsics of `state`."""
-        first = initial_guess.with_robust_poses(self.model, self.problem.obs, state.k)
-        state = self.problem.solve(self.problem.at(first.k, first.poses), weights, TOWARDS_OPTIMUM)
-        return self.problem.solve(state, weights, Options())
 
     def _least_squares(self, state: State) -> "_Found":
         """Least squares over all points, without the prior where the points carry every parameter."""
