@@ -15,8 +15,8 @@ import pytest
 
 from calibdb import __version__
 from infra.release import wheels
-from infra.server.server import Response
 from tests.helpers.service.client import BRIEF, Client, Truth
+from tests.helpers.service.in_process import Response
 
 NOT_INSTALLED = ("boto", "s3transfer", "mangum", "moto", "calib", "infra", "functions", "__editable__")
 MAX_S = 120
