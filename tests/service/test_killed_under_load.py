@@ -10,7 +10,6 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -46,8 +45,8 @@ class Acknowledged:
             self.calibrations[session] = state["calibration_id"]
 
 
-def capture(url: str, heard: Acknowledged, seed: int) -> None:
-    truth, remote = Truth(seed=seed), Remote(url)
+def capture(remote: Remote, heard: Acknowledged, seed: int) -> None:
+    truth = Truth(seed=seed)
     for number in range(1000):
         client = Client(remote)
         started = client.open(**BRIEF, camera=f"Killed {seed}-{number}").json
@@ -57,8 +56,7 @@ def capture(url: str, heard: Acknowledged, seed: int) -> None:
             heard.note(client.session_id, client.view(pose["index"], *truth.see(pose)).json)
 
 
-def capture_rigs(url: str, heard: Acknowledged, seed: int) -> None:
-    remote = Remote(url)
+def capture_rigs(remote: Remote, heard: Acknowledged, seed: int) -> None:
     for number in range(1000):
         rig = RigTruth(remote, seed=seed + number).open()
         moments = heard.moments[rig.rig_id, rig.clients[0].session_id] = set()
@@ -71,23 +69,23 @@ def capture_rigs(url: str, heard: Acknowledged, seed: int) -> None:
                 moments.add(moment)
 
 
-def until_killed(work: Callable[[], None]) -> None:
-    with suppress(httpx.TransportError):
-        work()
+def until_killed(work: Callable[[Remote, Acknowledged, int], None], url: str, *more: Any) -> None:
+    with suppress(httpx.TransportError), Remote(url) as remote:
+        work(remote, *more)
 
 
-def check(url: str, heard: Acknowledged) -> None:
+def check(remote: Remote, heard: Acknowledged) -> None:
     """Compare what a server has with what was acknowledged."""
-    client = Client(Remote(url))
+    client = Client(remote)
     for session, views in heard.views.items():
-        state = Client(client.stack, session).state()
+        state = Client(remote, session).state()
         assert len(state["views"]) >= views
         if session in heard.calibrations:
             assert state["calibration_id"] == heard.calibrations[session]
     for name in heard.calibrations.values():
         assert client.call("GET", f"/v1/calibrations/{name}", token=client.api_token).status == 200
     for (rig, leader), moments in heard.moments.items():
-        state = Client(client.stack, leader).call("GET", f"/v1/rigs/{rig}").json
+        state = Client(remote, leader).call("GET", f"/v1/rigs/{rig}").json
         assert {moment["id"] for moment in state["moments"]} >= moments
     for token in filter(None, heard.tokens):
         assert client.call("GET", "/v1/usage", token=token["token"]).status == 200
@@ -100,14 +98,20 @@ def test_nothing_acknowledged_is_lost(tmp_path: Path) -> None:
     environment = {"WORKERS": "2", "NEW_TOKENS": "1000"}
     everything, heard = list[Acknowledged](), Acknowledged()
     for kill in range(KILLS):
-        with LocalProcess(data_dir, environment) as server, ThreadPoolExecutor(6) as pool:
-            check(server.url, heard)
+        with (
+            LocalProcess(data_dir, environment) as server,
+            Remote(server.url) as remote,
+            ThreadPoolExecutor(6) as pool,
+        ):
+            check(remote, heard)
             heard = Acknowledged()
             everything.append(heard)
-            works = [partial(capture, server.url, heard, 10 * kill + seed) for seed in (0, 1)]
-            works += [partial(capture_rigs, server.url, heard, 10 * kill + seed) for seed in (0, 5)]
-            works += [partial(rotate_until_cut_off, server.url, token, used=True) for token in heard.tokens]
-            running = [pool.submit(until_killed, work) for work in works]
+            seeds = range(10 * kill, 10 * kill + 2)
+            running = [pool.submit(until_killed, capture, server.url, heard, seed) for seed in seeds]
+            running += [pool.submit(until_killed, capture_rigs, server.url, heard, seed) for seed in seeds]
+            running += [
+                pool.submit(rotate_until_cut_off, server.url, token, used=True) for token in heard.tokens
+            ]
             while heard.count() < LEAST:
                 time.sleep(0.01)
                 for each in running:
@@ -116,9 +120,9 @@ def test_nothing_acknowledged_is_lost(tmp_path: Path) -> None:
             server.kill()
             for each in running:
                 each.result(120)
-    with LocalProcess(data_dir, environment) as server:
+    with LocalProcess(data_dir, environment) as server, Remote(server.url) as remote:
         for heard in everything:
-            check(server.url, heard)
+            check(remote, heard)
         assert "damaged" not in server.log.read_text()
     written = sum(heard.count() for heard in everything)
     print(f"{KILLS} kills under load: {written} acknowledged writes, none lost")

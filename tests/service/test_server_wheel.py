@@ -67,9 +67,8 @@ def installed(scripts: Path, data: Path) -> Iterator[Remote]:
             assert process.stdout
             found = re.search(r"http://127\.0\.0\.1:\d+", process.stdout.readline())
             assert found, (data / "log").read_text()[-2000:]
-            server = Remote(found[0])
-            yield server
-            server.http.close()
+            with Remote(found[0]) as server:
+                yield server
         finally:
             watchdog.cancel()
             process.kill()

@@ -1,6 +1,8 @@
 """A server in another process, as `Client` speaks to it."""
 
 from collections.abc import Mapping
+from types import TracebackType
+from typing import Self
 
 import httpx
 
@@ -12,6 +14,14 @@ class Remote:
 
     def __init__(self, url: str) -> None:
         self.http = httpx.Client(base_url=url, timeout=60)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.http.close()
 
     def request(
         self,
