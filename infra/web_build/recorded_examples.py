@@ -15,6 +15,7 @@ from typing import Any
 from urllib.parse import urlencode
 
 import numpy as np
+from starlette.testclient import TestClient
 
 from calibsolver import Board, Camera
 from calibsolver import rotation as rotations
@@ -108,12 +109,12 @@ def send(stack: Server, method: str, path: str, credential: str | None, body: An
     """Send a request that must succeed; return the body."""
     headers = {"authorization": f"Bearer {credential}"} if credential else {}
     headers |= {} if body is None else {"content-type": "application/json"}
-    path, _, query = path.partition("?")
     content = b"" if body is None else json.dumps(body).encode()
-    answer = stack.request(method, path, headers | {"accept": "application/json"}, query, content)
-    if answer.status >= 400:
-        raise ValueError(f"{method} {path}: {answer.status} {answer.body.decode(errors='replace')}")
-    return answer.body
+    page = TestClient(stack.app, stack.url, client=("127.0.0.1", 50_000))
+    answer = page.request(method, path, headers=headers | {"accept": "application/json"}, content=content)
+    if answer.status_code >= 400:
+        raise ValueError(f"{method} {path}: {answer.status_code} {answer.text}")
+    return bytes(answer.content)
 
 
 def _views(
