@@ -28,7 +28,7 @@ LEAST = 8
 
 @dataclass
 class Acknowledged:
-    """What clients know from responses."""
+    """Facts that clients know from responses."""
 
     views: dict[str, int] = field(default_factory=dict)  # by session
     calibrations: dict[str, str] = field(default_factory=dict)  # by session
