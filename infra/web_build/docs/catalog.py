@@ -24,7 +24,7 @@ class Entry:
     name, summary
         In the navigation, and on the page of all documents.
     uses_service
-        Whether its code is for this service: the page fills in the site's address and the visitor's token.
+        True if its code is for this service: the page fills in the site's address and the visitor's token.
     """
 
     source: str | None
@@ -166,8 +166,6 @@ def target_key(source: str, target: str) -> tuple[str, str] | None:
         return f"{FOLDER}index.html", ""
     if path.startswith("docs/images/"):
         return path, ""
-    if path == "web/openapi.json":
-        return f"{FOLDER}reference/index.html", parts.fragment
     if path.startswith("web/") and (ROOT / path).is_dir():
         return f"{path.removeprefix('web/')}/index.html", parts.fragment
     if path.startswith("web/") and (ROOT / path).exists():
@@ -176,5 +174,5 @@ def target_key(source: str, target: str) -> tuple[str, str] | None:
 
 
 def is_elsewhere(target: str) -> bool:
-    """Whether a link leaves the repository."""
+    """True if a link leaves the repository."""
     return bool(urlsplit(target).scheme)
