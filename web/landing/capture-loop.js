@@ -28,7 +28,7 @@ const STRAIGHTEN_MS = 900;
 const END_MS = 3200; // the verdict stands for so long
 /** Bits of the board's markers in their order, four digits each. */
 export const BITS = "b5320f9a332d9946549e79cd9e2ec4f2fedacf56f99111a70eb72a0f24b1263e466566006c5e76af868bb02bccd5dd82fe479471ace4";
-/** What is out of focus behind the board: a window, a lamp, a plant, a desk. */
+/** Blurred room behind the board: a window, a lamp, a plant, a desk. */
 const ROOM = [
   { cx: 120, cy: 60, rx: 110, ry: 80, fill: "#7d94a6" }, { cx: 470, cy: 40, rx: 60, ry: 50, fill: "#e0a860" }, { cx: 590, cy: 170, rx: 60, ry: 110, fill: "#3f5a44" },
   { cx: 320, cy: 380, rx: 460, ry: 120, fill: "#6b4a31" }, { cx: 90, cy: 300, rx: 60, ry: 22, fill: "#c9c2b4" },
