@@ -109,7 +109,7 @@ def test_poor_result_is_shown_with_its_verdict(page: Page, tmp_path: Path) -> No
     calibrate_views(page, tmp_path, 4)
     page.locator("#verdict", has_text="Poor").wait_for()
     expect(page.locator(".errors")).to_contain_text("Where the board was")
-    expect(page.locator(".errors")).to_contain_text("At a distance of 1 m")
+    expect(page.locator(".meaning")).to_contain_text("At a distance of")
     expect(page.locator(".reasons li").first).not_to_be_empty()
     expect(page.locator("#json")).not_to_be_empty()
 
