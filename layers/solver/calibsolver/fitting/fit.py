@@ -28,8 +28,8 @@ from . import (
 from .calibration import Calibration
 from .degenerate_views import with_degenerate_views
 from .levenberg_marquardt import Options, Problem, State
-from .mixed_fit import MIN_SHAPE_DECREASE, Linearization, MixedFit
-from .mixed_model import SHAPE_SIZE, marginal_information
+from .mixed_fit import Linearization, MixedFit
+from .mixed_model import EXPECTED_STRETCH, MAX_STRETCH_DEVIATION, SHAPE_SIZE, marginal_information
 from .multistart import MultiStart
 from .normal_equations import Poses
 from .observations import Order
@@ -179,21 +179,22 @@ class _Fit:
         )
         return replace(found.calibration, covariance=covariance)
 
-    def _shaped(self, state: State, good: Mask) -> "_Found | None":
+    def _shaped(
+        self, state: State, good: Mask, max_stretch: float = MAX_STRETCH_DEVIATION
+    ) -> "_Found | None":
         """Fit the board's shape with the rest, from an optimum of least squares with the board as drawn.
 
-        Other points may take part: what the shape explains is no outlier. None where the board is known to be
-        as drawn, where there are too few views to tell, where a shape would explain no more than chance, and
-        where it is no board's.
+        Other points may take part: what the shape explains is no outlier. A stretch that no printer causes is
+        left to the camera. None where the board is known to be as drawn, where there are too few views to
+        tell, and where a shape would explain no more than chance or leave a camera that is not believable.
         """
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
             return None
-        mixed = MixedFit.of(self.problem, self._labels(state, good), self._sigma(state, good) ** 2)
-        at = mixed.linearize(mixed.problem.start(state), good)
-        v = at.model.learn(mixed.problem.variances)
-        if not at.model.shape_gain(v) > MIN_SHAPE_DECREASE:
+        flat, labels, noise2 = good, self._labels(state, good), self._sigma(state, good) ** 2
+        begun = MixedFit.begin(self.problem, state, good, labels, noise2, max_stretch)
+        if begun is None:
             return None
-        mixed, shaped = mixed.at_variances(at.model, v), at.state
+        mixed, shaped = begun
         for _ in range(MAX_MASKS):
             shaped = mixed.solve(shaped, good)
             taken = outliers.inlier_mask(
@@ -207,6 +208,9 @@ class _Fit:
         at = mixed.linearize(shaped, good, None)
         mixed = mixed.at_variances(at.model, at.model.learn(mixed.problem.variances))
         shaped = mixed.solve(shaped, good)
+        if not mixed.problem.shape(shaped).is_plausible:
+            bend_alone = mixed.max_stretch == EXPECTED_STRETCH
+            return None if bend_alone else self._shaped(state, flat, EXPECTED_STRETCH)
         try:
             return self._result(shaped, good, (mixed, at), with_prior=True)
         except CalibrationError:

@@ -20,7 +20,15 @@ from . import (
 )
 from .board_shape import BoardShape
 from .levenberg_marquardt import LeastSquares, Options, Problem, State
-from .mixed_model import EXPECTED_MOTION, SHAPE_SIZE, MixedModel, Variances, trusted_motion
+from .mixed_model import (
+    EXPECTED_MOTION,
+    EXPECTED_STRETCH,
+    FIRST_STRETCH,
+    SHAPE_SIZE,
+    MixedModel,
+    Variances,
+    trusted_motion,
+)
 from .normal_equations import POSE_SIZE, Poses
 from .observations import Observations
 from .robust_covariance import Evidence, Result
@@ -181,15 +189,41 @@ class MixedFit:
         Problem with the shape, at variances to begin with.
     labels
         (v,) clusters of views in nearly the same pose.
+    max_stretch
+        Standard deviation of stretch at most.
     """
 
     problem: ShapedProblem
     labels: IntArray
+    max_stretch: float
 
     @classmethod
-    def of(cls, drawn: Problem, labels: IntArray, noise2: float) -> "MixedFit":
-        """Return the fit of a problem with the board as drawn, of noise of variance `noise2`, px^2."""
-        return cls(ShapedProblem.of(drawn, Variances(noise2)), labels)
+    def begin(
+        cls, drawn: Problem, state: State, good: Mask, labels: IntArray, noise2: float, max_stretch: float
+    ) -> "tuple[MixedFit, State] | None":
+        """Begin with the board as drawn; None where a shape explains no more than chance and motion do.
+
+        Parameters
+        ----------
+        drawn, state, good
+            Problem of the board as drawn, its optimum, and the points (v, n) that took part.
+        labels, max_stretch
+            As of the class.
+        noise2
+            Variance of the noise there, px^2.
+        """
+        first = Variances(noise2, stretch=min(FIRST_STRETCH, max_stretch))
+        fit = cls(ShapedProblem.of(drawn, first), labels, max_stretch)
+        at = fit.linearize(fit.problem.start(state), good)
+        v = at.model.learn(first)
+        expected = replace(fit.problem.frame, parameters=tuple(at.model.solve(v).x[:SHAPE_SIZE].tolist()))
+        if not expected.is_plausible:
+            fit = replace(fit, max_stretch=EXPECTED_STRETCH)
+            at.model.max_stretch = EXPECTED_STRETCH
+            v = at.model.learn(replace(v, stretch=EXPECTED_STRETCH))
+        if not at.model.shape_gain(v) > MIN_SHAPE_DECREASE:
+            return None
+        return fit.at_variances(at.model, v), at.state
 
     def linearize(self, state: State, good: Mask, metric: Array | None = NO_METRIC) -> Linearization:
         """Gather the mixed model of the good points (v, n) about a state.
@@ -217,6 +251,7 @@ class MixedFit:
             (levenberg_marquardt.ROUNDOFF * drawn.width) ** 2,
             # Less motion is expected where the corners show less noise than most.
             EXPECTED_MOTION * min(noise2 / (TYPICAL_NOISE_WIDTHS * drawn.width) ** 2, 1.0),
+            self.max_stretch,
         )
         return Linearization(state, effects, evidence, mixed)
 

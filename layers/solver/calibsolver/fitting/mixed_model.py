@@ -23,6 +23,8 @@ EXPECTED_HEIGHT, EXPECTED_STRETCH, SHAPE_FREEDOM = 2e-4, 1e-4, 1.0
 """Prior of the standard deviations of heights / board and of stretch, and its degrees of freedom."""
 FIRST_HEIGHT, FIRST_STRETCH = 3e-3, 1.5e-3
 """Initial standard deviations: those of boards of paper."""
+MAX_STRETCH_DEVIATION = 2.5e-3
+"""Standard deviation of stretch at most, of prints that differ by half a percent across and down."""
 EXPECTED_MOTION, MOTION_FREEDOM = 0.008, 1.0
 """Prior of the variance of motion / that of a hand, for usual corners, and its degrees of freedom."""
 FIRST_MOTION = 1.0
@@ -90,6 +92,8 @@ class MixedModel:
         Least variance of the noise, px^2: rounding.
     expected_motion
         Prior of the variance of motion.
+    max_stretch
+        Standard deviation of stretch at most.
     """
 
     def __init__(
@@ -100,8 +104,10 @@ class MixedModel:
         shape: Array,
         floor: float,
         expected_motion: float,
+        max_stretch: float = MAX_STRETCH_DEVIATION,
     ) -> None:
         self.floor = floor
+        self.max_stretch = max_stretch
         self.expected_motion = expected_motion
         self.size = size = gram.shape[1] - MOTION_SIZE - 1
         kept = [*range(size), size + MOTION_SIZE]
@@ -170,7 +176,7 @@ class MixedModel:
             motion = square / (u.size + MOTION_FREEDOM)
         second = (self.shape + x[:SHAPE_SIZE]) ** 2 + covariance.diagonal()[:SHAPE_SIZE]
         height = deviation(second[:BEND_SIZE], EXPECTED_HEIGHT)
-        stretch = deviation(second[BEND_SIZE:], EXPECTED_STRETCH)
+        stretch = min(deviation(second[BEND_SIZE:], EXPECTED_STRETCH), self.max_stretch)
         return Solution(x, u.reshape(-1, MOTION_SIZE), Variances(noise2, motion, height, stretch))
 
     def shape_gain(self, v: Variances) -> float:
