@@ -29,7 +29,7 @@ from .calibration import Calibration
 from .degenerate_views import with_degenerate_views
 from .levenberg_marquardt import Options, Problem, State
 from .mixed_fit import Linearization, MixedFit
-from .mixed_model import EXPECTED_STRETCH, MAX_STRETCH_DEVIATION, SHAPE_SIZE, marginal_information
+from .mixed_model import SHAPE_SIZE, marginal_information
 from .multistart import MultiStart
 from .normal_equations import Poses
 from .observations import Order
@@ -179,9 +179,7 @@ class _Fit:
         )
         return replace(found.calibration, covariance=covariance)
 
-    def _shaped(
-        self, state: State, good: Mask, max_stretch: float = MAX_STRETCH_DEVIATION
-    ) -> "_Found | None":
+    def _shaped(self, state: State, good: Mask) -> "_Found | None":
         """Fit the board's shape with the rest, from an optimum of least squares with the board as drawn.
 
         Other points may take part: what the shape explains is no outlier. A stretch that no printer causes is
@@ -190,8 +188,8 @@ class _Fit:
         """
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
             return None
-        flat, labels, noise2 = good, self._labels(state, good), self._sigma(state, good) ** 2
-        begun = MixedFit.begin(self.problem, state, good, labels, noise2, max_stretch)
+        labels, noise2 = self._labels(state, good), self._sigma(state, good) ** 2
+        begun = MixedFit.begin(self.problem, state, good, labels, noise2)
         if begun is None:
             return None
         mixed, shaped = begun
@@ -206,11 +204,10 @@ class _Fit:
                 break
             good = taken
         at = mixed.linearize(shaped, good, None)
-        mixed = mixed.at_variances(at.model, at.model.learn(mixed.problem.variances))
+        mixed = mixed.learnt(at)
         shaped = mixed.solve(shaped, good)
         if not mixed.problem.shape(shaped).is_plausible:
-            bend_alone = mixed.max_stretch == EXPECTED_STRETCH
-            return None if bend_alone else self._shaped(state, flat, EXPECTED_STRETCH)
+            return None
         try:
             return self._result(shaped, good, (mixed, at), with_prior=True)
         except CalibrationError:

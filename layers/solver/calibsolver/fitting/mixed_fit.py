@@ -23,7 +23,7 @@ from .levenberg_marquardt import LeastSquares, Options, Problem, State
 from .mixed_model import (
     EXPECTED_MOTION,
     EXPECTED_STRETCH,
-    FIRST_STRETCH,
+    MAX_STRETCH_DEVIATION,
     SHAPE_SIZE,
     MixedModel,
     Variances,
@@ -195,11 +195,11 @@ class MixedFit:
 
     problem: ShapedProblem
     labels: IntArray
-    max_stretch: float
+    max_stretch: float = MAX_STRETCH_DEVIATION
 
     @classmethod
     def begin(
-        cls, drawn: Problem, state: State, good: Mask, labels: IntArray, noise2: float, max_stretch: float
+        cls, drawn: Problem, state: State, good: Mask, labels: IntArray, noise2: float
     ) -> "tuple[MixedFit, State] | None":
         """Begin with the board as drawn; None where a shape explains no more than chance and motion do.
 
@@ -207,23 +207,17 @@ class MixedFit:
         ----------
         drawn, state, good
             Problem of the board as drawn, its optimum, and the points (v, n) that took part.
-        labels, max_stretch
+        labels
             As of the class.
         noise2
             Variance of the noise there, px^2.
         """
-        first = Variances(noise2, stretch=min(FIRST_STRETCH, max_stretch))
-        fit = cls(ShapedProblem.of(drawn, first), labels, max_stretch)
+        fit = cls(ShapedProblem.of(drawn, Variances(noise2)), labels)
         at = fit.linearize(fit.problem.start(state), good)
-        v = at.model.learn(first)
-        expected = replace(fit.problem.frame, parameters=tuple(at.model.solve(v).x[:SHAPE_SIZE].tolist()))
-        if not expected.is_plausible:
-            fit = replace(fit, max_stretch=EXPECTED_STRETCH)
-            at.model.max_stretch = EXPECTED_STRETCH
-            v = at.model.learn(replace(v, stretch=EXPECTED_STRETCH))
+        fit, v = fit._learn(at.model)
         if not at.model.shape_gain(v) > MIN_SHAPE_DECREASE:
             return None
-        return fit.at_variances(at.model, v), at.state
+        return fit._at_variances(at.model, v), at.state
 
     def linearize(self, state: State, good: Mask, metric: Array | None = NO_METRIC) -> Linearization:
         """Gather the mixed model of the good points (v, n) about a state.
@@ -255,7 +249,21 @@ class MixedFit:
         )
         return Linearization(state, effects, evidence, mixed)
 
-    def at_variances(self, model: MixedModel, v: Variances) -> "MixedFit":
+    def learnt(self, at: Linearization) -> "MixedFit":
+        """Return the fit at the variances that a linearization teaches."""
+        fit, v = self._learn(at.model)
+        return fit._at_variances(at.model, v)
+
+    def _learn(self, model: MixedModel) -> "tuple[MixedFit, Variances]":
+        """Learn the variances; a stretch that no printer causes is not one, and has next to none."""
+        v = model.learn(self.problem.variances)
+        expected = tuple((model.shape + model.solve(v).x[:SHAPE_SIZE]).tolist())
+        if replace(self.problem.frame, parameters=expected).is_plausible:
+            return self, v
+        model.max_stretch = EXPECTED_STRETCH
+        return replace(self, max_stretch=EXPECTED_STRETCH), model.learn(replace(v, stretch=EXPECTED_STRETCH))
+
+    def _at_variances(self, model: MixedModel, v: Variances) -> "MixedFit":
         """Return the fit at learnt variances, without motion: what moves counts as noise."""
         noise2 = model.solve(replace(v, motion=0.0)).variances.noise2
         return replace(self, problem=replace(self.problem, variances=replace(v, noise2=noise2)))

@@ -33,7 +33,7 @@ MAX_LEARNING_STEPS, LEARNING_TOLERANCE = 60, 1e-2
 """Steps of the maximization, and relative change of the variances below which it ends."""
 EXTRAPOLATION_STEPS = 3
 """Steps of the maximization after which it is extrapolated."""
-MAX_RATE = 0.9
+MAX_RATE = 0.95
 """Ratio of two changes that follow each other, by which it is extrapolated at most."""
 
 
@@ -104,7 +104,7 @@ class MixedModel:
         shape: Array,
         floor: float,
         expected_motion: float,
-        max_stretch: float = MAX_STRETCH_DEVIATION,
+        max_stretch: float,
     ) -> None:
         self.floor = floor
         self.max_stretch = max_stretch
