@@ -35,11 +35,10 @@ from calibdb.schema import (
     VoteDocument,
 )
 from calibdb.store import StreamMode
-from calibsolver import Board, CalibrationError, Camera, DeadlineError, View, deadline
+from calibsolver import Board, CalibrationError, Camera, DeadlineError, View, deadline, fit
 from calibsolver.capture.admission import rejection_reason
 from calibsolver.consensus import difference
 from calibsolver.consensus.comparison import compare
-from calibsolver.consensus.fit_memory import fit_plausible
 from calibsolver.fitting.board_shape import BoardShape
 from calibsolver.fitting.resection import reprojection_score
 
@@ -197,7 +196,7 @@ def examine(request: CheckRequest) -> MeasuredViews:
     """Fit a camera to the views alone; raises InvalidError where there is none that believably took them."""
     views = usable_views(request)
     try:
-        own = fit_plausible(views, request.img_size, request.distortion_model)
+        own = fit(views, request.img_size, request.distortion_model, board_shape=True)
     except CalibrationError as error:
         raise InvalidError.field("views", error.message) from error
     kept = [
