@@ -90,6 +90,11 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
     )
     assert abs(ours / theirs - 1) < 0.003, "every view counts; the shape of the board moves it by some"
     assert calibration["platform"] == "photographs"
+    assert "/result/?id=" in page.url
+    page.go_back()
+    expect(page.locator("#views .taken").first).to_be_visible()
+    page.go_forward()
+    expect(page.locator("#verdict")).to_be_visible()
     picture(page, f"import-{form}-done", PASSING, full=True)
     for request in sent:
         if request.post_data is not None:

@@ -113,7 +113,7 @@ export class ResultView {
     ]).flatMap(([name, content]) => (content ? [{ name, title: t(`result.tab_${name}`), content }] : []));
     this.#root.replaceChildren(...[
       card({ ...result, calibration, report }, trial, id),
-      result.consent ?? null,
+      result.aside ?? null,
       straight && el("section", { id: "result-straight", "aria-label": t("result.part_straight") }, straight.element),
       report || pending ? tiles(calibration, report, /** @type {import("../board.js").Board | null} */ (factsOf(id)?.board ?? null)) : null,
       tabs(t("result.part_details"), panels),
