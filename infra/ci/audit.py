@@ -47,7 +47,7 @@ class Audit:
 
     @classmethod
     def of_npm(cls, answer: Any) -> Audit:
-        """Read npm's JSON, which has no `metadata` where nobody answered it."""
+        """Read npm's JSON, which lacks `metadata` if the registry did not respond."""
         if "metadata" not in answer:
             return cls(0)
         found = answer.get("vulnerabilities", {}).values()

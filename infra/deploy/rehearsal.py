@@ -30,7 +30,7 @@ UNSUPPORTED = (
     *("Budget", "ServerErrorAlarm", "TableThrottleAlarm", "EdgeBytesAlarm"),
     *("CutoffAlarm", "CutoffPermission"),
 )
-# Nobody delivers the site there, and its functions run on AWS's processors.
+# The emulator does not deliver the site, and its functions run on AWS's processors.
 _ONLY_ON_AWS = ("account", "smoke")
 # A change in a layer alone
 _CHANGED = ROOT / ".build" / "layers" / "service" / "python" / "calibdb" / "rehearsed.py"

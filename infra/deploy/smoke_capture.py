@@ -31,7 +31,7 @@ class _Line(load_test.Line):
 
 
 def problems(site: smoke.Site, token: str, remove: Any) -> Iterator[str]:
-    """Find why a capture with the pages' token fails; `remove` is told the id of its calibration."""
+    """Find why a capture with the pages' token fails; `remove` receives the id of its calibration."""
     line = _Line(site.url, random.Random(_SEED), faults=0.0)  # noqa: S311
     line.via = site.distribution
     try:

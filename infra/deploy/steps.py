@@ -13,7 +13,7 @@ from infra.deploy.package import ROOT, TEMPLATE
 _SAM = ".build/sam/bin/sam"  # `make deploy` installs it
 PARAMETERS = ROOT / ".build" / "parameters.yaml"  # written before each command that reads it
 _FIREWALL_REGION = "us-east-1"  # the only one in which a web ACL for CloudFront can be made
-ROLLOUT = "Canary10Percent5Minutes"  # unless told otherwise
+ROLLOUT = "Canary10Percent5Minutes"  # default
 Kind = Literal[
     "account", "build", "run", "package", "secrets", "upload", "invalidate", "protect", "prune", "smoke"
 ]
@@ -43,7 +43,7 @@ class Target:
 
     @property
     def effective(self) -> dict[str, str]:
-        """The parameters, and those that each deployment sets anew.
+        """The parameters, and those that each deployment sets.
 
         CloudFormation keeps the value of a parameter that is not named. `Rollout` is one deployment's alone.
         """
@@ -64,7 +64,7 @@ class Step:
 
 
 def steps(target: Target) -> Iterator[Step]:
-    """Yield the steps; each can be done again, so a deployment that broke off is started anew."""
+    """Yield the steps; each is idempotent, so an interrupted deployment is restarted."""
     yield Step("account", "ask the account whether it can hold the stack; nothing is made yet")
     yield Step("build", "build both layers for arm64 and check their sizes", ("make", "layers"))
     yield Step("package", "name the release, and write its template")

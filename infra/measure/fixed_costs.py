@@ -1,4 +1,4 @@
-"""Costs of a deployment that nobody uses, counted in the template."""
+"""Costs of an idle deployment, counted in the template."""
 
 from __future__ import annotations
 

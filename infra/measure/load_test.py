@@ -4,7 +4,7 @@
 
 Each client opens sessions, submits views of a camera that does not exist, and looks it up. Some requests are
 cut off half way, sent without waiting for an answer, or sent twice at once; like a page that lost its
-network, the client then asks again. What it was told is returned, to be compared with what was kept.
+network, the client then asks again. It returns the acknowledgements, to be compared with stored data.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ View = tuple[int, list[int], list[list[float]]]  # index, ids, points
 
 @dataclass
 class CaptureRecord:
-    """The views and the calibration of one capture that a client was told were stored."""
+    """The views and the calibration of one capture that the server acknowledged."""
 
     views: list[View] = field(default_factory=list)
     calibration_id: str | None = None

@@ -165,7 +165,7 @@ def describe_consensus(consensus: ConsensusDocument) -> str:
 
 
 def calibration_record(document: CalibrationDocument, withdrawn: bool) -> dict[str, Any]:
-    """Select what a listing tells of a calibration, as plain values."""
+    """Select what a listing shows of a calibration, as plain values."""
     fit = document.fits[document.distortion_model]
     return {
         "id": document.id,

@@ -31,7 +31,7 @@ contributor agreed to. Measurements that were given without a licence are not in
 PRIVATE = """calibDB: calibrations of cameras, and the keypoints that they were computed from
 
 NOT TO BE GIVEN AWAY: this copy also holds measurements that their contributors gave without a licence. It is
-for whoever runs the service, to load it into another stack. rigs.jsonl has one finished rig a line.
+for the operator, to load it into another stack. rigs.jsonl has one finished rig a line.
 """
 
 CONTENTS = """
@@ -40,7 +40,7 @@ votes.jsonl           one check of a camera's calibrations on fresh views a line
 calibrations.parquet  one row a calibration: camera, matrix, distortion, error
 keypoints.parquet     one row a corner: calibration, view, id on the board, x, y (px)
 
-`contributor` tells contributors of this dump apart and nothing else: other dumps name them otherwise; and so
+`contributor` only distinguishes contributors of this dump: other dumps name them otherwise; and so
 does `source`, where they were, by which they are counted.
 """
 

@@ -65,7 +65,7 @@ def import_file(
 ) -> str:
     """Store what a file holds, and say what it was; with `dry_run`, only say it.
 
-    With keypoints of a board it is a calibration like any other: fitted anew, pooled, audited. Without, it is
+    With keypoints of a board it is a calibration like any other: refitted, pooled, audited. Without, it is
     a first guess for a capture, and no lookup ever answers with it. The same file twice is one calibration;
     another file of the same keypoints is refused.
 

@@ -84,7 +84,7 @@ def reindex(
 
     Safe to run on a table in use, and again: lookups go on, with the old answers until the new ones are
     there. What is published while it runs is indexed by its own submit. Counters of use are not in the bucket
-    and stay as they are, or begin anew.
+    and stay as they are, or restart.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ from infra.ops.errors import OpsError
 
 # Ratio of focal lengths beyond which rows are of several lenses or modes under one name: no guess at all.
 _MAX_FOCAL_RATIO = 1.1
-# Nobody knows how good they are: of the image's width, about what a guess without any knowledge misses by.
+# Their quality is unknown: share of the image's width, about the error of an uninformed guess.
 UNKNOWN_ERROR = 0.05
 
 

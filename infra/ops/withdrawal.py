@@ -20,7 +20,7 @@ from infra.ops.public_dump import replace_dumps
 
 _MIN_DIGITS = 12  # hex digits of a contributor that name one
 _HASH_DIGITS = 12  # at the end of a calibration's id; earlier ids have another time before them
-_MAX_VERSIONS = 1_000  # of a session that was started anew
+_MAX_VERSIONS = 1_000  # of a restarted session
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def restore(context: OpsContext, calibration_id: str) -> None:
     document, tombstone = get_withdrawn(context, calibration_id)
     context.objects.purge_all_versions([tombstone])
     mode = reindex.mode_of(document)
-    # Its item is marked, and nothing unmarks an item: it is made anew.
+    # Its item is marked, and marks are permanent: a new item is made.
     context.index.remove([(mode.pk, f"CALIBRATION#{mode.text}#{calibration_id}")])
     context.store.calibrations.index(document)
     _refit(context, mode)

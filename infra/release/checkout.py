@@ -33,7 +33,7 @@ def version(root: Path = ROOT) -> str:
 def set_version(fresh: str, root: Path = ROOT) -> None:
     """Write another version; raises CheckoutError where it is not higher than the present one."""
     if not re.fullmatch(r"\d+\.\d+\.\d+", fresh):
-        raise CheckoutError(f"{fresh} is no version such as 1.2.3")
+        raise CheckoutError(f"{fresh} is not a version such as 1.2.3")
     if _parts(fresh) <= _parts(version(root)):
         raise CheckoutError(f"{fresh} is not higher than {version(root)}")
     for path in (root / file for file in (VERSION_FILE, *WHEEL_FILES)):

@@ -8,7 +8,7 @@ lose their comments and indentation.
 
     python -m infra.web_build.site .build/web     # the whole site, as files
 
-The local stack makes them anew when one of their sources changed.
+The server rebuilds them when one of their sources changed.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ Generator = Callable[[Path], Mapping[str, str]]
 
 
 def _generators() -> tuple[Generator, ...]:
-    """Those of pages that are not written by hand. Loaded here: whoever has the pages already needs none."""
+    """Those of pages that are not written by hand. Loaded here, because built pages need none."""
     from infra.web_build.docs import build
     from infra.web_build.docs.example_pages import example_pages
 
@@ -78,7 +78,7 @@ class Options:
 def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, bytes]:
     """Make all files that are made, or take those made of the same sources before: key → content.
 
-    A folder without message catalogs is no client of ours; nothing is made of it.
+    A folder without message catalogues is not our client; nothing is built from it.
 
     Raises
     ------

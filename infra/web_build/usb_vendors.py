@@ -34,7 +34,7 @@ def table(text: str) -> str:
     version = _VERSION_LINE.search(text)
     lines = [f"{vendor_id} {name}\n" for vendor_id, name in sorted(vendors(text))]
     if version is None or not lines:
-        raise ValueError("this is no usb.ids file: it has no version, or no vendors")
+        raise ValueError("not a usb.ids file: it has no version, or no vendors")
     return _HEAD.format(version=version[1]) + "".join(lines)
 
 

@@ -41,7 +41,7 @@ class Calibration:
     record
         All that the service answered, under its names (docs/api.md).
 
-    Raises UsageError for a record that is no calibration.
+    Raises UsageError for a record that is not a calibration.
     """
 
     record: Mapping[str, Any]
@@ -60,7 +60,7 @@ class Calibration:
             whole = False
         if not whole:
             raise UsageError(
-                "this is no calibration: img_size, camera_matrix, distortion_coefficients are needed"
+                "not a calibration: img_size, camera_matrix and distortion_coefficients are required"
             )
 
     def __repr__(self) -> str:

@@ -30,7 +30,7 @@ class Camera:
     img_size
         Width and height of the pictures that it delivers, px.
     zoom
-        0: a browser tells no zoom unless the page asked for the right to change it.
+        0: browsers report zoom only to pages that may change it.
     """
 
     zoom = 0.0

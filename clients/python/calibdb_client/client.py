@@ -190,7 +190,7 @@ class Client:
             The views, and the distortion model; ``auto`` is the one that predicts views best that it did not
             see.
         progress
-            Is told how many of how many views are sent.
+            Called with the number of views sent, and of all views.
         licence
             ``CC0-1.0``: the contributor agrees that the corners and the calibration are given away under CC0
             1.0. Without it they count in consensuses and stay out of the public dumps.
@@ -220,7 +220,7 @@ class Client:
         model, licence
             Distortion model, of ``auto`` rectilinear; the licence as in `submit`.
         keep
-            Is told the recording after every view, to save it.
+            Called with the recording after every view, to save it.
         options
             As in `CaptureOptions`.
 

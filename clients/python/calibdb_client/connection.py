@@ -15,7 +15,7 @@ from .wire import MAX_BODY_BYTES, Failure, Reply, Request
 
 CONNECT_TIMEOUT_S = 5.0
 RESPONSE_TIMEOUT_S = 30.0
-"""Time for an answer: the service computes a model that nobody asked for yet while one waits."""
+"""Timeout of a response: the service may compute a model while the client waits."""
 MAX_ATTEMPTS = 4
 
 
@@ -48,7 +48,7 @@ class Connection:
             raise UsageError("the address of the service is missing: give url, or set CALIBDB_URL")
         parts = urlsplit(address)
         if parts.scheme not in ("http", "https") or not parts.hostname or parts.query or parts.username:
-            raise UsageError(f"{address!r} is no address of a service, such as https://calibdb.example")
+            raise UsageError(f"{address!r} is not an address of a service, such as https://calibdb.example")
         credential = os.environ.get("CALIBDB_TOKEN", "") if token is None else token
         credential = credential.strip()
         if not credential.isascii() or not credential.isprintable() or " " in credential:

@@ -36,7 +36,7 @@ class Edge:
     Attributes
     ----------
     site
-        Address of the site, which tells the addresses of two services apart.
+        Address of the site, which distinguishes two services.
     cache
         None keeps nothing.
     """
@@ -153,7 +153,7 @@ def _is_record(said: Mapping[str, Any]) -> bool:
 def _segment(text: str) -> str:
     """Return an id as one segment of a path. Raises UsageError for text that is none."""
     if not text or not all(c.isascii() and (c.isalnum() or c in "-_.~") for c in text) or set(text) == {"."}:
-        raise UsageError(f"{text!r} is no id of a calibration, camera or rig")
+        raise UsageError(f"{text!r} is not an id of a calibration, camera or rig")
     return text
 
 

@@ -1,4 +1,4 @@
-"""Recordings of pictures and videos: the board is recognised if nobody described it."""
+"""Recordings of pictures and videos: the board is recognised unless described."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class FoundViews:
     broken
         Sentence about a video that breaks off.
     empty, unreadable
-        Names of pictures without the board, and of files that are no pictures.
+        Names of pictures without the board, and of files that are not images.
     """
 
     views: list[tuple[tuple[int, int], RecordedView]] = field(default_factory=list)
@@ -116,7 +116,7 @@ def picture_paths(given: Iterable[str | Path]) -> list[Path]:
             paths += sorted(inside)
         elif each.is_file():
             if each.suffix.lower() == ".json":
-                raise UsageError(f"{each} is no picture: `calibdb submit {each}` uses the corners in it")
+                raise UsageError(f"{each} is not an image: `calibdb submit {each}` uses the corners in it")
             paths.append(each)
         else:
             raise UsageError(f"{each} is not there")

@@ -34,7 +34,7 @@ class Rig:
     record
         All that the service answered, under its names (docs/api.md).
 
-    Raises UsageError for a record that is no rig.
+    Raises UsageError for a record that is not a rig.
     """
 
     record: Mapping[str, Any]
@@ -50,7 +50,7 @@ class Rig:
         except (KeyError, TypeError, ValueError):
             whole = False
         if not whole:
-            raise UsageError("this is no rig: calibrations and extrinsics of two or more cameras are needed")
+            raise UsageError("not a rig: calibrations and extrinsics of two or more cameras are required")
 
     def __repr__(self) -> str:
         return f"Rig({self.id!r}, {len(self.calibrations)} cameras, {self.unit}, {self.verdict[0]})"
@@ -63,7 +63,7 @@ class Rig:
         except (ValueError, RecursionError) as error:
             raise UsageError(f"{path} cannot be read as a rig: {error}") from None
         if not isinstance(record, dict):
-            raise UsageError(f"{path} is no rig")
+            raise UsageError(f"{path} is not a rig")
         return cls(record)
 
     @cached_property
@@ -78,7 +78,7 @@ class Rig:
 
     @property
     def unit(self) -> str:
-        """Unit of translations: ``metres``, or ``squares`` of the board if nobody measured them."""
+        """Unit of translations: ``metres``, or ``squares`` of the board if they were not measured."""
         return str(self.record["unit"])
 
     @property

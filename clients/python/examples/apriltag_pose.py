@@ -40,7 +40,7 @@ def main() -> int:
     chosen = parser.parse_args()
     grey = cv2.imread(chosen.picture, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION)
     if grey is None:
-        parser.error(f"{chosen.picture} is no picture")
+        parser.error(f"{chosen.picture} is not an image")
     for tag in tag_poses(grey, Calibration.load(chosen.calibration), chosen.side):
         print(json.dumps(tag))
     return 0

@@ -23,7 +23,7 @@ def dump(
     folder: Folder,
     private: Annotated[
         bool,
-        typer.Option("--private", help="Also what was given without a licence. Nobody else may have it."),
+        typer.Option("--private", help="Also contributions without a licence. Keep it private."),
     ] = False,
     as_json: Json = False,
 ) -> None:

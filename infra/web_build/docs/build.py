@@ -25,7 +25,7 @@ SEARCH_KEY = f"{FOLDER}search.json"
 NOT_SEARCHED = frozenset({"changelog", "decisions", "development"})
 """Documents for contributors, and one that repeats, by version, what the others explain."""
 _LEAD = (
-    "calibDB tells a program what the lens in front of it does: the camera matrix, the distortion, and how "
+    "calibDB returns what a camera's lens does: the camera matrix, the distortion, and how "
     "far to trust them. Begin with the quickstart, or search."
 )
 _MAX_DESCRIPTION = 160  # characters
@@ -38,7 +38,7 @@ _PROBLEM = re.compile(
 def pages(web: Path) -> Mapping[str, str]:
     """Make the pages of the documentation, and the texts that they load, by key.
 
-    A folder without `docs/docs.js` is no client of ours.
+    A folder without `docs/docs.js` is not our client.
     """
     if not (web / FOLDER / "docs.js").is_file():
         return {}
@@ -102,7 +102,7 @@ def search_texts(web: Path, rendered: Sequence[tuple[Entry, Document]]) -> str:
 
 def _row(folder: str, name: str, section: Section) -> list[str]:
     anchor = f"#{section.anchor}" if section.anchor else ""
-    # Nobody searches for a cell of digits, or for the name of a test.
+    # Cells of digits and names of tests are not searched.
     said = " ".join(part for part in section.text if re.search("[A-Za-z]", part))
     text = re.sub(r"\s+", " ", re.sub(r"tests/\S+", "", said)).strip()
     return [f"{folder}/{anchor}", name, section.title, text]

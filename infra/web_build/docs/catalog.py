@@ -91,7 +91,7 @@ GROUPS: dict[str, tuple[Entry, ...]] = {
             "docs/estimates.md",
             "estimates",
             "Estimates",
-            "What is likely of a camera that nobody calibrated.",
+            "Likely field of view of a camera without calibration.",
         ),
         Entry("docs/accuracy.md", "accuracy", "Accuracy and speed", "Every figure, with its command."),
         Entry("docs/webxr.md", "webxr", "WebXR", "Intrinsics and distortion for WebXR views."),

@@ -196,7 +196,7 @@ class _Renderer(RendererHTML):
         return "</table></div>\n"
 
     def th_open(self, tokens: Sequence[Token], idx: int, options: Any, env: Any) -> str:
-        # An empty head names nothing: it is no header cell.
+        # An empty head is not a header cell.
         kind = tokens[idx].attrGet("class")
         self._empty = not tokens[idx + 1].content
         tag = "td" if self._empty else 'th scope="col"'

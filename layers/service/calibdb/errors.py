@@ -24,7 +24,7 @@ class FieldError:
 
 
 class CalibdbError(Exception):
-    """Base of all errors that a caller is told: status, problem type and title by class, detail by instance.
+    """Base of all errors that a caller receives: status, problem type and title by class, detail by instance.
 
     Parameters
     ----------

@@ -197,7 +197,7 @@ class Service:
     def managed_token(self, text: str) -> ApiToken:
         """Return the token that the management token `text` manages, be it revoked, as the bucket has it.
 
-        Raises ForbiddenError, which tells an unknown one from a wrong secret neither in words nor in time.
+        Raises ForbiddenError, the same, and as fast, for unknown tokens and wrong secrets.
         """
         parts = parse_management(text)
         token = self.store.tokens.read(parts[0]) if parts else None

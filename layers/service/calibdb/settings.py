@@ -76,7 +76,7 @@ def _overrides(text: str) -> dict[str, str]:
     for part in filter(None, text.split(",")):
         name, equals, value = part.partition("=")
         if name not in known or not equals:
-            raise SettingsError(f"THRESHOLDS holds {part!r}, which is no threshold such as MIN_SHARE=0.7")
+            raise SettingsError(f"THRESHOLDS holds {part!r}, which is not a threshold such as MIN_SHARE=0.7")
         found[name] = value
     return found
 

@@ -1,6 +1,6 @@
 """Deadline of a computation: time that the caller allots, checked in every loop that may be long.
 
-The solver has no clock. Whoever must end in time says how many seconds are left; where none are, the loop
+The solver has no clock. The caller says how many seconds are left; if none are, the loop
 raises DeadlineError, and nothing is half done. Without a limit computations end when they are done.
 """
 

@@ -41,7 +41,7 @@ class Scene:
 
 
 class Feedback(Protocol):
-    """Interface of what tells the person about a capture."""
+    """Interface of the feedback to the user during a capture."""
 
     def show(self, scene: Scene) -> Command:
         """Show one frame's state, and return what the person wants."""
@@ -57,7 +57,7 @@ class Feedback(Protocol):
 
 
 class Silent:
-    """Feedback that tells nothing."""
+    """Feedback without output."""
 
     def show(self, scene: Scene) -> Command:
         """Show nothing."""

@@ -33,8 +33,8 @@ MIN_HOLD_FRAMES = 3
 MIN_OVERLAP, MAX_DIFFERENCE = 0.75, 0.06
 """Overlap with the target, and difference in tilt, that count as there."""
 TOLERANCES, TOLERANT_AFTER_S = (0.8, 1.6), 10.0
-"""Factors on what a hand may miss by, at first and after that time. Whoever is led by words stops as soon as
-they end, and at the picture's border a hand's breadth is most of what a view tells."""
+"""Factors on what a hand may miss by, at first and after that time. Users who follow words stop as soon as
+they end, and at the picture's border a hand's breadth is most of the information of a view."""
 MIN_FORESHORTENING = 0.08
 """From which a pose other than the target may help."""
 MIN_DISPLACEMENT_PX = 26.0
@@ -49,7 +49,7 @@ MIN_APPROACH = 0.05
 LENIENT_AFTER_S, MAX_LENIENCE = 3.0, 4.0
 """Time in which a steady hand would be still; later, up to so many times its motion counts, too."""
 RECOGNITION_FRAMES = 5
-"""Frames that are looked at together for a board that nobody described."""
+"""Frames in which an undescribed board is looked for."""
 MAX_RECOGNITION_FRAMES = 900
 
 
@@ -85,9 +85,9 @@ class Live:
     frames, recording
         The source; camera and board, and the views of an earlier capture that it goes on with.
     guide, feedback
-        The guide, and who tells the person.
+        The guide, and the feedback to the user.
     keep
-        Is told the recording after each view, before anything else happens.
+        Called with the recording after each view, before anything else happens.
     """
 
     def __init__(
@@ -224,7 +224,7 @@ class Live:
             self._aim, self._taken_at = None, time
             return
         if self._frames.is_file:
-            return  # nobody can hold it elsewhere: the views of a file are fitted together at its end
+            return  # the board cannot be moved: the views of a file are fitted together at its end
         self.recording = before
         self._keep(before)
         words = TEXTS.get(judgement.hint, "")
@@ -233,7 +233,7 @@ class Live:
 
 
 def first_board(frames: Frames, feedback: Feedback) -> Board:
-    """Return the board that the first frames show, which nobody described.
+    """Return the undescribed board that the first frames show.
 
     Raises CaptureError if none is recognised in `MAX_RECOGNITION_FRAMES`.
     """

@@ -69,7 +69,7 @@ class Operation:
     Attributes
     ----------
     source, frames, feedback
-        The source, its frames, and who tells the person.
+        The source, its frames, and the feedback to the user.
     recording
         Camera and board, and the views of an earlier capture that it goes on with.
     """

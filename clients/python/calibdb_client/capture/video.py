@@ -37,7 +37,7 @@ def read_video(
     """Find the board in a video, and add to `found` the views where it moves least, all over its places.
 
     Returns the board, which is recognised unless it is given. A `mirrored` video is turned back. Raises
-    UsageError if the file is no video, CaptureError if no board is recognised.
+    UsageError if the file is not a video, CaptureError if no board is recognised.
     """
     chosen = board or board_in_video(path, mirrored)
     detector = Detector(chosen)

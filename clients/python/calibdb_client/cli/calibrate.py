@@ -153,7 +153,7 @@ def _describe(found: FoundViews, size: tuple[int, int], used: int, verbose: bool
     if found.empty:
         output.note(f"no board was detected in {len(found.empty)} pictures: {_few(found.empty, verbose)}")
     if found.unreadable:
-        output.note(f"{len(found.unreadable)} files are no pictures: {_few(found.unreadable, verbose)}")
+        output.note(f"{len(found.unreadable)} files are not images: {_few(found.unreadable, verbose)}")
     if found.broken:
         output.note(found.broken)
 

@@ -14,7 +14,7 @@ from ..board import MIN_CORNERS, Board
 MIN_SQUARE_PX = 12.0
 """Side of a square, or of a tag, in the picture; corners of smaller ones are not measured well."""
 MAX_REFINEMENT_PX = 2.0
-"""Distance by which refinement may move a corner; one that it moves farther is no corner."""
+"""Distance by which refinement may move a corner; one that moves farther is not a corner."""
 _STEPS = (3, 40, 0.001)  # by count and by change, iterations, px
 
 

@@ -35,7 +35,7 @@ MIN_MARKERS = 5
 MAX_RESIDUAL = 0.12
 """Mean distance of markers from their lattice / its pitch, far ones counted as one."""
 MAX_TRIALS = 50
-"""Sets of four markers by which a layout is tried: few of them are no markers."""
+"""Sets of four markers by which a layout is tried: few of them are false."""
 MIN_LEAD = 2.0
 """Residual of the second best layout / that of the best."""
 MAX_COLUMNS = 50

@@ -20,9 +20,9 @@ USUAL_SPACINGS = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6)
 MAX_SNAP, MAX_SNAP_COARSE = 0.012, 0.022
 """Difference from a usual spacing up to which that is meant: of a fit, and of places alone."""
 MIN_TAGS = 10
-"""Tags of a picture that tells the spacing."""
+"""Tags in an image from which the spacing follows."""
 MAX_CURVE_RATIO = 0.6
-"""Least distance from smooth places over the trials / the median of them: else the picture tells nothing."""
+"""Least distance from smooth places over the trials / the median of them: else nothing is determined."""
 MAX_DISAGREEMENT = 0.08
 """Difference between the spacings of two pictures beyond which they show no common board."""
 COARSE = np.arange(0.08, 0.82, 0.025)

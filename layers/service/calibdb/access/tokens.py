@@ -43,7 +43,7 @@ class ApiToken:
     former_sha256: str | None = None
     former_until: int = 0
     earlier: tuple[tuple[str, int], ...] = ()  # secrets before that one, newest first, with the same times
-    # Of a token that somebody made for themselves:
+    # Of a token that its user created:
     pending: tuple[str, ...] = ()  # origins that are claimed and not proved
     management_sha256: str | None = None
     name: str = ""
@@ -225,7 +225,7 @@ def source(secret: str, address: str) -> str:
     """Return the keyed hash of where a contributor is, whatever the token: HMAC-SHA-256 in hex.
 
     By it contributors are counted, since tokens are for the asking. Of an IPv6 address only the first 48 bits
-    count, the most that one site is given (RFC 6177, 2): whoever has them has 65,536 households' worth.
+    count, the most that one site is given (RFC 6177, 2), enough for 65,536 households.
     An IPv4 address counts whole. The hash of an IPv6 site begins with `IPV6_SOURCE`: one line often has an
     address of either family, and must not count twice (`calibdb.rules.sources`).
     """

@@ -6,7 +6,7 @@ A browser reports a label (`Logitech HD Pro Webcam C920 (046d:082d)`) and a plat
 * Without one, name and system identify it; on Android the device's model, too.
 * A distinctive name (`HD Pro Webcam C920`) leads to the camera of the USB id known under it, on any computer.
 * A generic name (`Integrated Camera`, `camera 0, facing back`) leads to no other camera. Without a device's
-  model it is `ambiguous`: nobody can tell which product its calibrations belong to.
+  model it is `ambiguous`: its calibrations may belong to different products.
 
 The key carries the version of these rules, so that keys of different versions never mix.
 `docs/camera-keys.md` measures the rules on labels that browsers really report.

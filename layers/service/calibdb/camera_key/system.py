@@ -22,7 +22,7 @@ _KNOWN = re.compile(
     r"|android(?: [0-9]{1,3}(?:\.[0-9]{1,3}){0,3})?|[a-z]{2}[-_][a-z]{2}|photographs|video|other",
     re.IGNORECASE,
 )
-# A device's model has a number or is a make's own name: words alone may be anybody's.
+# A device's model has a number or is a make's own name: words only may belong to any device.
 # Nor is it the address of a site.
 _DEVICE = re.compile(
     r"(?!.*[a-z]\.[a-z]{2})"
@@ -48,7 +48,7 @@ _SYSTEMS = (
     ("macos", re.compile(r"\b(?:macintosh|mac ?os|macos)\b")),
     ("linux", re.compile(r"\b(?:linux|x11|[a-z]*bsd)\b")),
 )
-# Parts of Android's user agents that are no device: reduced ones call every device "K".
+# Parts of Android's user agents that are not a device: reduced ones call every device "K".
 _NO_DEVICE = re.compile(
     r"(?:linux|u|k|wv|mobile|tablet|unknown|rv:[0-9.]*|[a-z]{2}[-_][a-z]{2}|android(?: [0-9.]+)?)"
 )

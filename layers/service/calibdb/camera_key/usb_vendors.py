@@ -9,7 +9,7 @@ from calibdb.camera_key.names import words
 
 _TABLE = Path(__file__).with_name("usb_vendors.txt")
 _MAX_WORDS = 4  # of a vendor's name, that cameras are found by
-# What stands in hundreds of companies' names, and that nobody searches.
+# Words of hundreds of companies' names, which are not searched.
 _LEGAL_FORMS = """
     a ag and co corp corporation company gmbh inc incorporated int intl international limited llc ltd of oy
     plc pte pty sa srl the electronics electronic technologies technology tech industrial

@@ -170,10 +170,10 @@ def _rows(known: Sequence[ConsensusDocument]) -> Iterator[list[Any]]:
         for size in sorted({*COMMON_SIZES, *(other.img_size for other in known)}):
             if choose(known, size, c.zoom, c.distortion_model).found is not c or size == c.img_size:
                 continue
-            told = build_answer(c.calibration, known, size)
-            carried = _intrinsics(told.adapted.camera_matrix) if told.adapted else []
-            if carried or told.relation != exact.relation:
-                at[f"{size[0]}x{size[1]}"] = [told.relation, *carried]
+            answer = build_answer(c.calibration, known, size)
+            carried = _intrinsics(answer.adapted.camera_matrix) if answer.adapted else []
+            if carried or answer.relation != exact.relation:
+                at[f"{size[0]}x{size[1]}"] = [answer.relation, *carried]
         yield _row(c.calibration, exact.relation, at)
 
 

@@ -30,7 +30,7 @@ _PAGE = 200  # cameras read together
 class Figures:
     """Figures of the database, and the bundle.
 
-    `licence`: of all calibrations of a camera. `min_contributors`: that agree on what is shown to everybody.
+    `licence`: of all calibrations of a camera. `min_contributors`: that must agree on a public value.
     """
 
     dumps: Dumps
@@ -107,7 +107,7 @@ class Figures:
         return wanted
 
     def _unknown_camera(self, key: str) -> WantedCamera | None:
-        """Name a camera by what most contributors call it; None where it is known by now, or names nobody."""
+        """Name a camera by what most contributors call it; None if it is known by now, or has no name."""
         known = self.cameras.known(key).consensuses
         if any(c.reliable for c in known) or not is_listed(known, max(2, self.min_contributors)):
             return None

@@ -31,7 +31,7 @@ PERIOD_S = 6 * 86_400  # from one dump to the next at least: a little less than 
 MAX_PART_BYTES = 32 * 2**20  # of documents, before compression
 MIN_PART_S = 60.0  # that an invocation must have left to begin another batch
 _MAX_BATCH_DOCUMENTS = 64  # read at a time
-_STALE_S = 5 * 86_400  # a draft that nobody went on with is begun anew
+_STALE_S = 5 * 86_400  # an abandoned draft is started again
 _MODELS: dict[DumpedKind, type[CalibrationDocument] | type[VoteDocument]] = {
     "calibrations": CalibrationDocument,
     "votes": VoteDocument,

@@ -35,7 +35,7 @@ NOT_CALIBRATED = Badge("calibDB", "not calibrated", "grey")
 
 
 def parse_size(text: str) -> tuple[int, int] | None:
-    """Return the size in `1280x720.svg`, None where the text is no such name."""
+    """Return the size in `1280x720.svg`, None if the text is another name."""
     found = _BADGE_FILE.fullmatch(text)
     return (int(found[1]), int(found[2])) if found else None
 

@@ -1,7 +1,7 @@
 """Lookup of a camera's key: by USB id and name; by the name alone where it says which product it is.
 
-Never a guess: a name that many products bear answers nobody, and one that two USB ids bear neither. Since
-anybody can invent an id, only those that are well known (`calibdb.lookup.well_known_ids`) rival each other.
+Never a guess: a name of many products, or of two USB ids, finds no camera. Since
+anyone can invent an id, only well-known ids (`calibdb.lookup.well_known_ids`) rival each other.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ class Step:
     stored
         The consensus that is stored, None where there is none.
     action
-        `keep`: nothing has changed. `recount`: only the votes have. `pool`: the calibrations are pooled anew,
+        `keep`: nothing has changed. `recount`: only the votes have. `pool`: the calibrations are repooled,
         and the votes counted.
     """
 

@@ -218,7 +218,7 @@ def with_duplicate(document: SessionDocument) -> SessionDocument:
 def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDocument | None:
     """Keep a refused view in quarantine; None when it is there already.
 
-    Nobody sees it, and it never becomes part of the result. When more views like it come, the accepted ones
+    It is not shown, and never becomes part of the result. When more views like it come, the accepted ones
     were wrong.
     """
     if any(view_fingerprint(known) == view_fingerprint(view) for known in document.doubted):

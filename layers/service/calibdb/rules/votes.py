@@ -11,7 +11,7 @@ to the guidance page, so that new calibrations come. Votes can withhold an answe
   there, and a third as many as contributed to it;
 * what a consensus is measured by is the checker's own: the noise of the views, and the camera that they
   alone give. The noise behind the consensus is its maker's to choose;
-* pictures that a calibration was made of are no independent check of it, whoever sends them;
+* images that a calibration was made of are not an independent check of it;
 * agreement cannot be bought with empty views: those that would fit any camera are not counted.
 """
 
@@ -30,7 +30,7 @@ from calibdb.schema.fields import size_text, zoom_text
 from calibdb.schema.lookup import Reason
 from calibdb.settings import Thresholds
 
-_NOISE_FLOOR_WIDTHS = 1e-4  # of the image's width: errors below it are nobody's concern
+_NOISE_FLOOR_WIDTHS = 1e-4  # of the image's width: smaller errors do not matter
 _MAX_EXCESS_WIDTHS = 5e-4  # of the width: error beyond the noise that no ratio excuses
 _SPECIMEN_SPREAD_WIDTHS = 4e-3  # of the width: specimens of one product differ by that, rms over the image
 _MAX_SIGMAS = 3.0  # standard deviations of the views' own camera

@@ -76,7 +76,7 @@ class SessionDocument(CaptureDocument):
     """All of a running session: `sessions/<sid>/<version>.json`."""
 
     session: str
-    first_version: int = 1  # differs between a session and the one started anew under its id
+    first_version: int = 1  # differs between a session and a restarted one with the same id
     started: int  # unix seconds
     contributor: str | None = None  # who started it, for one who wants to be forgotten; of old none
     source: str | None = None  # where they are, hashed; of a session in a rig, which others end
@@ -141,7 +141,7 @@ class ShapeDocument(Open):
 class VoteDocument(Open, Licensed):
     """One check that counts: `votes/<camera key>/<id>.json`. Never overwritten.
 
-    It keeps the views, not the finding: they are scored anew whenever the consensus changes, so that no
+    It keeps the views, not the finding: they are scored again whenever the consensus changes, so that no
     consensus inherits what was found of another.
     """
 

@@ -128,7 +128,7 @@ class Calibrations:
         Where there are more, those of the last days.
 
         Only those that count: not withdrawn, and of the stream as the camera gives it. With a `period`,
-        seconds, contributors are told apart: then only evidence (`quality_gates.is_evidence`), one of each
+        seconds, contributors are distinguished: then only evidence (`quality_gates.is_evidence`), one of each
         source in a period, and of each source the newest `MAX_PER_SOURCE`. 0: all of them.
         """
         counted: list[CountedCalibration] = []

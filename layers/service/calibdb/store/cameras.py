@@ -29,7 +29,7 @@ class IdSupport:
 def rivals(supports: Mapping[str, IdSupport]) -> tuple[str, ...]:
     """Select the ids that a name may mean.
 
-    Where one of them is reliable only reliable ones, and of those whoever has a third of the contributors
+    If one of them is reliable only reliable ones, and of those the ones with a third of the contributors
     that the best known has: an invented id takes no name from a camera that many know.
     """
     if not supports:
@@ -54,7 +54,7 @@ class CameraRecords:
         Keys under which the camera may be known: the USB ids seen with this name, or the key that today's
         rules give to a camera of earlier ones.
     well_known
-        Those of them that are known well enough to be told apart from others.
+        Those of them that are well known.
     """
 
     consensuses: list[ConsensusDocument]

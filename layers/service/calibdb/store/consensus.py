@@ -1,8 +1,7 @@
 """Consensuses: index items that hold the answers to lookups, ready to send.
 
-Whoever computes one reads first what is stored, then what there is to compute from, and writes on condition
-that what is stored is still what it read. So whatever it finds stored was made from less than it has seen,
-and an older result never replaces a newer one, however long the one or the other took.
+A computation reads first the stored consensus, then its inputs, and writes on condition that the stored one
+is still the same. So an older result never replaces a newer one, however long either took.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Dumps: public objects under `dumps/` in the bucket of the site, and the draft of the one being written.
 
-The draft lies in the bucket of keypoints, which nobody else reads: it holds the key by which contributors are
+The draft is in the private bucket of keypoints: it holds the key by which contributors are
 named. A condition on its version keeps two writers apart.
 """
 
@@ -14,7 +14,7 @@ from calibdb.store.ports import Objects
 FOLDER = "dumps/"
 LATEST, STATISTICS = f"{FOLDER}latest.json", f"{FOLDER}statistics.json"
 JSON, GZIP = "application/json", "application/gzip"
-# A part never changes; it may be removed, when somebody wants to be forgotten.
+# A part never changes; it is removed when a contributor is forgotten.
 _CACHE_CONTROL = {JSON: "public, max-age=60, s-maxage=300", GZIP: "public, max-age=3600"}
 _DRAFT = f"{FOLDER}draft.json"
 

@@ -1,6 +1,6 @@
 """Endings: what follows from the document of a session, or of a rig, once it says that it has ended.
 
-Each step is idempotent: whoever asks again completes what a crash left undone.
+Each step is idempotent: a repeated request completes what a crash left undone.
 """
 
 from __future__ import annotations

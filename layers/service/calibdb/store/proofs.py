@@ -6,7 +6,7 @@ from calibdb.errors import UnavailableError
 from calibdb.schema.managed_token import ProofAnswer, ProofRequest
 from calibdb.store.ports import Jobs, Table
 
-_EXPIRY_S = 3600  # s; whoever asked reads it at once
+_EXPIRY_S = 3600  # s; the caller reads it at once
 
 
 def store_proof(table: Table, token_id: str, origin: str, now: int) -> None:

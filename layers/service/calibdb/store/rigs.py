@@ -32,7 +32,7 @@ class Rigs(Versions[RigDocument]):
         super().__init__(table, objects, _RIGS)
 
     def facts(self, document: RigDocument) -> Mapping[str, Value]:
-        """Sessions by position, so that whoever asks whether anything changed reads no object."""
+        """Sessions by position, so that polling reads no object."""
         return {"sessions": [member.session if member else "" for member in document.members]}
 
     def forget(self, name: str, now: int) -> bool:

@@ -68,7 +68,7 @@ def _sessions(store: Store, document: RigDocument) -> list[tuple[SessionDocument
 
     def read(name: str) -> tuple[SessionDocument | None, int]:
         found = store.sessions.find_version(name) if name else None
-        # A session that was started anew without the rig is none of it.
+        # A session restarted without the rig is not part of it.
         if found is None or found[0].rig is None or found[0].rig.id != document.rig:
             return None, found[1] if found else 0
         return found

@@ -2,7 +2,7 @@
 
 Every change reads the object and replaces that very version of it, then writes the index item, which grows
 by the same version. A writer that was overtaken, or killed in between, leaves an older index item; the next
-change or look of who manages the token writes it anew.
+change or read by its manager writes it again.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class Tokens:
     def revoke(self, token: ApiToken, now: int) -> None:
         """Refuse the token from now on; functions that remember it do so for half a minute more.
 
-        The object says so first: an index that is made anew does not bring a revoked token back.
+        The object says so first: a rebuilt index does not revive a revoked token.
         """
         if self.update(token.id, lambda known: replace(known, revoked=now)) is None:
             self._table.delete(_pk(token.id), "META")
@@ -119,7 +119,7 @@ class Tokens:
     def reindex(self, now: int = 0, trial_period_s: int = 0) -> int:
         """Let the index know every token that there is, none that was revoked; return how many there are.
 
-        An index that is made anew does not know which tokens were used. So a token that the index lacks, and
+        A rebuilt index does not know which tokens were used. So a token that the index lacks, and
         that might have expired, has its time once more.
         """
         count = 0

@@ -5,7 +5,7 @@ object has the others.
 
 Changes follow optimistic concurrency. A change writes its object first and then moves the index to it, on the
 condition that the index still names the version that the change was made from. A crash leaves an orphaned
-object, never a pointer to nothing. Of two changes at once, one is stored and the other is made anew.
+object, never a pointer to nothing. Of two changes at once, one is stored and the other is repeated.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ class Versions(Generic[Document]):
                 if found is not None:
                     return found[0], False
                 continue  # forgotten in between
-            # One started again under its name goes on counting, so that whoever still works on the forgotten
+            # A session restarted under its name continues the count, so that code working on the deleted
             # one finds the index moved.
             base = head.version if head else 0
             document = make(base + 1)
@@ -164,8 +164,7 @@ class Versions(Generic[Document]):
     def all(self) -> Iterator[Document]:
         """Yield every document that is not forgotten, as it stands. For operators.
 
-        Where the index says nothing of one, its highest version counts: whoever writes one in vain takes it
-        away again.
+        If the index does not name one, its highest version counts: a failed writer removes its own.
         """
         for name, version in self._versions().items():
             head = self.head(name)
@@ -234,7 +233,7 @@ class Versions(Generic[Document]):
         head = self.head(name)
         if head is not None and (head.version, head.content, head.forgotten) == (version, version, False):
             return True
-        # Ours counts for nothing: it must not be taken for the document's state when the index is made anew.
+        # Ours counts for nothing: it must not be taken for the document's state when the index is rebuilt.
         self._objects.delete([self._object(name, version)])
         return False
 

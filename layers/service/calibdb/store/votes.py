@@ -50,7 +50,7 @@ class Votes:
     def newest(self, mode: StreamMode, *, one_per_source: bool) -> list[IndexedVote]:
         """Return the votes on a mode, newest first.
 
-        `one_per_source`: the newest of each source alone, so that daily voters crowd nobody out.
+        `one_per_source`: only the newest of each source, so that daily voters do not displace others.
         """
         most = _MAX_VOTES_READ if one_per_source else MAX_VOTES
         items = self._table.query(

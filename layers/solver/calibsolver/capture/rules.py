@@ -57,7 +57,7 @@ class Capture:
     target_error
         px, predicted rms projection error over the image at which the capture ends.
     seed
-        Initial camera, as others have measured it; fits start there, and it is no part of the result.
+        Initial camera, as others have measured it; fits start there, and it is not part of the result.
     recorded
         The views are all there already: the capture does not end by itself, at whatever error or number.
     """
@@ -177,7 +177,7 @@ class Capture:
 
     @undetermined()
     def reconcile(self, views: Sequence[View], excluded: Mapping[int, Exclusion]) -> Estimate:
-        """Decide anew which views are consistent, after one was undone, and fit those."""
+        """Decide again which views are consistent, after one was undone, and fit those."""
         keep = [i for i in range(len(views)) if i not in excluded] or [len(views) - 1]
         if not views:
             return self.estimate(views)

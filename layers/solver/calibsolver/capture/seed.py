@@ -28,7 +28,7 @@ def is_usable(seed: Camera, model: str, img_size: tuple[int, int]) -> bool:
 
 def is_posed(seed: Camera, view: View) -> bool:
     """True if a seed explains a view; otherwise it belongs to another camera."""
-    with np.errstate(all="ignore"):  # hostile numbers are no pose
+    with np.errstate(all="ignore"):  # hostile numbers are not a pose
         try:
             error = reprojection_score(seed, [view]).rms
         except CalibrationError:

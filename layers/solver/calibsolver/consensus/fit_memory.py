@@ -1,6 +1,6 @@
 """Memory of fits to members' views.
 
-A camera is pooled anew with each new calibration, and under another rule: all members but one are old.
+A camera is pooled again with each new calibration, and under another rule: all members but one are old.
 """
 
 import hashlib

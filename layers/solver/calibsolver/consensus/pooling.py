@@ -45,9 +45,9 @@ class Rule:
     min_calibrations, min_contributors
         In the largest group that agrees.
     min_share
-        Share of all calibrations that this group holds. Where contributors are told apart (`min_contributors`
+        Share of all calibrations in this group. If contributors are distinguished (`min_contributors`
         of 2 or more) each of them weighs the same, however many calibrations are theirs, in majorities and
-        in this share; and nobody has more calibrations in the pooled fit than half of the others have.
+        in this share; and no contributor has more calibrations in the pooled fit than half of the others.
     max_unexplained
         A member's views, its poses fitted to the others' intrinsics, may have an rms above that of its own
         fit by this / image width.
@@ -309,7 +309,7 @@ def max_influence(contributors: int, spread: float, width: int) -> float:
 
 
 def member_weights(members: Sequence[Member], rule: Rule) -> dict[str, float]:
-    """Weight of each member by id: where contributors are told apart, those of one share a weight of 1."""
+    """Weight of each member by id: if contributors are distinguished, those of one share a weight of 1."""
     if rule.min_contributors < 2:
         return {member.id: 1.0 for member in members}
     counts = Counter(member.contributor for member in members)

@@ -82,7 +82,7 @@ def write(source: ExportSource, name: str, transform: transforms.Transform | Non
     width, height = transform.img_size if transform is not None else source.camera.img_size
     if min(width, height) < MIN_SIDE_PX:
         raise CalibrationError(
-            "not_representable", f"of a picture of {width} x {height} px no lens can be told"
+            "not_representable", f"of a picture of {width} x {height} px no lens can be determined"
         )
     try:
         found = deadline.compute_within(MAX_CONVERSION_S, partial(_convert, form, source, transform), None)

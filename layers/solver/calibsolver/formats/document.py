@@ -203,7 +203,7 @@ def _nest_dotted_names(data: Mapping[Any, Any]) -> dict[str, Any]:
 def describe_unknown(data: object) -> CalibrationError:
     """Return the error of a file without a camera: what it seems to be instead."""
     if not isinstance(data, Mapping) and not (isinstance(data, list) and data):
-        return text.refuse("the file is no object with members")
+        return text.refuse("the file is not an object with members")
     flat = data if isinstance(data, Mapping) else {}
     names = {normalise(key) for key, _ in _leaves(flat)}
     if {"boardsizewidth", "calibratepattern"} & names or {"targettype", "tagsize"} & names:
@@ -215,10 +215,10 @@ def describe_unknown(data: object) -> CalibrationError:
         path, place = value.strip(), (key + value).lower()
         if path.endswith(FILE_SUFFIXES) and any(word in place for word in ("cam", "intrin", "calib")):
             return text.refuse(f"the file holds no camera; it names another one: {path[:100]} ({key[:40]})")
-    told = ", ".join(str(key)[:30] for key in list(flat)[:6])
+    members = ", ".join(str(key)[:30] for key in list(flat)[:6])
     return text.refuse(
         "the file is of no kind that is known here: it has no camera matrix, nor focal lengths and a centre"
-        + (f"; its members are {told}" if told else "")
+        + (f"; its members are {members}" if members else "")
     )
 
 

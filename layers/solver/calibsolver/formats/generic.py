@@ -31,7 +31,7 @@ from .spellings import (
 )
 
 MAX_SKEW_PX = 0.05
-"""Effect of a matrix's skew at the image's edge that nobody sees; cameras have none."""
+"""Negligible effect of a matrix's skew at the image's edge, px; cameras have no skew."""
 
 
 def is_camera(members: Members) -> bool:
@@ -274,7 +274,7 @@ def _check_focal(matrix: Array, size: tuple[int, int]) -> None:
 
 
 def _without_skew(matrix: Array, size: tuple[int, int]) -> Array:
-    """Leave out a skew that nobody sees."""
+    """Leave out a negligible skew."""
     if matrix[0, 1] and matrix[1, 1] > 0 and abs(matrix[0, 1]) * size[1] / matrix[1, 1] < MAX_SKEW_PX:
         matrix = matrix.copy()
         matrix[0, 1] = 0.0

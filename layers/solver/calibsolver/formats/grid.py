@@ -45,7 +45,7 @@ def grid(views: Sequence[View]) -> Grid:
         raise text.refuse("the board is not flat")
     columns, rows = (round(float(np.ptp(axis)) / unit) + 1 for axis in (x, y))
     if not (2 <= columns < MAX_BOARD_SIDE and 2 <= rows < MAX_BOARD_SIDE):
-        raise text.refuse(f"{columns} x {rows} corners are no board that is known here")
+        raise text.refuse(f"{columns} x {rows} corners do not match a known board")
     ids = []
     for view in views:
         at = (view.object_points[:, :2] - (x[0], y[0])) / unit

@@ -43,7 +43,7 @@ MAX_UNZIPPED_BYTES = 64_000_000
 class Mrcal(Format):
     """A .cameramodel: a Python dictionary as text. The optimisation inputs are an npz in base 85.
 
-    With these mrcal's own tools work on the file: residuals, projection uncertainty, fitting anew. (Pixel
+    With these mrcal's own tools work on the file: residuals, projection uncertainty, refitting. (Pixel
     centres at whole numbers, as ours; a board's origin is its first corner, ours the board's edge.)
     """
 
@@ -163,7 +163,7 @@ def read(content: str) -> ImportedFile:
             "\n".join(line for line in content.splitlines() if not line.lstrip().startswith("#"))
         )
     except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError) as error:
-        raise text.refuse(f"the file is no Python dictionary: {type(error).__name__}") from None
+        raise text.refuse(f"the file is not a Python dictionary: {type(error).__name__}") from None
     if isinstance(data, dict):  # what versions up to 1 called them
         data = {OLD_NAMES.get(key, key): value for key, value in data.items() if isinstance(key, str)}
     lens_model = str(text.member(data, "lensmodel")).replace("DISTORTION_", "LENSMODEL_")
@@ -229,7 +229,7 @@ def read_corners(content: str, squares: tuple[int, int]) -> ImportedFile:
         try:
             q = text.floats([float(fields[1]), float(fields[2])], "a corner", 2, 2)
         except ValueError:
-            raise text.refuse(f"{fields[1]} {fields[2]} are no pixels") from None
+            raise text.refuse(f"{fields[1]} {fields[2]} are not pixels") from None
         found[fields[0]].append((corner, q))
     # A picture without a board is a single line `img.jpg - - -`.
     wrong = [n for n, lines in counted.items() if lines != board.corner_count and (lines, blank[n]) != (1, 1)]

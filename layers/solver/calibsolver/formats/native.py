@@ -18,7 +18,7 @@ class NativeJson(Format):
     constraints = tuple(ModelConstraint(model) for model in models.NAMES)
 
     def check(self, conversion: Conversion) -> Conversion:
-        """Say for which cameras WPIcal is no reader: it takes any coefficients for OpenCV's."""
+        """State which cameras WPIcal misreads: it takes any coefficients for OpenCV's."""
         if conversion.camera.model in ("rectilinear", "rational"):
             return conversion
         return replace(

@@ -39,7 +39,7 @@ def parse(raw: bytes) -> dict[str, Any]:
     except CalibrationError:
         raise
     except Exception as error:  # noqa: BLE001 - parsers of ZIP, deflate and Python raise a dozen types
-        raise text.refuse(f"the file is no archive of numpy arrays: {type(error).__name__}") from None
+        raise text.refuse(f"the file is not an archive of numpy arrays: {type(error).__name__}") from None
     if not found and pickled:
         raise text.refuse(
             f"the arrays {', '.join(pickled[:5])} are pickled objects, which may run code and are not read: "

@@ -1,4 +1,4 @@
-"""Facts that a file may not state and its reader may be told: image size, camera, board, model."""
+"""Facts that a file may lack and its caller may pass: image size, camera, board, model."""
 
 from dataclasses import dataclass
 

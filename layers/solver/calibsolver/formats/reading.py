@@ -39,8 +39,8 @@ def read(data: object, options: ReaderOptions = ReaderOptions()) -> ImportedFile
     imported = read_camera.read(options)
     if imported.camera and options.img_size and imported.camera.img_size != options.img_size:
         w, h = imported.camera.img_size
-        told = " x ".join(map(str, options.img_size))
-        raise text.refuse(f"the file says that its pictures are {w} x {h}, not {told}")
+        passed = " x ".join(map(str, options.img_size))
+        raise text.refuse(f"the file says that its pictures are {w} x {h}, not {passed}")
     names = tuple(each.name for each in found) if len(found) > 1 else ()
     return replace(imported, cameras=names)
 

@@ -41,7 +41,7 @@ class ParsedFile:
 
 
 def parse(raw: bytes, suffix: str, is_text_kind: Callable[[str], bool]) -> ParsedFile:
-    """Parse a file; `suffix` as of its name, `is_text_kind` tells texts that are neither JSON nor YAML.
+    """Parse a file; `suffix` as of its name, `is_text_kind` recognises texts that are neither JSON nor YAML.
 
     Raises CalibrationError ``malformed``, which says what is wrong with it.
     """
@@ -81,7 +81,7 @@ def decode(raw: bytes) -> str:
         except UnicodeDecodeError:
             continue
         return re.sub(r"\r\n?", "\n", content.lstrip("\ufeff").rstrip("\0"))
-    raise refuse("it is no text: neither UTF-8 nor UTF-16")
+    raise refuse("it is not text: neither UTF-8 nor UTF-16")
 
 
 def parse_json(content: str, suffix: str) -> object:
@@ -95,7 +95,7 @@ def parse_json(content: str, suffix: str) -> object:
                     return parse_yaml(re.sub(r"^[ \t]*//.*$", "", content, flags=re.MULTILINE))
                 except CalibrationError:
                     pass
-            raise refuse(f"the file is no JSON: {error}") from error
+            raise refuse(f"the file is not JSON: {error}") from error
         return None
     except ValueError as error:  # a number of a million digits
         raise refuse(f"the file holds a value that cannot be read: {error}") from error
@@ -144,7 +144,7 @@ def parse_yaml(content: str) -> object:
         raise refuse(f"the file is larger than {_MAX_YAML_BYTES >> 20} MB")
     if "python/object" in content and "numpy" in content:
         raise refuse(
-            "the file is no YAML of plain values: it holds numpy objects, which may run code and are not "
+            "the file is not YAML of plain values: it contains numpy objects, which may run code and are not "
             "read; write lists (array.tolist())"
         )
     try:
@@ -153,7 +153,7 @@ def parse_yaml(content: str) -> object:
                 found: object = document
                 return found
     except yaml.YAMLError as error:
-        raise refuse(f"the file is no YAML: {_one_line(error)}") from error
+        raise refuse(f"the file is not YAML: {_one_line(error)}") from error
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         # An impossible date, a number of a million digits, an empty `!!float`.
         raise refuse(f"the file holds a value that cannot be read: {error}") from error

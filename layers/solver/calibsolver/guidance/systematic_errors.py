@@ -46,7 +46,7 @@ def limited_information(
         Standard deviation of a corner's coordinate, px: the systematic errors are meant beside it.
 
     systematic
-        Size of the systematic errors / the usual one, as `systematic_share` tells; 0: none.
+        Size of the systematic errors / the usual one, as `systematic_share` returns; 0: none.
 
     Pixels are (v, 2, n).
     """

@@ -57,7 +57,7 @@ REFERENCE_WIDTH_PX = 1280.0
 COVERAGE_RADIUS_DIAGONALS = 0.12
 """Of the image's diagonal: how far a corner speaks for its surroundings."""
 MIN_NOTICEABLE_PX = 0.1
-"""px, differences below which nobody feels."""
+"""px: smaller differences do not matter."""
 MAX_GOOD_PX, MAX_FAIR_PX = 1.0, 3.0
 """px, predicted rms projection error over the image, up to which a calibration is good, and fair."""
 MAX_FAIR_INSIDE_PX, MIN_FAIR_COVERED = 1.0, 0.1

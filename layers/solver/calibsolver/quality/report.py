@@ -16,7 +16,7 @@ from .systematic import Cause, probable_cause
 __all__ = ["Assessment", "Json", "Reason", "assess", "board_sentence", "describe"]
 
 MIN_REPORTED = 0.002
-"""Sag or stretch / the board's longer side from which a user is told."""
+"""Sag or stretch / the board's longer side from which a user is informed."""
 MIN_CERTAIN_SIGMAS = 2.0
 """Sag or stretch / its standard deviation above which it is certain."""
 Json: TypeAlias = Union["dict[str, Json]", "list[Json]", str, bool, int, float, None]
@@ -134,7 +134,7 @@ def _board(shape: BoardShape) -> dict[str, Json]:
 
 
 def _digits(value: float, digits: int = 3) -> float | None:
-    """Round to so many significant digits; None where it is no number."""
+    """Round to so many significant digits; None if it is not finite."""
     return float(f"{float(value):.{digits}g}") if np.isfinite(value) else None
 
 

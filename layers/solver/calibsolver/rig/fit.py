@@ -43,7 +43,7 @@ MAX_UNSETTLED_ROUNDS = 3
 ROUND = Options(iterations=40)
 """One round: moments that agree need ten steps or twenty, and the next round goes on where this one ended."""
 MIN_OUTLIER_WIDTHS = 0.003
-"""Distance / image width below which a single point of a good view is no outlier."""
+"""Distance / image width below which a single point of a good view is not an outlier."""
 MAX_TAIL_RMS_RATIO = 1.1
 """Rms of least squares over all but gross outliers / rms of the inliers, up to which all of them count."""
 MIN_MOMENTS_PER_LATE_VIEW = 4

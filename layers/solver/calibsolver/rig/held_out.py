@@ -24,7 +24,7 @@ FOLDS = 5
 
 @undetermined()
 def held_out_rms(moments: Sequence[Moment], calibration: RigCalibration) -> float | None:
-    """Cross-validate a rig: cameras and relative poses from the other moments, board poses fitted anew.
+    """Cross-validate a rig: cameras and relative poses from the other moments, board poses fitted.
 
     Parameters
     ----------
