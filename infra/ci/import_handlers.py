@@ -46,14 +46,14 @@ def problem(root: Path, folder: str, *, solver: bool) -> str | None:
 
 def main(root: Path) -> int:
     """Import all handlers; return 1 where one cannot be imported, or where there is none."""
-    found = list(functions(sources(root)))
-    print(f"{platform.machine()}, Python {platform.python_version()}: {len(found)} handlers")
+    handlers = list(functions(sources(root)))
+    print(f"{platform.machine()}, Python {platform.python_version()}: {len(handlers)} handlers")
     failed = 0
-    for folder, solver in found:
+    for folder, solver in handlers:
         what = problem(root, folder, solver=solver)
         failed += what is not None
         print(f"{folder}: {what or 'imported'}")
-    return 1 if failed or not found else 0
+    return 1 if failed or not handlers else 0
 
 
 if __name__ == "__main__":

@@ -80,12 +80,14 @@ class Account:
 def problems(target: Target, account: Account) -> Iterator[str]:
     """Find what would make the deployment fail."""
     stack = aws.describe(account.cloudformation, target.stack)
-    kept = dict(stack.parameters) if stack else {}
+    parameters = dict(stack.parameters) if stack else {}
     declared = parse(ROOT / "template.yaml")["Parameters"]
-    values = {n: str(p.get("Default", "")) for n, p in declared.items()} | kept | dict(target.parameters)
+    values = (
+        {n: str(p.get("Default", "")) for n, p in declared.items()} | parameters | dict(target.parameters)
+    )
     if stack is not None:
         yield from _status(target.stack, stack.status)
-    yield from _concurrency(account.lambda_, values, kept)
+    yield from _concurrency(account.lambda_, values, parameters)
     if not target.exists:
         yield from _verification(account.cloudfront)
     if values["DomainName"]:
@@ -120,13 +122,13 @@ def _status(name: str, status: str) -> Iterator[str]:
 
 def _concurrency(lambda_: Any, values: Mapping[str, str], kept: Mapping[str, str]) -> Iterator[str]:
     limit = lambda_.get_account_settings()["AccountLimit"]
-    wanted = sum(functions * int(values[name]) for name, functions in RESERVED.items())
+    reserved = sum(functions * int(values[name]) for name, functions in RESERVED.items())
     own = sum(functions * int(kept.get(name, 0)) for name, functions in RESERVED.items())
-    left = int(limit["UnreservedConcurrentExecutions"]) + own - wanted
-    if wanted and left < MIN_UNRESERVED:
+    left = int(limit["UnreservedConcurrentExecutions"]) + own - reserved
+    if reserved and left < MIN_UNRESERVED:
         yield (
             f"Lambda allows this account {limit['ConcurrentExecutions']} concurrent executions; with "
-            f"{wanted} reserved {left} would be left, and {MIN_UNRESERVED} must be: ask Service Quotas for "
+            f"{reserved} reserved {left} would be left, and {MIN_UNRESERVED} must be: ask Service Quotas for "
             f"1,000 (L-B99A9384), or add {_UNRESERVED}."
         )
 
@@ -177,13 +179,13 @@ def _certificate(acm: Any, domain: str, arn: str) -> Iterator[str]:
         )
         return
     try:
-        found = acm.describe_certificate(CertificateArn=arn)["Certificate"]
+        certificate = acm.describe_certificate(CertificateArn=arn)["Certificate"]
     except ClientError as error:
         yield f"CertificateArn cannot be read ({code(error)}): give the ARN of a certificate of this account."
         return
-    if found["Status"] != "ISSUED":
-        yield f"The certificate is {found['Status']}: complete its validation first."
-    names = {found["DomainName"], *found.get("SubjectAlternativeNames", ())}
+    if certificate["Status"] != "ISSUED":
+        yield f"The certificate is {certificate['Status']}: complete its validation first."
+    names = {certificate["DomainName"], *certificate.get("SubjectAlternativeNames", ())}
     if not names & {domain, "*." + domain.partition(".")[2]}:
         yield f"The certificate is for {', '.join(sorted(names))}: request one that names {domain}."
 

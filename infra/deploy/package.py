@@ -150,9 +150,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Write the complete template to the file named, for programs that check it."""
     parser = argparse.ArgumentParser(prog="python -m infra.deploy.package", description=main.__doc__)
     parser.add_argument("file", type=Path)
-    asked = parser.parse_args(arguments)
-    asked.file.parent.mkdir(parents=True, exist_ok=True)
-    asked.file.write_text(complete_template((ROOT / "template.yaml").read_text(encoding="utf-8")), "utf-8")
+    options = parser.parse_args(arguments)
+    options.file.parent.mkdir(parents=True, exist_ok=True)
+    options.file.write_text(complete_template((ROOT / "template.yaml").read_text(encoding="utf-8")), "utf-8")
     return 0
 
 

@@ -41,10 +41,10 @@ def give_canary(made: Mapping[str, str], region: str, ssm: Any, stack: str) -> N
         Client of the parameter store.
     """
     name = f"/calibdb/{stack}/{_CANARY_PARAMETER}"
-    found = ssm.get_parameters(Names=[name], WithDecryption=True)["Parameters"]
-    known = found[0]["Value"] if found else ""
-    token = admit(_tokens(made, region), known, _origins(made), _CANARY_PLAN)
-    if token != known:
+    parameters = ssm.get_parameters(Names=[name], WithDecryption=True)["Parameters"]
+    current = parameters[0]["Value"] if parameters else ""
+    token = admit(_tokens(made, region), current, _origins(made), _CANARY_PLAN)
+    if token != current:
         ssm.put_parameter(Name=name, Value=token, Type="SecureString", Overwrite=True)
 
 

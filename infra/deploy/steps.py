@@ -47,10 +47,10 @@ class Target:
 
         CloudFormation keeps the value of a parameter that is not named. `Rollout` is one deployment's alone.
         """
-        known = {"GuidanceUrl": f"{self.site}/calibrate/"} if self.site else {}
+        defaults = {"GuidanceUrl": f"{self.site}/calibrate/"} if self.site else {}
         if self.region != _FIREWALL_REGION:
-            known["WafRate"] = "0"
-        return {**known, "EdgeSecretVersion": "{EdgeSecretVersion}", "Rollout": ROLLOUT, **self.parameters}
+            defaults["WafRate"] = "0"
+        return {**defaults, "EdgeSecretVersion": "{EdgeSecretVersion}", "Rollout": ROLLOUT, **self.parameters}
 
 
 @dataclass(frozen=True)

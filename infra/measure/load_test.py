@@ -259,15 +259,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--clients", type=int, default=64)
     parser.add_argument("--cameras", type=int, default=16)
     parser.add_argument("--faults", type=float, default=FAULT_RATE, help="share of requests that fail (0.2)")
-    asked = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     try:
         outcome = drive(
-            asked.url.rstrip("/"),
-            asked.token,
-            asked.sessions,
-            asked.clients,
-            cameras=asked.cameras,
-            faults=asked.faults,
+            options.url.rstrip("/"),
+            options.token,
+            options.sessions,
+            options.clients,
+            cameras=options.cameras,
+            faults=options.faults,
         )
     except (LoadError, OSError) as error:
         print(f"calibDB: {error}", file=sys.stderr)

@@ -45,10 +45,10 @@ def points_by_group(context: OpsContext, known: Mode) -> dict[str, list[Point]]:
     record = pooled.model_dump() if pooled is not None else drawn[-1].fits[model].model_dump()
     reference = Camera.from_record(record)
     names = _names_of_groups(context, consensus)
-    found: dict[str, list[Point]] = {name: [] for name in dict.fromkeys(names.values())}
+    by_group: dict[str, list[Point]] = {name: [] for name in dict.fromkeys(names.values())}
     for document in drawn:
-        found.setdefault(names.get(document.id, "alone"), []).append(_point(document, model, reference))
-    return {name: points for name, points in found.items() if points}
+        by_group.setdefault(names.get(document.id, "alone"), []).append(_point(document, model, reference))
+    return {name: points for name, points in by_group.items() if points}
 
 
 def draw(context: OpsContext, known: Mode, width: int) -> str:

@@ -116,10 +116,10 @@ def _fields(path: Path, labels: tuple[str, str]) -> Iterator[tuple[int, dict[str
         missing = {"w", "h", "fx", "fy", "cx", "cy"} - set(reader.fieldnames or ())
         if missing:
             raise OpsError(f"{path} has no column {', '.join(sorted(missing))}")
-        known = dict.fromkeys(reader.fieldnames or (), "")
+        columns = dict.fromkeys(reader.fieldnames or (), "")
         for label in labels:
             try:
-                label.format_map(known)
+                label.format_map(columns)
             except (KeyError, ValueError, IndexError) as error:
                 raise OpsError(f"{label!r} cannot be made of the columns of {path}: {error}") from error
         for row in reader:

@@ -68,10 +68,10 @@ def find_contributor(context: OpsContext, start: str) -> str:
     """Find the contributor whose id begins with `start`; raises OpsError if there is not exactly one."""
     if len(start) < _MIN_DIGITS:
         raise OpsError(f"give at least {_MIN_DIGITS} digits of the contributor's id")
-    found = {one for one in _contributors(context) if one.startswith(start.lower())}
-    if len(found) != 1:
-        raise OpsError(f"{len(found) or 'no'} contributors begin with {start}")
-    return found.pop()
+    matches = {one for one in _contributors(context) if one.startswith(start.lower())}
+    if len(matches) != 1:
+        raise OpsError(f"{len(matches) or 'no'} contributors begin with {start}")
+    return matches.pop()
 
 
 def find_contributors_at(context: OpsContext, address: str, token_id: str | None) -> set[str]:
@@ -80,8 +80,10 @@ def find_contributors_at(context: OpsContext, address: str, token_id: str | None
     Addresses are not stored. They are matched by computing the keyed hash again, also with revoked tokens.
     """
     tokens = [token_id] if token_id else context.store.tokens.ids()
-    known = set(_contributors(context))
-    return {contributor(context.settings.contributor_secret, address, token) for token in tokens} & known
+    contributors = set(_contributors(context))
+    return {
+        contributor(context.settings.contributor_secret, address, token) for token in tokens
+    } & contributors
 
 
 def find_contributors_by_receipt(context: OpsContext, receipt: str) -> set[str]:
@@ -93,16 +95,16 @@ def find_contributors_by_receipt(context: OpsContext, receipt: str) -> set[str]:
     if sid is None:
         raise OpsError("no key of SESSION_SECRETS has signed this receipt: it is forged, or the key is gone")
     hashes = {calibration_name(sid, version)[-_HASH_DIGITS:] for version in range(1, _MAX_VERSIONS + 1)}
-    found = {
+    contributors = {
         document.contributor
         for document in context.store.calibrations.all()
         if document.id[-_HASH_DIGITS:] in hashes
     }
     sessions = (one for one in context.store.sessions.all() if one.session == sid)
-    found |= {who for session in sessions for who in _contributors_of(session)}
-    if not found:
+    contributors |= {who for session in sessions for who in _contributors_of(session)}
+    if not contributors:
         raise OpsError("nothing is left of the session of this receipt")
-    return found
+    return contributors
 
 
 def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False) -> ForgetResult:

@@ -34,8 +34,8 @@ def with_release(changelog: str, version: str, day: str) -> str:
     """Move the unreleased entries under the version; raises ChangelogError where there are none."""
     if any(match["version"] == version for match in _SECTION.finditer(changelog)):
         raise ChangelogError(f"CHANGELOG.md has {version} already")
-    before, found, after = changelog.partition(_UNRELEASED)
+    before, heading, after = changelog.partition(_UNRELEASED)
     entries = re.split(r"^## ", after, maxsplit=1, flags=re.MULTILINE)[0].strip()
-    if not found or not entries:
+    if not heading or not entries:
         raise ChangelogError("CHANGELOG.md has no entries under `## Unreleased`")
     return f"{before}{_UNRELEASED}\n## {version} - {day}\n{after}"

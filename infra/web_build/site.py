@@ -185,13 +185,13 @@ def _make_files(web: Path, settings_text: str, state: str) -> Mapping[str, bytes
 
 def _remember(name: str, make: Callable[[], dict[str, str]]) -> dict[str, str]:
     """Return the texts that a process kept under this name, or make and keep them."""
-    kept = _CACHE / f"{hashlib.sha256(name.encode()).hexdigest()[:24]}.json"
+    cache_file = _CACHE / f"{hashlib.sha256(name.encode()).hexdigest()[:24]}.json"
     try:
-        found: dict[str, str] = json.loads(kept.read_text(encoding="utf-8"))
+        pages: dict[str, str] = json.loads(cache_file.read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        found = make()
-        _keep(kept, found)
-    return found
+        pages = make()
+        _keep(cache_file, pages)
+    return pages
 
 
 def _build(web: Path, settings_text: str) -> dict[str, str]:
@@ -239,8 +239,8 @@ def _keep(place: Path, made: Mapping[str, str]) -> None:
     with tempfile.NamedTemporaryFile("w", dir=place.parent, delete=False, encoding="utf-8") as file:
         json.dump(made, file)
     Path(file.name).replace(place)
-    kept = sorted(place.parent.glob("*.json"), key=_age, reverse=True)
-    for old in kept[_MAX_CACHED:]:
+    cache_files = sorted(place.parent.glob("*.json"), key=_age, reverse=True)
+    for old in cache_files[_MAX_CACHED:]:
         old.unlink(missing_ok=True)
 
 

@@ -25,8 +25,8 @@ _HEAD = """\
 def vendors(text: str) -> Iterator[tuple[str, str]]:
     """Yield id and name of every vendor in a `usb.ids` file."""
     for line in text.splitlines():
-        if found := _VENDOR_LINE.fullmatch(line.rstrip()):
-            yield found[1], found[2]
+        if match := _VENDOR_LINE.fullmatch(line.rstrip()):
+            yield match[1], match[2]
 
 
 def table(text: str) -> str:

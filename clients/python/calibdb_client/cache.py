@@ -38,9 +38,9 @@ class Cache:
     def get(self, address: str) -> dict[str, Any] | None:
         """Return the answer that is still fresh, or None."""
         try:
-            kept = json.loads(self._path(address).read_bytes())
-            fresh = 0 < kept["expires"] - self._clock() <= MAX_AGE_S
-            return kept["answer"] if fresh and isinstance(kept["answer"], dict) else None
+            entry = json.loads(self._path(address).read_bytes())
+            fresh = 0 < entry["expires"] - self._clock() <= MAX_AGE_S
+            return entry["answer"] if fresh and isinstance(entry["answer"], dict) else None
         except (OSError, ValueError, KeyError, TypeError):
             return None
 

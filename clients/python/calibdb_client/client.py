@@ -263,8 +263,8 @@ class Client:
         from . import comparison
         from .capture.glances import recording_to_check
 
-        known = self.calibration(calibration) if isinstance(calibration, str) else calibration
-        return self._run(comparison.by_service(recording_to_check(camera, **options), known))
+        stored = self.calibration(calibration) if isinstance(calibration, str) else calibration
+        return self._run(comparison.by_service(recording_to_check(camera, **options), stored))
 
     def calibrate_images(
         self,

@@ -90,14 +90,14 @@ class Recording:
 
     def content(self, calibration: Mapping[str, Any] | None = None) -> bytes:
         """Return the file's content; with a calibration it is that calibration's file, too."""
-        told = {
+        member = {
             **self.key.record(),
             "format": FORMAT,
             "board": self.board.record(),
             **({"live": True} if self.live else {}),
             "views": [{"source": v.source, "ids": v.ids, "points": v.points} for v in self.views],
         }
-        return json.dumps({**(calibration or {}), _MEMBER: told}, ensure_ascii=False).encode() + b"\n"
+        return json.dumps({**(calibration or {}), _MEMBER: member}, ensure_ascii=False).encode() + b"\n"
 
 
 def ignore(recording: Recording) -> None:

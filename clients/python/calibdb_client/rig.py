@@ -94,8 +94,8 @@ class Rig:
     @property
     def verdict(self) -> tuple[str, ...]:
         """Level, ``good``, ``fair`` or ``poor``, then reasons: ``uncertain``, ``held_out``, ``set_aside``."""
-        found = self.record.get("verdict") or {}
-        return str(found.get("level", "")), *map(str, found.get("reasons", ()))
+        verdict = self.record.get("verdict") or {}
+        return str(verdict.get("level", "")), *map(str, verdict.get("reasons", ()))
 
     def pose(self, position: int, origin: int = 0) -> Array:
         """Return the motion (4, 4), x -> R x + t, from the camera at `origin` to the one at `position`.
@@ -160,18 +160,18 @@ class Rig:
         return list(self.record["extrinsics"])
 
     def _of(self, position: int) -> Mapping[str, Any]:
-        found = [each for each in self._extrinsics if each.get("position") == position]
-        if not found:
+        matches = [each for each in self._extrinsics if each.get("position") == position]
+        if not matches:
             raise UsageError(
                 f"this rig has cameras 0 to {len(self.calibrations) - 1}, and no camera {position}"
             )
-        return found[0]
+        return matches[0]
 
     def _from_first(self, position: int) -> Array:
-        known = self._of(position)
+        extrinsics = self._of(position)
         motion = np.eye(4)
-        motion[:3, :3] = rotation.matrix(np.array(known["rvec"], dtype=np.float64))
-        motion[:3, 3] = known["tvec"]
+        motion[:3, :3] = rotation.matrix(np.array(extrinsics["rvec"], dtype=np.float64))
+        motion[:3, 3] = extrinsics["tvec"]
         return motion
 
 

@@ -99,10 +99,10 @@ def pause(outcome: Reply | Failure, attempt: int, jitter: float) -> float | None
         return backoff
     if outcome.status not in _REPEATED:
         return None
-    asked = _retry_after(outcome)
-    if asked is None:
+    requested = _retry_after(outcome)
+    if requested is None:
         return backoff
-    return asked if asked <= MAX_WAIT_S else None
+    return requested if requested <= MAX_WAIT_S else None
 
 
 def require_success(outcome: Reply | Failure, site: str) -> Reply:

@@ -74,10 +74,10 @@ def link_from(entry: Entry) -> Link:
     def link(target: str) -> str | None:
         if catalog.is_elsewhere(target):
             return target
-        found = catalog.target_key(entry.source or "", target)
-        if found is None:
+        page_key = catalog.target_key(entry.source or "", target)
+        if page_key is None:
             return None
-        key, anchor = found
+        key, anchor = page_key
         there = "" if key == entry.key and anchor else address(entry.key, key)
         return there + (f"#{anchor}" if anchor else "")
 
@@ -86,18 +86,18 @@ def link_from(entry: Entry) -> Link:
 
 def search_texts(web: Path, rendered: Sequence[tuple[Entry, Document]]) -> str:
     """Return the sections of all documents as JSON: `[[address, page, title, text], …]`, from `/docs/`."""
-    found = []
+    rows = []
     for entry, document in rendered:
         if entry.slug in NOT_SEARCHED:
             continue
-        found += [_row(entry.slug, document.title, section) for section in document.sections]
+        rows += [_row(entry.slug, document.title, section) for section in document.sections]
     for folder, section in reference.sections(openapi.document()):
-        found += [_row(f"reference/{folder}", "API reference", section)]
+        rows += [_row(f"reference/{folder}", "API reference", section)]
     problems = (web / FOLDER / "problems" / "index.html").read_text(encoding="utf-8")
     for kind, status, text in _PROBLEM.findall(problems):
         plain = unescape(re.sub("<[^>]+>", "", text))
-        found += [_row("problems", "Problems", Section(f"{kind} ({unescape(status)})", kind, [plain]))]
-    return json.dumps(found, ensure_ascii=False, separators=(",", ":"))
+        rows += [_row("problems", "Problems", Section(f"{kind} ({unescape(status)})", kind, [plain]))]
+    return json.dumps(rows, ensure_ascii=False, separators=(",", ":"))
 
 
 def _row(folder: str, name: str, section: Section) -> list[str]:

@@ -82,12 +82,12 @@ def render(source: str, link: Link) -> Document:
 def slug(text: str, taken: set[str]) -> str:
     """Make the anchor of a heading as GitHub does, and take it."""
     base = re.sub(r"[^\w\- ]", "", text.strip().lower()).replace(" ", "-")
-    found, count = base, 0
-    while found in taken:
+    anchor, count = base, 0
+    while anchor in taken:
         count += 1
-        found = f"{base}-{count}"
-    taken.add(found)
-    return found
+        anchor = f"{base}-{count}"
+    taken.add(anchor)
+    return anchor
 
 
 def anchors(source: str) -> set[str]:
@@ -97,13 +97,13 @@ def anchors(source: str) -> set[str]:
 
 def links(source: str) -> list[str]:
     """Return the targets of a document's links and images."""
-    found = []
+    targets = []
     for token in _parser().parse(source):
         for child in token.children or ():
             target = child.attrGet("href" if child.type == "link_open" else "src")
             if child.type in {"link_open", "image"} and target:
-                found.append(str(target))
-    return found
+                targets.append(str(target))
+    return targets
 
 
 def code(text: str, language: str) -> str:

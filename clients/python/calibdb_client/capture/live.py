@@ -155,20 +155,20 @@ class Live:
         tolerance = float(np.interp(elapsed, (0.0, TOLERANT_AFTER_S), TOLERANCES))
         lenience = min(MAX_LENIENCE, max(1.0, elapsed / LENIENT_AFTER_S))
         self._still = self._still.observe(corners, frame.time, self._width, lenience, frame.repeated)
-        seen = None if corners is None else outline_of(self.recording.board, corners.ids, corners.points)
+        outline = None if corners is None else outline_of(self.recording.board, corners.ids, corners.points)
         there, instruction = False, "show the board to the camera"
-        if corners is not None and seen is None:
+        if corners is not None and outline is None:
             instruction = TEXTS["show_more"]
-        if seen is not None:
-            covered = overlap(seen, aim.target.outline, frame.size)
-            off = difference(seen, aim.outline) if aim.outline is not None else 0.0
+        if outline is not None:
+            covered = overlap(outline, aim.target.outline, frame.size)
+            off = difference(outline, aim.outline) if aim.outline is not None else 0.0
             there = 1 - covered < (1 - MIN_OVERLAP) * tolerance and off < MAX_DIFFERENCE * tolerance
             distance = 1 - covered + off
             if distance < aim.nearest - MIN_APPROACH:
                 aim.nearest, aim.nearest_at = distance, frame.time
-            code = "" if there or aim.outline is None else advice(seen, aim.outline, tolerance)
+            code = "" if there or aim.outline is None else advice(outline, aim.outline, tolerance)
             instruction = TEXTS[code or "hold_still"]
-        self._required = self._required_hold(seen, there, corners)
+        self._required = self._required_hold(outline, there, corners)
         hold = 0.0 if self._required is None else min(1.0, self._still.held / self._required)
         points = None if corners is None else corners.points
         return self._feedback.show(Scene(frame.picture, points, aim.target, instruction, hold, self._status))
@@ -238,19 +238,19 @@ def first_board(frames: Frames, feedback: Feedback) -> Board:
     Raises CaptureError if none is recognised in `MAX_RECOGNITION_FRAMES`.
     """
     feedback.note("show the board to the camera: it will be recognised")
-    seen: list[Any] = []
+    observations: list[Any] = []
     for _ in range(MAX_RECOGNITION_FRAMES):
         frame = frames.next()
         if frame is None:
             break
-        seen.append(frame.picture)
-        if len(seen) == RECOGNITION_FRAMES:
-            board = recognise(seen)
+        observations.append(frame.picture)
+        if len(observations) == RECOGNITION_FRAMES:
+            board = recognise(observations)
             if board is not None:
                 feedback.note(f"board: {board}")
                 return board
-            seen = []
-    board = recognise(seen)
+            observations = []
+    board = recognise(observations)
     if board is None:
         raise CaptureError(
             "no board was recognised: describe it by --kind, --squares, --marker-ratio and --dictionary"

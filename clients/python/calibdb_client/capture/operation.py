@@ -179,5 +179,5 @@ def _key(
 ) -> CameraKey:
     from ..devices import platform_of
 
-    known = zoom if zoom is not None else float(getattr(source.source, "zoom", 0.0) or 0.0)
-    return CameraKey(label, platform or source.platform or platform_of(), size, known)
+    value = zoom if zoom is not None else float(getattr(source.source, "zoom", 0.0) or 0.0)
+    return CameraKey(label, platform or source.platform or platform_of(), size, value)

@@ -41,7 +41,7 @@ def read_video(
     """
     chosen = board or board_in_video(path, mirrored)
     detector = Detector(chosen)
-    seen: list[Seen] = []
+    observations: list[Seen] = []
     numbers: list[int] = []
     try:
         for number, count, picture in _pictures(path, found, mirrored, _rate(detector)):
@@ -49,12 +49,12 @@ def read_video(
             corners = detector.find_coarsely(picture)
             if corners is not None:
                 h, w = picture.shape[:2]
-                seen.append((number, (int(w), int(h)), corners))
+                observations.append((number, (int(w), int(h)), corners))
             if progress:
                 progress(number + 1, max(count, number + 1))
     finally:
-        found.frames = len(seen)
-        views = _choose(seen, numbers[1] if len(numbers) > 1 else 1)
+        found.frames = len(observations)
+        views = _choose(observations, numbers[1] if len(numbers) > 1 else 1)
         if detector.is_slow:
             views = _found_again(path, views, detector, mirrored)
         for number, size, corners in views:

@@ -60,8 +60,8 @@ def _coarse_spacing(grid: Board, grey: Any) -> float | None:
         if corners is None or len(corners.ids) < 0.8 * len(ids) or _share_unmoved(corners, ids, places) > 0.3:
             continue
         distances[n] = np.median(local_distances(board, corners.ids, corners.points))
-    known = distances[np.isfinite(distances)]
-    if not len(known) or known.min() > MAX_CURVE_RATIO * float(np.median(known)):
+    finite = distances[np.isfinite(distances)]
+    if not len(finite) or finite.min() > MAX_CURVE_RATIO * float(np.median(finite)):
         return None
     return float(COARSE[int(np.argmin(distances))])
 
