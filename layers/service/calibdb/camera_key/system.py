@@ -96,17 +96,17 @@ def public_platform(platform: str) -> str:
     match = _USER_AGENT.match(text)
     parts = [part.strip() for part in (match[1] if match else text).split(";")]
     android = any(_family(part) == "android" for part in parts)
-    kept: list[str] = []
+    public_parts: list[str] = []
     for part in parts:
         family = _family(part)
         if _KNOWN.fullmatch(part):
-            kept.append(part)
+            public_parts.append(part)
         elif family:
-            kept.append(_SHOWN[family])
+            public_parts.append(_SHOWN[family])
         elif android and _DEVICE.fullmatch(part) and without_owner(without_telephone(part)) == part:
-            kept.append(part)
+            public_parts.append(part)
             android = False  # it has one model
-    return "; ".join(dict.fromkeys(kept)) or "other"
+    return "; ".join(dict.fromkeys(public_parts)) or "other"
 
 
 def with_device(platform: str, device: str) -> str:

@@ -31,5 +31,5 @@ def vendor_of(usb_id: str | None) -> str | None:
 
 def vendor_words(usb_id: str | None) -> list[str]:
     """Return the words (lower case) of the vendor's name by which its cameras are searched."""
-    found = words((vendor_of(usb_id) or "").casefold())
-    return [word for word in dict.fromkeys(found) if len(word) > 1 and word not in _UNSEARCHED][:_MAX_WORDS]
+    vendor = words((vendor_of(usb_id) or "").casefold())
+    return [word for word in dict.fromkeys(vendor) if len(word) > 1 and word not in _UNSEARCHED][:_MAX_WORDS]

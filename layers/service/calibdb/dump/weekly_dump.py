@@ -71,18 +71,18 @@ class WeeklyDump:
 
         `force`: one is due now.
         """
-        found = self.dumps.draft()
-        if found is not None and found[0].started < self.now() - _STALE_S:
+        version = self.dumps.draft()
+        if version is not None and version[0].started < self.now() - _STALE_S:
             self.dumps.end()
-            found = None
-        if found is None:
+            version = None
+        if version is None:
             if not force and not self._is_due():
                 return None
             self.dumps.begin(self._new_draft())
-            found = self.dumps.draft()
-            if found is None:
+            version = self.dumps.draft()
+            if version is None:
                 return None
-        draft, tag = found
+        draft, tag = version
         while True:
             following = self._write_part(draft)
             if following is None:

@@ -45,12 +45,14 @@ def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: 
         (c.img_size, c.distortion_model): c for c in known if c.zoom == zoom
     }
     for size in sorted({size for size, _ in here}, key=lambda s: closeness(s, img_size)):
-        wanted = here.get((size, model))
-        if wanted is not None and wanted.reliable:
-            return Choice(found=wanted)
+        requested = here.get((size, model))
+        if requested is not None and requested.reliable:
+            return Choice(found=requested)
         others = [c for (other, _), c in here.items() if other == size and c.reliable]
         # Not computed yet, or not since the calibrations came in that made another model reliable.
-        if any(wanted is None or (wanted.total, wanted.latest) < (c.total, c.latest) for c in others):
+        if any(
+            requested is None or (requested.total, requested.latest) < (c.total, c.latest) for c in others
+        ):
             return Choice(missing_at=size)
     order = sorted(here.items(), key=lambda known: known[0][1] != model)
     exact = [c.reason for (size, _), c in order if size == img_size and c.reason]

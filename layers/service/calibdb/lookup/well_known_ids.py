@@ -33,9 +33,9 @@ def _refresh_once(store: Store, camera_key: str, thresholds: Thresholds) -> bool
         return False  # its names are gone
     support, some = IdSupport(), ""
     for mode in modes:
-        for known in store.consensuses.at(mode):
-            if known.calibration and (known.reliable or known.reason == "too_few"):
-                support = max(support, IdSupport(known.reliable, known.calibration.contributors))
+        for consensus in store.consensuses.at(mode):
+            if consensus.calibration and (consensus.reliable or consensus.reason == "too_few"):
+                support = max(support, IdSupport(consensus.reliable, consensus.calibration.contributors))
         counted = store.calibrations.newest(mode, thresholds.max_calibrations, thresholds.contributor_period)
         some = some or next((calibration.id for calibration in counted), "")
     document = store.calibrations.get(some) if some else None

@@ -90,12 +90,12 @@ class Calibrations:
     def license(self, calibration_id: str, given: Licensed) -> None:
         """Add a licence to a calibration that has none: the one change that is ever made to its object."""
         name = _name(calibration_id)
-        while (found := self._objects.get_version(name)) is not None:
-            document = CalibrationDocument.model_validate_json(found[0])
+        while (version := self._objects.get_version(name)) is not None:
+            document = CalibrationDocument.model_validate_json(version[0])
             if document.licence is not None:
                 return
             licensed = document.model_copy(update=given.consent)
-            if self._objects.replace(name, licensed.model_dump_json().encode(), found[1]):
+            if self._objects.replace(name, licensed.model_dump_json().encode(), version[1]):
                 self._table.put(_item(with_current_key(licensed)), _NOT_WITHDRAWN)
                 return
 
@@ -157,14 +157,14 @@ class Calibrations:
     def licence(self, camera_key: str) -> str | None:
         """Return the licence under which every calibration of the camera was given; None of one without."""
         items = self._table.query(camera_pk(camera_key), "CALIBRATION#")
-        given = {str(item.get("licence", "")) for item in items if "withdrawn" not in item}
-        return (given.pop() or None) if len(given) == 1 else None
+        licences = {str(item.get("licence", "")) for item in items if "withdrawn" not in item}
+        return (licences.pop() or None) if len(licences) == 1 else None
 
     def _not_withdrawn(self, camera_key: str) -> list[tuple[StreamMode, str]]:
         """Return mode and id of every calibration of the camera that was not withdrawn."""
         items = self._table.query(camera_pk(camera_key), "CALIBRATION#", consistent=True)
         parsed = (parse_calibration_sk(str(item["sk"])) for item in items if "withdrawn" not in item)
-        return [(StreamMode(camera_key, found[0], found[1]), found[2]) for found in parsed if found]
+        return [(StreamMode(camera_key, place[0], place[1]), place[2]) for place in parsed if place]
 
     def read(self, ids: Sequence[str]) -> list[CalibrationDocument]:
         """Return the calibrations with these ids in their order, without those of a later version.
@@ -250,8 +250,8 @@ def _tombstone(calibration_id: str) -> str:
 def _item(document: CalibrationDocument) -> Item:
     fit = document.fits.get(document.distortion_model)
     shown = fit.model_dump_json(include={"camera_matrix", "avg_reprojection_error"}) if fit else "{}"
-    given: Item = {"licence": document.licence} if document.licence else {}
-    return given | {
+    item: Item = {"licence": document.licence} if document.licence else {}
+    return item | {
         "pk": camera_pk(document.camera_key),
         "sk": calibrations_prefix(document.img_size, document.zoom) + document.id,
         "camera": document.camera,

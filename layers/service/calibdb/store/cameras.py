@@ -117,8 +117,8 @@ class Cameras:
         """
         # A prefix may not be empty; that of every key is its version's letter.
         items, more = self._table.page(ALL + word[:1], word or "c", limit, after)
-        found = {str(item["sk"]).rpartition("#")[2]: str(item["name"]) for item in items}
-        return list(found.items()), str(items[-1]["sk"]) if more and items else None
+        names = {str(item["sk"]).rpartition("#")[2]: str(item["name"]) for item in items}
+        return list(names.items()), str(items[-1]["sk"]) if more and items else None
 
     def members(self, mode: StreamMode, group: frozenset[str], limit: int) -> list[CameraMember]:
         """Return the newest calibrations at a size and zoom that count; `group`: those that agree."""

@@ -73,8 +73,8 @@ class Consensuses:
         item = self._table.get(camera_pk(document.camera_key), sk, consistent=False)
         if item is None:
             return None
-        found = GroupsDocument.model_validate_json(str(item["document"]))
-        return found if found.pooled == document.pooled else None
+        groups_document = GroupsDocument.model_validate_json(str(item["document"]))
+        return groups_document if groups_document.pooled == document.pooled else None
 
 
 def _still(before: str | None) -> Condition:

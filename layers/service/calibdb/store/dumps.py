@@ -50,8 +50,8 @@ class Dumps:
 
     def draft(self) -> tuple[DumpDraft, str] | None:
         """Return the draft and the tag of its version, None where no dump is being written."""
-        found = self._keypoints.get_version(_DRAFT)
-        return None if found is None else (DumpDraft.model_validate_json(found[0]), found[1])
+        version = self._keypoints.get_version(_DRAFT)
+        return None if version is None else (DumpDraft.model_validate_json(version[0]), version[1])
 
     def begin(self, draft: DumpDraft) -> bool:
         """Store the draft of a new dump; False where another is being written."""
@@ -61,8 +61,8 @@ class Dumps:
         """Store the draft over its version `tag`; return its new tag, None if another writer was faster."""
         if not self._keypoints.replace(_DRAFT, draft.model_dump_json().encode(), tag):
             return None
-        found = self._keypoints.get_version(_DRAFT)
-        return None if found is None else found[1]
+        version = self._keypoints.get_version(_DRAFT)
+        return None if version is None else version[1]
 
     def end(self) -> None:
         """Throw the draft away, and with it the key."""

@@ -36,8 +36,8 @@ class Leases:
             if item is None:
                 continue
             holder = str(item["holder"])
-            asked = _item(mode, holder, int(str(item["until"])), asked=1, name=name)
-            if self._table.put(asked, equals(holder=holder)):
+            requested = _item(mode, holder, int(str(item["until"])), asked=1, name=name)
+            if self._table.put(requested, equals(holder=holder)):
                 return False
         return True  # so much coming and going that one more does not matter
 

@@ -46,10 +46,10 @@ class Names:
         """Let the camera be found; what a camera that is known already is called is known, too."""
         named = _name_of(document)
         # The last that was written, so that where it is all the others are that follow from the key.
-        known = self._table.get(ALL, named.key) is not None
-        if not (known and named.identity.distinct and named.aliases <= named.identity.name_keys):
+        is_listed = self._table.get(ALL, named.key) is not None
+        if not (is_listed and named.identity.distinct and named.aliases <= named.identity.name_keys):
             self._alias(named)
-        if not known:
+        if not is_listed:
             self._search(named)
 
     def index(self, document: CalibrationDocument) -> None:
@@ -103,11 +103,11 @@ def _aliases(named: _NamedCamera) -> list[Item]:
 
 
 def _search_items(named: _NamedCamera) -> list[Item]:
-    found = list(dict.fromkeys(words(named.identity.name)))[:_MAX_NAME_WORDS]
+    parts = list(dict.fromkeys(words(named.identity.name)))[:_MAX_NAME_WORDS]
     if named.identity.usb_id:
-        found += [*named.identity.usb_id.split(":"), *vendor_words(named.identity.usb_id)]
+        parts += [*named.identity.usb_id.split(":"), *vendor_words(named.identity.usb_id)]
     name = named.identity.name
     by_word: list[Item] = [
-        {"pk": ALL + word[0], "sk": f"{word}#{named.key}", "name": name} for word in dict.fromkeys(found)
+        {"pk": ALL + word[0], "sk": f"{word}#{named.key}", "name": name} for word in dict.fromkeys(parts)
     ]
     return [*by_word, {"pk": ALL, "sk": named.key, "name": name}]

@@ -27,10 +27,10 @@ class Proofs:
         content = self._jobs.now("verify", request.model_dump_json().encode())
         if content is None:
             raise UnavailableError("The service could not look for the proof; try again.")
-        found = ProofAnswer.model_validate_json(content)
-        if found.failure is None and not self._is_found(token_id, origin, now):
+        answer = ProofAnswer.model_validate_json(content)
+        if answer.failure is None and not self._is_found(token_id, origin, now):
             raise UnavailableError("The service could not keep the proof; try again.")
-        return found
+        return answer
 
     def _is_found(self, token_id: str, origin: str, now: int) -> bool:
         """Tell whether a proof was stored lately: the clocks of two functions may differ by some seconds."""

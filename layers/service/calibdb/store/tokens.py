@@ -66,10 +66,10 @@ class Tokens:
         `change` is called again where another change got ahead. Raises UnavailableError where that goes on.
         """
         for _ in range(_MAX_ATTEMPTS):
-            found = self._objects.get_version(_name(token_id))
-            if found is None:
+            version = self._objects.get_version(_name(token_id))
+            if version is None:
                 return None
-            content, tag = found
+            content, tag = version
             token = _from_document(content)
             if token.revoked is not None:
                 self.index(token)
@@ -232,5 +232,5 @@ def _token(token_id: str, item: Item) -> ApiToken:
 
 
 def _texts(item: Item, name: str) -> tuple[str, ...]:
-    found = item.get(name, [])
-    return tuple(found) if isinstance(found, list) else ()
+    value = item.get(name, [])
+    return tuple(value) if isinstance(value, list) else ()

@@ -92,8 +92,8 @@ class Versions(Generic[Document]):
 
     def find(self, name: str) -> Document | None:
         """Return the document as it stands, None when there was none or it was forgotten."""
-        found = self.find_version(name)
-        return found[0] if found else None
+        version = self.find_version(name)
+        return version[0] if version else None
 
     def get(self, name: str) -> Document:
         """Return the document as it stands; raises NotFoundError."""
@@ -101,10 +101,10 @@ class Versions(Generic[Document]):
 
     def get_version(self, name: str) -> tuple[Document, int]:
         """Return the document as it stands and its version; raises NotFoundError."""
-        found = self.find_version(name)
-        if found is None:
+        version = self.find_version(name)
+        if version is None:
             raise self._not_found()
-        return found
+        return version
 
     def head(self, name: str) -> Head | None:
         """Return the index entry, None when the document never was."""
@@ -118,9 +118,9 @@ class Versions(Generic[Document]):
         for _ in range(_MAX_UPDATE_ATTEMPTS):
             head = self.head(name)
             if head is not None and not head.forgotten:
-                found = self.find_version(name)
-                if found is not None:
-                    return found[0], False
+                version = self.find_version(name)
+                if version is not None:
+                    return version[0], False
                 continue  # forgotten in between
             # A session restarted under its name continues the count, so that code working on the deleted
             # one finds the index moved.

@@ -357,5 +357,5 @@ class Capture:
         camera = before.camera if before else self._initial_camera
         pose = reprojection_score(camera, [view]).poses[0]
         actual = Placement.of(self.board, camera, rotation.matrix(pose[:3]), pose[3:])
-        wanted = Placement.of(self.board, camera, rotation.matrix(target.rvec), target.tvec)
-        return ViewDecision(False, reason, None, largest_difference(actual, wanted, self.img_size[0]))
+        placement = Placement.of(self.board, camera, rotation.matrix(target.rvec), target.tvec)
+        return ViewDecision(False, reason, None, largest_difference(actual, placement, self.img_size[0]))

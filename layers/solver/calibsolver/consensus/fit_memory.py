@@ -50,9 +50,9 @@ def fit_plausible(views: Sequence[View], img_size: tuple[int, int], model: str) 
 
     Raises as `fit` does.
     """
-    found = fit(views, img_size, model, board_shape=True)
-    if found.board_shape is None or found.board_shape.is_plausible:
-        return found
+    calibration = fit(views, img_size, model, board_shape=True)
+    if calibration.board_shape is None or calibration.board_shape.is_plausible:
+        return calibration
     return fit(views, img_size, model)
 
 
@@ -63,9 +63,9 @@ def forget() -> None:
 
 def _digest(views: Sequence[View]) -> bytes:
     """Digest of all points, view by view."""
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for view in views:
-        found.update(len(view).to_bytes(8, "big"))
+        digest.update(len(view).to_bytes(8, "big"))
         for points in (view.object_points, view.image_points):
-            found.update(np.ascontiguousarray(points, dtype=np.float64).tobytes())
-    return found.digest()
+            digest.update(np.ascontiguousarray(points, dtype=np.float64).tobytes())
+    return digest.digest()

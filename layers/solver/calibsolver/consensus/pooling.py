@@ -234,11 +234,11 @@ class _Agreement:
         group = self.groups[0]
         try:
             start = Contributions(self.fits, self.fits[self.reference].calibration.camera)
-            found = start.relinearize(group)
+            result = start.relinearize(group)
         except CalibrationError:
-            found = None
-        if found is not None and found.is_settled(group):
-            return found
+            result = None
+        if result is not None and result.is_settled(group):
+            return result
         # One calibration may lie far along a valley of the model; all of them together do not.
         camera = self.fits[self.reference].calibration.camera
         pooled = fit_views([self.fits[i] for i in group], camera.img_size, camera.model)

@@ -42,10 +42,10 @@ class FoundCamera:
 
 def cameras(data: object) -> list[FoundCamera]:
     """Return the cameras of a parsed file in its order; `cam0`, `cam1` … in that of their numbers."""
-    found = list(islice(_walk(data, (), (), 0), MAX_CAMERAS))
-    numbers = [re.fullmatch(r"cam(?:era)?_?(\d{1,9})", each.name) for each in found]
+    records = list(islice(_walk(data, (), (), 0), MAX_CAMERAS))
+    numbers = [re.fullmatch(r"cam(?:era)?_?(\d{1,9})", each.name) for each in records]
     order = sorted((int(match[1]), i) for i, match in enumerate(numbers) if match)
-    return [found[i] for _, i in order] if len(order) == len(found) else found
+    return [records[i] for _, i in order] if len(order) == len(records) else records
 
 
 def _walk(
@@ -122,11 +122,11 @@ def _size(members: Members, index: int) -> tuple[int, int] | None:
     candidates = [members, *(Members(value) for _, value in members.items() if isinstance(value, Mapping))]
     for each in candidates:
         try:
-            found = image_size(each, index)
+            result = image_size(each, index)
         except CalibrationError:
             continue
-        if found and min(found) >= 16:  # squares of a board are fewer
-            return found
+        if result and min(result) >= 16:  # squares of a board are fewer
+            return result
     return None
 
 
@@ -181,23 +181,23 @@ def _stems(key: str) -> Iterator[tuple[str, str]]:
 
 def _nest_dotted_names(data: Mapping[Any, Any]) -> dict[str, Any]:
     """Gather members whose names are paths (`Camera1.fx` of ORB-SLAM) below the first part of the path."""
-    found: dict[str, Any] = {}
+    nested: dict[str, Any] = {}
     shared = {}
     for key, value in data.items():
         head, dot, tail = str(key).partition(".")
         if not dot or not head or not tail:
-            found.setdefault(str(key), value)
+            nested.setdefault(str(key), value)
             continue
-        part = found.setdefault(head, {})
+        part = nested.setdefault(head, {})
         if isinstance(part, dict):
             part.setdefault(tail, value)
         if head.lower() == "camera" and normalise(tail) in ("type", "width", "height"):
             shared[tail] = value
-    for key, part in found.items():
+    for key, part in nested.items():
         if shared and isinstance(part, dict) and re.fullmatch(r"camera\d*", key.lower()):
             for name, value in shared.items():
                 part.setdefault(name, value)
-    return found
+    return nested
 
 
 def describe_unknown(data: object) -> CalibrationError:

@@ -52,10 +52,10 @@ def grid(views: Sequence[View]) -> Grid:
         index = at.round()
         if np.abs(at - index).max() > MAX_CORNER_OFFSET:
             raise text.refuse("the points do not lie in rows and columns of one distance")
-        found = (index[:, 1] * columns + index[:, 0]).astype(int).tolist()
-        if len(set(found)) != len(found):
+        corner_ids = (index[:, 1] * columns + index[:, 0]).astype(int).tolist()
+        if len(set(corner_ids)) != len(corner_ids):
             raise text.refuse("a view has a corner twice")
-        ids.append(tuple(found))
+        ids.append(tuple(corner_ids))
     return Grid((columns + 1, rows + 1), tuple(ids))
 
 
@@ -64,10 +64,10 @@ def _axis(values: Array) -> Array:
     order = np.sort(values)
     reach = max(float(np.ptp(order)), 1e-12)
     new = np.concatenate([[True], np.diff(order) > 1e-6 * reach])
-    found: Array = order[new]
-    if len(found) < 2:
+    positions: Array = order[new]
+    if len(positions) < 2:
         raise text.refuse("the points lie on a line")
-    return found
+    return positions
 
 
 def _step(axis: Array) -> float:

@@ -63,9 +63,9 @@ def image_size(members: Members, index: int = 0) -> tuple[int, int] | None:
         value = members.get(name)
         if value is None:
             continue
-        found = _pair(value, members.spelling(name), index)
-        if found:
-            return (found[1], found[0]) if name in SHAPE else found
+        size = _pair(value, members.spelling(name), index)
+        if size:
+            return (size[1], size[0]) if name in SHAPE else size
     return None
 
 

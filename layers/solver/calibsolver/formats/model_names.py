@@ -116,11 +116,11 @@ def _our_named_model(members: Members, keys: tuple[str, ...], *, strict: bool, d
         if not isinstance(value, str) or not value.strip():
             continue
         plain = _plain(value)
-        found = our_model(value)
-        if found is None and not distorted and plain.endswith("brownconrady"):
-            found = "rectilinear"
-        if found:
-            return found
+        model = our_model(value)
+        if model is None and not distorted and plain.endswith("brownconrady"):
+            model = "rectilinear"
+        if model:
+            return model
         if strict or plain in FOREIGN_NAMES or plain.startswith("splined"):
             raise text.refuse(
                 f"{members.spelling(key)} {value[:60]!r} is not supported; rectilinear (plumb_bob, radtan), "

@@ -55,13 +55,13 @@ def member(data: object, *path: str | int) -> Any:
     """Look up `path` in parsed data; CalibrationError ``malformed`` names the missing part."""
     here: Any = data
     for i, key in enumerate(path):
-        found = (isinstance(here, Mapping) and key in here) or (
+        is_there = (isinstance(here, Mapping) and key in here) or (
             isinstance(here, Sequence)
             and not isinstance(here, str)
             and isinstance(key, int)
             and key < len(here)
         )
-        if not found:
+        if not is_there:
             raise refuse(f"the file has no {'.'.join(str(part) for part in path[: i + 1])}")
         here = here[key]
     return here

@@ -87,7 +87,7 @@ def decode(raw: bytes) -> str:
 def parse_json(content: str, suffix: str) -> object:
     """Parse JSON; None where it is none, and may be YAML or a Python dictionary."""
     try:
-        found: object = json.loads(content)
+        value: object = json.loads(content)
     except json.JSONDecodeError as error:
         if suffix == ".json":
             if len(content) <= _MAX_YAML_BYTES:
@@ -99,7 +99,7 @@ def parse_json(content: str, suffix: str) -> object:
         return None
     except ValueError as error:  # a number of a million digits
         raise refuse(f"the file holds a value that cannot be read: {error}") from error
-    return found
+    return value
 
 
 class _Loader(yaml.SafeLoader):
@@ -150,8 +150,8 @@ def parse_yaml(content: str) -> object:
     try:
         for document in yaml.load_all(_plain_yaml(content), Loader=_Loader):
             if document is not None:
-                found: object = document
-                return found
+                value: object = document
+                return value
     except yaml.YAMLError as error:
         raise refuse(f"the file is not YAML: {_one_line(error)}") from error
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:

@@ -144,11 +144,11 @@ class PoseSelection:
 
     def progress(self, views: Sequence[View]) -> Progress:
         """Replay the method over `views`; steps that were replayed before are cached."""
-        known = 0
-        while known < min(len(views), len(self._steps)) and self._steps[known][0] is views[known]:
-            known += 1
-        del self._steps[known:]
-        for i in range(known, len(views)):
+        count = 0
+        while count < min(len(views), len(self._steps)) and self._steps[count][0] is views[count]:
+            count += 1
+        del self._steps[count:]
+        for i in range(count, len(views)):
             last = self._steps[-1][1] if self._steps else None
             self._steps.append((views[i], self._advance(list(views[: i + 1]), last)))
         return self._steps[-1][1]

@@ -110,11 +110,11 @@ def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | N
     if len(taken) < MIN_CAUSE_VIEWS:
         return None
     shares = explained_shares(calibration, views)
-    kept = [views[i] for i in taken]
+    subset = [views[i] for i in taken]
     most = max(shares.values())
     model, share = _NO_MODEL
     if most < MAX_SHARE_BESIDE_MODEL:
-        compute = partial(_better_model, calibration, views, kept)
+        compute = partial(_better_model, calibration, views, subset)
         model, share = deadline.compute_within(MAX_MODELS_S, compute, _NO_MODEL)
     most = max(most, share)
     if most < MIN_EXPLAINED_SHARE:

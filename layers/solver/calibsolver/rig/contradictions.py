@@ -36,9 +36,9 @@ def near_start(problem: RigProblem, state: State, mask: Mask) -> Mask:
     errors = np.full((len(mask), len(problem.members)), np.nan)
     for i, member in enumerate(problem.members):
         there = mask[:, member.slots]
-        seen = there.any(axis=1)
+        visible = there.any(axis=1)
         square = medians(state.square[:, member.slots], there)
-        errors[seen, i] = np.sqrt(square[seen]) / (member.weight * member.img_size[0])
+        errors[visible, i] = np.sqrt(square[visible]) / (member.weight * member.img_size[0])
     shared = np.isfinite(errors).sum(axis=1) > 1
     if not shared.any():
         return mask
@@ -64,7 +64,7 @@ def without_contradicting_view(problem: RigProblem, state: State, among: Mask) -
     Returns the state near the optimum without it, and the points that are left.
     """
     noise = float(np.sqrt(np.mean(state.square[among])))
-    found: list[tuple[float, State, Mask]] = []
+    candidates: list[tuple[float, State, Mask]] = []
     for row, slots in _candidates(problem, state, among):
         left = among.copy()
         left[row, slots] = False
@@ -72,10 +72,10 @@ def without_contradicting_view(problem: RigProblem, state: State, among: Mask) -
             continue
         moved = problem.solve(state, outliers.unit_weights(left), TOWARDS_OPTIMUM)
         if moved.is_finite:
-            found.append((float(np.sqrt(np.mean(moved.square[left]))), moved, left))
-    if not found:
+            candidates.append((float(np.sqrt(np.mean(moved.square[left]))), moved, left))
+    if not candidates:
         return None
-    least, moved, left = min(found, key=lambda each: each[0])
+    least, moved, left = min(candidates, key=lambda each: each[0])
     return (moved, left) if least < MIN_NOISE_DROP * noise else None
 
 
@@ -86,8 +86,8 @@ def is_linked(problem: RigProblem, good: Mask) -> bool:
 
 def find_unlinked(problem: RigProblem, good: Mask) -> tuple[int, ...]:
     """Positions that no chain of moments leads to from camera 0, of points `good` (m, n)."""
-    seen = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
-    return unlinked_cameras(len(problem.members), [np.flatnonzero(moment).tolist() for moment in seen])
+    visible = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
+    return unlinked_cameras(len(problem.members), [np.flatnonzero(moment).tolist() for moment in visible])
 
 
 def check_links(problem: RigProblem, good: Mask) -> None:

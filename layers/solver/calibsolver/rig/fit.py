@@ -113,8 +113,8 @@ class _RigFit:
     @cached_property
     def noises(self) -> Array:
         """Noise (c,) of one coordinate of a corner of each camera, px."""
-        found = np.maximum([each.noise for each in self.alone], 1e-12)
-        out: Array = np.minimum(found, MAX_NOISE_RATIO * found.min())
+        result = np.maximum([each.noise for each in self.alone], 1e-12)
+        out: Array = np.minimum(result, MAX_NOISE_RATIO * result.min())
         return out
 
     @cached_property
@@ -167,11 +167,11 @@ class _RigFit:
         for _ in range(len(self.linked) // MIN_MOMENTS_PER_LATE_VIEW):
             if not is_contradictory(problem, state, good, self.noise):
                 break
-            found = without_contradicting_view(problem, state, among)
-            if found is None:
+            outcome = without_contradicting_view(problem, state, among)
+            if outcome is None:
                 break
-            among = found[1]
-            state, good = self._least_squares(*found, among)
+            among = outcome[1]
+            state, good = self._least_squares(*outcome, among)
         check_links(problem, good)
         return self._result(state, good)
 
@@ -215,9 +215,9 @@ class _RigFit:
             return near
         good = near | (mask & (state.square < (MIN_OUTLIER_WIDTHS * self.problem.width) ** 2))
         for member in self.problem.members:
-            kept = near[:, member.slots].sum(axis=1)
+            counts = near[:, member.slots].sum(axis=1)
             there = mask[:, member.slots].sum(axis=1)
-            good[:, member.slots] &= (kept >= np.maximum(MIN_POINTS, outliers.MIN_INLIER_SHARE * there))[
+            good[:, member.slots] &= (counts >= np.maximum(MIN_POINTS, outliers.MIN_INLIER_SHARE * there))[
                 :, None
             ]
         return good
@@ -303,8 +303,8 @@ class _RigFit:
         )
         for i, (camera, member) in enumerate(zip(cameras, self.problem.members, strict=True)):
             p = RigidMotion.of_vector(vectors[i])(in_rig[:, :, member.slots].transpose(0, 2, 1))
-            seen = camera.valid(p)[good[:, member.slots]]
-            if seen.size and np.mean(~seen) > plausibility.MAX_SHARE_OUTSIDE_DOMAIN:
+            inside = camera.valid(p)[good[:, member.slots]]
+            if inside.size and np.mean(~inside) > plausibility.MAX_SHARE_OUTSIDE_DOMAIN:
                 raise CalibrationError("not_believable", f"camera {i}: its points lie where the model folds")
 
     def _set_aside(self, good: Mask) -> dict[tuple[int, int], str]:

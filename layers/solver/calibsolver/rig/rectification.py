@@ -93,11 +93,11 @@ def _centre(camera: Camera, r: Array) -> Array:
     rim = (x == 0) | (y == 0) | (x == w - 1) | (y == h - 1)
     pixels = np.stack([x, y], axis=-1)
     rays = camera.unproject(pixels[rim]) @ r.T
-    seen = rays[np.isfinite(rays).all(axis=1) & (rays[:, 2] > 0.2)]
+    visible = rays[np.isfinite(rays).all(axis=1) & (rays[:, 2] > 0.2)]
     middle = camera.unproject(np.array([[(w - 1) / 2, (h - 1) / 2]])) @ r.T
     if not middle[0, 2] > 0.2:
         raise CalibrationError("not_representable", "the cameras look in directions too far apart")
-    if len(seen) < 0.75 * rim.sum():  # of a wide lens the middle says where its picture is
-        seen = middle
-    centre: Array = np.mean(seen[:, :2] / seen[:, 2:], axis=0)
+    if len(visible) < 0.75 * rim.sum():  # of a wide lens the middle says where its picture is
+        visible = middle
+    centre: Array = np.mean(visible[:, :2] / visible[:, 2:], axis=0)
     return centre
