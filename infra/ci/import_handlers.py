@@ -1,4 +1,4 @@
-"""Import of every handler from the built layers alone, on Lambda's processor and Python.
+"""Import of every handler from only the built layers, on Lambda's processor and Python.
 
 `python3.13 infra/ci/import_handlers.py FOLDER`; it needs nothing but the standard library and `.build/layers`
 in FOLDER, so that it runs in Lambda's own image.

@@ -1,7 +1,7 @@
 """Steps of a long piece of work, each announced with the time that is left.
 
 What steps print themselves (compilers, the SAM CLI) would tear a bar apart; a line before each step survives
-it. The time left is that of the former run of the same steps, kept in `.build/durations.json`.
+it. The time left is that of the previous run of the same steps, kept in `.build/durations.json`.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ def announce(
     say, clock, path
         Output, seconds, and the file of the durations; for tests.
     """
-    former = _read(path).get(work, {})
+    previous = _read(path).get(work, {})
     texts = [text(step) for step in steps]
     for number, step in enumerate(steps):
-        expected = [former.get(each) for each in texts[number:]]
+        expected = [previous.get(each) for each in texts[number:]]
         say(f"{number + 1}/{len(texts)} {texts[number]}{_describe_time_left(expected)}")
         begun = clock()
         yield step
-        former[texts[number]] = round(clock() - begun, 1)
-        _write(path, work, {each: former[each] for each in texts if each in former})
+        previous[texts[number]] = round(clock() - begun, 1)
+        _write(path, work, {each: previous[each] for each in texts if each in previous})
 
 
 def format_duration(seconds: float) -> str:

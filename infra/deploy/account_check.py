@@ -174,7 +174,7 @@ def _certificate(acm: Any, domain: str, arn: str) -> Iterator[str]:
         return
     if arn.split(":")[2:4] != ["acm", "us-east-1"]:
         yield (
-            f"CertificateArn is {arn}: CloudFront takes certificates of us-east-1 alone, so request one for "
+            f"CertificateArn is {arn}: CloudFront takes only certificates of us-east-1, so request one for "
             f"{domain} there."
         )
         return

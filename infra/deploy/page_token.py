@@ -31,7 +31,7 @@ def current_token(made: Mapping[str, str], region: str, settings: Mapping[str, s
 
 
 def give_canary(made: Mapping[str, str], region: str, ssm: Any, stack: str) -> None:
-    """See to it that the canary has a token, in a secure parameter that it alone reads.
+    """Give the canary a token, in a secure parameter that only it reads.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Removal of what former deployments left: versions of functions, and artifacts that no template names."""
+"""Removal of old versions of functions, and of artifacts that no template names."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MAX_OBJECTS_PER_DELETE = 1000
 
 
 def prune(clients: Mapping[str, Any], stack: str, now: datetime) -> tuple[int, int]:
-    """Remove former versions and artifacts; return how many of each.
+    """Remove old versions and artifacts; return how many of each.
 
     `clients`: of `cloudformation`, `lambda` and `s3`.
     """

@@ -32,7 +32,7 @@ UNSUPPORTED = (
 )
 # The emulator does not deliver the site, and its functions run on AWS's processors.
 _ONLY_ON_AWS = ("account", "smoke")
-# A change in a layer alone
+# A change only in a layer
 _CHANGED = ROOT / ".build" / "layers" / "service" / "python" / "calibdb" / "rehearsed.py"
 
 
@@ -90,7 +90,7 @@ def _live() -> dict[str, tuple[str, str]]:
 def _find_unpublished(
     first: dict[str, tuple[str, str]], second: dict[str, tuple[str, str]], third: dict[str, tuple[str, str]]
 ) -> Iterator[str]:
-    """Find the functions that a change in a layer alone did not reach, or that nothing new published."""
+    """Find functions that a change in a layer did not reach, or that were published without a change."""
     for name, (version, release) in second.items():
         if release == first[name][1]:
             yield f"{name}: the alias kept the release {release} when a layer changed"

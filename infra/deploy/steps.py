@@ -45,7 +45,7 @@ class Target:
     def effective(self) -> dict[str, str]:
         """The parameters, and those that each deployment sets.
 
-        CloudFormation keeps the value of a parameter that is not named. `Rollout` is one deployment's alone.
+        CloudFormation keeps the value of a parameter that is not named. `Rollout` applies to one deployment.
         """
         defaults = {"GuidanceUrl": f"{self.site}/calibrate/"} if self.site else {}
         if self.region != _FIREWALL_REGION:
@@ -91,7 +91,7 @@ def steps(target: Target) -> Iterator[Step]:
     yield Step("upload", "upload web/, what pages load before the pages, and a token for them")
     yield Step("invalidate", "have the edge forget what it kept")
     yield Step("protect", "protect stack and table from deletion")
-    yield Step("prune", "remove versions and artifacts of former deployments")
+    yield Step("prune", "remove versions and artifacts of earlier deployments")
     yield Step("smoke", "ask the site and the API whether they do what they must")
 
 

@@ -85,7 +85,7 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
     """Write all that may be given away to a new folder; return how many calibrations and votes.
 
     Withdrawn calibrations are left out, and what was given without a licence. Contributors are named by a
-    hash whose key is thrown away. `private`: with what was given without a licence, for the operator alone.
+    hash whose key is thrown away. `private`: with contributions without a licence, for the operator only.
 
     Raises OpsError where the folder is there already.
     """

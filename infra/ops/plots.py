@@ -17,7 +17,7 @@ from infra.ops.context import OpsContext
 
 _MARKERS = ("●", "x", "+", "◇", "▵")
 _HEIGHT = 18  # lines of a terminal
-_MAX_GROUPS = len(_MARKERS)  # drawn apart; the others stand alone
+_MAX_GROUPS = len(_MARKERS)  # with their own marker; the others have none
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ from calibdb.store.ports import Item
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.index import Key
 
-# What a computation writes; everything else beside a camera follows from single objects.
+# What a computation writes; all other items of a camera follow from single objects.
 _COMPUTED = ("CONSENSUS", "GROUPS")
 
 

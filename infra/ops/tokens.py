@@ -38,7 +38,7 @@ def list_all(context: OpsContext) -> list[ApiToken]:
 
 
 def describe(token: ApiToken) -> tuple[str, str, str, str, str]:
-    """Describe a token in words: id, day, plan, who made it, origins."""
+    """Describe a token: id, day, plan, creator, origins."""
     day = time.strftime("%Y-%m-%d", time.gmtime(token.created))
     made_by = "operator" if token.management_sha256 is None else "itself"
     origins = [*token.origins, *(f"{origin} (pending)" for origin in token.pending)]

@@ -36,7 +36,7 @@ class ForgetResult:
 def withdraw(context: OpsContext, calibration_id: str, reason: str) -> bool:
     """Exclude a calibration from all consensuses, and recompute its own.
 
-    The calibration stays, a tombstone beside it. False when it was withdrawn before.
+    The calibration stays, with a tombstone next to it. False if it was withdrawn before.
     """
     document = get(context, calibration_id)
     done = context.store.calibrations.withdraw(document, reason, context.now)

@@ -9,7 +9,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 #: the one place of the version; the OpenAPI document and the packed SDK follow it
 VERSION_FILE = Path("layers/service/calibdb/__init__.py")
-#: modules whose wheels carry it, too; a wheel is built of its own folder alone
+#: modules whose wheels also carry it; a wheel is built only of its own folder
 WHEEL_FILES = (
     Path("clients/python/calibdb_client/__init__.py"),
     Path("layers/solver/calibsolver/__init__.py"),

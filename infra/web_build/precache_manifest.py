@@ -2,7 +2,7 @@
 
     python -m infra.web_build.precache_manifest > shell.json
 
-The local stack answers `/shell.json` itself; a deployment uploads the file beside the pages.
+The local stack answers `/shell.json` itself; a deployment uploads the file with the pages.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ class Cache:
         try:
             self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             self._prune()
-            # mkstemp makes the file readable by its owner alone
+            # mkstemp makes the file readable only by its owner
             handle, name = tempfile.mkstemp(dir=self.folder, prefix=".")
             try:
                 with os.fdopen(handle, "w", encoding="utf-8") as file:

@@ -89,7 +89,7 @@ def open_camera(
             raise CameraError(_access_problem(chosen))
         if size is not None:
             w, h = size
-            # Most cameras give their large sizes, at a usable rate, as JPEG alone.
+            # Most cameras give their large sizes, at a usable rate, only as JPEG.
             capture.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*"MJPG"))
             capture.set(cv2.CAP_PROP_FRAME_WIDTH, w)
             capture.set(cv2.CAP_PROP_FRAME_HEIGHT, h)

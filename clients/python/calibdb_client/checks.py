@@ -29,7 +29,7 @@ class CheckResult:
     fits
         True if the calibration fits the views.
     error, expected
-        px rms of the views under it, and under a camera fitted to them alone.
+        px rms of the views under it, and under their own fit.
     counted
         True if the check counts as a vote.
     votes

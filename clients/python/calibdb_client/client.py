@@ -288,7 +288,7 @@ class Client:
         board
             The board; recognised unless given.
         platform, zoom
-            As in `key_of`; ``photographs`` is the platform of a label alone.
+            As in `key_of`; ``photographs`` is the platform of a bare label.
         model, licence
             As in `submit`.
 

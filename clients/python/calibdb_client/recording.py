@@ -89,7 +89,7 @@ class Recording:
         write_whole(Path(path), self.content())
 
     def content(self, calibration: Mapping[str, Any] | None = None) -> bytes:
-        """Return the file's content; with a calibration it is that calibration's file, too."""
+        """Return the file's content; with a calibration it is also that calibration's file."""
         member = {
             **self.key.record(),
             "format": FORMAT,

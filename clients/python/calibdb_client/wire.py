@@ -136,7 +136,11 @@ def error_of(reply: Reply, site: str) -> ProblemError | ServiceUnavailableError:
     ]
     retry_after = _retry_after(reply)
     if reply.status == 429:
-        wait = f" It goes on in {_duration(retry_after)}." if retry_after else " Try again in a minute."
+        wait = (
+            f" More calls are possible in {_duration(retry_after)}."
+            if retry_after
+            else " Try again in a minute."
+        )
         detail = (detail or "Too many requests.").rstrip() + wait
     elif reply.status in (401, 403):
         detail = (detail or "The service refuses the token.").rstrip() + " Check the token (CALIBDB_TOKEN)."

@@ -164,7 +164,7 @@ def import_files(
 ) -> None:
     """Store calibration files: with keypoints as a calibration, else as a first guess.
 
-    Of several files each is stored or refused by itself.
+    Several files are stored or refused one by one.
     """
     with open_run(as_json=as_json) as run:
         from calibsolver.formats.reader_options import ReaderOptions

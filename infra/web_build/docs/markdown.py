@@ -124,7 +124,7 @@ def code_block(text: str, language: str) -> str:
 
 @cache
 def _parser() -> MarkdownIt:
-    # Comments mark the parts that benches write; they alone of HTML are let through, to be dropped.
+    # Comments mark the parts that benches write; only they are accepted as HTML, and dropped.
     return MarkdownIt("commonmark", {"html": True}).enable("table")
 
 

@@ -21,7 +21,7 @@ _seconds_left: ContextVar[SecondsLeft | None] = ContextVar("seconds_left", defau
 def limit(seconds_left: SecondsLeft) -> Iterator[None]:
     """Limit the computations of the block: `seconds_left` returns s, 0 or less when the time is up.
 
-    A limit around the block holds, too. DeadlineError leaves the block where the time is up.
+    A limit around the block also applies. DeadlineError leaves the block when the time is up.
     """
     outer = _seconds_left.get()
     bounded = seconds_left if outer is None else lambda: min(outer(), seconds_left())

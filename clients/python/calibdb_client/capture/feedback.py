@@ -25,7 +25,7 @@ class Scene:
     target
         The pose that is wanted; None while the service is asked.
     instruction
-        Next movement, in words.
+        Next movement, as text.
     hold
         0 to 1, part of the time for which the board must be held still.
     status
@@ -75,7 +75,7 @@ class Silent:
 
 
 def progress_words(status: Status) -> str:
-    """Return the course in words, such as ``3 views, 62 %, 0.41 px``."""
+    """Describe the course, such as ``3 views, 62 %, 0.41 px``."""
     views = f"{status.views} view{'' if status.views == 1 else 's'}"
     error = "" if status.error is None else f", {status.error:.2f} px"
     return f"{views}, {100 * status.progress:.0f} %{error}"

@@ -40,7 +40,7 @@ class Target:
     outline
         (m, 2) px, edge of the board.
     purpose, hint
-        Purpose of the view, and the next movement, in words.
+        Purpose of the view, and the next movement, as text.
     """
 
     index: int
@@ -269,5 +269,5 @@ def require_views(views: Sequence[RecordedView]) -> None:
     """Raise CaptureError if these views are too few for a calibration."""
     if len(views) < MIN_VIEWS:
         raise CaptureError(
-            f"{len(views)} views were taken, and {MIN_VIEWS} are needed: `calibdb resume` goes on with them"
+            f"{len(views)} views were taken, and {MIN_VIEWS} are needed: `calibdb resume` continues with them"
         )

@@ -47,7 +47,7 @@ READ_REFUSAL_S = 2.0
 """Time to read why a view at the target was refused, before another pose is asked for."""
 MIN_APPROACH = 0.05
 LENIENT_AFTER_S, MAX_LENIENCE = 3.0, 4.0
-"""Time in which a steady hand would be still; later, up to so many times its motion counts, too."""
+"""Time in which a steady hand would be still; later, so many times its motion also counts as still."""
 RECOGNITION_FRAMES = 5
 """Frames in which an undescribed board is looked for."""
 MAX_RECOGNITION_FRAMES = 900
@@ -83,7 +83,7 @@ class Live:
     Parameters
     ----------
     frames, recording
-        The source; camera and board, and the views of an earlier capture that it goes on with.
+        The source; camera and board, and the views of an earlier capture to continue.
     guide, feedback
         The guide, and the feedback to the user.
     keep

@@ -71,7 +71,7 @@ class Operation:
     source, frames, feedback
         The source, its frames, and the feedback to the user.
     recording
-        Camera and board, and the views of an earlier capture that it goes on with.
+        Camera and board, and the views of an earlier capture to continue.
     """
 
     source: NamedSource

@@ -1,4 +1,4 @@
-"""The command `resume`: a live capture that ended early goes on."""
+"""The command `resume`: continue a live capture that ended early."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from .corners import Corners, refine
 USUAL_SPACINGS = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6)
 """Spacings that boards are printed with; Kalibr's own is 0.3."""
 MAX_SNAP, MAX_SNAP_COARSE = 0.012, 0.022
-"""Difference from a usual spacing up to which that is meant: of a fit, and of places alone."""
+"""Difference from a usual spacing up to which that is meant: of a fit, and of places only."""
 MIN_TAGS = 10
 """Tags in an image from which the spacing follows."""
 MAX_CURVE_RATIO = 0.6

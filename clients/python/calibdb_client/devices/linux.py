@@ -51,7 +51,7 @@ class Capability:
 
 def query_capability(path: Path) -> Capability | None:
     """Ask a device for its capability; None if it cannot be opened."""
-    import fcntl  # of Unix alone
+    import fcntl  # Unix only
 
     buffer = bytearray(_CAPABILITY.size)
     try:

@@ -3,7 +3,7 @@
 A browser reports a label (`Logitech HD Pro Webcam C920 (046d:082d)`) and a platform (`X11; Linux x86_64`).
 
 * With a USB id in the label, id and name identify the camera, on any platform.
-* Without one, name and system identify it; on Android the device's model, too.
+* Without one, name and system identify it; on Android also the device's model.
 * A distinctive name (`HD Pro Webcam C920`) leads to the camera of the USB id known under it, on any computer.
 * A generic name (`Integrated Camera`, `camera 0, facing back`) leads to no other camera. Without a device's
   model it is `ambiguous`: its calibrations may belong to different products.
@@ -48,7 +48,7 @@ class Identity:
     Attributes
     ----------
     key
-        Key of the camera: of USB id and name, or of the name alone where there is no id.
+        Key of the camera: of USB id and name, or of only the name if there is no id.
     name_key
         Key of name and system: lookups use it if a browser gives no id.
     name_keys

@@ -40,7 +40,7 @@ _SHOWN = {
 }
 _USER_AGENT = re.compile(r"^Mozilla/[0-9.]+ \(([^)]*)\)")
 _SYSTEMS = (
-    # The first that is found: Android calls itself Linux, too, and iOS "like Mac OS X".
+    # The first match counts: Android also calls itself Linux, and iOS "like Mac OS X".
     ("ios", re.compile(r"\b(?:(?:iphone|ipad|ipod)(?:[0-9]{1,2},[0-9]{1,2})?|ios)\b")),
     ("android", re.compile(r"\bandroid\b")),
     ("chromeos", re.compile(r"\b(?:cros|chrome ?os|chromium ?os)\b")),
@@ -75,7 +75,7 @@ class System:
 
     @property
     def is_file(self) -> bool:
-        """Tell whether it is photographs or a video: the camera's name is from the file, written by itself.
+        """True for photographs and videos, whose camera's name is from the file.
 
         A camera cuts them differently, and its stream again.
         """

@@ -52,8 +52,8 @@ class Figures:
             contributors=len(tally.contributors),
             given=tally.given.calibrations,
         )
-        former = self.dumps.statistics()
-        history = [one for one in (former.history if former else ()) if one.date != snapshot.date]
+        previous = self.dumps.statistics()
+        history = [one for one in (previous.history if previous else ()) if one.date != snapshot.date]
         statistics = Statistics(
             created=draft.started,
             history=(*history, snapshot)[-MAX_HISTORY:],

@@ -1,8 +1,8 @@
-"""The public dump, written in parts: bounded in memory, and after a crash it goes on where it was.
+"""The public dump, written in parts: bounded in memory, and continued after a crash.
 
 A part is one object of JSON Lines, compressed. After each part the draft says how far the dump is, so that an
-invocation does as much as its time allows and the next one goes on. `latest.json` names a dump only when all
-of it is there: until then it names the one before.
+invocation works as long as its time allows and the next one continues. `latest.json` names a dump only when it
+is complete; until then it names the previous one.
 """
 
 from __future__ import annotations
@@ -134,7 +134,7 @@ class WeeklyDump:
         if not whole:
             return changed
         following = _FOLLOWING[draft.kind]
-        # A dump is published from a draft that says so: a crash until then repeats that step alone.
+        # A dump is published from a draft that says so: a crash until then repeats only that step.
         ended = {"complete": True} if following is None else {"kind": following, "after": ""}
         return changed.model_copy(update=ended)
 

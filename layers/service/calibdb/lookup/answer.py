@@ -127,7 +127,7 @@ def _relate_and_adapt(
         return None, None
     if found.img_size != asked:
         # Of a size that was never calibrated only this can be said: between two sizes that show the same
-        # it shows the same, too. Beyond them many a camera begins to cut.
+        # it also shows the same. Beyond them many a camera begins to cut.
         alike = sorted(
             (c for c in (found, *others) if same_aspect(c.img_size, asked)), key=lambda c: c.img_size[0]
         )

@@ -1,4 +1,4 @@
-"""Estimate for a lookup that misses: what is stored of the camera, as evidence beside published facts."""
+"""Estimate for a lookup that misses: stored data of the camera, as evidence besides published facts."""
 
 from __future__ import annotations
 

@@ -237,7 +237,7 @@ def _advice(rig: Rig, estimate: RigEstimateDocument) -> Iterator[RigAdvice]:
         yield RigAdvice(code="set_aside", text=text, positions=others)
     turned = tuple(sorted({one.position for one in fit.turned}))
     if turned:
-        text = "In some views the board was numbered from another side; this was mended."
+        text = "In some views the board was numbered from another side; this was corrected."
         yield RigAdvice(code="turned", text=text, positions=turned)
     few = tuple(i for i, n in enumerate(rig.count_agreeing(fit)) if n < MIN_AGREEING_VIEWS)
     if few:

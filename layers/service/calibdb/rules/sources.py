@@ -18,5 +18,5 @@ def family(source: str) -> str:
 
 
 def count_lines(sources: Iterable[str]) -> int:
-    """Count different sources, those of the larger family alone."""
+    """Count different sources, only those of the larger family."""
     return max(Counter(map(family, set(sources))).values(), default=0)

@@ -55,7 +55,7 @@ def _is_usual(value: str | bool | float) -> bool:
 class Board(Strict):
     """A flat calibration board.
 
-    `charuco`: squares with a marker in every white one. `chessboard`: squares alone. The corner `id` of both
+    `charuco`: squares with a marker in every white one. `chessboard`: only squares. The corner `id` of both
     is `row * (squares_x - 1) + column`, counted over the inner corners. `aprilgrid`: tags with a gap between
     them; `squares` counts tags, row by row from the lower left, and the corner `id` is `4 * tag + corner`,
     corners anticlockwise from the tag's lower left.

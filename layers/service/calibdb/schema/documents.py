@@ -44,7 +44,7 @@ class EstimateDocument(Open):
 
 
 class Finish(Open):
-    """Outcome fixed when the session converged. Publishing it follows from the document alone."""
+    """Outcome fixed when the session converged. Publishing it needs only the document."""
 
     calibration_id: str
     time: int  # unix seconds
@@ -183,7 +183,7 @@ class ConsensusDocument(Open):
     latest: int  # unix seconds; of the newest of these
     basis: str = ""
     pooled: str = ""
-    found: Reason | None = None  # why the calibrations alone do not make it reliable
+    found: Reason | None = None  # why its calibrations do not make it reliable
     confirmable: bool = False  # as many more calibrations as are missing, agreeing, would make it reliable
     votes: Votes = Votes()
     reason: Reason | None = None  # why it is not reliable

@@ -37,7 +37,7 @@ _STORAGE = Config(
     retries={"mode": "standard", "total_max_attempts": 3},
     tcp_keepalive=True,
 )
-# Who reads the secrets tries again by itself, with pauses that spread a crowd.
+# Reads of the secrets are retried, with pauses that spread a crowd.
 _SECRETS = Config(connect_timeout=1, read_timeout=2, retries={"mode": "standard", "total_max_attempts": 1})
 # A computation is asked for once: repeating it because it is slow would make it slower.
 _INVOKE = Config(connect_timeout=1, read_timeout=25, retries={"mode": "standard", "total_max_attempts": 1})
@@ -370,7 +370,7 @@ class S3Objects:
                 response = self._client().get_object(Bucket=self._bucket, Key=name)
                 return response["Body"].read(), response["ETag"]
             except ClientError as error:
-                # To whom may not list, S3 says of a missing object that it is forbidden, too.
+                # Without permission to list, S3 also returns 403 for a missing object.
                 if code(error) == "AccessDenied":
                     self._confirm_missing(name)
                 elif code(error) != "NoSuchKey":

@@ -1,6 +1,6 @@
 """Finished calibrations: objects, to which only a licence is ever added, and the index items that find them.
 
-One that was withdrawn keeps its object; a tombstone beside it, `<id>.withdrawn.json`, says so, and its item
+One that was withdrawn keeps its object; a tombstone next to it, `<id>.withdrawn.json`, says so, and its item
 is marked. It counts for nothing any more, and publishing it again does not bring it back.
 """
 

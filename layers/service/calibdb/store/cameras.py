@@ -88,7 +88,7 @@ class Cameras:
         )
 
     def set_id_support(self, camera_key: str, names: Iterable[str], support: IdSupport | None) -> bool:
-        """Write down under the keys `names` how the camera stands beside others of them; None: not at all.
+        """Store under the keys `names` how well known the camera is; None: not at all.
 
         False where it was written there already.
         """

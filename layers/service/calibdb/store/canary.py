@@ -1,4 +1,4 @@
-"""Last run of the canary: `HEALTH#CANARY/LAST`. It expires by itself; nothing follows from it."""
+"""Last run of the canary: `HEALTH#CANARY/LAST`. It expires; nothing depends on it."""
 
 from __future__ import annotations
 

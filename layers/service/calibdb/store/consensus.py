@@ -80,7 +80,7 @@ class Consensuses:
 def _still(before: str | None) -> Condition:
     if before is None:
         return IF_NOT_EXISTS
-    # Items written before there was a basis beside the document give way.
+    # Items without a basis, from earlier versions, give way.
     return absent("basis") | equals(basis=before)
 
 

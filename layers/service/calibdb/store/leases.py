@@ -24,7 +24,7 @@ class Leases:
     def take(self, mode: StreamMode, me: str, now: int, until: int, name: str = _SK) -> bool:
         """Begin to compute; False if another does, which is then asked to repeat it.
 
-        `me`: the same for every attempt of one request, so that a second one after a crash goes on.
+        `me`: the same for every attempt of one request, so that a second one after a crash continues.
         `until`: unix seconds at which the computation has surely ended, one way or the other. `name`: of one
         of several computations of the mode.
         """

@@ -4,8 +4,8 @@ DynamoDB writes an item, and a partition key, at most 1,000 times a second. So c
 eight keys: `TOKEN#<id>`, and `TOKEN#<id>#1` to `#7`. A user's share has one of them; what all users have
 together is split if the limit is large.
 
-Counters only ever grow, each for one hour or day; they expire by themselves and are not in the bucket. Those
-of a token are its statistics of use, too.
+Counters only ever grow, each for one hour or day; they expire and are not in the bucket. Those
+of a token are also its statistics of use.
 """
 
 from __future__ import annotations

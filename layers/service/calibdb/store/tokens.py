@@ -45,7 +45,7 @@ class Tokens:
         return True
 
     def read(self, token_id: str) -> ApiToken | None:
-        """Return the token as the bucket has it, revoked ones, too, and let the index know it as it is.
+        """Return the token as the bucket has it, also if revoked, and update the index.
 
         Its `expires` follows the index, where the first use is noted.
         """
@@ -63,7 +63,7 @@ class Tokens:
     def update(self, token_id: str, change: Callable[[ApiToken], ApiToken]) -> ApiToken | None:
         """Replace the token by what `change` makes of it; None, and nothing changed, where it was revoked.
 
-        `change` is called again where another change got ahead. Raises UnavailableError where that goes on.
+        `change` is called again where another change got ahead. Raises UnavailableError if that continues.
         """
         for _ in range(_MAX_ATTEMPTS):
             version = self._objects.get_version(_name(token_id))
@@ -112,7 +112,7 @@ class Tokens:
                 yield token
 
     def ids(self) -> Iterator[str]:
-        """Yield the id of every token that there ever was, revoked ones, too. For operators."""
+        """Yield the ids of all tokens ever issued, including revoked ones. For operators."""
         for name in self._objects.names(PREFIX):
             yield name.removeprefix(PREFIX).removesuffix(".json")
 
@@ -215,14 +215,14 @@ def _item(token: ApiToken) -> Item:
 
 
 def _token(token_id: str, item: Item) -> ApiToken:
-    former = item.get("former_sha256")
+    previous = item.get("former_sha256")
     return ApiToken(
         id=token_id,
         secret_sha256=str(item["secret_sha256"]),
         origins=_texts(item, "origins"),
         plan=str(item.get("plan", "free")),
         created=int(str(item.get("created", 0))),
-        former_sha256=None if former is None else str(former),
+        former_sha256=None if previous is None else str(previous),
         former_until=int(str(item.get("former_until", 0))),
         earlier=tuple((one, int(until)) for one, until in map(str.split, _texts(item, "earlier"))),
         pending=_texts(item, "pending"),

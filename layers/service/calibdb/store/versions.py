@@ -1,6 +1,6 @@
 """Running documents: immutable objects `<prefix><name>/<version>.json`, and an item that names the latest.
 
-A change of a few small members (`Kind.small`) writes no object: the item has them, beside the version whose
+A change of a few small members (`Kind.small`) writes no object: the item has them, next to the version whose
 object has the others.
 
 Changes follow optimistic concurrency. A change writes its object first and then moves the index to it, on the
@@ -87,7 +87,7 @@ class Versions(Generic[Document]):
         self._kind = kind
 
     def facts(self, document: Document) -> Mapping[str, Value]:  # noqa: ARG002
-        """Attributes of the item beside the version, which follow from the document."""
+        """Attributes of the item besides the version, which follow from the document."""
         return {}
 
     def find(self, name: str) -> Document | None:

@@ -59,7 +59,7 @@ class Capture:
     seed
         Initial camera, as others have measured it; fits start there, and it is not part of the result.
     recorded
-        The views are all there already: the capture does not end by itself, at whatever error or number.
+        All views exist already: the capture does not end at an error or a number of views.
     """
 
     def __init__(
@@ -344,7 +344,7 @@ class Capture:
         return max(1.0, MIN_NOISE_WIDTHS * self.img_size[0] / max(calibration.noise, 1e-12))
 
     def _resection_error(self, camera: Camera, view: View) -> float | None:
-        """Rms of the view with its pose alone fitted, px; None where it has no pose."""
+        """Rms of the view with only its pose fitted, px; None if it has no pose."""
         error = float(reprojection_score(camera, [view]).rms)
         return error if np.isfinite(error) else None
 

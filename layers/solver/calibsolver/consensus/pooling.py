@@ -72,7 +72,7 @@ class Consensus:
     members
         Ids of the group, in the order given.
     contributors
-        Number of different contributors in the group, of the largest family alone.
+        Number of different contributors in the group, of the largest family.
     reliable
         True if the rule holds.
     total
@@ -293,7 +293,7 @@ def unreliable_reason(
 
 
 def count_contributors(group: Sequence[FittedMember]) -> int:
-    """Count the contributors of a group, those of the largest family alone."""
+    """Count the contributors of a group, only those of the largest family."""
     different = {(f.member.family, f.member.contributor) for f in group}
     return max(Counter(family for family, _ in different).values())
 

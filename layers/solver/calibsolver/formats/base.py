@@ -119,7 +119,7 @@ class ImportedFile:
     Attributes
     ----------
     camera
-        None where the file has measurements alone.
+        None if the file has only measurements.
     views
         With the coordinates of the file's own board, in its unit.
     img_size

@@ -118,7 +118,7 @@ def _reader(data: Mapping[Any, Any], members: Members) -> Callable[[Any], Import
 
 
 def _size(members: Members, index: int) -> tuple[int, int] | None:
-    """Image size beside cameras: among the members, or one level below. A wrong one is another thing's."""
+    """Image size next to cameras: among the members, or one level below."""
     candidates = [members, *(Members(value) for _, value in members.items() if isinstance(value, Mapping))]
     for each in candidates:
         try:

@@ -15,7 +15,7 @@ class Format(ABC):
     media_type: str = "text/plain; charset=utf-8"
     constraints: tuple[ModelConstraint, ...]
     front_readers: str = ""
-    """Tools that read the file and project points in front of the camera alone, by dividing by z."""
+    """Tools that read the file and project only points in front of the camera, by dividing by z."""
 
     def convert(self, source: ExportSource) -> Conversion:
         """Return the closest camera that the file can hold; CalibrationError ``not_representable``."""

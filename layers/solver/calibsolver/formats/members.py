@@ -12,7 +12,7 @@ MAX_MEMBERS = 10_000
 
 
 def normalise(name: object) -> str:
-    """Write a member's name in lower case, letters and digits alone."""
+    """Write a member's name in lower case, only letters and digits."""
     return re.sub(r"[^a-z0-9]+", "", str(name)[:200].lower())
 
 
@@ -52,7 +52,7 @@ class Members:
 def image_size(members: Members, index: int = 0) -> tuple[int, int] | None:
     """Return width and height that a mapping states under any of their names; None where it does not.
 
-    `index` is the camera's place in a list: some files have a list of sizes beside it.
+    `index` is the camera's place in a list: some files have a list of sizes next to it.
     Raises CalibrationError ``malformed`` for a size that is none.
     """
     for wide, high in SIDES:

@@ -79,7 +79,7 @@ def assignments(content: str) -> dict[str, Any]:
 
 
 def numbers_alone(content: str) -> dict[str, Any] | None:
-    """Return the camera of a file of numbers alone, as numpy.savetxt writes it: a matrix, coefficients."""
+    """Return the camera of a file of bare numbers, as numpy.savetxt writes it: a matrix, coefficients."""
     lines = [
         line for line in content.splitlines()[:100] if line.strip() and not line.lstrip().startswith(_COMMENT)
     ]

@@ -33,7 +33,7 @@ def sampled_rays(camera: Camera, max_angle: float = np.pi) -> tuple[Array, Array
     x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
     q = np.stack([x.ravel(), y.ravel()])
     rays = models.get(camera.model).unproject(camera.intrinsics, q)
-    visible = rays[2] > np.cos(max_angle)  # false, too, where there is no ray
+    visible = rays[2] > np.cos(max_angle)  # also false where there is no ray
     if visible.sum() < models.get(camera.model).size:
         raise CalibrationError("not_representable", "the camera has no rays")
     return rays[:, visible], q[:, visible]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class ReaderOptions:
-    """Facts beside a file.
+    """Facts that a file lacks.
 
     Attributes
     ----------

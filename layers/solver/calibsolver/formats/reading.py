@@ -90,7 +90,7 @@ def is_mrcal(content: str) -> bool:
 
 def read_text(content: str, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: B008 - a value that never changes
     """Read a text of another form: XML, mrcal's .cameramodel, ROS's .ini and ost.txt, COLMAP's cameras.txt,
-    `name = value` lines, a matrix of numbers alone, or a table of corners.
+    `name = value` lines, a bare matrix of numbers, or a table of corners.
 
     Raises CalibrationError ``malformed``.
     """  # noqa: D205 - a list of names

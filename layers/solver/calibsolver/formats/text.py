@@ -80,7 +80,7 @@ MAX_NUMBER_LENGTH = 100
 
 
 def number_list(value: str) -> list[float] | None:
-    """Return the numbers of a text of numbers alone ("640, 480", "[1.5 2; 3 4]"); None for any other."""
+    """Return the numbers of a text of only numbers ("640, 480", "[1.5 2; 3 4]"); None for any other."""
     if len(value) > MAX_NUMBERS_TEXT or not any(c.isdigit() for c in value[:100]):
         return None
     words = re.split(r"[\s,;\[\](){}]+", value.strip(" \t\r\n,;[](){}"))

@@ -17,7 +17,7 @@ from ..errors import CalibrationError
 from .artoolkit import is_parameters
 from .text import refuse
 
-_MAX_YAML_BYTES = 2**20  # bytes; a camera alone is a few hundred
+_MAX_YAML_BYTES = 2**20  # bytes; one camera is a few hundred
 _MAX_DEPTH = 20
 _MIN_ASCII = 0.9  # share of a file in an unknown eight-bit encoding that is plain ASCII
 _BINARY = {

@@ -43,7 +43,7 @@ def limited_information(
     weights
         (v, n) of the points.
     noise
-        Standard deviation of a corner's coordinate, px: the systematic errors are meant beside it.
+        Standard deviation of a corner's coordinate, px: without the systematic errors.
 
     systematic
         Size of the systematic errors / the usual one, as `systematic_share` returns; 0: none.

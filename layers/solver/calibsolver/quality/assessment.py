@@ -245,7 +245,7 @@ def has_fixed_pattern(calibration: Calibration, views: Sequence[View]) -> bool:
 def fixed_pattern_residual(
     calibration: Calibration, views: Sequence[View], grid: tuple[int, int] = (8, 6)
 ) -> tuple[float, float]:
-    """Part of the residuals that depends on the place in the image alone: share of their rms, and px rms.
+    """Part of the residuals that depends only on the place in the image: share of their rms, and px rms.
 
     The mean over a cell of independent residuals has their variance / n; what is more than that the model
     leaves unexplained. A board that is bent shows in each view elsewhere, and counts little.

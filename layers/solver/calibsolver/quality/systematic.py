@@ -202,7 +202,7 @@ def _columns(rows: Array) -> Array:
 
 
 class _Regression:
-    """Least squares in each view by itself: sums of squares before and after, and degrees of freedom."""
+    """Least squares in each view separately: sums of squares before and after, and degrees of freedom."""
 
     def __init__(self) -> None:
         self.before = self.after = 0.0

@@ -1,8 +1,8 @@
 """Views that contradict a rig although a joint fit hides it: found by leaving them out one at a time.
 
-A board that moved between the pictures of two cameras makes a moment whose views are right by themselves
+A board that moved between the pictures of two cameras makes a moment whose views are each right
 and wrong together. With few moments and everything free the fit bends to it, and no residual stands out. But
-then the rig has far more noise than its cameras have alone, and without that view it has not.
+then the rig has far more noise than its single cameras, and without that view it has not.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..fitting.robust_homography import medians
 from .problem import RigProblem, unlinked_cameras
 
 MAX_JOINT_NOISE_RATIO = 1.5
-"""Noise of the rig / noise of its cameras alone from which a view is looked for that contradicts it."""
+"""Noise of the rig / noise of its single cameras from which a contradicting view is looked for."""
 MIN_NOISE_DROP = 0.6
 """Noise of the rig without a view / with it, below which the view is set aside: it explains most of it."""
 MAX_START_MEDIANS = 3.0
@@ -53,7 +53,7 @@ def near_start(problem: RigProblem, state: State, mask: Mask) -> Mask:
 
 
 def is_contradictory(problem: RigProblem, state: State, good: Mask, noise: float) -> bool:
-    """Tell whether points `good` (m, n) are noisier in the rig than in its cameras alone (`noise`, px)."""
+    """True if points `good` (m, n) are noisier in the rig than in its single cameras (`noise`, px)."""
     joint = float(np.sqrt(np.mean(state.square[good]) / 2))
     return joint > MAX_JOINT_NOISE_RATIO * max(noise, NOISE_FLOOR * problem.width)
 

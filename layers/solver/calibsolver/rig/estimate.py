@@ -102,7 +102,7 @@ def estimate(record: Mapping[str, Any], *, final: bool = False) -> dict[str, Any
         return {"fit": None, "problem": None, "unlinked": sorted(lost)}
     try:
         target = next_moment(rig.board, rig.cameras, rig.moments, calibration, skipped, record["missed"])
-    except CalibrationError:  # a capture goes on without a target
+    except CalibrationError:  # a capture continues without a target
         target = RigTarget(None, {}, "")
     return {
         "fit": _fit_record(rig, calibration) if calibration is not None else None,

@@ -41,7 +41,7 @@ MAX_REJECTIONS = 6
 MAX_UNSETTLED_ROUNDS = 3
 """Rounds that end without convergence, after which the moments are taken to contradict each other."""
 ROUND = Options(iterations=40)
-"""One round: moments that agree need ten steps or twenty, and the next round goes on where this one ended."""
+"""One round: moments that agree need ten steps or twenty, and the next round continues there."""
 MIN_OUTLIER_WIDTHS = 0.003
 """Distance / image width below which a single point of a good view is not an outlier."""
 MAX_TAIL_RMS_RATIO = 1.1
@@ -102,7 +102,7 @@ def fit(
 
 @dataclass(frozen=True, eq=False)
 class _RigFit:
-    """One joint fit: moments, the cameras by themselves, moments that have a pose, the start."""
+    """One joint fit: moments, the single cameras, moments that have a pose, the start."""
 
     given: Sequence[Moment]
     alone: Sequence[Single]
@@ -119,7 +119,7 @@ class _RigFit:
 
     @cached_property
     def noise(self) -> float:
-        """Noise of the rig as its cameras alone have it, px."""
+        """Noise of the single cameras, px."""
         return float(np.exp(np.log(self.noises).mean()))
 
     @cached_property
@@ -143,7 +143,7 @@ class _RigFit:
 
     @cached_property
     def mask(self) -> Mask:
-        """Points (m, n) that may take part: of views that could be explained by themselves."""
+        """Points (m, n) that may take part: of views that their own camera explains."""
         mask = self.problem.obs.mask.copy()
         for row, m in enumerate(self.linked):
             for i, member in enumerate(self.problem.members):

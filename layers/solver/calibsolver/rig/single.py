@@ -1,4 +1,4 @@
-"""One camera of a rig by itself: fitted to its own views, or its views resected."""
+"""A single camera of a rig: fitted to its own views, or its views resected."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ Specification = Camera | tuple[tuple[int, int], str]
 
 @dataclass(frozen=True, eq=False)
 class Single:
-    """One camera by itself: intrinsics, whether they are held, poses and reasons by moment, px of noise."""
+    """A single camera: intrinsics, whether they are fixed, poses and reasons by moment, noise in px."""
 
     camera: Camera
     is_held: bool

@@ -86,7 +86,7 @@ class RigStart:
 
 @dataclass(frozen=True, eq=False)
 class ResectedMoment:
-    """A moment's views with the pose of the board in each camera alone (position -> motion)."""
+    """A moment's views with the pose of the board in each single camera (position -> motion)."""
 
     views: Moment
     poses: Mapping[int, RigidMotion]

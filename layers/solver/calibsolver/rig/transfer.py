@@ -26,7 +26,7 @@ MIN_SHARED = 3
 def working_distances(problem: RigProblem, state: State, good: Mask) -> Array:
     """Median distance (c,) of each camera from the board's points that it and another camera saw.
 
-    In board units. Close-ups for one camera alone say nothing of where both look.
+    In board units. Close-ups for a single camera say nothing about where both look.
     """
     views = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
     shared = views.sum(axis=1) > 1
