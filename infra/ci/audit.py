@@ -95,7 +95,7 @@ def _answer(command: list[str], timeout_s: float) -> Any:
 def report(name: str, audit: Audit) -> str:
     """Describe the findings in a line."""
     if not audit.judged:
-        return f"{name}: not audited, the service that knows of vulnerabilities does not answer here"
+        return f"{name}: not audited, the vulnerability service does not respond here"
     return "\n".join([f"{name}: {audit.judged} packages audited", *audit.vulnerable])
 
 

@@ -33,7 +33,7 @@ def sources(root: Path) -> str:
 
 
 def problem(root: Path, folder: str, *, solver: bool) -> str | None:
-    """Import one handler in a process of its own; return what went wrong, None where nothing did.
+    """Import one handler in a process of its own; return what went wrong, None if nothing did.
 
     Only the function's folder, its layers and the standard library are on the path.
     """

@@ -111,7 +111,7 @@ def switch(target: Target, *, enabled: bool) -> None:
     changed = aws.switch(boto3.client("cloudfront"), made["DistributionId"], enabled=enabled)
     print(f"The distribution is {'being ' if changed else ''}{state}{'' if changed else ' already'}.")
     if not enabled:
-        print(f"{made['ApiUrl']} still answers: deploy with RequestRate=1 to stop it too.")
+        print(f"{made['ApiUrl']} still responds: deploy with RequestRate=1 to stop it too.")
 
 
 def plan(target: Target) -> list[str]:

@@ -1,4 +1,4 @@
-"""Check of an account: whether it can hold the stack, found out before anything is made in it.
+"""Check of an account: whether it can host the stack, before anything is created.
 
 Every problem is one sentence that says what to do. Nothing here writes.
 """
@@ -200,4 +200,4 @@ def _zone(route53: Any, domain: str, zone: str) -> Iterator[str]:
         yield f"HostedZoneId cannot be read ({code(error)}): give the id of a public zone of this account."
         return
     if domain != name and not domain.endswith(f".{name}"):
-        yield f"The hosted zone is {name}, which does not hold {domain}: give the zone of that domain."
+        yield f"The hosted zone is {name}, which does not contain {domain}: pass the zone of that domain."

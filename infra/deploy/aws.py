@@ -35,7 +35,7 @@ class Stack:
 
 
 def describe(cloudformation: Any, stack: str) -> Stack | None:
-    """Read the stack, None where there is none."""
+    """Read the stack, None if there is none."""
     try:
         (description,) = cloudformation.describe_stacks(StackName=stack)["Stacks"]
     except ClientError as error:
@@ -244,7 +244,7 @@ def protect(cloudformation: Any, dynamodb: Any, stack: str) -> None:
 def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:
     """Upload the files in their order; return how many.
 
-    A versioned file that is there stays as it is. Raises DeployError where its content is another.
+    A versioned file that is there stays as it is. Raises DeployError if its content is another.
     """
     number = 0
     for number, file in enumerate(files, 1):  # noqa: B007 - how many there were
@@ -272,7 +272,7 @@ def _is_published(s3: Any, bucket: str, file: Upload) -> bool:
 
 
 def settings(s3: Any, bucket: str) -> Mapping[str, str] | None:
-    """Read the deployed `/config.json`, None where there is none."""
+    """Read the deployed `/config.json`, None if there is none."""
     listed = s3.list_objects_v2(Bucket=bucket, Prefix="config.json", MaxKeys=1)
     if not listed.get("KeyCount"):
         return None

@@ -102,7 +102,7 @@ def _do(step: Step, target: Target, source: str) -> None:
 
 
 def release(target: Target, source: str) -> str:
-    """Digest of what is deployed; raises KeyError where the address of the site is needed and not known."""
+    """Digest of what is deployed; raises KeyError if the address of the site is needed and not known."""
     stack = aws.describe(boto3.client("cloudformation", target.region), target.stack)
     values = {**(stack.parameters if stack else {}), **target.effective}
     if stack and target.site is None and (url := stack.outputs.get("SiteUrl")):

@@ -25,7 +25,7 @@ def current_token(made: Mapping[str, str], region: str, settings: Mapping[str, s
     made
         Outputs of the stack.
     settings
-        The deployed `/config.json`, None where there is none.
+        The deployed `/config.json`, None if there is none.
     """
     return admit(_tokens(made, region), (settings or {}).get("token", ""), _origins(made))
 

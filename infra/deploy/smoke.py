@@ -43,7 +43,7 @@ class Site:
     url
         Of the site, without slash.
     distribution
-        Domain name of its CloudFront distribution; None where there is none.
+        Domain name of its CloudFront distribution; None if there is none.
     """
 
     url: str

@@ -65,7 +65,7 @@ class Step:
 
 def steps(target: Target) -> Iterator[Step]:
     """Yield the steps; each is idempotent, so an interrupted deployment is restarted."""
-    yield Step("account", "ask the account whether it can hold the stack; nothing is made yet")
+    yield Step("account", "check that the account can host the stack; nothing is created yet")
     yield Step("build", "build both layers for arm64 and check their sizes", ("make", "layers"))
     yield Step("package", "name the release, and write its template")
     place = str(TEMPLATE.relative_to(ROOT))

@@ -33,7 +33,7 @@ def fixed_costs(prices: Mapping[str, Any]) -> list[FixedCost]:
 
 
 def places(*names: str) -> tuple[str, ...]:
-    """Find file and line of resources; raises KeyError where there is no such resource."""
+    """Find file and line of resources; raises KeyError if there is no such resource."""
     resources = {
         match["name"]: f"{file}:{number}"
         for file in TEMPLATES

@@ -69,7 +69,7 @@ class Outcome:
         faults = ", ".join(f"{n} {name}" for name, n in sorted(self.counts.items()) if name != "requests")
         yield f"{len(self.heard)} captures in {self.seconds:.0f} s"
         yield f"{self.counts['requests']} requests, of these {faults or 'all on a good line'}"
-        yield f"answers after {self.percentile(0.5):.0f} ms (median), {self.percentile(0.95):.0f} ms (95 %)"
+        yield f"responses after {self.percentile(0.5):.0f} ms (median), {self.percentile(0.95):.0f} ms (95 %)"
 
 
 class LoadError(RuntimeError):
@@ -87,7 +87,7 @@ class Line:
     latencies: list[float] = field(default_factory=list)
 
     def call(self, method: str, path: str, credential: str, body: object = None) -> Any:
-        """Ask until there is an answer; raises LoadError where it is not one of success."""
+        """Ask until there is an answer; raises LoadError if it is not one of success."""
         self.counts["requests"] += 1
         content = json.dumps(body).encode() if body is not None else b""
         if self.rng.random() < self.faults:
@@ -172,7 +172,7 @@ def drive(
     Raises
     ------
     LoadError
-        If an answer is not one of success, or a session holds other views than were acknowledged.
+        If a response is an error, or a session has other views than were acknowledged.
     """
     lines = [Line(url, random.Random(f"{seed}/{n}"), faults) for n in range(clients)]  # noqa: S311
 
@@ -228,7 +228,7 @@ def capture(line: Line, token: str, seed: int, camera: str, finish: bool) -> Cap
         raise LoadError(f"a capture of {camera} did not converge: {state['views']}")
     state = line.call("GET", "/v1/session", session)
     if [(v["index"], v["points"]) for v in state["views"]] != [(n, len(ids)) for n, ids, _ in heard.views]:
-        raise LoadError(f"a capture of {camera} holds other views than were acknowledged: {state['views']}")
+        raise LoadError(f"a capture of {camera} has other views than were acknowledged: {state['views']}")
     return heard
 
 

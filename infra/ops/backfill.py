@@ -70,7 +70,7 @@ def _describe(request: RefitRequest) -> str:
 
 
 def _refit(context: OpsContext, request: RefitRequest) -> int | None:
-    """Ask for one mode, model by model; return how many consensuses changed, None where it failed."""
+    """Ask for one mode, model by model; return how many consensuses changed, None if it failed."""
     before = {
         consensus.distortion_model: consensus.basis
         for consensus in context.store.consensuses.of(request.camera)

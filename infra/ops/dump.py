@@ -87,7 +87,7 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
     Withdrawn calibrations are left out, and what was given without a licence. Contributors are named by a
     hash whose key is thrown away. `private`: with contributions without a licence, for the operator only.
 
-    Raises OpsError where the folder is there already.
+    Raises OpsError if the folder is there already.
     """
     if folder.exists():
         raise OpsError(f"{folder} is there already; a dump needs a folder of its own")

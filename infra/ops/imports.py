@@ -63,13 +63,13 @@ def import_file(
     *,
     dry_run: bool = False,
 ) -> str:
-    """Store what a file holds, and say what it was; with `dry_run`, only say it.
+    """Store the content of a file and describe it; with `dry_run`, only describe it.
 
     With keypoints of a board it is a calibration like any other: refitted, pooled, audited. Without, it is
-    a first guess for a capture, and no lookup ever answers with it. The same file twice is one calibration;
+    a first guess for a capture, which lookups never return. The same file twice is one calibration;
     another file of the same keypoints is refused.
 
-    Raises OpsError where the file, or what it holds, cannot be used; nothing is stored then.
+    Raises OpsError if the file or its content cannot be used; then nothing is stored.
     """
     if model and model not in models.NAMES:
         raise OpsError(f"there is no distortion model {model!r}")
@@ -188,7 +188,7 @@ def _guess(
 ) -> str:
     camera = read.camera
     if camera is None:
-        raise OpsError(f"{path} holds neither a camera nor keypoints")
+        raise OpsError(f"{path} contains neither a camera nor keypoints")
     try:
         record = FitRecord.model_validate(_record(camera))
     except ValidationError as error:
@@ -207,7 +207,7 @@ def _guess(
     fx, fy = (camera.matrix[i, i] for i in range(2))
     size = f"{camera.img_size[0]} x {camera.img_size[1]}"
     said = f"a first guess: {camera.model}, {size}, fx {fx:.6g}, fy {fy:.6g}"
-    said += ", without keypoints; no lookup answers with it"
+    said += ", without keypoints; lookups never return it"
     if len(read.cameras) > 1:
         said += f"; camera {number} ({read.cameras[number]}) of {len(read.cameras)} in the file: "
         said += f"--camera-number takes another, 0 to {len(read.cameras) - 1}"

@@ -15,7 +15,7 @@ from infra.ops.errors import OpsError
 def publish_dump(context: OpsContext) -> Dump:
     """Write a dump to the site, as its function does every week, and return it.
 
-    Raises OpsError where there is no bucket of a site, or another writer was faster.
+    Raises OpsError if there is no bucket of a site, or another writer was faster.
     """
     dumps = dumps_of(context)
     if dumps is None:
@@ -61,6 +61,6 @@ def replace_dumps(context: OpsContext) -> int:
 
 
 def dumps_of(context: OpsContext) -> Dumps | None:
-    """Return the store of the site's dumps, None where no site is named."""
+    """Return the store of the site's dumps, None if no site is named."""
     site = context.storage.site
     return None if site is None else Dumps(context.objects, site)

@@ -161,7 +161,7 @@ def publish_finished(context: OpsContext, *, dry_run: bool = False) -> int:
 
 
 def refit(context: OpsContext, wanted: StreamMode) -> int | None:
-    """Have the consensus of every model computed; return of how many there is one, None where it failed."""
+    """Have the consensus of every model computed; return of how many there is one, None if it failed."""
     request = RefitRequest(
         camera=wanted.camera_key,
         img_size=wanted.img_size,

@@ -42,7 +42,7 @@ class ReplicatedObjects(S3Objects):
 
     @functools.cached_property
     def replica(self) -> S3Objects | None:
-        """Bucket that S3 replicates to, None where it replicates to none."""
+        """Bucket that S3 replicates to, None if it replicates to none."""
         with available():
             try:
                 response = self._client().get_bucket_replication(Bucket=self._source)

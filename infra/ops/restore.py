@@ -28,7 +28,7 @@ def load(context: OpsContext, folder: Path, *, dry_run: bool = False) -> tuple[i
     Raises OpsError, and has stored nothing, if a line is neither a calibration nor a vote.
     """
     if not (folder / CALIBRATIONS).is_file():
-        raise OpsError(f"{folder} holds no {CALIBRATIONS}: it is not the folder of a dump")
+        raise OpsError(f"{folder} lacks {CALIBRATIONS}: it is not the folder of a dump")
     # Every line is read once before the first is stored.
     calibrations = sum(1 for _ in context.track(_calibrations(folder), "reading calibrations"))
     votes = sum(1 for _ in context.track(_votes(folder), "reading votes"))

@@ -45,7 +45,7 @@ def withdraw(context: OpsContext, calibration_id: str, reason: str) -> bool:
 
 
 def get_withdrawn(context: OpsContext, calibration_id: str) -> tuple[CalibrationDocument, str]:
-    """Read a withdrawn calibration and the name of its tombstone; raises OpsError where it is not one."""
+    """Read a withdrawn calibration and the name of its tombstone; raises OpsError if it is not one."""
     document = get(context, calibration_id)
     tombstone = tombstone_object(calibration_id)
     if tombstone is None or context.objects.get(tombstone) is None:
@@ -89,7 +89,7 @@ def find_contributors_at(context: OpsContext, address: str, token_id: str | None
 def find_contributors_by_receipt(context: OpsContext, receipt: str) -> set[str]:
     """Find the contributors of the calibration, or of the session, of which this is the session id.
 
-    Raises OpsError where it was not signed by a key that is known, or nothing is left of its session.
+    Raises OpsError if it was not signed by a key that is known, or nothing is left of its session.
     """
     sid = SessionIds(context.settings.session_secrets, lambda: context.now).sid_of(receipt.strip())
     if sid is None:
@@ -187,7 +187,7 @@ def _contributors_of(session: SessionDocument) -> set[str]:
 
 
 def get(context: OpsContext, calibration_id: str) -> CalibrationDocument:
-    """Read a calibration; raises OpsError where there is none."""
+    """Read a calibration; raises OpsError if there is none."""
     document = context.store.calibrations.get(calibration_id)
     if document is None:
         raise OpsError(f"there is no calibration {calibration_id}")

@@ -27,7 +27,7 @@ EXAMPLES_PATH = Path(__file__).with_name("examples.json")
 """Answers to the examples of `operation_texts`, written by `infra.web_build.recorded_examples`."""
 OPENAPI_KEY = "openapi.json"
 RATE_LIMITED = ("RateLimit-Policy", "RateLimit")
-"""Headers of every answer under a plan that has limits."""
+"""Headers of every response under a plan with limits."""
 _REFERENCE = "#/components/schemas/{model}"
 
 

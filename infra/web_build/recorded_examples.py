@@ -143,7 +143,7 @@ def _poses() -> tuple[TargetPose, ...]:
 
 
 def examples() -> dict[str, Any]:
-    """Return the answers by operation, None where there is no body."""
+    """Return the answers by operation, None if there is no body."""
     answers: dict[str, Any] = {}
     values: dict[str, str] = {}
     with Server(environment={"NEW_TOKENS": "100"}) as stack:

@@ -30,7 +30,7 @@ def vendors(text: str) -> Iterator[tuple[str, str]]:
 
 
 def table(text: str) -> str:
-    """Return the table for a `usb.ids` file; raises ValueError where that names no version or no vendor."""
+    """Return the table for a `usb.ids` file; raises ValueError if that names no version or no vendor."""
     version = _VERSION_LINE.search(text)
     lines = [f"{vendor_id} {name}\n" for vendor_id, name in sorted(vendors(text))]
     if version is None or not lines:

@@ -15,7 +15,7 @@ from typing import Any
 MAX_FILES = 500
 """Files that are kept; the oldest give way."""
 MAX_AGE_S = 24 * 3600
-"""Longest time for which an answer is kept, whatever its headers say."""
+"""Maximum time for which a response is cached, whatever its headers say."""
 
 
 class Cache:
@@ -36,7 +36,7 @@ class Cache:
         self._clock = clock
 
     def get(self, address: str) -> dict[str, Any] | None:
-        """Return the answer that is still fresh, or None."""
+        """Return the fresh response, or None."""
         try:
             entry = json.loads(self._path(address).read_bytes())
             fresh = 0 < entry["expires"] - self._clock() <= MAX_AGE_S
@@ -45,7 +45,7 @@ class Cache:
             return None
 
     def put(self, address: str, answer: Mapping[str, Any], headers: Mapping[str, str]) -> None:
-        """Keep an answer for the time that its `Cache-Control` allows; without one, not at all."""
+        """Cache a response for the time that its `Cache-Control` allows; without one, not at all."""
         lifetime = max_age(headers)
         if lifetime <= 0:
             return
@@ -74,7 +74,7 @@ class Cache:
 
 
 def max_age(headers: Mapping[str, str]) -> int:
-    """Seconds for which `Cache-Control` lets a private cache keep an answer; 0: not at all."""
+    """Seconds for which `Cache-Control` lets a private cache keep a response; 0: not at all."""
     control = headers.get("cache-control", "").lower()
     if "no-store" in control or "no-cache" in control:
         return 0

@@ -49,7 +49,7 @@ class Client:
     attempts
         Number of times that a request is sent before its failure is believed.
     cache
-        Folder for answers of the edge; True: the user's cache folder; False: none.
+        Folder for cached responses; True: the user's cache folder; False: none.
     transport, sleep
         For tests: replaces the network, and the pauses between attempts.
 

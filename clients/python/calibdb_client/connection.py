@@ -1,4 +1,4 @@
-"""Settings of a connection, the same for both clients, and requests and answers as httpx has them."""
+"""Settings of a connection, the same for both clients, and httpx's requests and responses."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Connection:
         credential = os.environ.get("CALIBDB_TOKEN", "") if token is None else token
         credential = credential.strip()
         if not credential.isascii() or not credential.isprintable() or " " in credential:
-            raise UsageError("the token (CALIBDB_TOKEN) holds characters that no token has")
+            raise UsageError("the token (CALIBDB_TOKEN) contains invalid characters")
         if not timeout > 0 or attempts < 1:
             raise UsageError("timeout and attempts must be positive")
         return cls(address, credential, timeout, attempts)
@@ -86,11 +86,11 @@ class Connection:
 
 
 class BodyTooLargeError(Exception):
-    """The answer is longer than anything that the service sends."""
+    """The response is longer than anything that the service sends."""
 
 
 class Body:
-    """Body of an answer while it arrives."""
+    """Body of a response while it arrives."""
 
     def __init__(self) -> None:
         self._parts: list[bytes] = []
@@ -112,11 +112,11 @@ class Body:
 def failure(error: Exception) -> Failure:
     """Return the failure that an exception of httpx stands for, in a few words without addresses."""
     if isinstance(error, httpx.TimeoutException):
-        return Failure("no answer in time")
+        return Failure("no response in time")
     if isinstance(error, httpx.ConnectError):
         return Failure(
             "no connection" if "certificate" not in str(error).lower() else "its certificate is not valid"
         )
     if isinstance(error, BodyTooLargeError):
-        return Failure("its answer is too long")
+        return Failure("its response is too long")
     return Failure("the connection broke")

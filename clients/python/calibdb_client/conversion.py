@@ -91,7 +91,7 @@ def write(
     change
         Change of the picture that the file is for.
 
-    Raises UsageError if the format cannot hold the camera.
+    Raises UsageError if the format does not support the camera.
     """
     try:
         camera = Camera.from_record(record)
@@ -112,7 +112,7 @@ def write(
 
 
 def write_rig(record: Mapping[str, Any], name: str) -> ExportedFile:
-    """Write a rig's record as a file of another tool. Raises UsageError if the format cannot hold it."""
+    """Write a rig's record as a file of another tool. Raises UsageError if the format does not support it."""
     from calibsolver.rig import formats as rig_formats
 
     calibrations = record["calibrations"]

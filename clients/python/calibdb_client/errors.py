@@ -139,4 +139,4 @@ class QuotaError(ProblemError):
 
 
 class ConflictError(ProblemError):
-    """The request contradicts what the service holds (409)."""
+    """The request conflicts with the state of the service (409)."""

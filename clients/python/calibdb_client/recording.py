@@ -64,7 +64,7 @@ class Recording:
         except UsageError as error:
             raise UsageError(f"{path}: {error}") from None
         except (ValueError, RecursionError):
-            raise UsageError(f"{path} holds no recording of calibdb") from None
+            raise UsageError(f"{path} does not contain a recording of calibdb") from None
 
     @classmethod
     def of(cls, content: Mapping[str, Any]) -> Recording:
@@ -82,7 +82,7 @@ class Recording:
         except UsageError:
             raise
         except (ValueError, KeyError, TypeError):
-            raise UsageError("the file holds no recording of calibdb") from None
+            raise UsageError("the file does not contain a recording of calibdb") from None
 
     def save(self, path: str | Path) -> None:
         """Write the file, as a whole or not at all. Raises UsageError if it cannot be written."""

@@ -1,4 +1,4 @@
-"""A rig as the service answers it: cameras calibrated together, and where they are to each other."""
+"""A rig as the service returns it: cameras calibrated together, and their relative poses."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ class Rig:
     def export(self, format: str = _JSON) -> ExportedFile:  # noqa: A002
         """Return the file in one of the formats of docs/formats.md; several files are one ZIP archive.
 
-        The service writes rigs that it holds, calibsolver all others. Raises UsageError if the format cannot
+        The service writes its own rigs, calibsolver all others. Raises UsageError if the format cannot
         hold the rig.
         """
         if format == _JSON:

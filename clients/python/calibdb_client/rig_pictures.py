@@ -104,7 +104,7 @@ def _moments(paths: Sequence[Sequence[Path]]) -> list[dict[int, str]]:
     counts = [len(files) for files in paths]
     if len(set(counts)) > 1:
         raise UsageError(
-            f"the folders hold {', '.join(map(str, counts))} pictures, and no names are the same: give "
+            f"the folders contain {', '.join(map(str, counts))} images, and no names are the same: give "
             "pictures of one moment the same name, or as many in each folder"
         )
     return [{i: path.name for i, path in enumerate(each)} for each in zip(*paths, strict=True)]

@@ -24,7 +24,7 @@ MAX_WAIT_S = 8.0
 """Longest pause before a request is repeated; longer ones are the caller's."""
 FIRST_WAIT_S = 0.25
 MAX_BODY_BYTES = 32 * 1024 * 1024
-"""Longest answer that is read."""
+"""Largest response that is read."""
 
 _REPEATED = frozenset({429, 500, 502, 503, 504})
 _ERRORS: Mapping[int, type[ProblemError]] = {
@@ -41,7 +41,7 @@ _ERRORS: Mapping[int, type[ProblemError]] = {
 class Request:
     """One HTTP request, relative to the address of the service.
 
-    Every request of the API may be repeated: the service answers it again as it answered before.
+    Every request of the API is idempotent.
     """
 
     method: str

@@ -70,7 +70,7 @@ def _describe(counts: ForgetResult) -> str:
 def _find(
     run: Run, contributor_id: str | None, address: str | None, token: str | None, receipt: str | None
 ) -> set[str]:
-    """Find the contributors that are meant; raises OpsError where nothing came from them."""
+    """Find the contributors that are meant; raises OpsError if nothing came from them."""
     from infra.ops import withdrawal
 
     if contributor_id is not None and address is receipt is None:

@@ -21,7 +21,7 @@ from pygments.formatters import HtmlFormatter
 from pygments.lexers import get_lexer_by_name
 
 Link = Callable[[str], str | None]
-"""Address of a link's target on the site; None where the site has no such page."""
+"""Address of a link's target on the site; None if the site has no such page."""
 
 LEXERS = {
     "sh": "bash",

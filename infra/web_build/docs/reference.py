@@ -163,7 +163,7 @@ def _samples(name: str, call: Call) -> str:
 
 
 def _answer(node: Node, schemas: Mapping[str, Node], shown: dict[str, str]) -> str:
-    parts = ["<h3>Answers</h3>", '<dl class="answers">']
+    parts = ["<h3>Responses</h3>", '<dl class="answers">']
     for status, answer in node["responses"].items():
         parts.append(f"<dt><code>{status}</code></dt><dd>{inline(answer['description'])}</dd>")
     parts.append("</dl>")
@@ -171,21 +171,21 @@ def _answer(node: Node, schemas: Mapping[str, Node], shown: dict[str, str]) -> s
     content = first.get("content", {}).get(_JSON, {})
     if "example" in content:
         block = code_block(format_json(content["example"]), "json")
-        parts.append(f'<details class="example"><summary>Example of an answer</summary>{block}</details>')
+        parts.append(f'<details class="example"><summary>Example response</summary>{block}</details>')
     if schema := content.get("schema"):
         parts.append(_fields(schema["anyOf"][0] if "anyOf" in schema else schema, schemas, shown, node))
     return "\n".join(parts)
 
 
 def _fields(schema: Node, schemas: Mapping[str, Node], shown: dict[str, str], node: Node) -> str:
-    """Make the table of an answer's fields, once a page."""
+    """Make the table of a response's fields, once per page."""
     name = schema.get("$ref", "").rpartition("/")[2]
     if name in shown:
         there = f'<a href="#{shown[name]}">the same fields as above</a>'
-        return f"<p>The answer has {there}.</p>"
+        return f"<p>The response has {there}.</p>"
     shown[name] = node["operationId"]
     fields_table = table(list(rows(schema, schemas)), with_required=False)
-    return f"<details><summary>Fields of the answer</summary>{fields_table}</details>"
+    return f"<details><summary>Fields of the response</summary>{fields_table}</details>"
 
 
 def _trial(name: str, call: Call, node: Node) -> str:

@@ -171,7 +171,7 @@ class Service:
         )
 
     def api_token(self, text: str, before_write: Callable[[], None] = lambda: None) -> ApiToken:
-        """Return the token that `text` is; raises ForbiddenError when it is unknown or its secret is wrong.
+        """Return the token that `text` is; raises ForbiddenError if it is unknown or its secret is wrong.
 
         A token once read is remembered for half a minute: a lookup then costs one Query and nothing else.
         The first use of a token is written; `before_write` is called before.

@@ -50,7 +50,7 @@ def compute_within(seconds: float, compute: Callable[[], T], otherwise: T) -> T:
 
 
 def check() -> None:
-    """Raise DeadlineError where the time is up."""
+    """Raise DeadlineError if the time is up."""
     seconds_left = _seconds_left.get()
     if seconds_left is not None and seconds_left() <= 0:
         raise DeadlineError

@@ -34,7 +34,7 @@ class Target:
     Attributes
     ----------
     index
-        Number that a view carries which answers it.
+        Index for the view that answers it.
     ids, corners
         Corners in the picture (n), and their places (n, 2) px.
     outline

@@ -55,7 +55,7 @@ class CaptureOptions(TypedDict, total=False):
 
 
 class CaptureInterruptedError(KeyboardInterrupt):
-    """The person ended the capture; `recording` holds the views so far."""
+    """The user ended the capture; `recording` has the views so far."""
 
     def __init__(self, recording: Recording) -> None:
         super().__init__("interrupted")

@@ -89,7 +89,7 @@ def _pictures(
             yield number, count, _turned(picture, mirrored)
         if number < 0:
             raise CaptureError(
-                f"{path} holds no picture: it is corrupt, or of a kind that OpenCV cannot read"
+                f"{path} contains no image: it is corrupt, or of a kind that OpenCV cannot read"
             )
         if looked_at < MAX_FRAMES and 0 <= number < 0.9 * count - 1:
             found.broken = f"{path} breaks off after {number + 1} of {count} frames: those before it are used"
@@ -159,6 +159,6 @@ def board_in_video(path: str | Path, mirrored: bool = False) -> Board:
             f"no board was recognised in {path}: describe it by --kind, --squares, --marker-ratio and "
             "--dictionary"
             if pictures
-            else f"{path} holds no picture: it is corrupt, or of a kind that OpenCV cannot read"
+            else f"{path} contains no image: it is corrupt, or of a kind that OpenCV cannot read"
         )
     return board

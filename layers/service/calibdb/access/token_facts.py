@@ -50,7 +50,7 @@ def facts(
 
 
 def hourly_limits(allowed: Plan) -> HourlyLimits:
-    """Write the limits of a plan as answers do."""
+    """Return the limits of a plan as in responses."""
     return HourlyLimits(together=_limits(allowed.together), each=_limits(allowed.each))
 
 

@@ -57,7 +57,7 @@ class ApiToken:
         return bool(self.origins or self.pending)
 
     def admits(self, origin: str | None) -> bool:
-        """Tell whether a page of `origin` may use the token.
+        """True if a page of `origin` may use the token.
 
         Without an Origin header there is no page to protect: a program outside a browser can send whatever
         header it likes, and a plain navigation (GET lookup) sends none. An origin that ends with `:*` is one
@@ -69,12 +69,12 @@ class ApiToken:
         return f"{host}:*" in self.origins or (is_loopback(origin) and host in self.origins)
 
     def is_expired(self, now: float) -> bool:
-        """Tell whether the token was never used within its time."""
+        """True if the token was never used within its time."""
         return self.expires is not None and now >= self.expires
 
 
 def parse(text: str) -> tuple[str, str] | None:
-    """Split an API token into id and secret; None when it is not one."""
+    """Split an API token into id and secret; None if it is not one."""
     match = TOKEN_PATTERN.fullmatch(text)
     return (match[1], match[2]) if match else None
 
@@ -88,7 +88,7 @@ def secret_hash(secret: str) -> str:
 
 
 def matches(token: ApiToken, secret: str, now: float = 0.0) -> bool:
-    """Tell whether `secret` is the token's at unix time `now`, in constant time."""
+    """True if `secret` is the token's at unix time `now`, in constant time."""
     sent = secret_hash(secret)
     known = [token.secret_sha256, *(former for former, until in former_secrets(token) if now < until)]
     return sum(hmac.compare_digest(one, sent) for one in known) > 0  # all of them, in constant time
@@ -122,13 +122,13 @@ _NO_HASH = secret_hash("")
 
 
 def parse_management(text: str) -> tuple[str, str] | None:
-    """Split a management token into id and secret; None when it is not one."""
+    """Split a management token into id and secret; None if it is not one."""
     match = MANAGEMENT_PATTERN.fullmatch(text)
     return (match[1], match[2]) if match else None
 
 
 def manages(token: ApiToken | None, secret: str) -> bool:
-    """Tell whether `secret` manages the token, in constant time, whether there is such a token or not."""
+    """True if `secret` manages the token, in constant time, whether there is such a token or not."""
     known = None if token is None else token.management_sha256
     same = hmac.compare_digest(known or _NO_HASH, secret_hash(secret))
     return same and known is not None

@@ -44,24 +44,24 @@ def words(name: str) -> list[str]:
 
 
 def is_generic(word: str) -> bool:
-    """Tell whether `word` (lower case) is said of many cameras, or is a maker's name."""
+    """True if `word` (lower case) is said of many cameras, or is a maker's name."""
     return word in _GENERIC or word in ("r", "c", "tm")
 
 
 def is_maker(word: str) -> bool:
-    """Tell whether `word` (lower case) is the name of a maker."""
+    """True if `word` (lower case) is the name of a maker."""
     return word in _MAKER
 
 
 def says_too_little(name: str) -> bool:
-    """Tell whether many products bear this name (lower case)."""
+    """True if many products bear this name (lower case)."""
     if _FAMILIES.search(name):
         return True
     return all(len(word) < 2 or word in _GENERIC or _MEASURE.fullmatch(word) for word in words(name))
 
 
 def names_its_model(name: str) -> bool:
-    """Tell whether `name` (lower case), written by an Apple device itself, says which one it is."""
+    """True if `name` (lower case), written by an Apple device itself, says which one it is."""
     return _OWN_NAME.search(name) is not None
 
 

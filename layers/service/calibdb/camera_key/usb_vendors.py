@@ -25,7 +25,7 @@ def _table() -> dict[str, str]:
 
 
 def vendor_of(usb_id: str | None) -> str | None:
-    """Return the vendor's name of a USB id such as `046d:082d`, None where the table has none."""
+    """Return the vendor's name of a USB id such as `046d:082d`, None if the table has none."""
     return _table().get(usb_id.partition(":")[0]) if usb_id else None
 
 

@@ -70,7 +70,7 @@ class Source:
     read
         What is known under a camera key.
     licence
-        Licence under which every calibration of a camera was given; None where one was given without.
+        Licence under which every calibration of a camera was given; None if one was given without.
     private
         True if it is the database of one person with few cameras.
     created

@@ -64,7 +64,7 @@ class Figures:
         return statistics
 
     def _count_known(self) -> tuple[int, list[str]]:
-        """Count the cameras that a lookup answers, and choose those with the most contributors."""
+        """Count the cameras with a reliable calibration, and choose those with the most contributors."""
         count, after = 0, None
         popular: list[tuple[Any, str]] = []
         with ThreadPoolExecutor(READERS) as readers:
@@ -116,7 +116,7 @@ class Figures:
         return WantedCamera(key=key, camera=name, asked=0, calibrations=total)
 
     def _unknown_product(self, usb_id: str) -> WantedCamera | None:
-        """Name a USB id by its vendor; None where there is none, or calibrations of a camera with this id."""
+        """Name a USB id by its vendor; None if there is none, or calibrations of a camera with this id."""
         vendor = vendor_of(usb_id)
         cameras, _ = self.cameras.search(usb_id.rpartition(":")[2], _PAGE, None)
         for key, _ in cameras:

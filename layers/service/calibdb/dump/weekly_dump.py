@@ -1,8 +1,8 @@
 """The public dump, written in parts: bounded in memory, and continued after a crash.
 
 A part is one object of JSON Lines, compressed. After each part the draft says how far the dump is, so that an
-invocation works as long as its time allows and the next one continues. `latest.json` names a dump only when it
-is complete; until then it names the previous one.
+invocation works as long as its time allows and the next one continues. `latest.json` names a dump only when
+it is complete; until then it names the previous one.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class WeeklyDump:
     max_part_bytes: int = MAX_PART_BYTES
 
     def run(self, *, force: bool = False) -> Dump | None:
-        """Go on with the dump that is due; return it once it is whole, None where it is not or none is due.
+        """Go on with the dump that is due; return it once it is whole, None if it is not or none is due.
 
         `force`: one is due now.
         """
@@ -103,7 +103,7 @@ class WeeklyDump:
         return DumpDraft(name=name, started=now, key=self.random_hex(32))
 
     def _write_part(self, draft: DumpDraft) -> DumpDraft | None:
-        """Write the next part; return the draft after it, None where the dump is whole."""
+        """Write the next part; return the draft after it, None if the dump is whole."""
         if draft.complete:
             return None
         alias = aliases(draft.key)

@@ -1,4 +1,4 @@
-"""Estimator: all evidence about one camera at one size, as an answer with its interval."""
+"""Estimator: all evidence about one camera at one size, combined with an interval."""
 
 from __future__ import annotations
 

@@ -209,7 +209,7 @@ class Call:
         return ticket
 
     def is_session(self) -> bool:
-        """Tell whether a session id was sent as bearer, not an API token; raises UnauthenticatedError."""
+        """True if a session id was sent as bearer, not an API token; raises UnauthenticatedError."""
         return parse(self._bearer()) is None
 
     def api_token(self, credential: str | None = None, charge: Kind = "lookups") -> ApiToken:

@@ -75,7 +75,7 @@ def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> Loo
 def bracketing_zooms(
     known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
 ) -> tuple[Calibration, Calibration] | None:
-    """Find the reliable calibrations at the next zooms below and above; None where they do not interpolate.
+    """Find the reliable calibrations at the next zooms below and above; None if they do not interpolate.
 
     Between two zooms a lens is taken to change evenly only if it does so over all calibrated ones: the
     focal lengths grow with the zoom, and do not double from one to the next. Calibrations that disagree at

@@ -57,7 +57,7 @@ def badge_of(
     known
         Its consensuses.
     img_size
-        Width and height, px. Of several zooms the one that a lookup answers counts.
+        Width and height, px. Of several zooms the one that a lookup returns counts.
     min_calibrations, min_contributors
         As in `Thresholds`. A camera that no search shows has no name here either.
     """

@@ -25,7 +25,7 @@ _MISS_DETAILS = {
 }
 
 Compute = Callable[[str, tuple[int, int]], ConsensusDocument | None]
-"""Camera key and size to the consensus of the model asked for, computed now; None where there is none."""
+"""Camera key and size to the consensus of the model asked for, computed now; None if there is none."""
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ class CameraMatch:
 
 
 def unanswerable_reason(identity: Identity, *, private: bool, resize_mode: str | None) -> str | None:
-    """Return why nothing can be said of such a camera; None where the database may know it.
+    """Return why nothing can be said of such a camera; None if the database may know it.
 
     `private`: the database of one person, who has few cameras, and knows which is meant.
     """
@@ -148,7 +148,7 @@ _STEPS: dict[tuple[bool, bool, bool], tuple[Callable[[_Search], CameraMatch | No
 
 
 def _outnumbers(other: ConsensusDocument | None, own: ConsensusDocument | None) -> bool:
-    """Tell whether more contributors are behind `other`, of the same size."""
+    """True if more contributors are behind `other`, of the same size."""
     if other is None or own is None or other.calibration is None or own.calibration is None:
         return False
     more = other.calibration.contributors > own.calibration.contributors

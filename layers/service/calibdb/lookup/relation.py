@@ -104,7 +104,7 @@ def _fit_scale(one: Calibration, other: Calibration) -> float | None:
 
 
 def _is_verified(one: Calibration, other: Calibration, window: Window) -> bool:
-    """Tell whether `one`'s picture through `window` is `other`'s, a turn of the camera aside."""
+    """True if `one`'s picture through `window` is `other`'s, a turn of the camera aside."""
     (_, _, cx), (_, _, cy), _ = transfer_intrinsics(one, window)[0]
     (_, _, ox), (_, _, oy), _ = other.camera_matrix
     width = other.img_size[0]

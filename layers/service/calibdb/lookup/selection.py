@@ -1,4 +1,4 @@
-"""Selection of the consensus that answers a lookup, among all of a camera."""
+"""Selection of the consensus that a lookup returns, among all of a camera."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ class Choice:
 
 
 def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str) -> Choice:
-    """Select what answers a lookup.
+    """Select the result of a lookup.
 
     Parameters
     ----------
     known
         All consensuses of the camera.
     img_size, zoom, model
-        What is asked for. Another zoom is other optics and never answers. The exact size comes first, then
+        The request. Another zoom is other optics and never a result. The exact size comes first, then
         the closest: by aspect, then by area.
 
     Returns
@@ -67,7 +67,7 @@ def closeness(size: tuple[int, int], asked: tuple[int, int]) -> tuple[bool, floa
 
 
 def same_aspect(one: tuple[int, int], other: tuple[int, int]) -> bool:
-    """Tell whether two sizes have one aspect."""
+    """True if two sizes have one aspect."""
     return _aspect_log(one, other) < _MAX_ASPECT_LOG
 
 

@@ -27,7 +27,7 @@ def refresh_well_known(store: Store, camera_key: str, thresholds: Thresholds) ->
 
 
 def _refresh_once(store: Store, camera_key: str, thresholds: Thresholds) -> bool:
-    """Write the mark; False where it was written already, or no calibration counts any more."""
+    """Write the mark; False if it was written already, or no calibration counts any more."""
     modes = store.calibrations.modes(camera_key)
     if not modes:
         return False  # its names are gone

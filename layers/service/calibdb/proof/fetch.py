@@ -170,7 +170,7 @@ def _request(host: str) -> bytes:
 
 
 def _receive(secured: ssl.SSLSocket, clock: Callable[[], float], deadline: float) -> bytes:
-    """Read the answer to its end; ProofError where it is too large or too slow."""
+    """Read the response to its end; ProofError if it is too large or too slow."""
     received = bytearray()
     while True:
         secured.settimeout(_seconds_left(deadline, clock))

@@ -83,7 +83,7 @@ def begin(request: RigRequest, rig: str, session: SessionDocument, contributor: 
 
 
 def with_lead(session: SessionDocument, rig: str, source: str | None = None) -> SessionDocument | None:
-    """Make a session camera 0 of its rig; None where it is.
+    """Make a session camera 0 of its rig; None if it is.
 
     Raises ConflictError for a session that is in another rig, or has begun alone.
     """
@@ -119,7 +119,7 @@ def require_linking_board(board: Board) -> None:
 
 
 def require_open(document: RigDocument) -> None:
-    """Raise ConflictError when the rig is finished."""
+    """Raise ConflictError if the rig is finished."""
     if document.finish is not None:
         raise ConflictError("The rig is finished and accepts no more changes.", kind="rig-finished")
 
@@ -144,7 +144,7 @@ def join(
     member: MemberDocument,
     abandoned: Collection[int] = (),
 ) -> tuple[RigDocument | None, RigMembership]:
-    """Add a member; return the document, None where it is one already, and its place.
+    """Add a member; return the document, None if it is one already, and its place.
 
     `abandoned`: positions of members whose session was deleted. Raises InvalidError naming the field.
     """
@@ -185,7 +185,7 @@ def with_code(document: RigDocument, code: CodeDocument, now: int) -> tuple[RigD
 
 
 def with_moment(document: RigDocument, moment: str, now: int) -> RigDocument | None:
-    """Open a moment; None where it is open. Raises ConflictError."""
+    """Open a moment; None if it is open. Raises ConflictError."""
     require_open(document)
     for known in document.moments:
         if known.id == moment:
@@ -199,7 +199,7 @@ def with_moment(document: RigDocument, moment: str, now: int) -> RigDocument | N
 
 
 def without_moment(document: RigDocument, moment: str) -> RigDocument | None:
-    """Undo a moment; None where it is undone. Raises ConflictError, and InvalidError of an unknown one."""
+    """Undo a moment; None if it is undone. Raises ConflictError, and InvalidError of an unknown one."""
     require_open(document)
     if not any(known.id == moment for known in document.moments):
         raise InvalidError.field("moment", "this rig never opened it")
@@ -248,10 +248,10 @@ def require_moment(document: RigDocument | None, session: SessionDocument, view:
 
 
 def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
-    """Tell whether `view` replays one that this session of a rig has; False when its moment is open.
+    """True if `view` replays one that this session of a rig has; False if its moment is open.
 
     The moment says what a view is of, its index nothing: a client that was without its network sends late.
-    Raises ConflictError when the moment carries another view.
+    Raises ConflictError if the moment carries another view.
     """
     for known in session.views:
         if known.moment == view.moment:
@@ -276,7 +276,7 @@ def ending_of(session: SessionDocument, outcome: Mapping[str, Any], solver: str,
 
 
 def end_session(session: SessionDocument, ending: EndingDocument) -> SessionDocument | None:
-    """End a session as its rig ended; None where it has ended. Views that came too late are dropped.
+    """End a session as its rig ended; None if it has ended. Views that came too late are dropped.
 
     Also None if it was restarted after that decision: it is another capture.
     """

@@ -43,7 +43,7 @@ _SET_ASIDE_DETAILS: Mapping[SetAsideReason, str] = {
 
 @dataclass(frozen=True)
 class Rig:
-    """A running rig: its document, and the sessions by position, None where there is none."""
+    """A running rig: its document, and the sessions by position, None if there is none."""
 
     document: RigDocument
     sessions: tuple[SessionDocument | None, ...]
@@ -165,7 +165,7 @@ def unit(document: RigDocument) -> Any:
 
 
 def is_converged(rig: Rig, fit: RigFit | None) -> bool:
-    """Tell whether the rig is as sure as it is to be."""
+    """True if the rig is as sure as it is to be."""
     enough = min(rig.count_agreeing(fit)) >= MIN_AGREEING_VIEWS
     return fit is not None and enough and fit.uncertainty.rms <= rig.target_error
 
@@ -197,7 +197,7 @@ def _cameras(rig: Rig, moments: Sequence[tuple[str, Mapping[int, ViewDocument]]]
 
 
 def _latest(rig: Rig, moments: Sequence[tuple[str, Mapping[int, ViewDocument]]]) -> LatestMoment | None:
-    """Return the moment that was opened last, None where that is undone."""
+    """Return the moment that was opened last, None if that is undone."""
     if not moments or moments[-1][0] != rig.document.moments[-1].id:
         return None
     name, by_position = moments[-1]

@@ -57,7 +57,7 @@ class Finding:
 
 
 def is_explained(error: float, noise: float, width: int, ratio: float) -> bool:
-    """Tell whether a consensus explains views that have this error under it.
+    """True if a consensus explains views that have this error under it.
 
     Parameters
     ----------

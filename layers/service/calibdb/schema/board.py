@@ -48,7 +48,7 @@ SquareCount = Annotated[int, Field(strict=True, ge=1, le=MAX_SQUARES), Whole, Af
 
 
 def _is_usual(value: str | bool | float) -> bool:
-    """Tell whether a member that older records and clients do not know has its default: it is left out."""
+    """True if a member that older records and clients do not know has its default: it is left out."""
     return value in ("charuco", False, DEFAULT_TAG_SPACING)
 
 

@@ -111,7 +111,7 @@ class CalibrationDocument(CaptureDocument):
         return self.source or self.contributor
 
     def answer(self) -> Calibration:
-        """Return the calibration of the session's own model, as the API answers it."""
+        """Return the calibration of the session's own model, as the API returns it."""
         return Calibration.of(
             self.fits[self.distortion_model],
             id=self.id,
@@ -191,7 +191,7 @@ class ConsensusDocument(Open):
 
     @property
     def reliable(self) -> bool:
-        """Tell whether a lookup may answer with it."""
+        """True if lookups may return it."""
         return self.calibration is not None and self.calibration.reliable
 
 

@@ -88,5 +88,5 @@ class ExportQuery(Open):
 
     @property
     def plain(self) -> bool:
-        """Tell whether the calibration itself is asked for, of the camera's own picture."""
+        """True if the calibration itself is asked for, of the camera's own picture."""
         return self.format == "calibdb" and not (self.crop or self.resize or self.rotate or self.mirror)

@@ -35,7 +35,7 @@ class RefitRequest(Open):
 
 
 class RefitAnswer(Open):
-    """Answer by model: the consensus now stored, or null where there is no calibration at all."""
+    """Answer by model: the consensus now stored, or null if there is no calibration at all."""
 
     models: dict[DistortionModel, ConsensusDocument | None]
 

@@ -111,7 +111,7 @@ class DynamoTable:
         self._name = name
 
     def get(self, pk: str, sk: str, *, consistent: bool = True) -> Item | None:
-        """Return the item, None when there is none."""
+        """Return the item, None if there is none."""
         with available():
             response = self._client().get_item(
                 TableName=self._name, Key={"pk": {"S": pk}, "sk": {"S": sk}}, ConsistentRead=consistent
@@ -289,7 +289,7 @@ class DynamoTable:
 
 
 def _is_conditional_failure(error: ClientError) -> bool:
-    """Tell whether a transaction failed for its condition, or for another writer of the same items."""
+    """True if a transaction failed for its condition, or for another writer of the same items."""
     reasons = [str(r.get("Code")) for r in error.response.get("CancellationReasons", [])]
     return code(error) == "TransactionCanceledException" and set(reasons) <= {
         "None",
@@ -356,12 +356,12 @@ class S3Objects:
         self._bucket = bucket
 
     def get(self, name: str) -> bytes | None:
-        """Return the object's content, None when there is none; raises DeniedReadError."""
+        """Return the object's content, None if there is none; raises DeniedReadError."""
         version = self.get_version(name)
         return None if version is None else version[0]
 
     def get_version(self, name: str) -> tuple[bytes, str] | None:
-        """Return the object's content and the tag of this version, None where there is none.
+        """Return the object's content and the tag of this version, None if there is none.
 
         Raises DeniedReadError.
         """

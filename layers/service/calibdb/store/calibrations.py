@@ -65,13 +65,13 @@ class Calibrations:
         self._catalogue = Names(table)
 
     def get(self, calibration_id: str) -> CalibrationDocument | None:
-        """Return the calibration, None when there is none that this version can read."""
+        """Return the calibration, None if there is none that this version can read."""
         name = calibration_object(calibration_id)
         content = self._objects.get(name) if name else None
         return _document(content) if content is not None else None
 
     def withdrawal(self, document: CalibrationDocument) -> Withdrawal | None:
-        """Return for what kind of reason the calibration was withdrawn, None where it counts.
+        """Return for what kind of reason the calibration was withdrawn, None if it counts.
 
         What an operator wrote beyond the kind is for operators.
         """
@@ -108,7 +108,7 @@ class Calibrations:
             self._catalogue.index(document)
 
     def withdraw(self, document: CalibrationDocument, reason: str, now: int) -> bool:
-        """Let the calibration count for nothing any more; False when it was withdrawn before."""
+        """Let the calibration count for nothing any more; False if it was withdrawn before."""
         content = json.dumps({"layout": 1, "id": document.id, "reason": reason, "time": now})
         created = self._objects.create(_tombstone(document.id), content.encode())
         self.index(document, withdrawn=True)
@@ -169,7 +169,7 @@ class Calibrations:
     def read(self, ids: Sequence[str]) -> list[CalibrationDocument]:
         """Return the calibrations with these ids in their order, without those of a later version.
 
-        Raises DeniedReadError where one that the index names is not there.
+        Raises DeniedReadError if one that the index names is not there.
         """
         if len(ids) < 2:
             return [document for name in ids if (document := self._read_indexed(name)) is not None]

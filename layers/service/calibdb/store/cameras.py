@@ -90,7 +90,7 @@ class Cameras:
     def set_id_support(self, camera_key: str, names: Iterable[str], support: IdSupport | None) -> bool:
         """Store under the keys `names` how well known the camera is; None: not at all.
 
-        False where it was written there already.
+        False if it was written there already.
         """
         written = False
         for name in sorted(names):
@@ -105,7 +105,7 @@ class Cameras:
         return written
 
     def name(self, camera_key: str) -> str | None:
-        """Return the normalised label of a camera, None when none is known under this key."""
+        """Return the normalised label of a camera, None if none is known under this key."""
         item = self._table.get(ALL, camera_key, consistent=False)
         return str(item["name"]) if item else None
 
@@ -135,7 +135,7 @@ def _id_support(item: Item) -> IdSupport | None:
 
 
 def is_place(word: str, after: str) -> bool:
-    """Tell whether `after` is where a search for `word` can go on."""
+    """True if `after` is where a search for `word` can go on."""
     before, _, key = after.rpartition("#")
     return PATTERN.fullmatch(key) is not None and after.startswith(word) and bool(before) == bool(word)
 

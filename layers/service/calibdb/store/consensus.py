@@ -34,15 +34,15 @@ class Consensuses:
         return documents(self._table.query(mode.pk, f"CONSENSUS#{mode.text}#", consistent=True))
 
     def get(self, consensus_id: str) -> ConsensusDocument | None:
-        """Return the consensus with this id, None when there is none."""
+        """Return the consensus with this id, None if there is none."""
         place = parse_consensus_id(consensus_id)
         item = self._table.get(*place, consistent=False) if place else None
         return _document(item) if item else None
 
     def put(self, document: ConsensusDocument, groups: GroupsDocument | None, before: str | None) -> bool:
-        """Store the consensus, and what is behind it; False when another was stored meanwhile.
+        """Store the consensus, and what is behind it; False if another was stored meanwhile.
 
-        `groups`: None where they are as they were. `before`: `basis` of the one that was stored when the
+        `groups`: None if they are as they were. `before`: `basis` of the one that was stored when the
         calibrations were read; None: there was none.
         """
         place = document.img_size, document.zoom, document.distortion_model
@@ -59,7 +59,7 @@ class Consensuses:
         return self._table.put_transaction((consensus, behind), _still(before))
 
     def drop(self, document: ConsensusDocument) -> bool:
-        """Forget the consensus: all that it rested on is gone. False when another was stored meanwhile."""
+        """Forget the consensus: all that it rested on is gone. False if another was stored meanwhile."""
         place = document.img_size, document.zoom, document.distortion_model
         pk = camera_pk(document.camera_key)
         if not self._table.delete(pk, consensus_sk(*place), _still(document.basis)):
@@ -68,7 +68,7 @@ class Consensuses:
         return True
 
     def groups(self, document: ConsensusDocument) -> GroupsDocument | None:
-        """Read the groups document behind the consensus, None when it has changed meanwhile."""
+        """Read the groups document behind the consensus, None if it has changed meanwhile."""
         sk = groups_sk(document.img_size, document.zoom, document.distortion_model)
         item = self._table.get(camera_pk(document.camera_key), sk, consistent=False)
         if item is None:

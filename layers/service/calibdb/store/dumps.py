@@ -27,12 +27,12 @@ class Dumps:
         self._public = site
 
     def latest(self) -> Dump | None:
-        """Return the newest dump, None where none was written yet."""
+        """Return the newest dump, None if none was written yet."""
         content = self._public.get(LATEST)
         return None if content is None else Dump.model_validate_json(content)
 
     def statistics(self) -> Statistics | None:
-        """Return the figures of the newest dump, None where there are none yet."""
+        """Return the figures of the newest dump, None if there are none yet."""
         content = self._public.get(STATISTICS)
         return None if content is None else Statistics.model_validate_json(content)
 
@@ -49,12 +49,12 @@ class Dumps:
         return self._public.purge_all_versions(names)
 
     def draft(self) -> tuple[DumpDraft, str] | None:
-        """Return the draft and the tag of its version, None where no dump is being written."""
+        """Return the draft and the tag of its version, None if no dump is being written."""
         version = self._keypoints.get_version(_DRAFT)
         return None if version is None else (DumpDraft.model_validate_json(version[0]), version[1])
 
     def begin(self, draft: DumpDraft) -> bool:
-        """Store the draft of a new dump; False where another is being written."""
+        """Store the draft of a new dump; False if another is being written."""
         return self._keypoints.create(_DRAFT, draft.model_dump_json().encode())
 
     def advance(self, draft: DumpDraft, tag: str) -> str | None:
@@ -73,5 +73,5 @@ class Dumps:
         return self._keypoints.names(prefix, after)
 
     def read(self, name: str) -> bytes | None:
-        """Return a stored document, None where it is gone."""
+        """Return a stored document, None if it is gone."""
         return self._keypoints.get(name)

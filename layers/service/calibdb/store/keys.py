@@ -79,7 +79,7 @@ def calibration_object(calibration_id: str) -> str | None:
 
 
 def parse_calibration_object(name: str) -> tuple[str, str] | None:
-    """Return camera key and id of the calibration in the object of this name, None when it holds none."""
+    """Return camera key and id of the calibration in the object of this name, None if it holds none."""
     folder, _, file = name.removeprefix("calibrations/").partition("/")
     calibration_id = file.removesuffix(".json")
     return (folder, calibration_id) if calibration_object(calibration_id) == name else None

@@ -22,7 +22,7 @@ class Proofs:
         self._jobs = jobs
 
     def fetch(self, token_id: str, origin: str, now: int) -> ProofAnswer:
-        """Have the proof fetched; raises UnavailableError where that fails for a reason of ours."""
+        """Have the proof fetched; raises UnavailableError if that fails for a reason of ours."""
         request = ProofRequest(token_id=token_id, origin=origin)
         content = self._jobs.now("verify", request.model_dump_json().encode())
         if content is None:
@@ -33,7 +33,7 @@ class Proofs:
         return answer
 
     def _is_found(self, token_id: str, origin: str, now: int) -> bool:
-        """Tell whether a proof was stored lately: the clocks of two functions may differ by some seconds."""
+        """True if a proof was stored lately: the clocks of two functions may differ by some seconds."""
         item = self._table.get(_pk(token_id), origin)
         return item is not None and int(str(item["found"])) >= now - _EXPIRY_S
 

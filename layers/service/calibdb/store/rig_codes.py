@@ -29,7 +29,7 @@ class RigCodes:
         )
 
     def find(self, digest: str, now: int) -> str | None:
-        """Return the rig of a code, None where it leads to none, or no more."""
+        """Return the rig of a code, None if it leads to none, or no more."""
         item = self._table.get(_pk(digest), _SK)
         return str(item["rig"]) if item and int(str(item["until"])) > now else None
 

@@ -18,7 +18,7 @@ Compute = Callable[[dict[str, Any]], dict[str, Any]]
 
 
 def head_tag(store: Store, rig_id: str, solver: str) -> str | None:
-    """Return the tag of a running rig's state from the index alone, None where it does not run."""
+    """Return the tag of a running rig's state from the index alone, None if it does not run."""
     head = store.rigs.head(rig_id)
     if head is None or head.forgotten:
         return None

@@ -29,7 +29,7 @@ _log = logging.getLogger(__name__)
 class Secrets:
     """The parameters of a deployment by their names, read again every five minutes.
 
-    If SSM does not answer, the previous values are used; raises UnavailableError where nothing
+    If SSM does not answer, the previous values are used; raises UnavailableError if nothing
     was.
     """
 

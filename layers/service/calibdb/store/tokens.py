@@ -29,7 +29,7 @@ class Tokens:
         self._objects = objects
 
     def get(self, token_id: str) -> ApiToken | None:
-        """Return the token, None when there is none (any more)."""
+        """Return the token, None if there is none (any more)."""
         item = self._table.get(_pk(token_id), "META")
         return _token(token_id, item) if item and "revoked" not in item else None
 
@@ -38,7 +38,7 @@ class Tokens:
         self._table.remove(_pk(token_id), "META", "ttl")
 
     def create(self, token: ApiToken) -> bool:
-        """Store a new token; False when the id is taken, be it by one that was revoked."""
+        """Store a new token; False if the id is taken, be it by one that was revoked."""
         if not self._objects.create(_name(token.id), _content(token)):
             return False
         self.index(token)

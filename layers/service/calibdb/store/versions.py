@@ -91,7 +91,7 @@ class Versions(Generic[Document]):
         return {}
 
     def find(self, name: str) -> Document | None:
-        """Return the document as it stands, None when there was none or it was forgotten."""
+        """Return the document as it stands, None if there was none or it was forgotten."""
         version = self.find_version(name)
         return version[0] if version else None
 
@@ -107,7 +107,7 @@ class Versions(Generic[Document]):
         return version
 
     def head(self, name: str) -> Head | None:
-        """Return the index entry, None when the document never was."""
+        """Return the index entry, None if the document never was."""
         item = self._table.get(self._pk(name), _SK)
         if item is None:
             return None
@@ -150,7 +150,7 @@ class Versions(Generic[Document]):
         raise self._too_much_contention()
 
     def forget(self, name: str, now: int) -> bool:
-        """Forget the document; False when there was nothing to forget."""
+        """Forget the document; False if there was nothing to forget."""
         for _ in range(_MAX_UPDATE_ATTEMPTS):
             head = self.head(name)
             if head is None or head.forgotten:

@@ -62,7 +62,7 @@ class Votes:
         return list(votes.values())[:MAX_VOTES]
 
     def read(self, cast: Sequence[IndexedVote]) -> list[VoteDocument]:
-        """Return these votes in their order; raises DeniedReadError where one is not there."""
+        """Return these votes in their order; raises DeniedReadError if one is not there."""
         if not cast:
             return []
         with ThreadPoolExecutor(min(READERS, len(cast))) as readers:

@@ -229,7 +229,7 @@ class Contributions:
         return out
 
     def camera_at(self, location: Location) -> Camera:
-        """Camera at a location; raises CalibrationError ``not_believable`` where it is none."""
+        """Camera at a location; raises CalibrationError ``not_believable`` if it is none."""
         k = self.camera.intrinsics + self.scale * location.y
         if not np.isfinite(k).all() or k[0] <= 0 or k[1] <= 0:
             raise CalibrationError("not_believable", "the contributors' cameras have no common one")

@@ -78,7 +78,7 @@ class Consensus:
     total
         Number of all calibrations.
     reason
-        Why it is not reliable; None where it is.
+        Why it is not reliable; None if it is.
     consistent
         True if the rule would hold if one calibration were enough.
     groups
@@ -190,7 +190,7 @@ def locate_contributors(
 ) -> tuple[Calibration, Array, bool] | None:
     """Fit the location of the contributors of a group: calibration, held-out errors (m,), and stability.
 
-    None where the views do not lead to a common camera, though each of them has one: they say too little.
+    None if the views do not lead to a common camera, though each of them has one: they say too little.
     """
     group = [agreement.fits[i] for i in indices]
     try:
@@ -265,7 +265,7 @@ def unreliable_reason(
     *,
     is_stable: bool,
 ) -> UnreliableReason | None:
-    """Reason why the group among all `members` is not reliable; None where it is.
+    """Reason why the group among all `members` is not reliable; None if it is.
 
     Parameters
     ----------

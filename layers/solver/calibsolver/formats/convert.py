@@ -45,7 +45,7 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
     any, to the rays of the image), and the first wins that explains them about as well as the best: what a
     tool is used to comes first among its constraints.
 
-    Raises CalibrationError ``not_representable`` where none comes near.
+    Raises CalibrationError ``not_representable`` if none comes near.
     """
     for constraint in constraints:
         same = embed(source.camera, constraint.model)
@@ -102,7 +102,7 @@ def _rms(source: ExportSource, camera: Camera, widest: float) -> float:
 
 
 def embed(camera: Camera, model: str) -> Camera | None:
-    """Return the same camera under a model of which its own is a special case; None where it is not."""
+    """Return the same camera under a model of which its own is a special case; None if it is not."""
     if camera.model == model:
         return camera
     if (camera.model, model) == ("rectilinear", "rational"):
@@ -220,7 +220,7 @@ def fit_in_image(camera: Camera, constraint: ModelConstraint) -> Conversion:
 def fitted(source: ExportSource, constraint: ModelConstraint) -> tuple[Camera, tuple[Mask, ...]]:
     """Fit a camera of some constraint to the source's views, or rays; also return the points used.
 
-    Raises CalibrationError where no believable one fits.
+    Raises CalibrationError if no believable one fits.
     """
     if not source.views:
         closest = fit_to_rays(embed(source.camera, constraint.model) or source.camera, constraint)
@@ -247,7 +247,7 @@ def fit_constrained(
 
     k = T a: the columns of the problem's basis T are the directions in which the intrinsics may still go.
 
-    Raises CalibrationError ``not_representable`` where nothing comes of it.
+    Raises CalibrationError ``not_representable`` if nothing comes of it.
     """
     model = models.get(camera.model)
     basis = free_directions(model, constraint)

@@ -24,7 +24,7 @@ class Format(ABC):
     def check(self, conversion: Conversion) -> Conversion:
         """Add what the file's tools cannot do with the camera to be written.
 
-        Raises CalibrationError ``not_representable`` where they refuse it.
+        Raises CalibrationError ``not_representable`` if they refuse it.
         """
         behind = share_behind(conversion.camera) if self.front_readers else 0.0
         if not behind:

@@ -34,7 +34,7 @@ class Grid:
 def grid(views: Sequence[View]) -> Grid:
     """Recognise the rows and columns of a board in the coordinates of its points, whatever their unit.
 
-    Raises CalibrationError ``malformed`` where they are not those of a flat board with square fields.
+    Raises CalibrationError ``malformed`` if they are not those of a flat board with square fields.
     """
     if not views:
         raise text.refuse("there are no views")

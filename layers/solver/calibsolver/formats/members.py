@@ -50,7 +50,7 @@ class Members:
 
 
 def image_size(members: Members, index: int = 0) -> tuple[int, int] | None:
-    """Return width and height that a mapping states under any of their names; None where it does not.
+    """Return width and height that a mapping states under any of their names; None if it does not.
 
     `index` is the camera's place in a list: some files have a list of sizes next to it.
     Raises CalibrationError ``malformed`` for a size that is none.

@@ -27,7 +27,7 @@ OPTIONS = Options(with_prior=False, iterations=100, tolerance=1e-5, damping=1e-6
 def sampled_rays(camera: Camera, max_angle: float = np.pi) -> tuple[Array, Array]:
     """Return unit rays (3, n) of pixels all over an image, and the pixels (2, n), up to an angle in radians.
 
-    Raises CalibrationError ``not_representable`` where there are none.
+    Raises CalibrationError ``not_representable`` if there are none.
     """
     w, h = camera.img_size
     x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
@@ -42,7 +42,7 @@ def sampled_rays(camera: Camera, max_angle: float = np.pi) -> tuple[Array, Array
 def fit_to_rays(camera: Camera, constraint: ModelConstraint) -> Camera:
     """Fit the camera of a constraint that draws the picture most alike, by least squares over the image.
 
-    Raises CalibrationError ``not_representable`` where none comes of it.
+    Raises CalibrationError ``not_representable`` if none comes of it.
     """
     rays, q = sampled_rays(camera, models.get(constraint.model).max_angle)
     return fit_samples(rays, q, camera.img_size, constraint, camera)
@@ -53,7 +53,7 @@ def fit_samples(
 ) -> Camera:
     """Fit the camera of a constraint to unit rays (3, n) and their pixels (2, n); `near` may be near.
 
-    Raises CalibrationError ``not_representable`` where none comes of it.
+    Raises CalibrationError ``not_representable`` if none comes of it.
     """
     model = models.get(constraint.model)
     observations = Observations(rays[None], q[None], np.ones((1, q.shape[1]), dtype=bool))

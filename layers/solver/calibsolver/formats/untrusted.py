@@ -85,7 +85,7 @@ def decode(raw: bytes) -> str:
 
 
 def parse_json(content: str, suffix: str) -> object:
-    """Parse JSON; None where it is none, and may be YAML or a Python dictionary."""
+    """Parse JSON; None if it is none, and may be YAML or a Python dictionary."""
     try:
         value: object = json.loads(content)
     except json.JSONDecodeError as error:

@@ -55,9 +55,9 @@ class Progress:
     covered
         Regions of the image that targets for the distortion have covered.
     calibration
-        The last fit; None where it failed.
+        The last fit; None if it failed.
     next_parameter
-        Index of the parameter that the next target is for; None where all have converged.
+        Index of the parameter that the next target is for; None if all have converged.
     """
 
     converged: frozenset[int]
@@ -136,7 +136,7 @@ class PoseSelection:
         return len(views) >= 2 and self.progress(views).next_parameter is None
 
     def estimate(self, views: Sequence[View]) -> Calibration | None:
-        """Fit as the method does: plain least squares; None where that fails."""
+        """Fit as the method does: plain least squares; None if that fails."""
         try:
             return fit(views, self.img_size, self.model.name, robust=False)
         except CalibrationError:

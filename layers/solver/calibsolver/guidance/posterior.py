@@ -121,7 +121,7 @@ class IntrinsicsPosterior:
         return float(np.sum((before - after) * w))
 
     def view_gain(self, view: View) -> float | None:
-        """Decrease of the mean square error, px^2, by a view; None where the camera cannot pose it."""
+        """Decrease of the mean square error, px^2, by a view; None if the camera cannot pose it."""
         obs = Observations.of([view])
         posed = initial_guess.at(self.model, obs, self.k)
         if not posed.error < MAX_MEDIAN_ERROR_WIDTHS * self.img_size[0]:

@@ -31,7 +31,7 @@ class Choice:
     model
         Name of the model to use.
     held_out
-        px, cross-validated rms by model; None where the model cannot be fitted to these views.
+        px, cross-validated rms by model; None if the model cannot be fitted to these views.
     reasons
         In plain words, what spoke for it and against the others.
     """

@@ -96,7 +96,7 @@ class Cause:
 
 @undetermined()
 def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | None:
-    """Find the probable cause of what is systematic in the residuals; None where nothing explains them.
+    """Find the probable cause of what is systematic in the residuals; None if nothing explains them.
 
     Parameters
     ----------

@@ -59,7 +59,7 @@ def is_contradictory(problem: RigProblem, state: State, good: Mask, noise: float
 
 
 def without_contradicting_view(problem: RigProblem, state: State, among: Mask) -> tuple[State, Mask] | None:
-    """Leave out the view that explains most of the noise of points `among` (m, n); None where none does.
+    """Leave out the view that explains most of the noise of points `among` (m, n); None if none does.
 
     Returns the state near the optimum without it, and the points that are left.
     """
@@ -80,7 +80,7 @@ def without_contradicting_view(problem: RigProblem, state: State, among: Mask) -
 
 
 def is_linked(problem: RigProblem, good: Mask) -> bool:
-    """Tell whether points `good` (m, n) link every camera to camera 0."""
+    """True if points `good` (m, n) link every camera to camera 0."""
     return not find_unlinked(problem, good)
 
 
@@ -91,7 +91,7 @@ def find_unlinked(problem: RigProblem, good: Mask) -> tuple[int, ...]:
 
 
 def check_links(problem: RigProblem, good: Mask) -> None:
-    """Raise CalibrationError where what is left, `good` (m, n), does not link the cameras."""
+    """Raise CalibrationError if what is left, `good` (m, n), does not link the cameras."""
     lost = find_unlinked(problem, good)
     if lost:
         raise CalibrationError(

@@ -72,13 +72,13 @@ def estimate(record: Mapping[str, Any], *, final: bool = False) -> dict[str, Any
     ----------
     record
         `board`; `cameras`: by position `img_size`, `distortion_model` and `start` (a calibration record that
-        may be near, or None), or None where no camera is there yet; `moments`: `id` and `views`, position ->
+        may be near, or None), or None if no camera is there yet; `moments`: `id` and `views`, position ->
         `ids`, `points`; `skipped`: poses (6,) not wanted; `missed`: targets without a pose given up.
 
     Returns
     -------
     dict
-        `fit`, None where there is none, and `problem` why; `unlinked`: positions that share no moment with
+        `fit`, None if there is none, and `problem` why; `unlinked`: positions that share no moment with
         camera 0; `target` and `target_pose`, board -> camera 0. Lengths are in board units.
     """
     rig = _Rig.from_record(record)
@@ -122,7 +122,7 @@ def _is_determined(found: RigCalibration) -> bool:
 
 
 def _held_out(rig: _Rig, found: RigCalibration) -> float | None:
-    """Cross-validate the rig; None where that is not possible, or takes too long."""
+    """Cross-validate the rig; None if that is not possible, or takes too long."""
     moments = thin(rig.moments, MAX_HELD_OUT_POINTS)
     return deadline.compute_within(MAX_HELD_OUT_S, lambda: held_out_rms(moments, found), None)
 

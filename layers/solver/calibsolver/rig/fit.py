@@ -296,7 +296,7 @@ class _RigFit:
         )
 
     def _check_domain(self, cameras: Sequence[Camera], state: State, good: Mask) -> None:
-        """Raise CalibrationError where many points lie where a camera's model is not one-to-one."""
+        """Raise CalibrationError if many points lie where a camera's model is not one-to-one."""
         in_rig, vectors = (
             state.poses.camera_points(self.problem.obs.points),
             self.problem.camera_poses(state.k),

@@ -295,7 +295,7 @@ def _json(source: RigSource) -> _RigFiles:
 
 
 def _rectification(one: Camera, other: Camera, motion: RigidMotion) -> Rectification | None:
-    """Rectification of two cameras; None where there is none that tools know."""
+    """Rectification of two cameras; None if there is none that tools know."""
     try:
         return rectify(one, other, motion)
     except CalibrationError:

@@ -35,7 +35,7 @@ def held_out_rms(moments: Sequence[Moment], calibration: RigCalibration) -> floa
 
     Returns
     -------
-    px, root of the mean square distance over all points of the moments left out; None where no part can be
+    px, root of the mean square distance over all points of the moments left out; None if no part can be
     left out without cutting the cameras' links.
     """
     used = [

@@ -46,7 +46,7 @@ def rectify(one: Camera, other: Camera, motion: RigidMotion) -> Rectification:
     """Rectify two cameras, `motion` camera `one` -> camera `other`.
 
     The common focal length is the smaller of the two, and the common principal point puts the middle of both
-    rectified images into the middle. Raises CalibrationError ``not_representable`` where the cameras are in
+    rectified images into the middle. Raises CalibrationError ``not_representable`` if the cameras are in
     one place, or turned so far that no plane is in front of both.
     """
     length = float(np.linalg.norm(motion.t))
@@ -86,7 +86,7 @@ def rectify(one: Camera, other: Camera, motion: RigidMotion) -> Rectification:
 def _centre(camera: Camera, r: Array) -> Array:
     """Mean (2,) of the rectified image's rim, for unit focal length.
 
-    Raises CalibrationError where the middle of the image lies behind the rectified plane.
+    Raises CalibrationError if the middle of the image lies behind the rectified plane.
     """
     w, h = camera.img_size
     x, y = np.meshgrid(np.linspace(0, w - 1, RIM_SAMPLES), np.linspace(0, h - 1, RIM_SAMPLES))

@@ -104,7 +104,7 @@ class LocatedMoment:
 def start(cameras: Sequence[Camera], moments: Sequence[ResectedMoment]) -> RigStart:
     """Find the relative poses of `cameras`, which are nearly known, from moments.
 
-    Raises CalibrationError ``unlinked`` where some cameras share no moment with the others, directly or by
+    Raises CalibrationError ``unlinked`` if some cameras share no moment with the others, directly or by
     way of third ones.
     """
     turns = symmetries([view for moment in moments for view in moment.views.values()])
