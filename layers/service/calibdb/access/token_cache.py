@@ -1,7 +1,7 @@
 """TTL cache of API tokens, which also counts their lookups without a write for each.
 
 A lookup that hits is one Query. So its token is cached for half a minute, and lookups are counted in memory
-and flushed when the token is read anew: once for some hundred lookups, or after some minutes. A
+and flushed when the token is read again: once for some hundred lookups, or after some minutes. A
 function has no time of its own after its answer, and one that is ended takes along what it had not written:
 the count is a little low, in favour of those who ask.
 """
@@ -32,7 +32,7 @@ class TokenStore(Protocol):
     """Store of tokens."""
 
     def get(self, token_id: str) -> ApiToken | None:
-        """Return the token, None when there is none (any more)."""
+        """Return the token, None if there is none (any more)."""
 
     def keep(self, token_id: str) -> None:
         """Note that the token was used: it does not expire."""
@@ -60,7 +60,7 @@ class _Entry:
     reading: threading.Lock = field(default_factory=threading.Lock)
 
     def is_full(self, now: float, plans: Mapping[str, Plan]) -> bool:
-        """Tell whether there is enough to write down."""
+        """True if there is enough to write down."""
         lookups = sum(self.pending.values())
         return lookups >= _lookups_per_flush(plan(self.token.plan, plans)) and now >= self.next_flush
 
@@ -110,7 +110,7 @@ class TokenCache:
         self._lock = threading.Lock()
 
     def get(self, token_id: str, accepts: Callable[[ApiToken], bool] = lambda _: True) -> ApiToken | None:
-        """Return the token as it was at most half a minute ago, None when there is none (any more).
+        """Return the token as it was at most half a minute ago, None if there is none (any more).
 
         A remembered token that `accepts` refuses, since its secret is another one, is read again: it may have
         been rotated. While that does not help, it is read once in `REFUSAL_TTL_S`.
@@ -171,7 +171,7 @@ class TokenCache:
     def count_lookup(self, token: ApiToken, source: str, network: str | None = None) -> tuple[RateLimit, ...]:
         """Count a lookup from `source` on the line `network`, and return what is left.
 
-        Raises TooManyError where the hour's are used up.
+        Raises TooManyError if the hour's are used up.
         """
         allowed = plan(token.plan, self._plans)
         together, each = allowed.together.lookups, allowed.each.lookups

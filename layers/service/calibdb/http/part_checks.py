@@ -84,7 +84,7 @@ class PartChecks:
         return [_health(part, run, start + part.limit_s) for part, run in runs]
 
     def _begin(self, part: Part) -> Future[float] | None:
-        """Start the check of a part; None where the last one has not ended yet."""
+        """Start the check of a part; None if the last one has not ended yet."""
         before = self._running.get(part.name)
         if before is not None and not before.done():
             return None

@@ -25,7 +25,7 @@ _MISS_DETAILS = {
 }
 
 Compute = Callable[[str, tuple[int, int]], ConsensusDocument | None]
-"""Camera key and size to the consensus of the model asked for, computed now; None where there is none."""
+"""Camera key and size to the consensus of the model asked for, computed now; None if there is none."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def find(
     private
         The database of one person, who has few cameras, and knows which is meant.
     compute
-        Computes a model that nobody asked for yet.
+        Computes a model on its first request.
     """
     size, zoom, model = wanted.img_size, wanted.zoom, wanted.model
     identity = identify(wanted.camera, wanted.platform)
@@ -87,7 +87,7 @@ def find(
     resolved = camera_lookup.resolve(read, identity, size, zoom, model, private=private)
     found, reason = resolved.choice.found, resolved.choice.reason
     if resolved.choice.missing_at is not None:
-        # The keypoints are kept, so a model that nobody asked for yet is only a computation away.
+        # A model that was not requested before can be computed from the stored keypoints.
         found = compute(resolved.key, resolved.choice.missing_at)
         reason = found.reason if found and found.reason else reason
     if found is not None and found.reliable and found.calibration is not None:

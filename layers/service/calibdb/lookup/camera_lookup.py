@@ -1,7 +1,7 @@
 """Lookup of a camera's key: by USB id and name; by the name alone where it says which product it is.
 
-Never a guess: a name that many products bear answers nobody, and one that two USB ids bear neither. Since
-anybody can invent an id, only those that are well known (`calibdb.lookup.well_known_ids`) rival each other.
+Never a guess: a name of many products, or of two USB ids, finds no camera. Since
+anyone can invent an id, only well-known ids (`calibdb.lookup.well_known_ids`) rival each other.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class CameraMatch:
 
 
 def unanswerable_reason(identity: Identity, *, private: bool, resize_mode: str | None) -> str | None:
-    """Return why nothing can be said of such a camera; None where the database may know it.
+    """Return why nothing can be said of such a camera; None if the database may know it.
 
     `private`: the database of one person, who has few cameras, and knows which is meant.
     """
@@ -148,7 +148,7 @@ _STEPS: dict[tuple[bool, bool, bool], tuple[Callable[[_Search], CameraMatch | No
 
 
 def _outnumbers(other: ConsensusDocument | None, own: ConsensusDocument | None) -> bool:
-    """Tell whether more contributors are behind `other`, of the same size."""
+    """True if more contributors are behind `other`, of the same size."""
     if other is None or own is None or other.calibration is None or own.calibration is None:
         return False
     more = other.calibration.contributors > own.calibration.contributors

@@ -31,7 +31,7 @@ def query_words(query: str) -> list[str]:
 
 
 def has_words(wanted: Sequence[str], name: str, known: Sequence[ConsensusDocument]) -> bool:
-    """Tell whether every word that is wanted begins a word of the camera's name, labels or USB vendor."""
+    """True if every word that is wanted begins a word of the camera's name, labels or USB vendor."""
     labels = {c.calibration.camera for c in known if c.calibration}
     text = unicodedata.normalize("NFKC", " ".join((name, *labels))).casefold()
     there = [*words(text), *vendor_words(usb_id(known))]
@@ -39,7 +39,7 @@ def has_words(wanted: Sequence[str], name: str, known: Sequence[ConsensusDocumen
 
 
 def is_listed(known: Sequence[ConsensusDocument], min_contributors: int) -> bool:
-    """Tell whether a camera is shown to who does not ask for it by its key.
+    """True if a camera is shown to who does not ask for it by its key.
 
     A label is whatever its sender wrote. So it is, once the database vouches for the camera, or calibrations
     of another contributor agree. Where one contributor suffices for everything, as at home, its first
@@ -85,7 +85,7 @@ def count_agreeing(best: ConsensusDocument) -> int:
 
 
 def usb_id(known: Sequence[ConsensusDocument]) -> str | None:
-    """Return the USB id `vid:pid` in the camera's labels, None where they have none."""
+    """Return the USB id `vid:pid` in the camera's labels, None if they have none."""
     named = ((c.calibration.camera, c.calibration.platform) for c in known if c.calibration)
     return next((found for name in named if (found := identify(*name).usb_id)), None)
 

@@ -19,7 +19,7 @@ class Refit:
         self._jobs.later("refit", queued.model_dump_json().encode())
 
     def now(self, request: RefitRequest) -> RefitAnswer:
-        """Have the consensus computed and return it; raises UnavailableError when that fails."""
+        """Have the consensus computed and return it; raises UnavailableError if that fails."""
         content = self._jobs.now("refit", request.model_dump_json().encode())
         if content is None:
             raise UnavailableError("The service could not compute this model; try again.")

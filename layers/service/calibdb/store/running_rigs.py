@@ -18,7 +18,7 @@ Compute = Callable[[dict[str, Any]], dict[str, Any]]
 
 
 def head_tag(store: Store, rig_id: str, solver: str) -> str | None:
-    """Return the tag of a running rig's state from the index alone, None where it does not run."""
+    """Return the tag of a running rig's state from the index alone, None if it does not run."""
     head = store.rigs.head(rig_id)
     if head is None or head.forgotten:
         return None
@@ -68,7 +68,7 @@ def _sessions(store: Store, document: RigDocument) -> list[tuple[SessionDocument
 
     def read(name: str) -> tuple[SessionDocument | None, int]:
         found = store.sessions.find_version(name) if name else None
-        # A session that was started anew without the rig is none of it.
+        # A session restarted without the rig is not part of it.
         if found is None or found[0].rig is None or found[0].rig.id != document.rig:
             return None, found[1] if found else 0
         return found

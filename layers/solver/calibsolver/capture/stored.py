@@ -57,7 +57,7 @@ class Outcome:
 
 
 def end(estimate: Estimate, views: Sequence[View], indices: Sequence[int]) -> Outcome | None:
-    """Describe a capture that ends with this estimate of its views; None where there is no fit.
+    """Describe a capture that ends with this estimate of its views; None if there is no fit.
 
     `indices`: names of the views that are not excluded, in their order.
     """
@@ -81,7 +81,7 @@ def finish(record: Mapping[str, Any]) -> dict[str, Any]:
     """End a session with the views that agree, however accurate they are.
 
     Returns its `estimate` (`estimate_record`), the `statuses` of its views (`view_statuses`) and a `report`.
-    Raises CalibrationError where no camera explains the views.
+    Raises CalibrationError if no camera explains the views.
     """
     rules, views, excluded = parse(record)
     found = rules.estimate(views, excluded).with_cause(views)
