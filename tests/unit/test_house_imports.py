@@ -47,6 +47,7 @@ SERVICE_ARROWS: dict[str, set[str]] = {
     "dump": _RULED | {"access", "rules", "store", "lookup"},
     "service": _RULED | {"access", "rules", "store", "lookup"},
     "http": _RULED | {"access", "rules", "store", "lookup", "service"},
+    "compute": _RULED | {"access", "rules", "store", "lookup", "service"},
 }
 
 

@@ -20,10 +20,11 @@ from calibdb.access.plans import (
     Counter,
     Kind,
     Plan,
+    RateLimit,
     multiplied,
     plan,
+    rate_limit_headers,
 )
-from calibdb.access.rate_limits import RateLimit, rate_limit_headers
 from calibdb.access.token_cache import TOKEN_TTL_S, TokenCache, retry_after
 from calibdb.access.tokens import (
     ApiToken,
@@ -38,8 +39,7 @@ from calibdb.access.tokens import (
     source,
 )
 from calibdb.errors import ForbiddenError, TooManyError
-from calibdb.lookup.alias_filter import AliasFilter
-from calibdb.lookup.misses import MissCounter
+from calibdb.lookup.reports import AliasFilter, MissCounter
 from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb.store.secrets import with_secrets

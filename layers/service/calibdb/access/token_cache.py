@@ -13,8 +13,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
-from calibdb.access.plans import HOUR_S, NETWORK_SHARES, PLANS, Kind, Plan, plan
-from calibdb.access.rate_limits import RateLimit, rate_limit_headers
+from calibdb.access.plans import (
+    HOUR_S,
+    NETWORK_SHARES,
+    PLANS,
+    Kind,
+    Plan,
+    RateLimit,
+    plan,
+    rate_limit_headers,
+)
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import TooManyError, UnavailableError
 

@@ -14,8 +14,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import from_json
 from starlette.requests import Request
 
-from calibdb.access.plans import Kind
-from calibdb.access.rate_limits import RateLimit, rate_limit_headers
+from calibdb.access.plans import Kind, RateLimit, rate_limit_headers
 from calibdb.access.tokens import ApiToken, Ticket, parse
 from calibdb.errors import (
     MAX_FIELD_ERRORS,
