@@ -18,14 +18,7 @@ from calibdb.http import application, metrics
 from calibdb.lookup import reports
 from calibdb.lookup.camera_lookup import LookupQuery, LookupResult, find, find_by_digest
 from calibdb.lookup.estimation import estimate_for
-from calibdb.schema import (
-    ConsensusDocument,
-    LookupRequest,
-    Miss,
-    NoCalibration,
-    RefitRequest,
-    UnknownCamera,
-)
+from calibdb.schema import ConsensusDocument, LookupRequest, Miss, NoCalibration, RefitRequest, UnknownCamera
 from calibdb.schema.lookup import Reason
 
 # By browsers, and at the edge for the same token from the same origin; both may be refused.

@@ -21,7 +21,7 @@ FORBIDDEN = {
     "clients/python/calibdb_client": {
         *("calibdb", "functions", "infra", "tests", "boto3", "botocore", "pydantic", "starlette", "typer"),
     },
-    "functions": {"infra", "tests", "moto", "boto3", "botocore"},
+    "functions": {"infra", "tests", "moto", "boto3", "botocore", "calibsolver", "numpy", "cv2"},
     "infra": {"tests"},
 }
 

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from infra.ci.import_handlers import functions, sources
+
 ROOT = Path(__file__).parents[2]
 SOLVER = ROOT / "layers/solver/calibsolver"
 SERVICE = ROOT / "layers/service/calibdb"
@@ -175,6 +177,14 @@ def test_service_packages_import_one_way() -> None:
 def test_layer_has_its_packages_and_values_alone(root: Path, packages: set[str], values: set[str]) -> None:
     assert {path.parent.name for path in root.glob("*/__init__.py")} == packages
     assert {path.stem for path in root.glob("*.py")} - {"__init__"} == values
+
+
+def test_functions_without_the_solver_compute_nothing() -> None:
+    without = [folder for folder, solver in functions(sources(ROOT)) if not solver]
+    assert "functions/lookup" in without
+    for folder in without:
+        used = imports(f"{folder.replace('/', '.')}.app", everywhere=True)
+        assert not [name for name in used if name.startswith("calibdb.compute")], folder
 
 
 def test_benchmarks_and_scripts_beside_the_tests_can_be_imported() -> None:

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
-from calibdb.errors import ConflictError, NotFoundError
+from calibdb.errors import ConflictError, InvalidError, NotFoundError, TooManyError
 from calibdb.rules import rig_rules, session_rules
 from calibdb.rules.rig_state import Rig
 from calibdb.schema import (
@@ -19,8 +19,11 @@ from calibdb.schema import (
     SessionDocument,
     ViewDocument,
 )
+from calibdb.schema.membership import RigJoin
 from calibdb.schema.rig_documents import CodeDocument
 from calibdb.store.ports import READERS
+from calibdb.store.rig_codes import GUESS_WINDOW_S, MAX_GUESSES
+from calibdb.store.rigs import is_rig_id
 from calibdb.store.store import Store
 
 TOO_SLOW = "These moments take longer to compute than a request may; undo some of them."
@@ -104,6 +107,27 @@ def create(store: Store, lead: Lead, request: RigRequest, code: str, secret: str
         store.rig_codes.remove(digest)
     store.rig_codes.put(stored.digest, rig_id, until)
     return RigOpened(rig_id=rig_id, join_code=code, expires_at=until)
+
+
+def named(store: Store, wanted: RigJoin, source: str, secret: str, now: int) -> str:
+    """Return the id of the rig that a code or an id names; wrong codes are counted by source.
+
+    Raises InvalidError or TooManyError.
+    """
+    if wanted.code is None:
+        if not is_rig_id(wanted.id or ""):
+            raise InvalidError.field("rig.id", "there is no running rig with this id")
+        return wanted.id or ""
+    if not store.rig_codes.count_guess(source, now):
+        raise TooManyError(
+            GUESS_WINDOW_S - now % GUESS_WINDOW_S,
+            f"More than {MAX_GUESSES} wrong join codes came from here; retry after the time in Retry-After.",
+        )
+    found = store.rig_codes.find(rig_rules.code_digest(secret, wanted.code), now)
+    if found is None:
+        raise rig_rules.wrong_code()
+    store.rig_codes.uncount_guess(source, now)
+    return found
 
 
 def open_moment(store: Store, rig_id: str, leader: str, moment: str, now: int) -> None:
