@@ -97,6 +97,11 @@ class Service:
             thread.join()
             service.write_pending()
 
+    @property
+    def writes_later(self) -> bool:
+        """True in a server, which writes what no response needs once per `WRITE_INTERVAL_S`."""
+        return self._writes is not None
+
     def write_later(self, write: Callable[[], None]) -> None:
         """Run `write` within `WRITE_INTERVAL_S` in a server, else now."""
         if self._writes is None:
@@ -174,7 +179,7 @@ class Service:
         """Return the token that `text` is; raises ForbiddenError when it is unknown or its secret is wrong.
 
         A token once read is remembered for half a minute: a lookup then costs one Query and nothing else.
-        The first use of a token is written; `before_write` is called before.
+        The first use of a token is written, in a server later; else `before_write` is called before.
         """
         token_id, secret = parse(text) or ("", "")
 
@@ -190,7 +195,8 @@ class Service:
                 kind="token-expired",
             )
         if token.expires is not None:
-            before_write()
+            if not self.writes_later:
+                before_write()
             self._tokens.keep(token)
         return token
 

@@ -232,7 +232,7 @@ class Call:
             raise ForbiddenError("The API token does not admit pages of this origin.", kind="origin")
         if charge == "lookups":
             if RATE_LIMITS not in self.request.scope:  # else it was counted before it required a thread
-                if self.service.plan_of(token).counts_each_lookup:
+                if self.service.plan_of(token).counts_each_lookup and not self.service.writes_later:
                     self.require_thread()
                 self._tell(self.service.count_lookup(token, self.address))
         else:
