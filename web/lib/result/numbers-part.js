@@ -45,7 +45,7 @@ export function numbersPart(calibration, report, { pending = false } = {}) {
         ...px([t("result.held_out")], report?.held_out ?? calibration.held_out_error))), copies(calibration)));
 }
 
-/** What the lens does, as a figure and as a table. @param {Calibration} calibration of a model that is known here @param {Report | null} report */
+/** The lens as a figure and as a table. @param {Calibration} calibration of a model that is known here @param {Report | null} report */
 export const lensPart = (calibration, report) => el("div", { class: "columns" }, figure(distortionPlot(calibration, report)), distortionValues(calibration));
 
 /** @param {Calibration} calibration */
