@@ -97,7 +97,7 @@ def uploads(
 
 
 def _upload(key: str, content: bytes, vendor: str, named: str) -> Upload:
-    kept = key.startswith(_VENDOR) or f"-{named}." in key
+    is_immutable = key.startswith(_VENDOR) or f"-{named}." in key
     if key.startswith(_VENDOR):
         key = vendor + key.removeprefix(_VENDOR)
     elif key.endswith(_REFERENCING_SUFFIXES) and not VERSIONED.match(key):
@@ -108,7 +108,7 @@ def _upload(key: str, content: bytes, vendor: str, named: str) -> Upload:
         key=key,
         content=gzip.compress(content, mtime=0) if large else content,
         content_type=media_type(key),
-        cache_control=FOREVER if kept or versioned else FRESH,
+        cache_control=FOREVER if is_immutable or versioned else FRESH,
         content_encoding="gzip" if large else None,
         is_versioned=versioned,
     )

@@ -48,7 +48,7 @@ LIFETIMES = {
     (SITE, "dumps/2"): 35 * _DAY_S,
 }
 # Variables of this process, and the parameters of the template that they set on AWS.
-PARAMETERS = {
+OPERATOR_PARAMETERS = {
     "OPERATOR_NAME": "OperatorName",
     "OPERATOR_CONTACT": "OperatorContact",
     "IMPRINT": "Imprint",
@@ -136,9 +136,9 @@ class Server:
         self.storage = stack.enter_context(opened_for_functions(folder, self.jobs, self.environment))
         self.token = self._admit_token()
         """Token of the site's own pages."""
-        self._parameters = {name: os.environ[v] for v, name in PARAMETERS.items() if os.environ.get(v)}
-        options = Options(self.url, contacts(self._parameters))
-        settings = public_settings("/v1", self.token, self._parameters)
+        named = {name: os.environ.get(variable, "") for variable, name in OPERATOR_PARAMETERS.items()}
+        options = Options(self.url, contacts(named))
+        settings = public_settings("/v1", self.token, named)
         self.pages = Pages(self.web, settings, options)
         threads = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
         stack.callback(threads.shutdown, wait=self.data is None or not is_worker, cancel_futures=True)

@@ -44,7 +44,7 @@ def sitemap(site: str, files: Iterable[str]) -> bytes:
 
 
 def is_page(name: str) -> bool:
-    """Tell whether a file of the site is a page."""
+    """True if a file of the site is a page."""
     return (name == "index.html" or name.endswith("/index.html")) and not name.startswith("vendor")
 
 

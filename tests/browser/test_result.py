@@ -241,10 +241,10 @@ def test_every_format_is_saved_or_says_why_not(
         assert not (page.locator("#format-about").text_content() or "").startswith("formats.")
         before = len(kept)
         page.locator("#download").click()
-        page.locator(".saved", has_text=re.compile("Saved as|There is no such file")).wait_for()
+        page.locator(".saved", has_text=re.compile("Saved as|This file does not exist")).wait_for()
         said[form] = page.locator(".saved").text_content() or ""
         print(form, said[form])
-        if "There is no such file" in said[form]:
+        if "This file does not exist" in said[form]:
             continue
         until(page, lambda n=before: len(kept) > n)
         assert len(kept) == before + 1, "what is said to be saved is"

@@ -54,7 +54,7 @@ class CheckRequest(Strict, Licensed):
     )
     board: Board = Board()
     views: tuple[CheckView, ...] = Field(
-        min_length=1, max_length=MAX_VIEWS, description="Tilted differently; one alone tells little."
+        min_length=1, max_length=MAX_VIEWS, description="Views with different tilts."
     )
     calibration: GivenCalibration | None = Field(
         None,

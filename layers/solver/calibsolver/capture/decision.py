@@ -60,7 +60,7 @@ class Estimate:
     calibration
         Fitted to the views that are not excluded, in their order; None while no believable fit exists.
     view_errors
-        px rms of each view, None without a calibration; of an excluded view, with its pose alone fitted.
+        px rms of each view, None without a calibration; of an excluded view, with only its pose fitted.
     uncertainty
         Predicted error of a projection over the image, px.
     progress

@@ -28,7 +28,7 @@ from . import (
 from .calibration import Calibration
 from .degenerate_views import with_degenerate_views
 from .levenberg_marquardt import Options, Problem, State
-from .mixed_fit import MIN_SHAPE_DECREASE, MixedFit
+from .mixed_fit import Linearization, MixedFit
 from .mixed_model import SHAPE_SIZE, marginal_information
 from .multistart import MultiStart
 from .normal_equations import Poses
@@ -182,18 +182,17 @@ class _Fit:
     def _shaped(self, state: State, good: Mask) -> "_Found | None":
         """Fit the board's shape with the rest, from an optimum of least squares with the board as drawn.
 
-        Other points may take part: what the shape explains is no outlier. None where the board is known to be
-        as drawn, where there are too few views to tell, where a shape would explain no more than chance, and
-        where it is no board's.
+        Other points may take part: what the shape explains is no outlier. A stretch that no printer causes is
+        left to the camera. None where the board is known to be as drawn, where there are too few views to
+        tell, and where a shape would explain no more than chance or leave a camera that is not believable.
         """
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
             return None
-        mixed = MixedFit.of(self.problem, self._labels(state, good), self._sigma(state, good) ** 2)
-        at = mixed.linearize(mixed.problem.start(state), good)
-        v = at.model.learn(mixed.problem.variances)
-        if not at.model.shape_gain(v) > MIN_SHAPE_DECREASE:
+        labels, noise2 = self._labels(state, good), self._sigma(state, good) ** 2
+        begun = MixedFit.begin(self.problem, state, good, labels, noise2)
+        if begun is None:
             return None
-        mixed, shaped = mixed.at_variances(at.model, v), at.state
+        mixed, shaped = begun
         for _ in range(MAX_MASKS):
             shaped = mixed.solve(shaped, good)
             taken = outliers.inlier_mask(
@@ -204,11 +203,13 @@ class _Fit:
             if np.array_equal(taken, good) or not taken.any():
                 break
             good = taken
-        at = mixed.linearize(shaped, good)
-        mixed = mixed.at_variances(at.model, at.model.learn(mixed.problem.variances))
+        at = mixed.linearize(shaped, good, None)
+        mixed = mixed.learnt(at)
         shaped = mixed.solve(shaped, good)
+        if not mixed.problem.shape(shaped).is_plausible:
+            return None
         try:
-            return self._result(mixed.problem.camera_state(shaped), good, (mixed, shaped), with_prior=True)
+            return self._result(shaped, good, (mixed, at), with_prior=True)
         except CalibrationError:
             return None
 
@@ -307,8 +308,19 @@ class _Fit:
         seen = systematic_effects.explained_points(rows, effects, good, mask, sigma, limit)
         if np.array_equal(seen, good):
             return evidence
-        more = robust_covariance.Evidence.of(rows, effects, poses, labels, evidence.metric, seen)
-        return replace(evidence, of_effects=more.gram)
+        if len(evidence.gram) < len(labels):
+            more = robust_covariance.Evidence.of(rows, effects, poses, labels, evidence.metric, seen).gram
+        else:  # each view is a cluster: only those of which more is seen change
+            more, changed = evidence.gram.copy(), np.flatnonzero((seen != good).any(axis=1))
+            more[changed] = robust_covariance.Evidence.of(
+                rows[:, :, changed],
+                effects[:, :, changed],
+                Poses(poses.r[changed], poses.t[changed]),
+                np.arange(len(changed)),
+                evidence.metric,
+                seen[changed],
+            ).gram
+        return replace(evidence, of_effects=more)
 
     def _is_observable(self, state: State) -> bool:
         """Whether the data alone, without the prior, determine every parameter."""
@@ -324,7 +336,12 @@ class _Fit:
         return max(noise, levenberg_marquardt.ROUNDOFF * self.width)
 
     def _result(
-        self, state: State, good: Mask, shaped: tuple[MixedFit, State] | None = None, *, with_prior: bool
+        self,
+        state: State,
+        good: Mask,
+        shaped: tuple[MixedFit, Linearization] | None = None,
+        *,
+        with_prior: bool,
     ) -> "_Found":
         """Check the fit and describe it: errors over all points, covariance from the good ones.
 
@@ -336,7 +353,7 @@ class _Fit:
         good
             (v, n) points that took part.
         shaped
-            How the board's shape was fitted, and the optimum with it; None: the board is as drawn.
+            How the board's shape was fitted, and a linearization near the optimum; None: it is as drawn.
         with_prior
             Whether the prior took part: its information (p, p) is added to that of the points.
 
@@ -344,8 +361,9 @@ class _Fit:
         """
         if not state.converged:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
-        shape = None
-        problem = self.problem.reshaped(shaped[0].problem.shape(shaped[1])) if shaped else self.problem
+        problem, shape, optimum = self.problem, None, state
+        if shaped:
+            problem, state = shaped[0].problem.of_camera(optimum)
         plausibility.check_result(problem, state, good, self.robust)
         state = self._resect_excluded_views(problem, state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size
@@ -362,11 +380,11 @@ class _Fit:
             spread = robust_covariance.estimate(self._evidence(state, good, sigma), sigma, believed)
             covariance, information = spread.covariance, spread.information
         else:
-            mixed, optimum = shaped
-            shape = mixed.problem.shape(optimum)
-            spread = mixed.spread(optimum, good, sigma, self.mask)
+            mixed, at = shaped
+            spread = mixed.spread(at, optimum, good, sigma, self.mask)
             covariance = spread.covariance[SHAPE_SIZE:, SHAPE_SIZE:]
             information = marginal_information(spread.information, self.model.size)
+            shape = mixed.problem.shape(optimum)
             shape = replace(shape, covariance=frozen(spread.covariance[:SHAPE_SIZE, :SHAPE_SIZE]))
         if not (np.isfinite(rms) and np.isfinite(spread.covariance).all()):
             raise CalibrationError("not_believable", "the fit has no finite error")

@@ -14,7 +14,6 @@ from .. import deadline, rotation
 from ..arrays import Array, Mask
 from ..models import Model
 from . import normal_equations, prior
-from .board_shape import BoardShape
 from .normal_equations import POSE_SIZE, Elimination, Poses, System
 from .observations import Observations
 
@@ -223,12 +222,12 @@ class LeastSquares(ABC):
 
     def _take_step(self, state: State, da: Array, dp: Array) -> State | None:
         """Linearize after steps (a,) and (v, 6); None where there is no picture there."""
-        k, poses = self.retract(state, da, dp)
+        k, poses = self.retract(state.k, state.poses, da, dp)
         return self.at(k, poses) if self.is_feasible(k) else None
 
-    def retract(self, state: State, da: Array, dp: Array) -> tuple[Array, Poses]:
+    def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
         """Shared unknowns (p,) and poses after steps (a,) and (v, 6)."""
-        return state.k + self.free(da), state.poses.retract(dp)
+        return k + self.free(da), poses.retract(dp)
 
     def _geodesic_acceleration(
         self, state: State, system: System, weights: Array | None, da: Array, dp: Array, at: Elimination
@@ -238,7 +237,7 @@ class LeastSquares(ABC):
         The second derivative of the residuals along the step is a finite difference.
         """
         h = FINITE_DIFFERENCE
-        k, poses = self.retract(state, h * da, h * dp)
+        k, poses = self.retract(state.k, state.poses, h * da, h * dp)
         if not self.is_feasible(k):
             return da, dp
         moved = self.residuals(k, poses)
@@ -292,10 +291,6 @@ class Problem(LeastSquares):
             j = j @ self.basis
         return State(k, poses, rows, square, r, j)
 
-    def reshaped(self, shape: BoardShape) -> "Problem":
-        """Return the problem of a board in its shape."""
-        return replace(self, obs=shape.reshape(self.obs))
-
     def residuals(self, k: Array, poses: Poses) -> Array:
         """Compute the residuals (2, v, n) at given intrinsics (p,) and poses, px."""
         q = normal_equations.project(self.model, k, poses, self.obs.points)
@@ -305,14 +300,14 @@ class Problem(LeastSquares):
         """Change (p,) of the intrinsics by a step (a,) of the free ones."""
         return da if self.basis is None else self.basis @ da
 
-    def retract(self, state: State, da: Array, dp: Array) -> tuple[Array, Poses]:
+    def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
         """Intrinsics and poses after steps (a,) and (v, 6), along the curve that keeps the picture.
 
         A longer focal length moves the boards away, and leaves each coefficient's effect in px: the long
         valley between focal length, distortion and distance is then nearly straight.
         """
         order, change = 2 * prior.weights(self.model).order, self.free(da)
-        k, t = state.k.copy(), state.poses.t.copy()
+        k, t = k.copy(), poses.t.copy()
         relative = change[:2] / k[:2]
         k[:2] *= np.exp(relative)
         k[2:4] += change[2:4]
@@ -321,7 +316,7 @@ class Problem(LeastSquares):
         k[4:] = (k[4:] * (1 - order * longer) + change[4:]) * grown**order
         t[:, :2] += dp[:, 3:5]
         t[:, 2] = (t[:, 2] * (1 - longer) + dp[:, 5]) * grown
-        return k, Poses(rotation.matrix(dp[:, :3]) @ state.poses.r, t)
+        return k, Poses(rotation.matrix(dp[:, :3]) @ poses.r, t)
 
 
 def residual_rows(

@@ -128,7 +128,7 @@ class Model(ABC):
     def radial_derivative(self, d: Array, s: Array) -> tuple[Array, Array, Array] | None:  # noqa: ARG002
         """Radial stretch, d(distorted)/d(undistorted radius), at squared radii s (n,).
 
-        And its derivatives by d (n, m) and by s (n,). None where the first order of `Prior` says it.
+        And its derivatives by d (n, m) and by s (n,). None if the first order of `Prior` says it.
         """
         return None
 
