@@ -92,9 +92,9 @@ class Resolver:
         return {key: self(element) for key, element in value.items()}
 
     def _ref(self, name: str) -> Any:
-        for known in (self.parameters, self.pseudo):
-            if name in known:
-                return known[name]
+        for values in (self.parameters, self.pseudo):
+            if name in values:
+                return values[name]
         if name not in self.resources:
             raise TemplateError(f"!Ref {name} names nothing in the template")
         # A function's name is its logical id, so that a log line leads back to the template; bucket and table

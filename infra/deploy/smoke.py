@@ -43,7 +43,7 @@ class Site:
     url
         Of the site, without slash.
     distribution
-        Domain name of its CloudFront distribution; None where there is none.
+        Domain name of its CloudFront distribution; None if there is none.
     """
 
     url: str
@@ -163,13 +163,13 @@ def preflight_problems(ask: Ask, path: str) -> Iterator[str]:
     heard = ask("OPTIONS", path, _PREFLIGHT, None)
     if not HTTPStatus.OK <= heard.status < HTTPStatus.MULTIPLE_CHOICES:
         yield f"OPTIONS {path}: {heard.status}, so that browsers refuse pages of other origins"
-    for header, wanted in (
+    for header, value in (
         ("access-control-allow-origin", "*"),
         ("access-control-allow-methods", "POST"),
         ("access-control-allow-headers", "authorization"),
     ):
-        if wanted not in heard.headers.get(header, "").replace(" ", "").split(","):
-            yield f"OPTIONS {path}: no {wanted} in {header}"
+        if value not in heard.headers.get(header, "").replace(" ", "").split(","):
+            yield f"OPTIONS {path}: no {value} in {header}"
 
 
 def _redirects(ask: Ask) -> Iterator[str]:

@@ -96,8 +96,8 @@ def price_at_edge(parts: Mapping[str, float], sent: float, prices: Mapping[str, 
 
     What it fetches from AWS is not paid for as transfer; what it sends is.
     """
-    known = 1e6 * prices["cloudfront_request"] + sent / _GB * prices["cloudfront_gb"]
-    return sum(parts.values()) - parts["transfer"] + known, known
+    hit_price = 1e6 * prices["cloudfront_request"] + sent / _GB * prices["cloudfront_gb"]
+    return sum(parts.values()) - parts["transfer"] + hit_price, hit_price
 
 
 def read_units(answer: int, *, consistent: bool) -> float:

@@ -12,5 +12,5 @@ _HOST = re.compile(
 
 
 def is_loopback(host: str) -> bool:
-    """Tell whether a Host header names this machine. A name that leads here by DNS rebinding does not."""
+    """True if a Host header names this machine. A name that leads here by DNS rebinding does not."""
     return _HOST.fullmatch(host.strip().lower()) is not None

@@ -63,7 +63,7 @@ def load(path: Path, *, known: bool = False) -> Secrets:
     except OSError as error:
         raise SecretsError(f"{path} cannot be read ({error.strerror}): {_WAY_ON}") from error
     except (ValueError, KeyError, TypeError) as error:
-        raise SecretsError(f"{path} is damaged (it holds no two secrets): {_WAY_ON}") from error
+        raise SecretsError(f"{path} is damaged (it lacks two secrets): {_WAY_ON}") from error
     if not all(isinstance(secret, str) and _SECRET.fullmatch(secret) for secret in asdict(found).values()):
         raise SecretsError(f"{path} is damaged (a secret is not 64 hex digits): {_WAY_ON}")
     return found

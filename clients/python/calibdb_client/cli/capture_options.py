@@ -93,7 +93,7 @@ def kind_of(given: Sequence[str]) -> Kind:
 def licence_of(chosen: argparse.Namespace, output: Output) -> str | None:
     """Return the licence that the contributor agreed to, by the option or by an answer; None: to none.
 
-    Nobody agrees without knowing: without a terminal and the option there is no licence.
+    Consent is never assumed: without a terminal and the option there is no licence.
     """
     if chosen.licence is not None:
         if chosen.licence != LICENCE:

@@ -82,8 +82,8 @@ def conclude(
         )
     if target.format != NATIVE:
         file = result.calibration.export(target.format)
-        beside = path.with_name(f"{path.stem}-{target.format}{Path(file.filename).suffix}")
-        output.file(file, str(target.path or beside))
+        sibling = path.with_name(f"{path.stem}-{target.format}{Path(file.filename).suffix}")
+        output.file(file, str(target.path or sibling))
     return 0
 
 

@@ -1,7 +1,7 @@
 """TTL cache of API tokens, which also counts their lookups without a write for each.
 
 A lookup that hits is one Query. So its token is cached for half a minute, and lookups are counted in memory
-and flushed when the token is read anew: once for some hundred lookups, or after some minutes. A
+and flushed when the token is read again: once for some hundred lookups, or after some minutes. A
 function has no time of its own after its answer, and one that is ended takes along what it had not written:
 the count is a little low, in favour of those who ask.
 """
@@ -13,8 +13,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
-from calibdb.access.plans import HOUR_S, NETWORK_SHARES, PLANS, Kind, Plan, plan
-from calibdb.access.rate_limits import RateLimit, rate_limit_headers
+from calibdb.access.plans import (
+    HOUR_S,
+    NETWORK_SHARES,
+    PLANS,
+    Kind,
+    Plan,
+    RateLimit,
+    plan,
+    rate_limit_headers,
+)
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import TooManyError, UnavailableError
 
@@ -32,7 +40,7 @@ class TokenStore(Protocol):
     """Store of tokens."""
 
     def get(self, token_id: str) -> ApiToken | None:
-        """Return the token, None when there is none (any more)."""
+        """Return the token, None if there is none (any more)."""
 
     def keep(self, token_id: str) -> None:
         """Note that the token was used: it does not expire."""
@@ -60,7 +68,7 @@ class _Entry:
     reading: threading.Lock = field(default_factory=threading.Lock)
 
     def is_full(self, now: float, plans: Mapping[str, Plan]) -> bool:
-        """Tell whether there is enough to write down."""
+        """True if there is enough to write down."""
         lookups = sum(self.pending.values())
         return lookups >= _lookups_per_flush(plan(self.token.plan, plans)) and now >= self.next_flush
 
@@ -86,8 +94,7 @@ class TokenCache:
     plans
         By the names that tokens bear.
     in_background
-        Lookups are written down by `write_pending`, which a server calls every second; at once only those of
-        plans that count each.
+        Lookups and first uses are written down by `write_pending`, which a server calls every second.
     """
 
     def __init__(
@@ -107,10 +114,11 @@ class TokenCache:
         self._plans = plans
         self._in_background = in_background
         self._known: dict[str, _Entry] = {}
+        self._used_first: set[str] = set()  # ids of tokens whose first use is not written down yet
         self._lock = threading.Lock()
 
     def get(self, token_id: str, accepts: Callable[[ApiToken], bool] = lambda _: True) -> ApiToken | None:
-        """Return the token as it was at most half a minute ago, None when there is none (any more).
+        """Return the token as it was at most half a minute ago, None if there is none (any more).
 
         A remembered token that `accepts` refuses, since its secret is another one, is read again: it may have
         been rotated. While that does not help, it is read once in `REFUSAL_TTL_S`.
@@ -159,10 +167,14 @@ class TokenCache:
             known = self._known.get(token.id)
         if token.expires is None or (known is not None and known.token.expires is None):
             return
-        try:
-            self._tokens.keep(token.id)
-        except UnavailableError:  # no reason to refuse; the next use notes it
-            return
+        if self._in_background:
+            with self._lock:
+                self._used_first.add(token.id)
+        else:
+            try:
+                self._tokens.keep(token.id)
+            except UnavailableError:  # no reason to refuse; the next use notes it
+                return
         with self._lock:
             known = self._known.get(token.id)
             if known is not None:
@@ -171,7 +183,7 @@ class TokenCache:
     def count_lookup(self, token: ApiToken, source: str, network: str | None = None) -> tuple[RateLimit, ...]:
         """Count a lookup from `source` on the line `network`, and return what is left.
 
-        Raises TooManyError where the hour's are used up.
+        Raises TooManyError if the hour's are used up.
         """
         allowed = plan(token.plan, self._plans)
         together, each = allowed.together.lookups, allowed.each.lookups
@@ -202,16 +214,21 @@ class TokenCache:
             for who in shares:
                 known.sources[who] = known.sources.get(who, 0) + 1
             known.pending[hour] = known.pending.get(hour, 0) + 1
-        if allowed.counts_each_lookup:
+        if allowed.counts_each_lookup and not self._in_background:
             self._flush(known, now)
         return _limits(
             "lookups", now, (each, 0 if each is None else each - own - 1), (together, left_together - 1)
         )
 
     def write_pending(self) -> None:
-        """Write down all lookups that were counted since the last time."""
+        """Write down all lookups and first uses that were counted since the last time."""
         with self._lock:
             entries = list(self._known.values())
+            used_first = list(self._used_first)
+        for token_id in used_first:
+            self._tokens.keep(token_id)  # if that fails, it is written the next time
+            with self._lock:
+                self._used_first.discard(token_id)
         for entry in entries:
             self._flush(entry, self._clock())
 

@@ -23,9 +23,9 @@ class Step:
     model
         Name of the distortion model.
     stored
-        The consensus that is stored, None where there is none.
+        The consensus that is stored, None if there is none.
     action
-        `keep`: nothing has changed. `recount`: only the votes have. `pool`: the calibrations are pooled anew,
+        `keep`: nothing has changed. `recount`: only the votes have. `pool`: the calibrations are repooled,
         and the votes counted.
     """
 

@@ -12,11 +12,10 @@ from __future__ import annotations
 
 import hashlib
 import hmac
-from collections.abc import Collection, Mapping, Sequence
-from typing import Any
+from collections.abc import Collection, Sequence
 
 from calibdb.errors import ConflictError, ForbiddenError, InvalidError
-from calibdb.rules import session_result, session_rules
+from calibdb.rules import session_result
 from calibdb.rules.session_rules import MIN_RECORDED_VIEWS, already_converged, view_fingerprint
 from calibdb.schema import (
     RigDocument,
@@ -83,7 +82,7 @@ def begin(request: RigRequest, rig: str, session: SessionDocument, contributor: 
 
 
 def with_lead(session: SessionDocument, rig: str, source: str | None = None) -> SessionDocument | None:
-    """Make a session camera 0 of its rig; None where it is.
+    """Make a session camera 0 of its rig; None if it is.
 
     Raises ConflictError for a session that is in another rig, or has begun alone.
     """
@@ -119,7 +118,7 @@ def require_linking_board(board: Board) -> None:
 
 
 def require_open(document: RigDocument) -> None:
-    """Raise ConflictError when the rig is finished."""
+    """Raise ConflictError if the rig is finished."""
     if document.finish is not None:
         raise ConflictError("The rig is finished and accepts no more changes.", kind="rig-finished")
 
@@ -133,7 +132,7 @@ def require_leader(document: RigDocument, sid: str) -> None:
 
 
 def position_of(document: RigDocument, sid: str) -> int | None:
-    """Return the position of a session, None where it is no member."""
+    """Return the position of a session, None if it is not a member."""
     return next((i for i, m in enumerate(document.members) if m is not None and m.session == sid), None)
 
 
@@ -144,9 +143,9 @@ def join(
     member: MemberDocument,
     abandoned: Collection[int] = (),
 ) -> tuple[RigDocument | None, RigMembership]:
-    """Add a member; return the document, None where it is one already, and its place.
+    """Add a member; return the document, None if it is one already, and its place.
 
-    `abandoned`: positions of members whose session is no more. Raises InvalidError naming the field.
+    `abandoned`: positions of members whose session was deleted. Raises InvalidError naming the field.
     """
     if document.finish is not None:
         raise _cannot_join(wanted, "the rig is finished")
@@ -172,7 +171,7 @@ def join(
 
 
 def _cannot_join(wanted: RigJoin, detail: str, field: str = "rig.id") -> InvalidError:
-    """Return the error of a rig that takes nobody; of a code it is the same whatever the reason."""
+    """Return the error of a rig that cannot be joined; for codes it is the same for every reason."""
     return wrong_code() if wanted.code is not None else InvalidError.field(field, detail)
 
 
@@ -185,7 +184,7 @@ def with_code(document: RigDocument, code: CodeDocument, now: int) -> tuple[RigD
 
 
 def with_moment(document: RigDocument, moment: str, now: int) -> RigDocument | None:
-    """Open a moment; None where it is open. Raises ConflictError."""
+    """Open a moment; None if it is open. Raises ConflictError."""
     require_open(document)
     for known in document.moments:
         if known.id == moment:
@@ -199,7 +198,7 @@ def with_moment(document: RigDocument, moment: str, now: int) -> RigDocument | N
 
 
 def without_moment(document: RigDocument, moment: str) -> RigDocument | None:
-    """Undo a moment; None where it is undone. Raises ConflictError, and InvalidError of an unknown one."""
+    """Undo a moment; None if it is undone. Raises ConflictError, and InvalidError of an unknown one."""
     require_open(document)
     if not any(known.id == moment for known in document.moments):
         raise InvalidError.field("moment", "this rig never opened it")
@@ -223,7 +222,7 @@ def with_skip(document: RigDocument, basis: str, pose: Sequence[float] | None) -
 def with_finish(document: RigDocument, decided: RigDocument, finish: RigFinish) -> RigDocument:
     """End the rig with everything that publishing it needs.
 
-    Raises ConflictError where it is no longer the one that was `decided` on.
+    Raises ConflictError if it is not the `decided` one any more.
     """
     if (document.members, document.moments) != (decided.members, decided.moments):
         raise ConflictError("The rig changed meanwhile; send this request again.", kind="overtaken")
@@ -236,7 +235,7 @@ def require_moment(document: RigDocument | None, session: SessionDocument, view:
     Raises InvalidError of the field `moment`, or ConflictError.
     """
     if document is None:
-        raise InvalidError.field("moment", "the rig of this session is no more")
+        raise InvalidError.field("moment", "the rig of this session was deleted")
     if position_of(document, session.session) is None:
         raise InvalidError.field("moment", "this session's place in the rig was given to another")
     require_open(document)
@@ -248,10 +247,10 @@ def require_moment(document: RigDocument | None, session: SessionDocument, view:
 
 
 def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
-    """Tell whether `view` replays one that this session of a rig has; False when its moment is open.
+    """True if `view` replays one that this session of a rig has; False if its moment is open.
 
     The moment says what a view is of, its index nothing: a client that was without its network sends late.
-    Raises ConflictError when the moment carries another view.
+    Raises ConflictError if the moment carries another view.
     """
     for known in session.views:
         if known.moment == view.moment:
@@ -263,22 +262,18 @@ def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
     return False
 
 
-def ending_of(session: SessionDocument, outcome: Mapping[str, Any], solver: str, now: int) -> EndingDocument:
-    """Decide on the end of a session by what the solver says: its estimate, its views' errors, a report."""
-    known = session_rules.estimate_document(outcome["estimate"], now)
-    changed = session_rules.with_estimate(session, known, outcome["statuses"])
-    who = session.contributor or ""
-    ended = session_result.with_finish(changed, now, who, solver, outcome["report"], session.source)
+def ending_of(ended: SessionDocument) -> EndingDocument:
+    """Return the end of a session that has ended, as its rig keeps it."""
     if ended.finish is None:
         raise ValueError("the session has not ended")
     views = tuple((view.index, view.rms, view.set_aside) for view in ended.views)
-    return EndingDocument(session=session.session, estimate=ended.estimate, finish=ended.finish, views=views)
+    return EndingDocument(session=ended.session, estimate=ended.estimate, finish=ended.finish, views=views)
 
 
 def end_session(session: SessionDocument, ending: EndingDocument) -> SessionDocument | None:
-    """End a session as its rig ended; None where it has ended. Views that came too late are dropped.
+    """End a session as its rig ended; None if it has ended. Views that came too late are dropped.
 
-    None, too, where it was started anew after that was decided: it is another capture.
+    Also None if it was restarted after that decision: it is another capture.
     """
     if session.finish is not None or session_result.calibration_id(session) != ending.finish.calibration_id:
         return None

@@ -1,6 +1,6 @@
 """Memory of fits to members' views.
 
-A camera is pooled anew with each new calibration, and under another rule: all members but one are old.
+A camera is pooled again with each new calibration, and under another rule: all members but one are old.
 """
 
 import hashlib
@@ -52,9 +52,9 @@ def forget() -> None:
 
 def _digest(views: Sequence[View]) -> bytes:
     """Digest of all points, view by view."""
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for view in views:
-        found.update(len(view).to_bytes(8, "big"))
+        digest.update(len(view).to_bytes(8, "big"))
         for points in (view.object_points, view.image_points):
-            found.update(np.ascontiguousarray(points, dtype=np.float64).tobytes())
-    return found.digest()
+            digest.update(np.ascontiguousarray(points, dtype=np.float64).tobytes())
+    return digest.digest()

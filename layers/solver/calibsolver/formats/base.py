@@ -71,7 +71,7 @@ class Conversion:
 
     @property
     def warning(self) -> str | None:
-        """Note for the reader of the file; None where the conversion cannot be seen."""
+        """Note for the reader of the file; None if the conversion cannot be seen."""
         said = ""
         if self.coverage < 0.999:
             said = (
@@ -119,11 +119,11 @@ class ImportedFile:
     Attributes
     ----------
     camera
-        None where the file has measurements alone.
+        None if the file has only measurements.
     views
         With the coordinates of the file's own board, in its unit.
     img_size
-        Width and height, px; None where the file does not say.
+        Width and height, px; None if the file does not say.
     name
         The camera's name in the file, or "".
     cameras

@@ -1,11 +1,11 @@
-"""Facts that a file may not state and its reader may be told: image size, camera, board, model."""
+"""Facts that a file may lack and its caller may pass: image size, camera, board, model."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class ReaderOptions:
-    """Facts beside a file.
+    """Facts that a file lacks.
 
     Attributes
     ----------
