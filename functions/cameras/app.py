@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from concurrent.futures import ThreadPoolExecutor
 
 from starlette.responses import Response
@@ -13,12 +14,10 @@ from calibdb.errors import InvalidError, NotFoundError
 from calibdb.http import application
 from calibdb.lookup import camera_search
 from calibdb.lookup.badge import NOT_CALIBRATED, badge_of, parse_size, svg
-from calibdb.schema import ConsensusDocument
-from calibdb.schema.cameras import CameraDetail, CameraList, CameraMode, CamerasRequest
+from calibdb.schema.cameras import CameraDetail, CameraList, CamerasRequest
 from calibdb.store import StreamMode
 from calibdb.store.cameras import is_place
 
-_MAX_MEMBERS = 200
 _MAX_MODES = 60  # sizes and zooms of a camera that are shown; anybody can add one
 _READERS = 8  # cameras, or modes of one, read at a time
 _BADGE_HEADERS = {
@@ -73,8 +72,10 @@ def show(call: application.Call) -> Response:
     known = store.known(key).consensuses
     camera, platform = camera_search.display_name(name, known)
     shown = camera_search.best_modes(known, _MAX_MODES)
+    least = call.service.settings.thresholds.min_calibrations
+    mode_of = functools.partial(camera_search.camera_mode, call.service.store, least)
     with ThreadPoolExecutor(_READERS) as readers:
-        modes = tuple(readers.map(lambda found: _mode(call, StreamMode(key, *found[0]), found[1]), shown))
+        modes = tuple(readers.map(lambda found: mode_of(StreamMode(key, *found[0]), found[1]), shown))
     usb_id = camera_search.usb_id(known)
     detail = CameraDetail(
         key=key, camera=camera, platform=platform, usb_id=usb_id, vendor=vendor_of(usb_id), modes=modes
@@ -101,25 +102,6 @@ def badge(call: application.Call) -> Response:
             min_contributors=thresholds.min_contributors,
         )
     return Response(svg(found), 200, _BADGE_HEADERS, "image/svg+xml")
-
-
-def _mode(call: application.Call, mode: StreamMode, known: list[ConsensusDocument]) -> CameraMode:
-    store = call.service.store
-    best = camera_search.best_consensus(known)
-    behind = store.consensuses.groups(best)
-    groups = behind.groups if behind else ()
-    return CameraMode(
-        img_size=mode.img_size,
-        zoom=mode.zoom,
-        calibrations=max(c.total for c in known),
-        contributors=best.calibration.contributors if best.calibration else 0,
-        agreeing=camera_search.count_agreeing(best),
-        required=call.service.settings.thresholds.min_calibrations,
-        reason=None if best.reliable else best.reason,
-        groups=groups,
-        consensus={c.distortion_model: c.calibration for c in known if c.calibration},
-        members=tuple(store.cameras.members(mode, frozenset(groups[0] if groups else ()), _MAX_MEMBERS)),
-    )
 
 
 handler = application.handler(

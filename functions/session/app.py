@@ -9,7 +9,7 @@ from __future__ import annotations
 from starlette.responses import Response
 
 from calibdb.camera_key import camera_key
-from calibdb.errors import ConflictError, InvalidError, NotFoundError, TooManyError
+from calibdb.errors import ConflictError, InvalidError, NotFoundError
 from calibdb.estimate.estimator import EstimateQuery
 from calibdb.estimate.starting_camera import starting_camera
 from calibdb.http import application, metrics
@@ -20,8 +20,6 @@ from calibdb.schema import FitRecord, RigDocument, SessionDocument, SessionReque
 from calibdb.schema.membership import RigJoin, RigMembership
 from calibdb.schema.rig_documents import MemberDocument
 from calibdb.store import Store, running_rigs
-from calibdb.store.rig_codes import GUESS_WINDOW_S, MAX_GUESSES
-from calibdb.store.rigs import is_rig_id
 
 
 def start(call: application.Call) -> Response:
@@ -82,7 +80,8 @@ def place(
             "A session with other content is running under this session id; forget it first.",
             kind="other-content",
         )
-    rig = named_rig(call, wanted)
+    where, secret = call.service.source(call.address), call.service.settings.contributor_secret
+    rig = running_rigs.named(store, wanted, where, secret, now)
     member = MemberDocument(session=sid, contributor=who, joined=now)
 
     def change(document: RigDocument) -> tuple[RigDocument | None, RigMembership]:
@@ -94,27 +93,6 @@ def place(
     except NotFoundError as error:  # finished long ago, or forgotten
         field = InvalidError.field("rig.id", "there is no running rig with this id")
         raise (rig_rules.wrong_code() if wanted.code is not None else field) from error
-
-
-def named_rig(call: application.Call, wanted: RigJoin) -> str:
-    """Return the id of the rig that a code or an id names; wrong codes are counted."""
-    if wanted.code is None:
-        if not is_rig_id(wanted.id or ""):
-            raise InvalidError.field("rig.id", "there is no running rig with this id")
-        return wanted.id or ""
-    codes, now = call.service.store.rig_codes, call.service.now
-    where = call.service.source(call.address)
-    if not codes.count_guess(where, now):
-        raise TooManyError(
-            GUESS_WINDOW_S - now % GUESS_WINDOW_S,
-            f"More than {MAX_GUESSES} wrong join codes came from here; retry after the time in Retry-After.",
-        )
-    secret = call.service.settings.contributor_secret
-    found = codes.find(rig_rules.code_digest(secret, wanted.code), now)
-    if found is None:
-        raise rig_rules.wrong_code()
-    codes.uncount_guess(where, now)
-    return found
 
 
 def show(call: application.Call) -> Response:

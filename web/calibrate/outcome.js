@@ -63,7 +63,7 @@ export class Outcome {
       calibration, report: null, picture: this.#still?.canvas ?? null, notes: advice,
       origin: practice ? "practice" : "added", ownCameraOffered: practice && this.#returnTo !== null && returnTo === null,
       again: { label: () => t("capture.once_more"), action: this.#onAgain },
-      goOn: this.#onWithout, explain, consent: this.#consent,
+      goOn: this.#onWithout, explain, aside: this.#consent,
     };
     this.#complete.cancel();
     document.title = pageTitle(calibration, null);

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -94,3 +94,27 @@ def _times(allowance: Allowance, factor: int) -> Allowance:
 def plan(name: str, plans: Mapping[str, Plan] = PLANS) -> Plan:
     """Return the plan; `free` if the plan does not exist any more."""
     return plans.get(name, plans["free"])
+
+
+@dataclass(frozen=True)
+class RateLimit:
+    """One limit and what is left of it: `lookups` of the whole token, `lookups-each` of one user."""
+
+    policy: str
+    limit: int
+    remaining: int
+    reset_s: int
+
+
+def rate_limit_headers(limits: Sequence[RateLimit]) -> dict[str, str]:
+    """Return the two headers of an answer; none if nothing is limited.
+
+    Source: IETF draft-ietf-httpapi-ratelimit-headers-10: lists of structured fields (RFC 9651), one item per
+    policy. `q`: quota, `w`: window, s; `r`: remaining quota, `t`: s until it is restored.
+    """
+    if not limits:
+        return {}
+    return {
+        "RateLimit-Policy": ", ".join(f'"{one.policy}";q={one.limit};w={HOUR_S}' for one in limits),
+        "RateLimit": ", ".join(f'"{one.policy}";r={max(0, one.remaining)};t={one.reset_s}' for one in limits),
+    }

@@ -13,8 +13,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
-from calibdb.access.plans import HOUR_S, NETWORK_SHARES, PLANS, Kind, Plan, plan
-from calibdb.access.rate_limits import RateLimit, rate_limit_headers
+from calibdb.access.plans import (
+    HOUR_S,
+    NETWORK_SHARES,
+    PLANS,
+    Kind,
+    Plan,
+    RateLimit,
+    plan,
+    rate_limit_headers,
+)
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import TooManyError, UnavailableError
 
@@ -86,8 +94,7 @@ class TokenCache:
     plans
         By the names that tokens bear.
     in_background
-        Lookups are written down by `write_pending`, which a server calls every second; at once only those of
-        plans that count each.
+        Lookups and first uses are written down by `write_pending`, which a server calls every second.
     """
 
     def __init__(
@@ -107,6 +114,7 @@ class TokenCache:
         self._plans = plans
         self._in_background = in_background
         self._known: dict[str, _Entry] = {}
+        self._used_first: set[str] = set()  # ids of tokens whose first use is not written down yet
         self._lock = threading.Lock()
 
     def get(self, token_id: str, accepts: Callable[[ApiToken], bool] = lambda _: True) -> ApiToken | None:
@@ -159,10 +167,14 @@ class TokenCache:
             known = self._known.get(token.id)
         if token.expires is None or (known is not None and known.token.expires is None):
             return
-        try:
-            self._tokens.keep(token.id)
-        except UnavailableError:  # no reason to refuse; the next use notes it
-            return
+        if self._in_background:
+            with self._lock:
+                self._used_first.add(token.id)
+        else:
+            try:
+                self._tokens.keep(token.id)
+            except UnavailableError:  # no reason to refuse; the next use notes it
+                return
         with self._lock:
             known = self._known.get(token.id)
             if known is not None:
@@ -202,16 +214,21 @@ class TokenCache:
             for who in shares:
                 known.sources[who] = known.sources.get(who, 0) + 1
             known.pending[hour] = known.pending.get(hour, 0) + 1
-        if allowed.counts_each_lookup:
+        if allowed.counts_each_lookup and not self._in_background:
             self._flush(known, now)
         return _limits(
             "lookups", now, (each, 0 if each is None else each - own - 1), (together, left_together - 1)
         )
 
     def write_pending(self) -> None:
-        """Write down all lookups that were counted since the last time."""
+        """Write down all lookups and first uses that were counted since the last time."""
         with self._lock:
             entries = list(self._known.values())
+            used_first = list(self._used_first)
+        for token_id in used_first:
+            self._tokens.keep(token_id)  # if that fails, it is written the next time
+            with self._lock:
+                self._used_first.discard(token_id)
         for entry in entries:
             self._flush(entry, self._clock())
 

@@ -255,3 +255,25 @@ def _site(address: str, bits: int = 64) -> str:
     if parsed.ipv4_mapped is not None:
         return str(parsed.ipv4_mapped)
     return str(ipaddress.ip_network((int(parsed) >> 128 - bits << 128 - bits, bits)))
+
+
+def with_origins(token: ApiToken, origins: tuple[str, ...]) -> ApiToken:
+    """Return the token with these origins; those of the machine itself and those proved before are proved."""
+    verified = tuple(o for o in origins if is_loopback(o) or o in token.origins)
+    pending = tuple(o for o in origins if o not in verified)
+    return _with_plan(replace(token, origins=verified, pending=pending))
+
+
+def with_proved(token: ApiToken, proved: set[str]) -> ApiToken:
+    """Return the token with those of its pending origins verified that were proved."""
+    now_verified = tuple(origin for origin in token.pending if origin in proved)
+    left = tuple(origin for origin in token.pending if origin not in proved)
+    return _with_plan(replace(token, origins=(*token.origins, *now_verified), pending=left))
+
+
+def _with_plan(token: ApiToken) -> ApiToken:
+    """Return the token with the plan that its origins earn it; one that the operator gave it stays."""
+    if token.plan not in ("trial", "free"):
+        return token
+    proved = any(not is_loopback(origin) for origin in token.origins)
+    return replace(token, plan="free", expires=None) if proved else replace(token, plan="trial")

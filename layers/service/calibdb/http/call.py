@@ -14,8 +14,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import from_json
 from starlette.requests import Request
 
-from calibdb.access.plans import Kind
-from calibdb.access.rate_limits import RateLimit, rate_limit_headers
+from calibdb.access.plans import Kind, RateLimit, rate_limit_headers
 from calibdb.access.tokens import ApiToken, Ticket, parse
 from calibdb.errors import (
     MAX_FIELD_ERRORS,
@@ -233,7 +232,7 @@ class Call:
             raise ForbiddenError("The API token does not admit pages of this origin.", kind="origin")
         if charge == "lookups":
             if RATE_LIMITS not in self.request.scope:  # else it was counted before it required a thread
-                if self.service.plan_of(token).counts_each_lookup:
+                if self.service.plan_of(token).counts_each_lookup and not self.service.writes_later:
                     self.require_thread()
                 self._tell(self.service.count_lookup(token, self.address))
         else:

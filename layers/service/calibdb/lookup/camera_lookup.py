@@ -1,4 +1,4 @@
-"""Lookup of a camera's key: by USB id and name; by the name alone where it says which product it is.
+"""Lookup of a camera by USB id and name; by the name alone where it says which product it is.
 
 Never a guess: a name of many products, or of two USB ids, finds no camera. Since
 anyone can invent an id, only well-known ids (`calibdb.lookup.well_known_ids`) rival each other.
@@ -6,19 +6,35 @@ anyone can invent an id, only well-known ids (`calibdb.lookup.well_known_ids`) r
 
 from __future__ import annotations
 
+import functools
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from calibdb.camera_key import Identity
+from calibdb.camera_key import Identity, identify
+from calibdb.lookup.answer import bracketing_zooms, build_answer, interpolate_zoom
 from calibdb.lookup.selection import Choice, choose
-from calibdb.schema import ConsensusDocument
-from calibdb.schema.lookup import CROPPED
-from calibdb.store import CameraRecords
+from calibdb.schema import ConsensusDocument, LookupAnswer, LookupRequest
+from calibdb.schema.fields import DISTORTION_MODELS, size_text, zoom_text
+from calibdb.schema.lookup import CROPPED, Reason
+from calibdb.store import CameraRecords, Store
 
 VIRTUAL = "This is a virtual camera: a program without a lens of its own."
 AMBIGUOUS = "Many cameras have this name. Send a label with a USB id, or a platform with the device's model."
 SEVERAL = "Several cameras have this name. Send the USB id, which Chromium gives, or calibrate the camera."
 RESIZED = "The browser crops this stream; open it with resizeMode: none."
+
+_PATH_SIZE = re.compile("([1-9][0-9]{0,4})x([1-9][0-9]{0,4})")
+_PATH_ZOOM = re.compile(r"[0-9]{1,7}(\.[0-9]{1,6})?")
+_DIGEST = re.compile("[0-9a-f]{32}")
+_NO_CALIBRATION = "The database has no reliable calibration of this camera."
+_MISS_DETAILS = {
+    "unknown_camera": _NO_CALIBRATION,
+    "too_few": "The database has too few calibrations of this camera.",
+    "disagree": "The calibrations of this camera disagree.",
+    "few_contributors": "The calibrations of this camera come from too few contributors.",
+    "imprecise": "The calibrations of this camera agree, and leave it too uncertain.",
+}
 
 
 @dataclass(frozen=True)
@@ -153,3 +169,111 @@ def _outnumbers(other: ConsensusDocument | None, own: ConsensusDocument | None) 
         return False
     more = other.calibration.contributors > own.calibration.contributors
     return more and other.img_size == own.img_size
+
+
+Compute = Callable[[str, tuple[int, int]], ConsensusDocument | None]
+"""Camera key and size to the consensus of the model asked for, computed now; None where there is none."""
+
+
+@dataclass(frozen=True)
+class LookupQuery:
+    """Camera, size, zoom and model that are looked up."""
+
+    camera: str
+    platform: str
+    img_size: tuple[int, int]
+    zoom: float
+    model: str
+    resize_mode: str | None = None
+
+    @classmethod
+    def of(cls, request: LookupRequest) -> LookupQuery:
+        """Return the query of a request."""
+        camera = request.camera, request.platform, request.img_size, request.zoom
+        return cls(*camera, request.distortion_model, request.resize_mode)
+
+    @classmethod
+    def of_path(cls, size: str, zoom: str, file: str) -> LookupQuery | None:
+        """Parse the end of a path of known cameras, without a camera; None if it has another form.
+
+        Each answer has one address.
+        """
+        model = file.removesuffix(".json")
+        match = _PATH_SIZE.fullmatch(size)
+        if match is None or not _PATH_ZOOM.fullmatch(zoom) or model not in DISTORTION_MODELS or model == file:
+            return None
+        img_size = int(match[1]), int(match[2])
+        if size_text(img_size) != size or zoom_text(float(zoom)) != zoom:
+            return None
+        return cls("", "", img_size, float(zoom), model)
+
+
+@dataclass(frozen=True)
+class LookupResult:
+    """Answer of a lookup, or the reason why there is none.
+
+    Attributes
+    ----------
+    key
+        Of the camera whose calibrations answer; empty where the camera cannot be known.
+    answer
+        None: nothing is known that is good enough.
+    reason, detail
+        Why, then, by name and in words.
+    known
+        All consensuses of the camera, then: evidence for an estimate.
+    """
+
+    key: str
+    answer: LookupAnswer | None
+    reason: Reason = "unknown_camera"
+    detail: str = _NO_CALIBRATION
+    known: Sequence[ConsensusDocument] = ()
+
+
+def find(
+    read: Callable[[str], CameraRecords], wanted: LookupQuery, *, private: bool, compute: Compute
+) -> LookupResult:
+    """Find what a lookup answers.
+
+    Parameters
+    ----------
+    read
+        Returns what is known under a camera key.
+    wanted
+        What is asked for.
+    private
+        The database of one person, who has few cameras, and knows which is meant.
+    compute
+        Computes a model that nobody asked for yet.
+    """
+    size, zoom, model = wanted.img_size, wanted.zoom, wanted.model
+    identity = identify(wanted.camera, wanted.platform)
+    why = unanswerable_reason(identity, private=private, resize_mode=wanted.resize_mode)
+    if why is not None:
+        return LookupResult("", None, detail=why)
+    resolved = resolve(read, identity, size, zoom, model, private=private)
+    found, reason = resolved.choice.found, resolved.choice.reason
+    if resolved.choice.missing_at is not None:
+        # The keypoints are kept, so a model that nobody asked for yet is only a computation away.
+        found = compute(resolved.key, resolved.choice.missing_at)
+        reason = found.reason if found and found.reason else reason
+    if found is not None and found.reliable and found.calibration is not None:
+        return LookupResult(resolved.key, build_answer(found.calibration, resolved.known, size))
+    around = bracketing_zooms(resolved.known, size, zoom, model)
+    if around is not None:
+        return LookupResult(resolved.key, interpolate_zoom(*around, zoom))
+    detail = SEVERAL if resolved.several else _MISS_DETAILS[reason]
+    return LookupResult(resolved.key, None, reason, detail, resolved.known)
+
+
+def find_by_digest(
+    store: Store, digest: str, wanted: LookupQuery | None, *, private: bool
+) -> LookupResult | None:
+    """Find what a lookup by the digest of label and platform answers; None if it is no known alias."""
+    alias = store.aliases.get(digest) if wanted and _DIGEST.fullmatch(digest) else None
+    if wanted is None or alias is None:
+        return None
+    query = replace(wanted, camera=alias.label, platform=alias.platform)
+    read = functools.cache(store.cameras.known)
+    return find(read, query, private=private, compute=lambda _key, _size: None)

@@ -10,10 +10,12 @@ from calibdb.camera_key import VERSION, identify
 from calibdb.camera_key.names import is_maker, words
 from calibdb.camera_key.usb_vendors import vendor_of, vendor_words
 from calibdb.schema import Calibration, ConsensusDocument
-from calibdb.schema.cameras import CameraEntry, CameraSize
+from calibdb.schema.cameras import CameraEntry, CameraMode, CameraSize
+from calibdb.store import Store, StreamMode
 
 SizeAndZoom = tuple[tuple[int, int], float]
 _MAX_QUERY_WORDS = 8
+_MAX_MEMBERS = 200
 _MIN_LISTED_CONTRIBUTORS = 2
 AFTER_PRACTICE = f"{VERSION}-calibdb-virtual-camera-zzzzzzzz-ffffffffffff"
 """Place in the list of all cameras behind the simulated ones, which are next to each other."""
@@ -130,3 +132,24 @@ def display_name(name: str, known: Sequence[ConsensusDocument]) -> tuple[str, st
         return name, ""
     newest = max(found, key=lambda c: (c.calibration_time, c.camera))
     return newest.camera, newest.platform
+
+
+def camera_mode(
+    store: Store, min_calibrations: int, mode: StreamMode, known: list[ConsensusDocument]
+) -> CameraMode:
+    """Describe a mode of a camera by its consensuses, with the calibrations behind them."""
+    best = best_consensus(known)
+    behind = store.consensuses.groups(best)
+    groups = behind.groups if behind else ()
+    return CameraMode(
+        img_size=mode.img_size,
+        zoom=mode.zoom,
+        calibrations=max(c.total for c in known),
+        contributors=best.calibration.contributors if best.calibration else 0,
+        agreeing=count_agreeing(best),
+        required=min_calibrations,
+        reason=None if best.reliable else best.reason,
+        groups=groups,
+        consensus={c.distortion_model: c.calibration for c in known if c.calibration},
+        members=tuple(store.cameras.members(mode, frozenset(groups[0] if groups else ()), _MAX_MEMBERS)),
+    )

@@ -12,11 +12,10 @@ from __future__ import annotations
 
 import hashlib
 import hmac
-from collections.abc import Collection, Mapping, Sequence
-from typing import Any
+from collections.abc import Collection, Sequence
 
 from calibdb.errors import ConflictError, ForbiddenError, InvalidError
-from calibdb.rules import session_result, session_rules
+from calibdb.rules import session_result
 from calibdb.rules.session_rules import MIN_RECORDED_VIEWS, already_converged, view_fingerprint
 from calibdb.schema import (
     RigDocument,
@@ -263,16 +262,12 @@ def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
     return False
 
 
-def ending_of(session: SessionDocument, outcome: Mapping[str, Any], solver: str, now: int) -> EndingDocument:
-    """Decide on the end of a session by what the solver says: its estimate, its views' errors, a report."""
-    known = session_rules.estimate_document(outcome["estimate"], now)
-    changed = session_rules.with_estimate(session, known, outcome["statuses"])
-    who = session.contributor or ""
-    ended = session_result.with_finish(changed, now, who, solver, outcome["report"], session.source)
+def ending_of(ended: SessionDocument) -> EndingDocument:
+    """Return the end of a session that has ended, as its rig keeps it."""
     if ended.finish is None:
         raise ValueError("the session has not ended")
     views = tuple((view.index, view.rms, view.set_aside) for view in ended.views)
-    return EndingDocument(session=session.session, estimate=ended.estimate, finish=ended.finish, views=views)
+    return EndingDocument(session=ended.session, estimate=ended.estimate, finish=ended.finish, views=views)
 
 
 def end_session(session: SessionDocument, ending: EndingDocument) -> SessionDocument | None:

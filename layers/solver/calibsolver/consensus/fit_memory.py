@@ -36,24 +36,13 @@ def fit_once(views: Sequence[View], img_size: tuple[int, int], model: str) -> Ca
     Raises as `fit` does.
     """
     if sum(map(len, views)) > MAX_FIT_POINTS:
-        return fit_plausible(views, img_size, model)
+        return fit(views, img_size, model, board_shape=True)
     return _fit(_Request(_digest(views), img_size, model, views))
 
 
 @lru_cache(maxsize=MAX_FITS)
 def _fit(request: _Request) -> Calibration:
-    return fit_plausible(request.views, request.img_size, request.model)
-
-
-def fit_plausible(views: Sequence[View], img_size: tuple[int, int], model: str) -> Calibration:
-    """Fit a model and the board's shape, or the board as drawn if that shape is not a board's.
-
-    Raises as `fit` does.
-    """
-    calibration = fit(views, img_size, model, board_shape=True)
-    if calibration.board_shape is None or calibration.board_shape.is_plausible:
-        return calibration
-    return fit(views, img_size, model)
+    return fit(request.views, request.img_size, request.model, board_shape=True)
 
 
 def forget() -> None:

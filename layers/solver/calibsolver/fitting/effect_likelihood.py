@@ -68,7 +68,8 @@ class EffectLikelihood:
         tried = MOTIONS / sigma**2
         total *= scale[:, None] * scale
         total.flat[:: len(total) + 1] += MIN_PIVOT
-        left = np.stack([total - (rows * (m / (1 + m * power))) @ rows.T for m in tried.tolist()])
+        taken = tried[:, None] / (1 + tried[:, None] * power)
+        left = total - (rows * taken[:, None]) @ rows.T
         try:
             factor = np.linalg.cholesky(left)
         except np.linalg.LinAlgError:

@@ -135,6 +135,7 @@ def outliers_concentrate_at_rim(
     seen = obs.pixels - (np.asarray(img_size) / 2)[None, :, None]
     radius = np.hypot(seen[:, 0], seen[:, 1])[among]
     share = max(RIM_SHARE, min(MIN_RIM_POINTS / radius.size, 1.0))
-    rim = radius >= np.quantile(radius, 1 - share)
+    inner = math.ceil((radius.size - 1) * (1 - share))
+    rim = radius >= np.partition(radius, inner)[inner]
     cut = ~good[among]
     return bool(np.mean(cut[rim]) > max(MAX_CHANCE_RIM_OUTLIERS, MIN_RIM_EXCESS * np.mean(cut)))

@@ -109,8 +109,8 @@ def _with_cause(reasons: tuple[Reason, ...], cause: Cause | None) -> tuple[Reaso
 
 
 def board_sentence(shape: BoardShape | None) -> str | None:
-    """Sentence on the board for its owner; None if nothing is certain, or if the shape is not a board's."""
-    if shape is None or not shape.is_plausible:
+    """Sentence on the board for its owner; None if nothing is certain."""
+    if shape is None:
         return None
     what = []
     if shape.sag > MIN_CERTAIN_SIGMAS * shape.sag_std:

@@ -1,0 +1,133 @@
+"""Calibrations as other tools' files, such files in other formats, and refits without some views."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+from calibdb.camera_key.visible import visible
+from calibdb.compute.values import Budget, board_of, camera_of, in_time, views_of
+from calibdb.errors import InvalidError
+from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery, FitRecord, ReportedCalibration
+from calibdb.schema.fields import label_text
+from calibsolver import Board, CalibrationError, View, fit, formats, image_transform
+from calibsolver.formats import ExportedFile, ExportSource
+
+COMMAND_LINE = re.compile(r"\s*\(--[^()]*\)|: give it \(--[^()]*\)")
+"""Advice in messages of the solver to those who use the operator's command line."""
+MAX_MESSAGE = 1000
+"""Characters of what the solver says about a file, which may quote the file."""
+
+
+@contextmanager
+def computing_file(budget: Budget, name: str, slow: str) -> Iterator[None]:
+    """Compute within the budget; raises InvalidError of a field, or UnavailableError."""
+    with in_time(budget, InvalidError.field(name, slow)):
+        yield
+
+
+def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:
+    """Refit the calibration without these views."""
+    from calibsolver.fitting.coverage import Coverage, record_covered
+    from calibsolver.quality import report
+
+    unknown = sorted(set(without) - {view.index for view in document.views})
+    if unknown:
+        raise InvalidError.field("without", f"the calibration has no view {unknown[0]}")
+    left = tuple(view for view in document.views if view.index not in without)
+    views = views_of(board_of(document.board), left)
+    try:
+        made = fit(views, document.img_size, document.distortion_model, board_shape=True)
+    except CalibrationError as error:
+        raise InvalidError.field("without", error.message) from error
+    described = report.describe(made, views, [view.index for view in left])
+    fits = {document.distortion_model: FitRecord(**record_covered(made, Coverage.of(made, views)))}
+    return document.model_copy(update={"views": left, "fits": fits, "report": described})
+
+
+def to_file(
+    found: ReportedCalibration, document: CalibrationDocument | None, asked: ExportQuery
+) -> ExportedFile:
+    """Write the calibration as a file; raises InvalidError if the format cannot hold it."""
+    board: Board | None = None
+    views: tuple[View, ...] = ()
+    if document is not None:
+        board = board_of(document.board)
+        views = tuple(views_of(board, document.views))
+    subject = formats.ExportSource(
+        camera=camera_of(found),
+        views=views,
+        board=board,
+        name=found.camera,
+        identifier=found.id or "",
+        rms=found.avg_reprojection_error,
+        time=found.calibration_time,
+        record=found.model_dump(exclude={"report", "covariance", "board", "camera_key"}),
+    )
+    try:
+        change = image_transform.identity(found.img_size)
+        if asked.crop is not None:
+            change = change.then(image_transform.crop(change.img_size, asked.crop[:2], asked.crop[2:]))
+        if asked.resize is not None:
+            change = change.then(image_transform.resize(change.img_size, asked.resize))
+        change = change.then(image_transform.rotate(change.img_size, asked.rotate))
+        if asked.mirror:
+            change = change.then(image_transform.mirror(change.img_size))
+    except CalibrationError as error:
+        raise InvalidError.field("crop" if asked.crop else "resize", error.message) from error
+    try:
+        return formats.write(subject, asked.format, change)
+    except CalibrationError as error:
+        raise InvalidError.field("format", error.message) from error
+
+
+def convert_file(asked: ConvertRequest) -> ExportedFile:
+    """Return the camera of a file, written in another format.
+
+    Raises InvalidError: of the field `file` where no camera can be read, of `format` where it cannot be held.
+    """
+    from calibsolver.formats.reader_options import ReaderOptions
+    from calibsolver.formats.reading import read_bytes
+
+    options = ReaderOptions(img_size=asked.img_size, number=asked.number, model=asked.distortion_model or "")
+    try:
+        found = read_bytes(content_of(asked), "", options)
+    except CalibrationError as error:
+        said = COMMAND_LINE.sub("", visible(str(error)[:MAX_MESSAGE]))
+        raise InvalidError.field("img_size" if "size of the pictures" in said else "file", said) from error
+    if found.camera is None:
+        raise InvalidError.field("file", "it has corners, and no camera: calibrate with them")
+    name = asked.camera or label_text(found.name) or "camera"
+    source = formats.ExportSource(found.camera, name=name, record={"camera": name, "platform": "", "zoom": 0})
+    if asked.format == "photonvision" and found.views:
+        source = with_corners(source, found.views)
+    try:
+        return formats.write(source, asked.format)
+    except CalibrationError as error:
+        raise InvalidError.field("format", error.message) from error
+
+
+def with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
+    """Return the source with the corners that its file has: pages read them of PhotonVision's files alone."""
+    from calibsolver.formats.grid import grid
+
+    try:
+        numbered = grid(views)
+        board = Board(numbered.squares, kind="chessboard")  # which has no markers to run out of
+        seen = tuple(board.view(ids, v.image_points) for ids, v in zip(numbered.ids, views, strict=True))
+    except (CalibrationError, ValueError) as error:
+        raise InvalidError.field("file", f"its corners are those of no board: {error}") from error
+    return replace(source, board=board, views=seen)
+
+
+def content_of(asked: ConvertRequest) -> bytes:
+    """Return the bytes of the file."""
+    if asked.encoding == "text":
+        return asked.file.encode()
+    try:
+        return base64.b64decode(asked.file, validate=True)
+    except ValueError as error:  # binascii's is one, and so is what is said of characters beyond ASCII
+        raise InvalidError.field("file", f"it is no base64: {error}") from error
