@@ -19,7 +19,7 @@ from .output import Output
 
 Kind = Literal["camera", "video", "pictures"]
 
-_QUESTION = f"""The database gives calibrations away under {LICENCE}: to anybody, for any purpose, for good
+_QUESTION = f"""The database gives calibrations away under {LICENCE}: to anyone, for any purpose, permanently
 (terms of {LICENCE_VERSION}, /terms/ of the site).
 Corners and calibration may go into its public dumps if you agree; pictures never leave this machine.
 Agree? [y/N] """
