@@ -30,7 +30,7 @@ def deploy(target: Target, template: str | None = None, leave_out: Collection[st
     Parameters
     ----------
     target
-        Where to; what is there already is found out.
+        Stack and region of the deployment.
     template
         Another complete one than `template.yaml`.
     leave_out

@@ -41,7 +41,7 @@ class Site:
     Attributes
     ----------
     url
-        Of the site, without slash.
+        Address of the site, without a slash at the end.
     distribution
         Domain name of its CloudFront distribution; None if there is none.
     """

@@ -69,9 +69,9 @@ class Server:
     environment
         Variables of the functions, over the server's own.
     port, host
-        Where `serve` listens; port 0: any free one.
+        Address of `serve`; port 0: any free one.
     public
-        Who may reach it.
+        Public address and trusted proxies; None: a private server.
     web
         The static client.
     clock

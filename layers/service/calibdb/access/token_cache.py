@@ -86,7 +86,7 @@ class TokenCache:
     Parameters
     ----------
     tokens, quotas
-        Where tokens are read and use is written down.
+        Stores of tokens and of their use.
     clock
         Unix time, seconds.
     ttl_s

@@ -146,7 +146,7 @@ class Ticket:
 
 
 class _Signer(TimestampSigner):
-    """Signs with the time that it is given, so that nothing below the handlers reads a clock."""
+    """Signer with an explicit clock, so that only handlers read the time."""
 
     def __init__(self, *args: Any, clock: Callable[[], float], **options: Any) -> None:
         super().__init__(*args, **options)

@@ -83,7 +83,7 @@ def see_board(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
 
 
 def steps(site: str, token: str) -> Iterator[CanaryStep]:
-    """Look up and calibrate; yield each step before it is taken. Raises CanaryError, or as odd JSON does."""
+    """Look up and calibrate; yield each step before it is taken. Raises CanaryError."""
     page = Caller(site, token)
     yield "lookup"
     missed = page.call("POST", "/v1/lookup", {**_KEY, "miss": "ok"})

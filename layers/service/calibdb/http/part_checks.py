@@ -59,7 +59,7 @@ class PartChecks:
     Parameters
     ----------
     stages
-        What would slow the others down, as imports do, has a stage of its own.
+        Stages of checks; those that slow others down, such as imports, have their own.
     clock
         Monotonic seconds.
     """

@@ -215,7 +215,7 @@ class LookupResult:
     Attributes
     ----------
     key
-        Of the camera whose calibrations answer; empty where the camera cannot be known.
+        Key of the camera with the result; empty if the camera is unknown.
     answer
         None: nothing is known that is good enough.
     reason, detail
@@ -241,7 +241,7 @@ def find(
     read
         Returns what is known under a camera key.
     wanted
-        What is asked for.
+        Requested size, zoom and model.
     private
         The database of one person, who has few cameras, and knows which is meant.
     compute

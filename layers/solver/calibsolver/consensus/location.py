@@ -100,7 +100,7 @@ class Contributions:
     fitted
         The c calibrations, all of one model and image size.
     camera
-        Where they are linearized: near all of them that belong together.
+        Camera of the linearization, near all agreeing ones.
     """
 
     def __init__(self, fitted: Sequence[FittedMember], camera: Camera) -> None:

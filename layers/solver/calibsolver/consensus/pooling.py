@@ -43,7 +43,7 @@ class Rule:
     Attributes
     ----------
     min_calibrations, min_contributors
-        In the largest group that agrees.
+        Minimum numbers in the largest agreeing group.
     min_share
         Share of all calibrations in this group. If contributors are distinguished (`min_contributors`
         of 2 or more) each of them weighs the same, however many calibrations are theirs, in majorities and

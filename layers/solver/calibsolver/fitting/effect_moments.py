@@ -26,7 +26,7 @@ class EffectMoments:
     by_move, by_bend
         Pull on the intrinsics by the motion in each cluster, (c, p, 6), and by the bend of all, (p, 3).
     motion, bend
-        What the intrinsics leave in the residuals: of motion (c, 6, 6), of the bend (3, 3).
+        Effects that remain in the residuals: of motion (c, 6, 6), of the bend (3, 3).
     cross
         (c, 6, 3) of the bend in the motion's.
     of_moves, of_bend
