@@ -58,7 +58,7 @@ def search(call: application.Call) -> Response:
 
 
 def show(call: application.Call) -> Response:
-    """Answer with one camera: what its calibrations are, and how far they agree."""
+    """Return one camera with its calibrations and their agreement."""
     call.api_token()
     key = call.path("key")
     store = call.service.store.cameras
@@ -84,10 +84,10 @@ def show(call: application.Call) -> Response:
 
 
 def badge(call: application.Call) -> Response:
-    """Answer with the badge of a camera at a size; one that says so where nothing is known.
+    """Return the badge of a camera at a size.
 
-    No credential: it is the same for all, and kept at the edge. A picture that is missing would be a hole in
-    a page, so an unknown camera and a size that is none get one, too.
+    It needs no credential, is the same for everyone, and is cached. Unknown cameras and invalid sizes also
+    get a badge, because a missing image would leave a hole in a page.
     """
     key, img_size = call.path("key"), parse_size(call.path("file"))
     result = NOT_CALIBRATED

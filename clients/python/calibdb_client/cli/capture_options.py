@@ -31,7 +31,7 @@ def add_model(parser: argparse.ArgumentParser) -> None:
         "--model",
         choices=(AUTO, *MODELS),
         default=AUTO,
-        help="distortion model; auto: the one that predicts views best that it did not see",
+        help="distortion model; auto: the one that predicts held-out views best",
     )
 
 

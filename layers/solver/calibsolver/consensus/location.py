@@ -86,7 +86,7 @@ class Location:
 
 @dataclass(frozen=True, eq=False)
 class FittedMember:
-    """A member and the calibration fitted to its views, which show the board in the shape that this found."""
+    """A member and the calibration fitted to its views, in the board's estimated shape."""
 
     member: Member
     calibration: Calibration

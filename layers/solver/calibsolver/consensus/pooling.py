@@ -190,7 +190,7 @@ def locate_contributors(
 ) -> tuple[Calibration, Array, bool] | None:
     """Fit the location of the contributors of a group: calibration, held-out errors (m,), and stability.
 
-    None if the views do not lead to a common camera, though each of them has one: they say too little.
+    None if the views do not determine a common camera.
     """
     group = [agreement.fits[i] for i in indices]
     try:
