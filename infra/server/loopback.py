@@ -1,4 +1,4 @@
-"""Names of this machine. A page that reaches the server under another name got there by DNS rebinding."""
+"""Allowed Host names of a private server (protection against DNS rebinding)."""
 
 from __future__ import annotations
 

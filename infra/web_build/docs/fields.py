@@ -39,7 +39,7 @@ def rows(schema: Node, schemas: Mapping[str, Node], prefix: str = "", depth: int
     schema
         JSON schema of the object, or a reference.
     schemas
-        Those that references name.
+        Schemas by the names in references.
     prefix, depth
         Path of the object, and how deep it lies.
     """

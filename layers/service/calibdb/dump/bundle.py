@@ -68,7 +68,7 @@ class Source:
     Attributes
     ----------
     read
-        What is known under a camera key.
+        Reader of the records under a camera key.
     licence
         Licence under which every calibration of a camera was given; None if one was given without.
     private
