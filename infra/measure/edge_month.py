@@ -23,7 +23,7 @@ MAX_EDGE_USD = 1.50
 
 
 def hit_rate(lookups: float, locations: int) -> float:
-    """Compute the share of so many lookups per month that the edge answers from its caches."""
+    """Compute the share of so many lookups per month that the edge has cached."""
     share = np.multiply.outer(np.multiply.outer(_zipf(CAMERAS), _zipf(ALIASES)), _zipf(locations))
     expected = share * (lookups / MONTH_S * TTL_S)
     return float((share * expected / (1 + expected)).sum())

@@ -17,7 +17,7 @@ from infra.ops.context import OpsContext
 
 _MARKERS = ("●", "x", "+", "◇", "▵")
 _HEIGHT = 18  # lines of a terminal
-_MAX_GROUPS = len(_MARKERS)  # drawn apart; the others stand alone
+_MAX_GROUPS = len(_MARKERS)  # with their own marker; the others have none
 
 
 @dataclass(frozen=True)
@@ -45,10 +45,10 @@ def points_by_group(context: OpsContext, known: Mode) -> dict[str, list[Point]]:
     record = pooled.model_dump() if pooled is not None else drawn[-1].fits[model].model_dump()
     reference = Camera.from_record(record)
     names = _names_of_groups(context, consensus)
-    found: dict[str, list[Point]] = {name: [] for name in dict.fromkeys(names.values())}
+    by_group: dict[str, list[Point]] = {name: [] for name in dict.fromkeys(names.values())}
     for document in drawn:
-        found.setdefault(names.get(document.id, "alone"), []).append(_point(document, model, reference))
-    return {name: points for name, points in found.items() if points}
+        by_group.setdefault(names.get(document.id, "alone"), []).append(_point(document, model, reference))
+    return {name: points for name, points in by_group.items() if points}
 
 
 def draw(context: OpsContext, known: Mode, width: int) -> str:

@@ -80,7 +80,7 @@ class App:
     workers
         Threads of the API's endpoints.
     public
-        Who may reach the server.
+        Public address and trusted proxies; None: a private server.
     """
 
     def __init__(

@@ -1,6 +1,6 @@
 """Answers of the service to the examples of `operation_texts`: `python -m infra.web_build.recorded_examples`.
 
-A stack in memory is told five calibrations of one synthetic camera; then every example of `example_calls` is
+A stack in memory gets five calibrations of one synthetic camera; then every example of `example_calls` is
 sent to it. `examples.json` has what it answers; the OpenAPI document and the reference take it from there.
 """
 
@@ -111,19 +111,20 @@ def send(stack: Server, method: str, path: str, credential: str | None, body: An
     headers = {"authorization": f"Bearer {credential}"} if credential else {}
     headers |= {} if body is None else {"content-type": "application/json"}
     content = b"" if body is None else json.dumps(body).encode()
-    request = httpx.Request(
-        method, f"{stack.url}{path}", headers=headers | {"accept": "application/json"}, content=content
+    answer = asyncio.run(
+        _answer(stack, method, path, headers=headers | {"accept": "application/json"}, content=content)
     )
-    answer = asyncio.run(_answer(stack, request))
     if answer.status_code >= 400:
         raise ValueError(f"{method} {path}: {answer.status_code} {answer.text}")
     return answer.content
 
 
-async def _answer(stack: Server, request: httpx.Request) -> httpx.Response:
-    transport = httpx.ASGITransport(stack.app)
-    async with httpx.AsyncClient(transport=transport, trust_env=False) as client:
-        return await client.send(request)
+async def _answer(stack: Server, method: str, path: str, **options: Any) -> httpx.Response:
+    transport = httpx.ASGITransport(stack.app, client=("127.0.0.1", 50_000))
+    async with httpx.AsyncClient(
+        transport=transport, base_url=stack.url, follow_redirects=True, timeout=60
+    ) as page:
+        return await page.request(method, path, **options)
 
 
 def _views(
@@ -153,7 +154,7 @@ def _poses() -> tuple[TargetPose, ...]:
 
 
 def examples() -> dict[str, Any]:
-    """Return the answers by operation, None where there is no body."""
+    """Return the answers by operation, None if there is no body."""
     answers: dict[str, Any] = {}
     values: dict[str, str] = {}
     with Server(environment={"NEW_TOKENS": "100"}) as stack:
@@ -173,7 +174,7 @@ def text() -> str:
 
 
 def _shorten(node: Any) -> Any:
-    """Cut long lists, and round numbers, to what somebody reads."""
+    """Cut long lists, and round numbers, for readers."""
     if isinstance(node, dict):
         return {key: _shorten(value) for key, value in node.items()}
     if isinstance(node, list):

@@ -3,7 +3,7 @@ import { el } from "../lib/dom.js";
 import { language, number, rough, t } from "../lib/i18n.js";
 import { lensDifference } from "../lib/lens-difference.js";
 import { isKnownModel } from "../sdk/projection.js";
-import { figure, reading } from "../lib/result/figures-part.js";
+import { figure } from "../lib/result/tiles.js";
 import { intrinsics } from "../lib/result/numbers.js";
 import { heatPlot } from "../lib/result/plots.js";
 import { load } from "../lib/result/source.js";
@@ -25,7 +25,7 @@ function difference(one, other) {
   const found = { rms: rough(rms), max: rough(max) };
   const made = heatPlot(one.img_size, px, max, t("cameras.difference_label", found));
   const expected = rough(Math.hypot(one.uncertainty.rms, other.uncertainty.rms));
-  return figure({ ...made, caption: t("cameras.difference_caption", { ...found, expected }) }, reading(made));
+  return figure({ ...made, caption: t("cameras.difference_caption", { ...found, expected }) });
 }
 
 /** @param {Loaded} one @param {Loaded} other */

@@ -5,7 +5,7 @@ import { el } from "../lib/dom.js";
 import { number, rough, formatSize, t } from "../lib/i18n.js";
 import { lensDifference } from "../lib/lens-difference.js";
 import { conversionText } from "../lib/result/download.js";
-import { figure } from "../lib/result/figures-part.js";
+import { figure } from "../lib/result/tiles.js";
 import { distortionPlot, heatPlot } from "../lib/result/plots.js";
 import { straightPart } from "../lib/result/straight-part.js";
 import { FORMATS } from "../vendor/formats.js";

@@ -45,7 +45,7 @@ class FoundViews:
     broken
         Sentence about a video that breaks off.
     empty, unreadable
-        Names of pictures without the board, and of files that are no pictures.
+        Names of pictures without the board, and of files that are not images.
     """
 
     views: list[tuple[tuple[int, int], RecordedView]] = field(default_factory=list)
@@ -116,7 +116,7 @@ def picture_paths(given: Iterable[str | Path]) -> list[Path]:
             paths += sorted(inside)
         elif each.is_file():
             if each.suffix.lower() == ".json":
-                raise UsageError(f"{each} is no picture: `calibdb submit {each}` uses the corners in it")
+                raise UsageError(f"{each} is not an image: `calibdb submit {each}` uses the corners in it")
             paths.append(each)
         else:
             raise UsageError(f"{each} is not there")
@@ -134,12 +134,12 @@ def _without_pictures(folder: Path) -> str:
     """Return a sentence about a folder without pictures: where they may be, or how to make some."""
     raw = [path for path in folder.iterdir() if path.suffix.lower() in UNREAD]
     if raw:
-        return f"{folder} holds {len(raw)} {raw[0].suffix[1:].upper()} files: convert them to JPEG or PNG"
+        return f"{folder} contains {len(raw)} {raw[0].suffix[1:].upper()} files: convert them to JPEG or PNG"
     below = sorted(path for path in folder.iterdir() if path.is_dir() and not path.name.startswith("."))
     if below:
         names = ", ".join(str(path) for path in below[:5]) + (", …" if len(below) > 5 else "")
-        return f"{folder} holds no pictures, but folders: name one of {names}"
-    return f"{folder} holds no pictures (JPEG, PNG, TIFF, WebP, BMP)"
+        return f"{folder} contains no images, but folders: name one of {names}"
+    return f"{folder} contains no images (JPEG, PNG, TIFF, WebP, BMP)"
 
 
 def turned_by_camera(paths: Sequence[Path]) -> bool:

@@ -39,7 +39,7 @@ def rows(schema: Node, schemas: Mapping[str, Node], prefix: str = "", depth: int
     schema
         JSON schema of the object, or a reference.
     schemas
-        Those that references name.
+        Schemas by the names in references.
     prefix, depth
         Path of the object, and how deep it lies.
     """
@@ -94,7 +94,7 @@ def _object(node: Node, schemas: Mapping[str, Node]) -> tuple[Node | None, str]:
 
 
 def kind(node: Node, schemas: Mapping[str, Node]) -> str:
-    """Describe in words what a field may be."""
+    """Describe the values of a field."""
     null = any(choice.get("type") == "null" for choice in node.get("anyOf", ()))
     default = node.get("default")
     whole = resolve(node, schemas)

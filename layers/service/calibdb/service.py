@@ -176,7 +176,7 @@ class Service:
         )
 
     def api_token(self, text: str, before_write: Callable[[], None] = lambda: None) -> ApiToken:
-        """Return the token that `text` is; raises ForbiddenError when it is unknown or its secret is wrong.
+        """Return the token that `text` is; raises ForbiddenError if it is unknown or its secret is wrong.
 
         A token once read is remembered for half a minute: a lookup then costs one Query and nothing else.
         The first use of a token is written, in a server later; else `before_write` is called before.
@@ -203,7 +203,7 @@ class Service:
     def managed_token(self, text: str) -> ApiToken:
         """Return the token that the management token `text` manages, be it revoked, as the bucket has it.
 
-        Raises ForbiddenError, which tells an unknown one from a wrong secret neither in words nor in time.
+        Raises ForbiddenError, the same, and as fast, for unknown tokens and wrong secrets.
         """
         parts = parse_management(text)
         token = self.store.tokens.read(parts[0]) if parts else None

@@ -90,20 +90,20 @@ def advice(outline: Array, target: Array, tolerance: float = 1.0) -> str:
 
     `tolerance` is the factor on what a hand may miss by.
     """
-    seen = upright(outline, target)
+    current = upright(outline, target)
     size = _size(target)
-    right, down = (target.mean(axis=0) - seen.mean(axis=0)) / size
+    right, down = (target.mean(axis=0) - current.mean(axis=0)) / size
     across = ("right" if right > 0 else "left") if abs(right) >= abs(down) else ("down" if down > 0 else "up")
-    larger = math.log(size / _size(seen))
-    turn = _direction(target) - _direction(seen)
+    larger = math.log(size / _size(current))
+    turn = _direction(target) - _direction(current)
     turn = math.atan2(math.sin(turn), math.cos(turn))
-    found = [
+    candidates = [
         (math.hypot(right, down) / FAR_SIZES, across),
         (abs(larger) / math.log(LARGER_RATIO), "closer" if larger > 0 else "farther"),
         (abs(turn) / TURNED_RAD, "turn_clockwise" if turn > 0 else "turn_counterclockwise"),
-        _tilt(seen, target),
+        _tilt(current, target),
     ]
-    excess, code = max(found)
+    excess, code = max(candidates)
     return code if excess > tolerance else ""
 
 

@@ -37,11 +37,11 @@ def read_video(
     """Find the board in a video, and add to `found` the views where it moves least, all over its places.
 
     Returns the board, which is recognised unless it is given. A `mirrored` video is turned back. Raises
-    UsageError if the file is no video, CaptureError if no board is recognised.
+    UsageError if the file is not a video, CaptureError if no board is recognised.
     """
     chosen = board or board_in_video(path, mirrored)
     detector = Detector(chosen)
-    seen: list[Seen] = []
+    observations: list[Seen] = []
     numbers: list[int] = []
     try:
         for number, count, picture in _pictures(path, found, mirrored, _rate(detector)):
@@ -49,12 +49,12 @@ def read_video(
             corners = detector.find_coarsely(picture)
             if corners is not None:
                 h, w = picture.shape[:2]
-                seen.append((number, (int(w), int(h)), corners))
+                observations.append((number, (int(w), int(h)), corners))
             if progress:
                 progress(number + 1, max(count, number + 1))
     finally:
-        found.frames = len(seen)
-        views = _choose(seen, numbers[1] if len(numbers) > 1 else 1)
+        found.frames = len(observations)
+        views = _choose(observations, numbers[1] if len(numbers) > 1 else 1)
         if detector.is_slow:
             views = _found_again(path, views, detector, mirrored)
         for number, size, corners in views:
@@ -89,7 +89,7 @@ def _pictures(
             yield number, count, _turned(picture, mirrored)
         if number < 0:
             raise CaptureError(
-                f"{path} holds no picture: it is corrupt, or of a kind that OpenCV cannot read"
+                f"{path} contains no image: it is corrupt, or of a kind that OpenCV cannot read"
             )
         if looked_at < MAX_FRAMES and 0 <= number < 0.9 * count - 1:
             found.broken = f"{path} breaks off after {number + 1} of {count} frames: those before it are used"
@@ -159,6 +159,6 @@ def board_in_video(path: str | Path, mirrored: bool = False) -> Board:
             f"no board was recognised in {path}: describe it by --kind, --squares, --marker-ratio and "
             "--dictionary"
             if pictures
-            else f"{path} holds no picture: it is corrupt, or of a kind that OpenCV cannot read"
+            else f"{path} contains no image: it is corrupt, or of a kind that OpenCV cannot read"
         )
     return board

@@ -35,7 +35,7 @@ MIN_MARKERS = 5
 MAX_RESIDUAL = 0.12
 """Mean distance of markers from their lattice / its pitch, far ones counted as one."""
 MAX_TRIALS = 50
-"""Sets of four markers by which a layout is tried: few of them are no markers."""
+"""Sets of four markers by which a layout is tried: few of them are false."""
 MIN_LEAD = 2.0
 """Residual of the second best layout / that of the best."""
 MAX_COLUMNS = 50
@@ -53,7 +53,7 @@ class Layout:
     columns
         Columns of squares or tags.
     first
-        Whether the first cell of a checkered layout holds a marker; None: every cell does, from the bottom.
+        True if the first cell of a checkered layout has a marker; None: every cell has one, from the bottom.
     """
 
     columns: int
@@ -84,9 +84,9 @@ def recognise(pictures: Iterable[Any], mirrored: bool = False) -> Board | None:
         greys.append(opencv().flip(grey, 1) if mirrored else grey)
         if len(greys) == MAX_LOOKED_AT:
             break
-    found = [find_markers(grey) for grey in greys]
-    if any(len(each.ids) >= MIN_MARKERS for markers in found for each in markers.values()):
-        return _with_markers(found, greys)  # never as the chessboard that its squares are
+    markers_of_images = [find_markers(grey) for grey in greys]
+    if any(len(each.ids) >= MIN_MARKERS for markers in markers_of_images for each in markers.values()):
+        return _with_markers(markers_of_images, greys)  # never as the chessboard that its squares are
     return _chessboard(greys)
 
 
@@ -96,13 +96,13 @@ def _with_markers(found: Sequence[Mapping[Key, Markers]], greys: Sequence[Any]) 
         {key: sum(len(each[key].ids) for each in found if key in each) for key in set().union(*found)}
     )
     for key, _ in families.most_common(MAX_SEARCHED):
-        seen = [each[key] for each in found if key in each and len(each[key].ids) >= MIN_MARKERS]
-        seen.sort(key=lambda each: -len(each.ids))
-        if seen and (layout := _layout(seen[:MAX_SEARCHED])):
+        matches = [each[key] for each in found if key in each and len(each[key].ids) >= MIN_MARKERS]
+        matches.sort(key=lambda each: -len(each.ids))
+        if matches and (layout := _layout(matches[:MAX_SEARCHED])):
             family, inverted, mirrored = key
             if mirrored:
                 raise MirroredError
-            return _board(layout, family, inverted, seen, greys)
+            return _board(layout, family, inverted, matches, greys)
     return None
 
 

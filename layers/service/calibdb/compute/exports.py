@@ -94,16 +94,18 @@ def convert_file(asked: ConvertRequest) -> ExportedFile:
 
     options = ReaderOptions(img_size=asked.img_size, number=asked.number, model=asked.distortion_model or "")
     try:
-        found = read_bytes(content_of(asked), "", options)
+        camera_file = read_bytes(content_of(asked), "", options)
     except CalibrationError as error:
         said = COMMAND_LINE.sub("", visible(str(error)[:MAX_MESSAGE]))
         raise InvalidError.field("img_size" if "size of the pictures" in said else "file", said) from error
-    if found.camera is None:
+    if camera_file.camera is None:
         raise InvalidError.field("file", "it has corners, and no camera: calibrate with them")
-    name = asked.camera or label_text(found.name) or "camera"
-    source = formats.ExportSource(found.camera, name=name, record={"camera": name, "platform": "", "zoom": 0})
-    if asked.format == "photonvision" and found.views:
-        source = with_corners(source, found.views)
+    name = asked.camera or label_text(camera_file.name) or "camera"
+    source = formats.ExportSource(
+        camera_file.camera, name=name, record={"camera": name, "platform": "", "zoom": 0}
+    )
+    if asked.format == "photonvision" and camera_file.views:
+        source = with_corners(source, camera_file.views)
     try:
         return formats.write(source, asked.format)
     except CalibrationError as error:
@@ -117,10 +119,12 @@ def with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
     try:
         numbered = grid(views)
         board = Board(numbered.squares, kind="chessboard")  # which has no markers to run out of
-        seen = tuple(board.view(ids, v.image_points) for ids, v in zip(numbered.ids, views, strict=True))
+        views_on_board = tuple(
+            board.view(ids, v.image_points) for ids, v in zip(numbered.ids, views, strict=True)
+        )
     except (CalibrationError, ValueError) as error:
         raise InvalidError.field("file", f"its corners are those of no board: {error}") from error
-    return replace(source, board=board, views=seen)
+    return replace(source, board=board, views=views_on_board)
 
 
 def content_of(asked: ConvertRequest) -> bytes:
@@ -130,4 +134,4 @@ def content_of(asked: ConvertRequest) -> bytes:
     try:
         return base64.b64decode(asked.file, validate=True)
     except ValueError as error:  # binascii's is one, and so is what is said of characters beyond ASCII
-        raise InvalidError.field("file", f"it is no base64: {error}") from error
+        raise InvalidError.field("file", f"it is not base64: {error}") from error

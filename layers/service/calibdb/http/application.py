@@ -122,7 +122,7 @@ def application(*routes: Route) -> Starlette:
             Exception: _on_unhandled,
         },
     )
-    app.router.redirect_slashes = False  # a path with a slash too many is no path
+    app.router.redirect_slashes = False  # a path with an extra slash does not exist
     return app
 
 

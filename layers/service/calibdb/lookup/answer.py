@@ -75,7 +75,7 @@ def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> Loo
 def bracketing_zooms(
     known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
 ) -> tuple[Calibration, Calibration] | None:
-    """Find the reliable calibrations at the next zooms below and above; None where they do not interpolate.
+    """Find the reliable calibrations at the next zooms below and above; None if they do not interpolate.
 
     Between two zooms a lens is taken to change evenly only if it does so over all calibrated ones: the
     focal lengths grow with the zoom, and do not double from one to the next. Calibrations that disagree at
@@ -127,7 +127,7 @@ def _relate_and_adapt(
         return None, None
     if found.img_size != asked:
         # Of a size that was never calibrated only this can be said: between two sizes that show the same
-        # it shows the same, too. Beyond them many a camera begins to cut.
+        # it also shows the same. Beyond them many a camera begins to cut.
         alike = sorted(
             (c for c in (found, *others) if same_aspect(c.img_size, asked)), key=lambda c: c.img_size[0]
         )

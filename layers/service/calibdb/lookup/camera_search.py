@@ -27,13 +27,13 @@ def query_words(query: str) -> list[str]:
     A maker's name is left out where there are other words: not every system says it.
     """
     text = unicodedata.normalize("NFKC", query).casefold()
-    found = list(dict.fromkeys(words(text)))[:_MAX_QUERY_WORDS]
-    named = [word for word in found if not is_maker(word)] or found
+    terms = list(dict.fromkeys(words(text)))[:_MAX_QUERY_WORDS]
+    named = [word for word in terms if not is_maker(word)] or terms
     return sorted(named, key=len, reverse=True)
 
 
 def has_words(wanted: Sequence[str], name: str, known: Sequence[ConsensusDocument]) -> bool:
-    """Tell whether every word that is wanted begins a word of the camera's name, labels or USB vendor."""
+    """True if every word that is wanted begins a word of the camera's name, labels or USB vendor."""
     labels = {c.calibration.camera for c in known if c.calibration}
     text = unicodedata.normalize("NFKC", " ".join((name, *labels))).casefold()
     there = [*words(text), *vendor_words(usb_id(known))]
@@ -41,7 +41,7 @@ def has_words(wanted: Sequence[str], name: str, known: Sequence[ConsensusDocumen
 
 
 def is_listed(known: Sequence[ConsensusDocument], min_contributors: int) -> bool:
-    """Tell whether a camera is shown to who does not ask for it by its key.
+    """True if a camera is shown to who does not ask for it by its key.
 
     A label is whatever its sender wrote. So it is, once the database vouches for the camera, or calibrations
     of another contributor agree. Where one contributor suffices for everything, as at home, its first
@@ -61,8 +61,8 @@ def group_by_mode(
     def order(c: ConsensusDocument) -> tuple[int, tuple[int, int], float]:
         return -c.img_size[0] * c.img_size[1], c.img_size, c.zoom
 
-    for _, found in itertools.groupby(sorted(known, key=order), key=order):
-        here = list(found)
+    for _, members in itertools.groupby(sorted(known, key=order), key=order):
+        here = list(members)
         yield (here[0].img_size, here[0].zoom), here
 
 
@@ -70,10 +70,10 @@ def best_modes(
     known: Sequence[ConsensusDocument], limit: int
 ) -> list[tuple[SizeAndZoom, list[ConsensusDocument]]]:
     """Select from `group_by_mode` at most `limit` sizes and zooms: the reliable, then the most calibrated."""
-    found = list(group_by_mode(known))
-    weights = [(any(c.reliable for c in here), max(c.total for c in here)) for _, here in found]
-    ranked = sorted(range(len(found)), key=lambda i: weights[i], reverse=True)
-    return [found[i] for i in sorted(ranked[:limit])]
+    groups = list(group_by_mode(known))
+    weights = [(any(c.reliable for c in here), max(c.total for c in here)) for _, here in groups]
+    ranked = sorted(range(len(groups)), key=lambda i: weights[i], reverse=True)
+    return [groups[i] for i in sorted(ranked[:limit])]
 
 
 def best_consensus(known: Sequence[ConsensusDocument]) -> ConsensusDocument:
@@ -87,9 +87,9 @@ def count_agreeing(best: ConsensusDocument) -> int:
 
 
 def usb_id(known: Sequence[ConsensusDocument]) -> str | None:
-    """Return the USB id `vid:pid` in the camera's labels, None where they have none."""
+    """Return the USB id `vid:pid` in the camera's labels, None if they have none."""
     named = ((c.calibration.camera, c.calibration.platform) for c in known if c.calibration)
-    return next((found for name in named if (found := identify(*name).usb_id)), None)
+    return next((usb for name in named if (usb := identify(*name).usb_id)), None)
 
 
 def camera_entry(
@@ -127,10 +127,10 @@ def camera_entry(
 
 def display_name(name: str, known: Sequence[ConsensusDocument]) -> tuple[str, str]:
     """Return label and platform of the newest calibration, or else the normalised label."""
-    found: list[Calibration] = [c.calibration for c in known if c.calibration]
-    if not found:
+    calibrations: list[Calibration] = [c.calibration for c in known if c.calibration]
+    if not calibrations:
         return name, ""
-    newest = max(found, key=lambda c: (c.calibration_time, c.camera))
+    newest = max(calibrations, key=lambda c: (c.calibration_time, c.camera))
     return newest.camera, newest.platform
 
 

@@ -12,7 +12,7 @@ def find_seed(
 ) -> FitRecord | None:
     """Find the reliable consensus of this camera at this size, zoom and model.
 
-    A capture starts from this initial camera, which is no part of its result and need not be right. What is
+    A capture starts from this initial camera, which is not part of its result and need not be right. What is
     not reliable starts nothing: it may be one person's, of another camera.
     """
     for consensus in known:

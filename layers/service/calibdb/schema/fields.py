@@ -30,7 +30,7 @@ IPV6_SOURCE = "v6-"  # beginning of a contributor's source that is an IPv6 site
 
 
 class Strict(Deferred):
-    """A request: what it does not know it refuses, so that a misspelt option is heard of."""
+    """A request that refuses unknown members, so that misspelt options are reported."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
 

@@ -29,7 +29,7 @@ from calibdb.schema.licence import Licence, LicenceVersion, Licensed
 from calibdb.schema.membership import MomentId, RigJoin, RigMembership
 from calibdb.schema.observed_corners import ObservedCorners
 
-MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends by itself long before
+MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends long before
 Fact = Annotated[str, Field(max_length=64)]
 Quantity = Annotated[float, Field(ge=-1e9, le=1e9)]
 Refusal = Literal["too_few_points", "degenerate", "mirrored", "outlier", "duplicate", "no_information"]
@@ -156,7 +156,7 @@ class ViewState(Open):
     index: int
     points: int
     rms: float | None = Field(
-        description="px; null as long as there is no fit. Of a view set aside: with its pose fitted alone."
+        description="px; null as long as there is no fit. Of a view set aside: with only its pose fitted."
     )
     set_aside: SetAside | None = None
     on_target: bool | None = Field(

@@ -1,6 +1,6 @@
 """Endings: what follows from the document of a session, or of a rig, once it says that it has ended.
 
-Each step is idempotent: whoever asks again completes what a crash left undone.
+Each step is idempotent: a repeated request completes what a crash left undone.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def end_sessions(store: Store, document: RigDocument, now: int) -> list[SessionD
 
 
 def _end(store: Store, ending: EndingDocument, now: int) -> SessionDocument | None:
-    """End a session of a rig; None where it was forgotten meanwhile."""
+    """End a session of a rig; None if it was forgotten meanwhile."""
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
         ended = rig_rules.end_session(document, ending)

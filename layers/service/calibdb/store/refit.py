@@ -30,7 +30,7 @@ class Refit:
             _log.warning("misses or an alias were not reported: %s", error.detail)
 
     def now(self, request: RefitRequest) -> RefitAnswer:
-        """Have the consensus computed and return it; raises UnavailableError when that fails."""
+        """Have the consensus computed and return it; raises UnavailableError if that fails."""
         content = self._jobs.now("refit", request.model_dump_json().encode())
         if content is None:
             raise UnavailableError("The service could not compute this model; try again.")

@@ -294,8 +294,8 @@ class SqliteObjects:
 
     def get(self, name: str) -> bytes | None:
         """Return the object's content, None if there is none."""
-        found = self.get_version(name)
-        return None if found is None else found[0]
+        version = self.get_version(name)
+        return None if version is None else version[0]
 
     def get_version(self, name: str) -> tuple[bytes, str] | None:
         """Return the object's content and the tag of this version, None if there is none."""
@@ -452,7 +452,7 @@ class SqliteJobs:
     Parameters
     ----------
     database
-        Where they are queued.
+        Database with the queue.
     run
         Runs a job and returns its result.
     """

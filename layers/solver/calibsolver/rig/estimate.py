@@ -44,19 +44,22 @@ class _Rig:
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "_Rig":
         board = Board.from_record(record["board"])
-        given = record["cameras"]
-        positions = [i for i, camera in enumerate(given) if camera is not None]
+        records = record["cameras"]
+        positions = [i for i, camera in enumerate(records) if camera is not None]
         number = {position: n for n, position in enumerate(positions)}
-        there = [given[position] for position in positions]
+        there = [records[position] for position in positions]
         return cls(
             board,
             positions,
-            len(given),
+            len(records),
             [(tuple(camera["img_size"]), camera["distortion_model"]) for camera in there],
             {n: Camera.from_record(camera["start"]) for n, camera in enumerate(there) if camera["start"]},
             [moment["id"] for moment in record["moments"]],
             [
-                {number[p]: board.view(seen["ids"], seen["points"]) for p, seen in moment["views"].items()}
+                {
+                    number[p]: board.view(record_of_view["ids"], record_of_view["points"])
+                    for p, record_of_view in moment["views"].items()
+                }
                 for moment in record["moments"]
             ],
         )
@@ -69,49 +72,49 @@ def estimate(record: Mapping[str, Any], *, final: bool = False) -> dict[str, Any
     ----------
     record
         `board`; `cameras`: by position `img_size`, `distortion_model` and `start` (a calibration record that
-        may be near, or None), or None where no camera is there yet; `moments`: `id` and `views`, position ->
+        may be near, or None), or None if no camera is there yet; `moments`: `id` and `views`, position ->
         `ids`, `points`; `skipped`: poses (6,) not wanted; `missed`: targets without a pose given up.
 
     Returns
     -------
     dict
-        `fit`, None where there is none, and `problem` why; `unlinked`: positions that share no moment with
+        `fit`, None if there is none, and `problem` why; `unlinked`: positions that share no moment with
         camera 0; `target` and `target_pose`, board -> camera 0. Lengths are in board units.
     """
     rig = _Rig.from_record(record)
     lost = {rig.positions[n] for n in unlinked_cameras(len(rig.positions), rig.moments)}
     lost |= set(range(rig.count)) - set(rig.positions)
-    found, problem = None, None
+    calibration, problem = None, None
     if not lost and rig.moments:
         try:
-            found = fit(rig.moments, rig.cameras, starts=rig.starts, max_points=MAX_ONLINE_POINTS)
+            calibration = fit(rig.moments, rig.cameras, starts=rig.starts, max_points=MAX_ONLINE_POINTS)
         except CalibrationError as error:
             problem = error.message
-        if found is not None and not _is_determined(found):
-            found, problem = None, "the views leave it undetermined"
+        if calibration is not None and not _is_determined(calibration):
+            calibration, problem = None, "the views leave it undetermined"
     if final:
         fitted = None
-        if found is not None:
-            fitted = {**_fit_record(rig, found), "held_out_rms": _held_out(rig, found)}
+        if calibration is not None:
+            fitted = {**_fit_record(rig, calibration), "held_out_rms": _held_out(rig, calibration)}
         return {"fit": fitted, "problem": problem, "unlinked": sorted(lost)}
     skipped = [np.asarray(pose, dtype=np.float64) for pose in record["skipped"]]
     if not rig.positions:
         return {"fit": None, "problem": None, "unlinked": sorted(lost)}
     try:
-        target = next_moment(rig.board, rig.cameras, rig.moments, found, skipped, record["missed"])
-    except CalibrationError:  # a capture goes on without a target
+        target = next_moment(rig.board, rig.cameras, rig.moments, calibration, skipped, record["missed"])
+    except CalibrationError:  # a capture continues without a target
         target = RigTarget(None, {}, "")
     return {
-        "fit": _fit_record(rig, found) if found is not None else None,
+        "fit": _fit_record(rig, calibration) if calibration is not None else None,
         "problem": problem,
         "unlinked": sorted(lost),
-        "target": _target_record(rig, target, found),
+        "target": _target_record(rig, target, calibration),
         "target_pose": None if target.pose is None else target.pose.tolist(),
     }
 
 
 def _is_determined(found: RigCalibration) -> bool:
-    """Whether all that a fit says of the rig is a number."""
+    """True if all numbers of a fitted rig are finite."""
     u = found.uncertainty
     said = np.array([found.rms, u.rotation_deg, u.translation_percent, u.rms])
     numbers = (said, found.covariance, found.poses, *(camera.intrinsics for camera in found.cameras))
@@ -119,7 +122,7 @@ def _is_determined(found: RigCalibration) -> bool:
 
 
 def _held_out(rig: _Rig, found: RigCalibration) -> float | None:
-    """Cross-validate the rig; None where that is not possible, or takes too long."""
+    """Cross-validate the rig; None if that is not possible, or takes too long."""
     moments = thin(rig.moments, MAX_HELD_OUT_POINTS)
     return deadline.compute_within(MAX_HELD_OUT_S, lambda: held_out_rms(moments, found), None)
 
@@ -206,11 +209,11 @@ def _target_record(rig: _Rig, target: RigTarget, found: RigCalibration | None) -
 
 def _hint(rig: _Rig, target: TargetPose, number: int, found: RigCalibration | None) -> Hint:
     """Hint how to move the board from its last pose, as one camera sees it."""
-    known = [] if found is None else [pose for pose in found.board_poses if np.isfinite(pose).all()]
-    if found is None or not known:
+    poses = [] if found is None else [pose for pose in found.board_poses if np.isfinite(pose).all()]
+    if found is None or not poses:
         return Hint.of(target.hint_code)
     camera = found.cameras[number]
-    last = RigidMotion.of_vector(found.poses[number]) @ RigidMotion.of_vector(known[-1])
+    last = RigidMotion.of_vector(found.poses[number]) @ RigidMotion.of_vector(poses[-1])
     r: Array = rotation.matrix(target.rvec)
     return largest_difference(
         Placement.of(rig.board, camera, last.r, last.t),
