@@ -8,7 +8,7 @@ import { openPage } from "../lib/page.js";
 import { liveRegion } from "../lib/live-region.js";
 import { splitLabel } from "../lib/camera-name.js";
 import { cameraView } from "./camera.js";
-import { cameraItem, showOwn } from "./list.js";
+import { cameraRow, showOwn } from "./list.js";
 import { camera, search } from "./source.js";
 
 /** @typedef {import("./source.js").Found} Found */
@@ -28,7 +28,8 @@ let shown = null;
 let asked = 0;
 
 function showList() {
-  list.replaceChildren(...found.map(cameraItem));
+  list.replaceChildren(...found.map(cameraRow));
+  part("table", HTMLElement).hidden = found.length === 0;
   list.removeAttribute("aria-busy");
   more.hidden = next === null;
 }
@@ -46,7 +47,10 @@ function keepQuery() {
 /** Next steps where nothing was found. */
 function offer() {
   const nothing = found.length === 0 && next === null;
-  offers(() => (nothing ? [el("a", { class: "button primary", id: "calibrate-first", href: "../calibrate/" }, t("cameras.calibrate_yours"))] : []));
+  const link = (/** @type {string} */ page, /** @type {string} */ key, attributes = {}) => el("a", { class: "button", href: `../${page}/`, ...attributes }, t(key));
+  offers(() => (nothing ? [
+    link("calibrate", "cameras.calibrate_yours", { class: "button primary", id: "calibrate-first" }), link("photos", "cameras.from_photos"), link("import", "cameras.from_file"),
+  ] : []));
 }
 
 /** @param {{further?: boolean}} [options] */

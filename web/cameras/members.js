@@ -10,6 +10,8 @@ import { centrePlot, focalPlot } from "./agreement.js";
  * @typedef {import("./source.js").Calibration} Calibration
  */
 
+const MIN_PLOTTED = 3; // calibrations: fewer are read from the table
+
 /** "1280 × 720, zoom 2". @param {Pick<Mode, "img_size" | "zoom">} mode */
 export const nameOf = ({ img_size, zoom }) => formatSize(img_size) + (zoom ? t("cameras.at_zoom", { zoom: number(zoom, Number.isInteger(zoom) ? 0 : 2) }) : "");
 
@@ -45,7 +47,7 @@ export function membersView(mode, agreed, id, explain) {
     }
   };
   const table = membersTable([...members].sort((a, b) => b.time - a.time), id, tick);
-  return el("div", { class: "members" }, plots(members, agreed), el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `${t("cameras.members")}: ${nameOf(mode)}` }, table), status, place);
+  return el("div", { class: "members" }, ...(members.length < MIN_PLOTTED ? [] : [plots(members, agreed)]), el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `${t("cameras.members")}: ${nameOf(mode)}` }, table), status, place);
 }
 
 /** @param {Member[]} members @param {Calibration | null} agreed */

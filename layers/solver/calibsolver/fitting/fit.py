@@ -28,7 +28,7 @@ from . import (
 from .calibration import Calibration
 from .degenerate_views import with_degenerate_views
 from .levenberg_marquardt import Options, Problem, State
-from .mixed_fit import Linearization, MixedFit
+from .mixed_fit import MixedFit
 from .mixed_model import SHAPE_SIZE, marginal_information
 from .multistart import MultiStart
 from .normal_equations import Poses
@@ -194,7 +194,7 @@ class _Fit:
             return None
         mixed, shaped = begun
         for _ in range(MAX_MASKS):
-            shaped = mixed.solve(shaped, good)
+            shaped = mixed.solve(shaped, good, REJECTION)
             taken = outliers.inlier_mask(
                 shaped, self.mask, good, outliers.OUTLIER_SIGMAS, self.problem.img_size
             )
@@ -203,13 +203,12 @@ class _Fit:
             if np.array_equal(taken, good) or not taken.any():
                 break
             good = taken
-        at = mixed.linearize(shaped, good, None)
-        mixed = mixed.learnt(at)
+        mixed = mixed.learnt(mixed.linearize(shaped, good))
         shaped = mixed.solve(shaped, good)
         if not mixed.problem.shape(shaped).is_plausible:
             return None
         try:
-            return self._result(shaped, good, (mixed, at), with_prior=True)
+            return self._result(shaped, good, mixed, with_prior=True)
         except CalibrationError:
             return None
 
@@ -339,7 +338,7 @@ class _Fit:
         self,
         state: State,
         good: Mask,
-        shaped: tuple[MixedFit, Linearization] | None = None,
+        mixed: MixedFit | None = None,
         *,
         with_prior: bool,
     ) -> "_Found":
@@ -352,8 +351,8 @@ class _Fit:
             has them in the order in which the views came.
         good
             (v, n) points that took part.
-        shaped
-            How the board's shape was fitted, and a linearization near the optimum; None: it is as drawn.
+        mixed
+            How the board's shape was fitted, which the state then has, too; None: it is as drawn.
         with_prior
             True if the prior took part: its information (p, p) is added to that of the points.
 
@@ -362,8 +361,8 @@ class _Fit:
         if not state.converged:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
         problem, shape, optimum = self.problem, None, state
-        if shaped:
-            problem, state = shaped[0].problem.of_camera(optimum)
+        if mixed:
+            problem, state = mixed.problem.of_camera(optimum)
         plausibility.check_result(problem, state, good, self.robust)
         state = self._resect_excluded_views(problem, state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size
@@ -376,12 +375,11 @@ class _Fit:
         believed = prior.information(self.model, k, img_size) if with_prior else None
         if believed is not None:
             believed *= max(sigma, 1e-5 * img_size[0]) ** 2
-        if shaped is None:
+        if mixed is None:
             spread = robust_covariance.estimate(self._evidence(state, good, sigma), sigma, believed)
             covariance, information = spread.covariance, spread.information
         else:
-            mixed, at = shaped
-            spread = mixed.spread(at, optimum, good, sigma, self.mask)
+            spread = mixed.spread(optimum, good, sigma, self.mask)
             covariance = spread.covariance[SHAPE_SIZE:, SHAPE_SIZE:]
             information = marginal_information(spread.information, self.model.size)
             shape = mixed.problem.shape(optimum)

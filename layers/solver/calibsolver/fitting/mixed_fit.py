@@ -268,17 +268,15 @@ class MixedFit:
         noise2 = model.solve(replace(v, motion=0.0)).variances.noise2
         return replace(self, problem=replace(self.problem, variances=replace(v, noise2=noise2)))
 
-    def solve(self, state: State, good: Mask) -> State:
+    def solve(self, state: State, good: Mask, options: Options = IN_SHAPE) -> State:
         """Solve for the optimum of the good points (v, n)."""
-        return self.problem.solve(self.problem.believing(state), outliers.unit_weights(good), IN_SHAPE)
+        return self.problem.solve(self.problem.believing(state), outliers.unit_weights(good), options)
 
-    def spread(self, at: Linearization, state: State, good: Mask, sigma: float, mask: Mask) -> Result:
+    def spread(self, state: State, good: Mask, sigma: float, mask: Mask) -> Result:
         """Covariance of what the views share, with the motion that the residuals show.
 
         Parameters
         ----------
-        at
-            Linearization near the optimum, with a metric.
         state, good
             The optimum, and the points (v, n) that took part.
         sigma
@@ -288,7 +286,8 @@ class MixedFit:
             farthest.
         """
         noise2 = sigma**2
-        model = at.model.shifted(state.k - at.state.k)
+        at = self.linearize(state, good, None)
+        model = at.model
         v = model.learn(replace(self.problem.variances, noise2=noise2))
         if not np.array_equal(mask, good):
             u = model.moved(model.solve(v).u)
