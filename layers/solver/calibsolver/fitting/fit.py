@@ -28,7 +28,7 @@ from . import (
 from .calibration import Calibration
 from .degenerate_views import with_degenerate_views
 from .levenberg_marquardt import Options, Problem, State
-from .mixed_fit import Linearization, MixedFit
+from .mixed_fit import MixedFit
 from .mixed_model import SHAPE_SIZE, marginal_information
 from .multistart import MultiStart
 from .normal_equations import Poses
@@ -183,7 +183,7 @@ class _Fit:
         """Fit the board's shape with the rest, from an optimum of least squares with the board as drawn.
 
         Other points may take part: what the shape explains is no outlier. A stretch that no printer causes is
-        left to the camera. None where the board is known to be as drawn, where there are too few views to
+        left to the camera. None if the board is known to be as drawn, where there are too few views to
         tell, and where a shape would explain no more than chance or leave a camera that is not believable.
         """
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
@@ -194,7 +194,7 @@ class _Fit:
             return None
         mixed, shaped = begun
         for _ in range(MAX_MASKS):
-            shaped = mixed.solve(shaped, good)
+            shaped = mixed.solve(shaped, good, REJECTION)
             taken = outliers.inlier_mask(
                 shaped, self.mask, good, outliers.OUTLIER_SIGMAS, self.problem.img_size
             )
@@ -203,13 +203,12 @@ class _Fit:
             if np.array_equal(taken, good) or not taken.any():
                 break
             good = taken
-        at = mixed.linearize(shaped, good, None)
-        mixed = mixed.learnt(at)
+        mixed = mixed.learnt(mixed.linearize(shaped, good))
         shaped = mixed.solve(shaped, good)
         if not mixed.problem.shape(shaped).is_plausible:
             return None
         try:
-            return self._result(shaped, good, (mixed, at), with_prior=True)
+            return self._result(shaped, good, mixed, with_prior=True)
         except CalibrationError:
             return None
 
@@ -263,7 +262,7 @@ class _Fit:
         return outliers.outliers_concentrate_at_rim(good, among, self.problem.obs, self.problem.img_size)
 
     def _is_close(self, one: State, one_mask: Mask, other: State, other_mask: Mask, ratio: float) -> bool:
-        """Whether the rms of one fit over its points (v, n) is within `ratio` of another's over its own."""
+        """True if the rms of one fit over its points (v, n) is within `ratio` of another's over its own."""
         mean = np.mean(other.square[other_mask])
         return bool(np.mean(one.square[one_mask]) < ratio**2 * mean)
 
@@ -323,7 +322,7 @@ class _Fit:
         return replace(evidence, of_effects=more)
 
     def _is_observable(self, state: State) -> bool:
-        """Whether the data alone, without the prior, determine every parameter."""
+        """True if the data without the prior determine every parameter."""
         s = normal_equations.reduced_information(state.rows[:-1] * self.mask)
         scale = 1 / np.sqrt(np.maximum(np.diagonal(s), 1e-300))
         return bool(np.linalg.eigvalsh(s * scale[:, None] * scale)[0] > 1e-12)
@@ -339,7 +338,7 @@ class _Fit:
         self,
         state: State,
         good: Mask,
-        shaped: tuple[MixedFit, Linearization] | None = None,
+        mixed: MixedFit | None = None,
         *,
         with_prior: bool,
     ) -> "_Found":
@@ -352,18 +351,18 @@ class _Fit:
             has them in the order in which the views came.
         good
             (v, n) points that took part.
-        shaped
-            How the board's shape was fitted, and a linearization near the optimum; None: it is as drawn.
+        mixed
+            How the board's shape was fitted, which the state then has, too; None: it is as drawn.
         with_prior
-            Whether the prior took part: its information (p, p) is added to that of the points.
+            True if the prior took part: its information (p, p) is added to that of the points.
 
         Raises CalibrationError ``not_converged`` or ``not_believable``.
         """
         if not state.converged:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
         problem, shape, optimum = self.problem, None, state
-        if shaped:
-            problem, state = shaped[0].problem.of_camera(optimum)
+        if mixed:
+            problem, state = mixed.problem.of_camera(optimum)
         plausibility.check_result(problem, state, good, self.robust)
         state = self._resect_excluded_views(problem, state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size
@@ -376,12 +375,11 @@ class _Fit:
         believed = prior.information(self.model, k, img_size) if with_prior else None
         if believed is not None:
             believed *= max(sigma, 1e-5 * img_size[0]) ** 2
-        if shaped is None:
+        if mixed is None:
             spread = robust_covariance.estimate(self._evidence(state, good, sigma), sigma, believed)
             covariance, information = spread.covariance, spread.information
         else:
-            mixed, at = shaped
-            spread = mixed.spread(at, optimum, good, sigma, self.mask)
+            spread = mixed.spread(optimum, good, sigma, self.mask)
             covariance = spread.covariance[SHAPE_SIZE:, SHAPE_SIZE:]
             information = marginal_information(spread.information, self.model.size)
             shape = mixed.problem.shape(optimum)

@@ -5,6 +5,7 @@ or the square, sigma the noise that the residuals themselves show. (Marquardt 19
 2000 for the elimination; Transtrum & Sethna 2012 for the geodesic acceleration along narrow valleys.)
 """
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
@@ -41,6 +42,8 @@ ACCELERATE_AFTER_ITERATIONS = 4
 """Iterations after which the valley is taken for a curved one."""
 MAX_ACCELERATION_RATIO = 0.75
 """Length of the geodesic acceleration / length of the step, at most: else neither is trusted."""
+SHORT_STEP = 1e-6
+"""Relative change of the focal length up to which a straight step is as good as a curved one."""
 FINITE_DIFFERENCE = 0.1
 """Share of a step over which its second derivative is taken."""
 
@@ -78,7 +81,7 @@ class State:
     prior_residuals, prior_jacobian
         Whitened residuals (m,) of the prior and their Jacobian (m, a).
     converged
-        Whether the gradient allows no further decrease.
+        True if the gradient allows no further decrease.
     """
 
     k: Array
@@ -97,7 +100,7 @@ class State:
 
     @property
     def is_finite(self) -> bool:
-        """Whether every residual is a number."""
+        """True if every residual is finite."""
         return bool(np.isfinite(self.square).all())
 
     def system(self, weights: Array | None, prior_weight: float) -> System:
@@ -151,7 +154,7 @@ class LeastSquares(ABC):
 
     @abstractmethod
     def is_feasible(self, k: Array) -> bool:
-        """Whether there is a picture at all with the shared unknowns k (p,)."""
+        """True if there is an image with the shared unknowns k (p,)."""
 
     @abstractmethod
     def at(self, k: Array, poses: Poses) -> State:
@@ -221,7 +224,7 @@ class LeastSquares(ABC):
         return da
 
     def _take_step(self, state: State, da: Array, dp: Array) -> State | None:
-        """Linearize after steps (a,) and (v, 6); None where there is no picture there."""
+        """Linearize after steps (a,) and (v, 6); None if there is no picture there."""
         k, poses = self.retract(state.k, state.poses, da, dp)
         return self.at(k, poses) if self.is_feasible(k) else None
 
@@ -278,7 +281,7 @@ class Problem(LeastSquares):
         return self.img_size[0]
 
     def is_feasible(self, k: Array) -> bool:
-        """Whether the model has a picture at all with intrinsics k (p,)."""
+        """True if the model has an image with intrinsics k (p,)."""
         return bool(k[0] > 0 and k[1] > 0 and self.model.magnification(k[4:])[0] > 0)
 
     def at(self, k: Array, poses: Poses) -> State:
@@ -306,17 +309,16 @@ class Problem(LeastSquares):
         A longer focal length moves the boards away, and leaves each coefficient's effect in px: the long
         valley between focal length, distortion and distance is then nearly straight.
         """
-        order, change = 2 * prior.weights(self.model).order, self.free(da)
-        k, t = k.copy(), poses.t.copy()
-        relative = change[:2] / k[:2]
-        k[:2] *= np.exp(relative)
-        k[2:4] += change[2:4]
-        longer = float(relative.sum()) / 2
-        grown = np.exp(longer)
-        k[4:] = (k[4:] * (1 - order * longer) + change[4:]) * grown**order
-        t[:, :2] += dp[:, 3:5]
-        t[:, 2] = (t[:, 2] * (1 - longer) + dp[:, 5]) * grown
-        return k, Poses(rotation.matrix(dp[:, :3]) @ poses.r, t)
+        change = self.free(da)
+        across, down = float(change[0] / k[0]), float(change[1] / k[1])
+        longer = (across + down) / 2
+        moved, t = k + change, poses.t + dp[:, 3:]
+        if abs(longer) > SHORT_STEP:
+            grown, order = math.exp(longer), 2 * prior.weights(self.model).order
+            moved[0], moved[1] = k[0] * math.exp(across), k[1] * math.exp(down)
+            moved[4:] = (moved[4:] - k[4:] * (order * longer)) * grown**order
+            t[:, 2] = (t[:, 2] - poses.t[:, 2] * longer) * grown
+        return moved, Poses(rotation.matrix(dp[:, :3]) @ poses.r, t)
 
 
 def residual_rows(
@@ -344,7 +346,7 @@ def assess_step(damping: float, actual: float, predicted: float) -> tuple[bool, 
 
 
 def is_last_step(predicted: float, previous_predicted: float, cost: float, tolerance: float) -> bool:
-    """Whether the decrease that the next step would predict, extrapolated, is within the tolerance."""
+    """True if the decrease that the next step would predict, extrapolated, is within the tolerance."""
     return (
         previous_predicted < EXTRAPOLATE_BELOW * cost
         and predicted * (predicted / previous_predicted) < tolerance

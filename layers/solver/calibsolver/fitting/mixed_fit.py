@@ -90,7 +90,7 @@ class ShapedProblem(LeastSquares):
         return Observations(moved, self.obs.pixels, self.obs.mask)
 
     def is_feasible(self, k: Array) -> bool:
-        """Whether the model has a picture at all with k."""
+        """True if the model has a picture at all with k."""
         return self.drawn.is_feasible(k[SHAPE_SIZE:])
 
     def noise(self, state: State, counted: Mask) -> float:
@@ -201,7 +201,7 @@ class MixedFit:
     def begin(
         cls, drawn: Problem, state: State, good: Mask, labels: IntArray, noise2: float
     ) -> "tuple[MixedFit, State] | None":
-        """Begin with the board as drawn; None where a shape explains no more than chance and motion do.
+        """Begin with the board as drawn; None if a shape explains no more than chance and motion do.
 
         Parameters
         ----------
@@ -229,7 +229,7 @@ class MixedFit:
         effects = systematic_effects.motion(state.rows[-POSE_SIZE - 1 : -1], drawn.obs.points, row)
         used = None if good.all() else good
         evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, used)
-        if metric is None:  # the shape is no part of the camera
+        if metric is None:  # the shape is not part of the camera
             known = np.zeros_like(evidence.metric)
             known[SHAPE_SIZE:, SHAPE_SIZE:] = evidence.metric[SHAPE_SIZE:, SHAPE_SIZE:]
             evidence = replace(evidence, metric=known)
@@ -268,17 +268,15 @@ class MixedFit:
         noise2 = model.solve(replace(v, motion=0.0)).variances.noise2
         return replace(self, problem=replace(self.problem, variances=replace(v, noise2=noise2)))
 
-    def solve(self, state: State, good: Mask) -> State:
+    def solve(self, state: State, good: Mask, options: Options = IN_SHAPE) -> State:
         """Solve for the optimum of the good points (v, n)."""
-        return self.problem.solve(self.problem.believing(state), outliers.unit_weights(good), IN_SHAPE)
+        return self.problem.solve(self.problem.believing(state), outliers.unit_weights(good), options)
 
-    def spread(self, at: Linearization, state: State, good: Mask, sigma: float, mask: Mask) -> Result:
+    def spread(self, state: State, good: Mask, sigma: float, mask: Mask) -> Result:
         """Covariance of what the views share, with the motion that the residuals show.
 
         Parameters
         ----------
-        at
-            Linearization near the optimum, with a metric.
         state, good
             The optimum, and the points (v, n) that took part.
         sigma
@@ -288,7 +286,8 @@ class MixedFit:
             farthest.
         """
         noise2 = sigma**2
-        model = at.model.shifted(state.k - at.state.k)
+        at = self.linearize(state, good, None)
+        model = at.model
         v = model.learn(replace(self.problem.variances, noise2=noise2))
         if not np.array_equal(mask, good):
             u = model.moved(model.solve(v).u)

@@ -7,7 +7,6 @@ the noise are learnt by expectation maximization of the restricted likelihood (P
 Dempster, Laird & Rubin 1977), with weak priors. So a flat board and a still hand cost next to nothing.
 """
 
-from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -122,19 +121,6 @@ class MixedModel:
         self.power = np.maximum(power.ravel(), 0.0)
         self.rows = gram[:, kept, moves] @ self.directions
         self.across = self.rows.transpose(1, 0, 2).reshape(size + 1, -1)
-
-    def shifted(self, x: Array) -> "MixedModel":
-        """Return the same linearization about a point x (g,) away."""
-        out = copy(self)
-        change = np.eye(self.size + 1)
-        change[-1, :-1] = x
-        out.gram = change @ self.gram @ change.T
-        out.total = change @ self.total @ change.T
-        out.rows = change @ self.rows
-        out.across = change @ self.across
-        out.gradient = self.gradient + self.prior @ x[SHAPE_SIZE:]
-        out.shape = self.shape + x[:SHAPE_SIZE]
-        return out
 
     @property
     def noise2(self) -> float:
