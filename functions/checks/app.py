@@ -64,7 +64,7 @@ def vote(
 ) -> bool:
     """Count the check as a vote, once.
 
-    False where the contributor, by where they are, has none, and for pictures that a calibration was made of:
+    False if the contributor, by where they are, has none, and for pictures that a calibration was made of:
     they are not independent of it.
     """
     service = call.service

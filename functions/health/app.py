@@ -1,8 +1,8 @@
-"""Health: whether the service is there, and, asked for, whether each of its parts works.
+"""Health: state of the service and, on request, of each of its parts.
 
-The parts are what everything else stands on: the index, the bucket, the solver and the edge. Nobody needs a
-credential for this, so it is bounded three times: an instance checks the parts once in ten seconds, the edge
-keeps an answer as long, and the gateway lets few requests through.
+The parts are the index, the bucket, the solver and the edge. Callers need no
+credential, so the load is bounded three times: an instance checks the parts once in ten seconds, the edge
+caches the response as long, and the gateway lets few requests through.
 """
 
 from __future__ import annotations

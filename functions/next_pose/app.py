@@ -64,11 +64,11 @@ def in_rig(call: application.Call, document: SessionDocument, place: RigMembersh
     session_rules.require_open(document)
     rig, _ = rig_course.load(call.service.store, place.id)
     rig_rules.require_open(rig.document)
-    found = rig_course.ensure_estimate(call, call.service.store, rig)
-    if found.target is None:
+    estimate = rig_course.ensure_estimate(call, call.service.store, rig)
+    if estimate.target is None:
         raise not_in_view()
-    fit = found.fit.cameras[place.position] if found.fit else None
-    return DrawnTarget.of_rig(document, found.target, fit)
+    fit = estimate.fit.cameras[place.position] if estimate.fit else None
+    return DrawnTarget.of_rig(document, estimate.target, fit)
 
 
 handler = application.handler(application.route("/v1/session/pose", GET=show))

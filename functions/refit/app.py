@@ -25,7 +25,7 @@ MIN_PUBLISHING_S = 8.0  # of an invocation, kept for storage, the edge and the a
 
 @metrics.counting_denied_reads
 def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
-    """Compute, store and return the consensus of every model asked for; null where nothing is known.
+    """Compute, store and return the consensus of every model asked for; null if nothing is known.
 
     From the queue of those that failed, an event holds one record of a request.
     """

@@ -91,19 +91,19 @@ def result(call: application.Call) -> Response:
     token = call.api_token() if ticket is None else call.service.token_of(ticket)
     if name not in rig_files.WRITERS:
         raise InvalidError.field("format", f"must be one of {', '.join(RIG_FORMATS)}")
-    known, _ = rig_course.state_of(call, call.service.store, call.path("id"), running=False)
-    if known.result is None:
+    state, _ = rig_course.state_of(call, call.service.store, call.path("id"), running=False)
+    if state.result is None:
         raise NotFoundError("This rig has no result yet: its leader finishes it.", kind="rig-unfinished")
     if name == "json":
-        return application.json_response(known.result)
+        return application.json_response(state.result)
     call.service.charge(token, "views", call.address)
-    return application.file_response(rig_files.write(call.with_time_for_a_rig(), known.result, name))
+    return application.file_response(rig_files.write(call.with_time_for_a_rig(), state.result, name))
 
 
 def state_response(call: application.Call, rig_id: str, status: int = 200) -> Response:
     """Answer with the state of a rig, running or finished; raises NotFoundError."""
-    known, tag = rig_course.state_of(call.with_time_for_a_rig(), call.service.store, rig_id)
-    return application.json_response(known, status, {"ETag": tag})
+    state, tag = rig_course.state_of(call.with_time_for_a_rig(), call.service.store, rig_id)
+    return application.json_response(state, status, {"ETag": tag})
 
 
 handler = application.handler(

@@ -1,6 +1,6 @@
-"""Session: starts one guided capture, alone or as a camera of a rig, shows its state, or forgets it.
+"""Session: starts one guided capture, also as a camera of a rig, shows its state, or deletes it.
 
-A rig's document names the session before the session exists: whoever starts it again after a crash finds its
+A rig's document names the session before the session exists: a repeated start after a crash finds its
 place kept.
 """
 
@@ -36,16 +36,16 @@ def start(call: application.Call) -> Response:
         where = call.service.source(call.address)
 
     def begin(version: int) -> SessionDocument:
-        if version > 1:  # started anew, it can be published anew: a capture as any other
+        if version > 1:  # a restarted session is another capture, and can be published
             call.service.charge(call.service.token_of(ticket), "sessions", call.address)
         return session_rules.begin(request, sid, version, now, find_seed(store, request), who, rig, where)
 
     document, made = store.sessions.start(sid, now, begin)
-    asked = session_rules.begin(request, sid, document.first_version, now, rig=rig)
+    session = session_rules.begin(request, sid, document.first_version, now, rig=rig)
     # The session that made a rig was started without one, and is started again without one.
     if request.rig is None and document.rig is not None and document.rig.position == 0:
-        asked = asked.model_copy(update={"rig": document.rig})
-    if not session_rules.is_same_start(document, asked):
+        session = session.model_copy(update={"rig": document.rig})
+    if not session_rules.is_same_start(document, session):
         raise ConflictError(
             "A session with other content is running under this session id; forget it first.",
             kind="other-content",
@@ -59,9 +59,9 @@ def find_seed(store: Store, request: SessionRequest) -> FitRecord | None:
     """Find an initial camera: what others measured of this camera, the operator's guess, or the estimate."""
     key = camera_key(request.camera, request.platform)
     place = (request.img_size, request.zoom, request.distortion_model)
-    found = find_reliable_seed(store.consensuses.of(key), *place) or store.priors.find(key, *place)
-    if found is not None:
-        return found
+    seed = find_reliable_seed(store.consensuses.of(key), *place) or store.priors.find(key, *place)
+    if seed is not None:
+        return seed
     query = EstimateQuery(request.camera, request.platform, request.img_size, request.zoom)
     return starting_camera(query, request.distortion_model)
 
@@ -73,9 +73,13 @@ def place(
     store, now = call.service.store, call.service.now
     running = store.sessions.find(sid)
     if running is not None:
-        known = running.rig
-        if known and wanted.position in (None, known.position) and wanted.id in (None, known.id):
-            return known  # the code may be used up by now
+        running_rig = running.rig
+        if (
+            running_rig
+            and wanted.position in (None, running_rig.position)
+            and wanted.id in (None, running_rig.id)
+        ):
+            return running_rig  # the code may be used up by now
         raise ConflictError(
             "A session with other content is running under this session id; forget it first.",
             kind="other-content",

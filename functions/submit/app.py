@@ -1,4 +1,4 @@
-"""Submit: decide on a view, fit the camera anew and choose the next pose; undo a view; finish a recording.
+"""Submit: decide on a view, refit the camera and choose the next pose; undo a view; finish a recording.
 
 The view that makes a live session converge ends it; a recorded session, whose views are all there already, is
 ended by its client. Then the calibration is published and its consensus asked for. The session's own document

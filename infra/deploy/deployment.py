@@ -1,4 +1,4 @@
-"""Deployment: does the steps, one after the other."""
+"""Deployment, step by step."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def deploy(target: Target, template: str | None = None, leave_out: Collection[st
     Parameters
     ----------
     target
-        Where to; what is there already is found out.
+        Stack and region of the deployment.
     template
         Another complete one than `template.yaml`.
     leave_out
@@ -152,7 +152,7 @@ def _fill_in(parameters: Mapping[str, str], target: Target) -> dict[str, str]:
 
 
 def _different(parameters: Mapping[str, str], target: Target) -> list[str]:
-    """Names of parameters whose values the stack has not taken as they were given."""
+    """Names of parameters whose values differ in the stack."""
     if not parameters:
         return []
     stack = aws.describe(boto3.client("cloudformation", target.region), target.stack)

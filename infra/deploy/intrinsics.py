@@ -1,4 +1,4 @@
-"""CloudFormation's intrinsic functions, given the values that they have locally."""
+"""CloudFormation's intrinsic functions, resolved to local values."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def text(value: Any) -> str:
 
 @dataclass(frozen=True)
 class Resolver:
-    """Replaces intrinsic functions by the values they have locally."""
+    """Replaces intrinsic functions by their local values."""
 
     parameters: Mapping[str, Any]
     resources: Mapping[str, Any]

@@ -56,11 +56,11 @@ def uploads(
     web
         The client, with `vendor/`.
     settings
-        What `/config.json` says: `api`, `token`, `operator`.
+        Content of `/config.json`: `api`, `token`, `operator`.
     contact, now
-        Where to report a vulnerability, and the time; without both there is no `security.txt`.
+        Contact for vulnerabilities, and the time; without both there is no `security.txt`.
     options
-        What the pages say about the deployment. Without an origin, no `robots.txt` and no sitemap.
+        Facts about the deployment for the pages. Without an origin, no `robots.txt` and no sitemap.
     """
     files = {
         path.relative_to(web).as_posix(): path.read_bytes()

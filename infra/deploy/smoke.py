@@ -41,7 +41,7 @@ class Site:
     Attributes
     ----------
     url
-        Of the site, without slash.
+        Address of the site, without a slash at the end.
     distribution
         Domain name of its CloudFront distribution; None if there is none.
     """
@@ -179,7 +179,7 @@ def _redirects(ask: Ask) -> Iterator[str]:
 
 
 def _page(ask: Ask, site: Site, patience_s: float) -> Iterator[str]:
-    """Ask as the site's own pages do."""
+    """Send a request like the site's own pages."""
     config = ask("GET", "/config.json", {}, None)
     settings = json.loads(config.body or b"{}") if config.status == HTTPStatus.OK else {}
     token = str(settings.get("token", ""))

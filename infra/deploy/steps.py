@@ -28,7 +28,7 @@ class Target:
     stack, region
         Name and place of the CloudFormation stack.
     parameters
-        Of the template, over their defaults.
+        Parameters of the template that replace defaults.
     site
         Address of the site without slash; None where CloudFront makes one up, at the first deployment.
     exists

@@ -22,15 +22,15 @@ class Usage:
     requests, sent
         Through the gateway; bytes of their answers.
     invocations, seconds, gb_seconds
-        Of all functions; the processor's time that they take here without storage, and what is billed for it.
+        Sums of all functions: invocations, processor time here without storage, and billed GB-seconds.
     memory, solver_memory
-        Of all invocations together, GB: of functions without and with the solver.
+        Memory of all invocations, GB: of functions without and with the solver.
     reads, writes
         DynamoDB's units.
     puts, gets, kept
         S3's requests; bytes of what lasts.
     waits
-        Of each service, which the functions wait for.
+        Waiting time by service.
     """
 
     requests: int = 0

@@ -14,7 +14,7 @@ from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 
 @dataclass(frozen=True)
 class BundleResult:
-    """Numbers and sizes of what was written."""
+    """Counts and sizes of the written file."""
 
     cameras: dict[str, int]  # bytes of each, by its label
     calibrations: int

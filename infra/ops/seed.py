@@ -64,9 +64,9 @@ def seed(
     path
         The file.
     camera, platform
-        What the browser would say, made of columns: `{brand} {model}`.
+        Label and platform of a browser, made of columns: `{brand} {model}`.
     model
-        Of rows that name none.
+        Model of rows without one.
     source
         Kept with every guess.
     dry_run

@@ -27,7 +27,7 @@ READ = {
     "board": ("/board/", "#papers a"),
     "photos": ("/photos/", "#board:not(:empty)"),
     "import": ("/import/", "#model option"),
-    "cameras": ("/cameras/", "#found li"),
+    "cameras": ("/cameras/", "#found tr"),
     "camera": ("/cameras/?key=c2.specimen", "#camera-name"),
     "result": ("/result/?id=x", "#verdict"),
     "ar": ("/ar/", "h1:not(:empty)"),

@@ -80,6 +80,10 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     page.locator("#undo:enabled").wait_for()
     page.locator("#overlay[src^='blob:']:not([hidden])").wait_for(state="attached")
     page.evaluate(HIDE_WITH_TARGET)
+    taken = views(page)
+    expect(page.locator("#film .taken img")).to_have_count(taken)
+    expect(page.locator("#film .next polygon")).to_have_count(1)
+    expect(page.locator("#film > i")).to_have_count(5)
     picture(page, "capture-during", PASSING)
     page.evaluate(HIDE, False)
     page.locator("#finish").click()  # from four views it can be ended by hand
@@ -108,6 +112,7 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     # It goes on without one of its views, and keeps the others.
     before = published_corners(page, api)
     page.locator("#tab-views").click()
+    assert page.locator(".views image").count() == len(before), "each view with its picture"
     page.locator("#view-1-out").click()
     page.locator(".trial").wait_for()
     page.locator(".views").scroll_into_view_if_needed()

@@ -94,7 +94,7 @@ def test_nothing_moves_while_a_result_and_a_list_arrive(page: Page, width: int) 
     answer(page, "**/v1/calibrations/*", result_of_camera)
     answer(page, "**/v1/cameras/*", camera)
     answer(page, "**/v1/cameras?*", cameras)
-    for path, there in {"/result/?id=x": "#agreement a", "/cameras/": "#found li"}.items():
+    for path, there in {"/result/?id=x": "#agreement a", "/cameras/": "#found tr"}.items():
         page.goto(path)
         page.locator(there).first.wait_for()
         shift = page.evaluate(SHIFT)

@@ -26,7 +26,7 @@ class Camera:
     capture
         The `cv2.VideoCapture`.
     label, platform
-        As Chromium gives them on this machine.
+        Label and platform that Chromium uses on this machine.
     img_size
         Width and height of the pictures that it delivers, px.
     zoom

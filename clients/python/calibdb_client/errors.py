@@ -89,7 +89,7 @@ class ProblemError(CalibDBError):
     kind
         Identifier of the kind of error: what follows the last `#` or `/` of `type`.
     type, title, detail
-        As answered.
+        Values of the response.
     errors
         Fields that were refused.
     retry_after

@@ -25,7 +25,7 @@ class Photograph:
     Attributes
     ----------
     make, model, lens
-        As the file has them; "" if it does not.
+        Values of the file; "" if missing.
     size
         Width and height as the sensor wrote them, px.
     focal_mm, focal_35mm

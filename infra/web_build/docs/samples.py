@@ -72,7 +72,7 @@ def python(call: Call) -> str:
 
 
 def format_json(value: Any, pad: str = "") -> str:
-    """Write JSON with a member of an object a line, and lists of numbers or texts on one."""
+    """Write JSON with one member per line, and lists of numbers or texts on one line."""
     inner = f"{pad}  "
     if isinstance(value, dict) and value:
         members = (f"{inner}{json.dumps(name)}: {format_json(each, inner)}" for name, each in value.items())

@@ -33,7 +33,7 @@ class CalibdbError(Exception):
     kind
         Last part of the problem's type where one class stands for several problems.
     fields
-        What is wrong, field by field (the `errors` of the answer).
+        Problem of each field (`errors` of the response).
     headers
         Headers that the response must have, such as `WWW-Authenticate`.
     extensions

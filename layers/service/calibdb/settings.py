@@ -20,7 +20,7 @@ class Thresholds:
     min_calibrations, min_contributors
         In the largest group that agrees.
     min_share
-        Of all calibrations that this group holds.
+        Share of all calibrations in this group.
     max_unexplained
         Error that the others' camera may add to a member's views; `calibsolver.consensus.Rule` has the unit.
     max_calibrations

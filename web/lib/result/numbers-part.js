@@ -31,7 +31,8 @@ export function numbersPart(calibration, report, { pending = false } = {}) {
         el("caption", {}, t("result.intrinsics", { model: calibration.distortion_model })),
         el("tbody", {}, ...values.map(({ name, value, std, digits, unit }) => {
           const written = valueText(value, std, digits, unit);
-          return row([name], written.value, written.std);
+          // Without any standard deviation there is no column for them.
+          return row([name], written.value, written.std || (pending || report ? "" : undefined));
         })))),
     el("div", {}, el("table", {}, el("caption", {}, t("result.quality")),
       el("tbody", {},
@@ -45,7 +46,7 @@ export function numbersPart(calibration, report, { pending = false } = {}) {
         ...px([t("result.held_out")], report?.held_out ?? calibration.held_out_error))), copies(calibration)));
 }
 
-/** The lens as a figure and as a table. @param {Calibration} calibration of a model that is known here @param {Report | null} report */
+/** Distortion of the lens as a figure and as a table. @param {Calibration} calibration of a model that is known here @param {Report | null} report */
 export const lensPart = (calibration, report) => el("div", { class: "columns" }, figure(distortionPlot(calibration, report)), distortionValues(calibration));
 
 /** @param {Calibration} calibration */

@@ -31,7 +31,7 @@ class CaptureOptions(TypedDict, total=False):
     Attributes
     ----------
     label, platform, zoom
-        Of the camera, if not those that it has in a browser here.
+        Key of the camera; default: that of a browser on this machine.
     size
         Width and height that its pictures must have, px.
     board

@@ -19,7 +19,7 @@ from .output import Output
 
 Kind = Literal["camera", "video", "pictures"]
 
-_QUESTION = f"""The database gives calibrations away under {LICENCE}: to anybody, for any purpose, for good
+_QUESTION = f"""The database gives calibrations away under {LICENCE}: to anyone, for any purpose, permanently
 (terms of {LICENCE_VERSION}, /terms/ of the site).
 Corners and calibration may go into its public dumps if you agree; pictures never leave this machine.
 Agree? [y/N] """
@@ -31,7 +31,7 @@ def add_model(parser: argparse.ArgumentParser) -> None:
         "--model",
         choices=(AUTO, *MODELS),
         default=AUTO,
-        help="distortion model; auto: the one that predicts views best that it did not see",
+        help="distortion model; auto: the one that predicts held-out views best",
     )
 
 

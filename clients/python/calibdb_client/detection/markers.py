@@ -145,5 +145,5 @@ def _codes(side: int) -> Mapping[bytes, Mapping[str, int]]:
 
 
 def _turns(code: Any) -> list[bytes]:
-    """Return the code of a marker in its four turns, which OpenCV keeps one after the other."""
+    """Return the code of a marker in its four rotations, in OpenCV's order."""
     return [each.tobytes() for each in np.ascontiguousarray(code).reshape(4, -1)]

@@ -80,9 +80,9 @@ def multiplied(factors: Iterable[tuple[str, int]], plans: Mapping[str, Plan] = P
     for name, factor in factors:
         if name not in result:
             raise ValueError(f"there is no plan {name}")
-        known = result[name]
-        each = _times(known.each, factor) if known.each == known.together else known.each
-        result[name] = replace(known, together=_times(known.together, factor), each=each)
+        plan = result[name]
+        each = _times(plan.each, factor) if plan.each == plan.together else plan.each
+        result[name] = replace(plan, together=_times(plan.together, factor), each=each)
     return result
 
 

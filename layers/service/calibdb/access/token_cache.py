@@ -86,7 +86,7 @@ class TokenCache:
     Parameters
     ----------
     tokens, quotas
-        Where tokens are read and use is written down.
+        Stores of tokens and of their use.
     clock
         Unix time, seconds.
     ttl_s
@@ -164,8 +164,8 @@ class TokenCache:
     def keep(self, token: ApiToken) -> None:
         """Have a token not expire that is used for the first time."""
         with self._lock:
-            known = self._known.get(token.id)
-        if token.expires is None or (known is not None and known.token.expires is None):
+            entry = self._known.get(token.id)
+        if token.expires is None or (entry is not None and entry.token.expires is None):
             return
         if self._in_background:
             with self._lock:
@@ -176,9 +176,9 @@ class TokenCache:
             except UnavailableError:  # no reason to refuse; the next use notes it
                 return
         with self._lock:
-            known = self._known.get(token.id)
-            if known is not None:
-                known.token = replace(known.token, expires=None)
+            entry = self._known.get(token.id)
+            if entry is not None:
+                entry.token = replace(entry.token, expires=None)
 
     def count_lookup(self, token: ApiToken, source: str, network: str | None = None) -> tuple[RateLimit, ...]:
         """Count a lookup from `source` on the line `network`, and return what is left.
@@ -191,31 +191,31 @@ class TokenCache:
             return ()
         now = self._clock()
         with self._lock:
-            known = self._known.get(token.id)
-            if known is None:  # it was one of too many
+            entry = self._known.get(token.id)
+            if entry is None:  # it was one of too many
                 return ()
-            if known.hour != int(now // HOUR_S):
-                known.hour, known.used, known.used_up = int(now // HOUR_S), 0, False
-                known.sources.clear()
+            if entry.hour != int(now // HOUR_S):
+                entry.hour, entry.used, entry.used_up = int(now // HOUR_S), 0, False
+                entry.sources.clear()
             # Hashes differ from process to process: no address is kept.
             shares = {hash(source): 1} | ({} if network is None else {hash((network,)): NETWORK_SHARES})
-            own = known.sources.get(hash(source), 0)
-            hour = known.hour
-            left_together = 0 if known.used_up else together - known.used - known.pending.get(hour, 0)
-            is_used_up = known.used_up or (self._in_background and left_together <= 0)
+            own = entry.sources.get(hash(source), 0)
+            hour = entry.hour
+            left_together = 0 if entry.used_up else together - entry.used - entry.pending.get(hour, 0)
+            is_used_up = entry.used_up or (self._in_background and left_together <= 0)
             if is_used_up or (
                 each is not None
-                and any(known.sources.get(who, 0) >= share * each for who, share in shares.items())
+                and any(entry.sources.get(who, 0) >= share * each for who, share in shares.items())
             ):
                 limits = _limits("lookups", now, (each, 0), (together, left_together))
                 raise TooManyError(retry_after(now), headers=rate_limit_headers(limits))
-            if len(known.sources) + len(shares) > _MAX_SOURCES:
-                known.sources.clear()
+            if len(entry.sources) + len(shares) > _MAX_SOURCES:
+                entry.sources.clear()
             for who in shares:
-                known.sources[who] = known.sources.get(who, 0) + 1
-            known.pending[hour] = known.pending.get(hour, 0) + 1
+                entry.sources[who] = entry.sources.get(who, 0) + 1
+            entry.pending[hour] = entry.pending.get(hour, 0) + 1
         if allowed.counts_each_lookup and not self._in_background:
-            self._flush(known, now)
+            self._flush(entry, now)
         return _limits(
             "lookups", now, (each, 0 if each is None else each - own - 1), (together, left_together - 1)
         )

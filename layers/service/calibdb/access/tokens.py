@@ -90,8 +90,8 @@ def secret_hash(secret: str) -> str:
 def matches(token: ApiToken, secret: str, now: float = 0.0) -> bool:
     """True if `secret` is the token's at unix time `now`, in constant time."""
     sent = secret_hash(secret)
-    known = [token.secret_sha256, *(former for former, until in former_secrets(token) if now < until)]
-    return sum(hmac.compare_digest(one, sent) for one in known) > 0  # all of them, in constant time
+    digests = [token.secret_sha256, *(former for former, until in former_secrets(token) if now < until)]
+    return sum(hmac.compare_digest(one, sent) for one in digests) > 0  # all of them, in constant time
 
 
 def former_secrets(token: ApiToken) -> tuple[tuple[str, int], ...]:
@@ -111,10 +111,12 @@ def with_secret(token: ApiToken, sha256: str, now: int, grace_s: int) -> ApiToke
     earlier = [(one, min(until, now + grace_s)) for one, until in former_secrets(token)]
     former = [(token.secret_sha256, now + grace_s), *earlier]
     valid = [(one, until) for one, until in former if until > now]
-    kept = valid[: MAX_FORMER_SECRETS - 1] + valid[MAX_FORMER_SECRETS - 1 :][-1:]  # and always the oldest
-    newest, until = kept[0] if kept else (None, 0)
+    secrets_left = (
+        valid[: MAX_FORMER_SECRETS - 1] + valid[MAX_FORMER_SECRETS - 1 :][-1:]
+    )  # and always the oldest
+    newest, until = secrets_left[0] if secrets_left else (None, 0)
     return replace(
-        token, secret_sha256=sha256, former_sha256=newest, former_until=until, earlier=tuple(kept[1:])
+        token, secret_sha256=sha256, former_sha256=newest, former_until=until, earlier=tuple(secrets_left[1:])
     )
 
 
@@ -129,9 +131,9 @@ def parse_management(text: str) -> tuple[str, str] | None:
 
 def manages(token: ApiToken | None, secret: str) -> bool:
     """True if `secret` manages the token, in constant time, whether there is such a token or not."""
-    known = None if token is None else token.management_sha256
-    same = hmac.compare_digest(known or _NO_HASH, secret_hash(secret))
-    return same and known is not None
+    digest = None if token is None else token.management_sha256
+    same = hmac.compare_digest(digest or _NO_HASH, secret_hash(secret))
+    return same and digest is not None
 
 
 @dataclass(frozen=True)
@@ -144,7 +146,7 @@ class Ticket:
 
 
 class _Signer(TimestampSigner):
-    """Signs with the time that it is given, so that nothing below the handlers reads a clock."""
+    """Signer with an explicit clock, so that only handlers read the time."""
 
     def __init__(self, *args: Any, clock: Callable[[], float], **options: Any) -> None:
         super().__init__(*args, **options)

@@ -19,7 +19,7 @@ _UNSEARCHED = frozenset(_LEGAL_FORMS.split())
 
 @functools.cache
 def _table() -> dict[str, str]:
-    """Read the table: id -> name. A function that asks for no vendor does not read it."""
+    """Read the table id -> name, at its first use."""
     lines = _TABLE.read_text(encoding="utf-8").splitlines()
     return {line[:4]: line[5:] for line in lines if not line.startswith("#")}
 

@@ -54,8 +54,8 @@ def pool(
     try:
         agreed = pooled(rule)
     except CalibrationError:
-        found = "too_few" if len(documents) < rule.min_calibrations else "disagree"
-        return stored(found=found, reason=found), GroupsDocument(pooled=pool_digest)
+        outcome = "too_few" if len(documents) < rule.min_calibrations else "disagree"
+        return stored(found=outcome, reason=outcome), GroupsDocument(pooled=pool_digest)
     group = [d for d in documents if d.id in agreed.members]
     calibration = Calibration.of(
         FitRecord.model_validate(record_covered(agreed.calibration, agreed.coverage)),
@@ -89,7 +89,7 @@ def pool(
 def is_consistent(
     agreed: consensus.Consensus, pool: Callable[[consensus.Rule], consensus.Consensus], rule: consensus.Rule
 ) -> bool:
-    """Tell whether few calibrations would make a reliable consensus if they were enough."""
+    """True if few calibrations would make a reliable consensus if they were enough."""
     few = dataclasses.replace(rule, min_calibrations=1, min_contributors=1)
     return agreed.consistent if rule.min_contributors < 2 else pool(few).reliable
 
@@ -132,7 +132,7 @@ def rule_of(thresholds: Thresholds) -> consensus.Rule:
 
 
 def member(document: CalibrationDocument) -> consensus.Member | None:
-    """Convert the keypoints of one calibration for the solver; None where they are not of their board.
+    """Convert the keypoints of one calibration for the solver; None if they are not of their board.
 
     No session ends like that. An imported calibration may, and must not stand in the way of the others.
     """
@@ -144,5 +144,5 @@ def member(document: CalibrationDocument) -> consensus.Member | None:
 
 
 def none_beyond_image(px: float, img_size: tuple[int, int]) -> float | None:
-    """Return a length; None where it is NaN or larger than the image, so that nothing is explained."""
+    """Return a length; None if it is NaN or larger than the image, so that nothing is explained."""
     return px if px <= math.hypot(*img_size) else None

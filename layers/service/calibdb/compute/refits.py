@@ -35,10 +35,10 @@ Guard = AbstractContextManager[None] | None
 
 @contextmanager
 def alone(service: Service, mode: StreamMode, models: Sequence[str], context: Any) -> Iterator[None]:
-    """Wait until nobody else computes the same for somebody who waits; raises UnavailableError.
+    """Wait until no other invocation computes the same for a waiting client; raises UnavailableError.
 
-    Clients that lost patience ask again; without this, each of them would start the computation anew. Who
-    waited mostly finds it done.
+    Clients repeat requests that take long; without this, each would start another computation. Those that
+    wait mostly find it done.
     """
     leases, me, name = service.store.leases, str(context.aws_request_id), f"NOW#{'+'.join(models)}"
     for pause in (*WAITS_S, None):
@@ -76,7 +76,7 @@ def run_under_lease(service: Service, mode: StreamMode, context: Any) -> None:
     finally:
         if not done:
             leases.abandon(mode, me)
-    # The queue delivers this request again, after a while, and whoever asks until then begins anew.
+    # The queue delivers this request again, after a while, and requests until then start a computation.
     raise UnavailableError("New calibrations of this camera keep arriving; try again.")
 
 
@@ -136,7 +136,7 @@ class Inputs:
 def _apply(service: Service, inputs: Inputs, steps: Sequence[Step]) -> Consensuses | None:
     """Compute and store what `steps` ask for; None if another writer won a conditional put.
 
-    Raises UnavailableError where the time is up. What was stored until then is whole.
+    Raises UnavailableError if the time is up. What was stored until then is whole.
     """
     store, thresholds, mode = service.store, service.settings.thresholds, inputs.mode
     documents = functools.cache(lambda: store.calibrations.read([c.id for c in inputs.counted]))

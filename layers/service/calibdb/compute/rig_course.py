@@ -75,10 +75,10 @@ def skip(budget: RigBudget, store: Store, rig_id: str, leader: str, now: int) ->
     rig_rules.require_open(rig.document)
     basis = rig.basis(FIT_VERSION)
     with computing_moments(budget):
-        known = ensure_estimate(budget, store, rig)
+        current = ensure_estimate(budget, store, rig)
 
     def change(document: RigDocument) -> tuple[RigDocument, None]:
-        return rig_rules.with_skip(document, basis, known.target_pose), None
+        return rig_rules.with_skip(document, basis, current.target_pose), None
 
     store.rigs.update(rig.document.rig, now, change)
 
@@ -134,21 +134,21 @@ def _end(budget: Budget, rig: Rig, now: int) -> RigFinish:
     """Decide on everything that the end of a rig is to be."""
     with computing_moments(budget):
         record = rig.solver_record(rig.basis(FIT_VERSION))
-        known = RigEstimateDocument(**estimate(record, final=True))
-        fit = rig_result.require_finishable(rig, known)
+        estimate_document = RigEstimateDocument(**estimate(record, final=True))
+        fit = rig_result.require_finishable(rig, estimate_document)
         try:
             ended = [_ending(rig, session, now) for _, session in rig.present]
         except CalibrationError as error:
             raise ConflictError(
                 f"A camera has no calibration: {error.message}", kind="too-few-views"
             ) from error
-    result = rig_result.finished(rig, known, fit, ended, FIT_VERSION, now)
+    result = rig_result.finished(rig, estimate_document, fit, ended, FIT_VERSION, now)
     return RigFinish(calibration=result, endings=tuple(ended))
 
 
 def _ending(rig: Rig, session: SessionDocument, now: int) -> EndingDocument:
     """Decide on the end of one camera's session, with its views of the moments that count."""
     counted = {name for name, _ in rig.moments()}
-    kept = tuple(view for view in session.views if view.moment in counted)
-    with_counted = session.model_copy(update={"views": kept})
+    views = tuple(view for view in session.views if view.moment in counted)
+    with_counted = session.model_copy(update={"views": views})
     return rig_rules.ending_of(finished(with_counted, now, session.contributor or "", session.source))

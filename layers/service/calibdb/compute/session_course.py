@@ -117,10 +117,10 @@ class Course:
         document, session = self.document, self._session
         rules, views, excluded = session.rules, session.views, session.excluded
         target = None if rules.recorded else open_target(document, session)
-        seen = rules.board.view(view.ids, view.points)
+        observation = rules.board.view(view.ids, view.points)
         quarantined = views_of(rules.board, document.doubted)
         decision = rules.judge(
-            views, target, seen, excluded, quarantined, history_of(document), explain=self._explains
+            views, target, observation, excluded, quarantined, history_of(document), explain=self._explains
         )
         if decision.seed_rejected:
             document, rules = session_rules.without_seed(document), rules.without_seed()
@@ -134,13 +134,15 @@ class Course:
                 refused = self._end(self._with_estimate(refused, estimate), estimate, views)
             self.document, self._session = refused or self.document, Session(rules, views, excluded)
             return Judgement(refused, decision.reason, hint)
-        everything = [*views, seen]
+        everything = [*views, observation]
         following = None
         if not (estimate.converged or rules.recorded):
             unreached = target_poses((*document.unreached, *document.skipped))
             following = rules.next_target(everything, estimate, unreached=unreached).to_record()
-        known, statuses = estimate_document(estimate, self._now), view_statuses(estimate)
-        changed = session_rules.with_view(document, view, known, statuses, following, decision.on_target)
+        document_of_fit, statuses = estimate_document(estimate, self._now), view_statuses(estimate)
+        changed = session_rules.with_view(
+            document, view, document_of_fit, statuses, following, decision.on_target
+        )
         if estimate.converged:
             changed = self._end(changed, estimate, everything)
         self.document, self._estimate = changed, estimate
@@ -157,8 +159,8 @@ class Course:
                 )
 
     def _with_estimate(self, document: SessionDocument, estimate: Estimate) -> SessionDocument:
-        known = estimate_document(estimate, self._now)
-        return session_rules.with_estimate(document, known, view_statuses(estimate))
+        estimate_record = estimate_document(estimate, self._now)
+        return session_rules.with_estimate(document, estimate_record, view_statuses(estimate))
 
     def _end(self, document: SessionDocument, estimate: Estimate, views: Sequence[View]) -> SessionDocument:
         """Return the document of a session that ends with this estimate of its views."""
@@ -182,9 +184,9 @@ def judge_batch(
     course = Course(document, now, explains=False)
     results: list[BatchResult] = []
     judgements: list[Judgement] = []
-    for view, known in zip(request.views, replayed, strict=True):
-        if known is not None:
-            results.append(accepted_result(known))
+    for view, replay in zip(request.views, replayed, strict=True):
+        if replay is not None:
+            results.append(accepted_result(replay))
             continue
         if results and seconds_left() < MIN_BATCH_S:
             break
@@ -236,8 +238,8 @@ def without_views(
     if with_target:
         unreached = target_poses(document.unreached)
         target = session.rules.next_target(session.views, estimate, unreached=unreached).to_record()
-    known, statuses = estimate_document(estimate, now), view_statuses(estimate)
-    return session_rules.with_views(document, left, known, statuses, target)
+    document_of_fit, statuses = estimate_document(estimate, now), view_statuses(estimate)
+    return session_rules.with_views(document, left, document_of_fit, statuses, target)
 
 
 def finished(document: SessionDocument, now: int, who: str, where: str | None) -> SessionDocument:
@@ -248,8 +250,8 @@ def finished(document: SessionDocument, now: int, who: str, where: str | None) -
     session = Session.of(document)
     estimate = session.estimate().with_cause(session.views)
     estimate = replace(estimate, progress=1.0, end="asked")
-    known, statuses = estimate_document(estimate, now), view_statuses(estimate)
-    changed = session_rules.with_estimate(document, known, statuses)
+    document_of_fit, statuses = estimate_document(estimate, now), view_statuses(estimate)
+    changed = session_rules.with_estimate(document, document_of_fit, statuses)
     outcome = _outcome(changed, estimate, session.views)
     if outcome is None:
         raise CalibrationError("no_fit", "no camera explains these views")
@@ -279,15 +281,15 @@ def _outcome(document: SessionDocument, estimate: Estimate, views: Sequence[View
 
     if estimate.calibration is None:
         return None
-    indices = [known.index for known in document.views if known.set_aside is None]
+    indices = [view.index for view in document.views if view.set_aside is None]
     used = [one for i, one in enumerate(views) if i not in estimate.excluded]
-    found, camera = estimate.calibration, estimate.calibration.camera
+    calibration, camera = estimate.calibration, estimate.calibration.camera
     try:
         shaped = fit(used, camera.img_size, camera.model, start=camera, board_shape=True)
     except CalibrationError:
-        shaped = found
+        shaped = calibration
     if shaped.board_shape is None:
-        return _Outcome(None, report.describe(found, used, indices))
+        return _Outcome(None, report.describe(calibration, used, indices))
     record = record_covered(shaped, Coverage.of(shaped, used))
     return _Outcome(record, report.describe(shaped, used, indices))
 

@@ -18,6 +18,6 @@ def solve() -> None:
     for turn in ((0.5, 0.0, 0.0), (-0.4, 0.3, 0.1), (0.1, 0.5, 0.0), (0.0, -0.5, 0.2)):
         placed = points @ rotation.matrix(np.array(turn)).T + np.array([-4.5, -3.0, 10.0])
         views.append(View(points, camera.project(placed)))
-    found = fit(views, _IMG_SIZE).camera.matrix[0, 0]
-    if not abs(found / _FX - 1) < 1e-3:
-        raise ValueError(f"fx is {found} px, not {_FX} px")
+    focal = fit(views, _IMG_SIZE).camera.matrix[0, 0]
+    if not abs(focal / _FX - 1) < 1e-3:
+        raise ValueError(f"fx is {focal} px, not {_FX} px")

@@ -45,7 +45,7 @@ class MeasuredViews:
     noise
         px rms of these under a camera fitted to them.
     own
-        The camera fitted to them; None where they say nothing of some part of the image.
+        The camera fitted to them; None if they say nothing of some part of the image.
     board_shape
         Shape of the board that both refer to; None: as drawn.
     """
@@ -58,7 +58,7 @@ class MeasuredViews:
 
 @dataclass(frozen=True)
 class Score:
-    """Score of a consensus on views; `fits`: None where they are too noisy to say."""
+    """Score of a consensus on views; `fits`: None if they are too noisy to say."""
 
     fits: bool | None
     error: float  # px
@@ -117,13 +117,13 @@ def check_given(request: CheckRequest, given: GivenCalibration) -> ComparisonAns
 
 
 def examine(request: CheckRequest) -> MeasuredViews:
-    """Fit a camera to the views alone; raises InvalidError where there is none that believably took them."""
+    """Fit a camera to the views alone; raises InvalidError if there is none that believably took them."""
     views = usable_views(request)
     try:
         own = fit(views, request.img_size, request.distortion_model, board_shape=True)
     except CalibrationError as error:
         raise InvalidError.field("views", error.message) from error
-    kept = [
+    usable = [
         ViewDocument(
             index=n,
             ids=tuple(i for i, used in zip(view.ids, mask, strict=True) if used),
@@ -132,12 +132,12 @@ def examine(request: CheckRequest) -> MeasuredViews:
         for n, (view, mask) in enumerate(zip(request.views, own.used, strict=True))
         if mask.sum() >= _MIN_POINTS
     ]
-    if not kept:
+    if not usable:
         raise InvalidError.field("views", "no view can show a board: too few of its corners fit")
     u = own.uncertainty()
     record = FitRecord.model_validate(own.record()) if math.isfinite(u.rms) and math.isfinite(u.max) else None
     shape = None if own.board_shape is None else ShapeDocument.model_validate(own.board_shape.record())
-    return MeasuredViews(tuple(kept), math.sqrt(2) * own.noise, record, shape)
+    return MeasuredViews(tuple(usable), math.sqrt(2) * own.noise, record, shape)
 
 
 def usable_views(request: CheckRequest) -> list[View]:

@@ -48,15 +48,15 @@ class WeeklyDump:
     Attributes
     ----------
     dumps, figures
-        Where they are written, and what counts the database.
+        Store of dumps, and counter of the database's figures.
     now
         Unix time, seconds.
     random_hex
         Random text of so many bytes.
     seconds_left
-        Of this invocation.
+        Seconds left of this invocation.
     max_part_bytes
-        After which a part ends.
+        Size of a part before compression.
     """
 
     dumps: Dumps

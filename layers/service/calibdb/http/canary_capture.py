@@ -35,7 +35,7 @@ class Caller:
     credential: str
 
     def call(self, method: str, path: str, body: Mapping[str, Any] | None = None) -> Any:
-        """Return the JSON of an answer of success, None where it has no body; raises CanaryError."""
+        """Return the JSON of an answer of success, None if it has no body; raises CanaryError."""
         headers = {
             "authorization": f"Bearer {self.credential}",
             "content-type": "application/json",
@@ -83,12 +83,12 @@ def see_board(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
 
 
 def steps(site: str, token: str) -> Iterator[CanaryStep]:
-    """Look up and calibrate; yield each step before it is taken. Raises CanaryError, or as odd JSON does."""
+    """Look up and calibrate; yield each step before it is taken. Raises CanaryError."""
     page = Caller(site, token)
     yield "lookup"
     missed = page.call("POST", "/v1/lookup", {**_KEY, "miss": "ok"})
     if missed["calibration"] is not None or not missed["guidance_url"]:
-        raise CanaryError("a camera that nobody has was found")
+        raise CanaryError("a camera that does not exist was found")
     yield "open"
     capture = Caller(site, page.call("POST", "/v1/auth")["session_id"])
     state = capture.call("POST", "/v1/session", {**_KEY, "target_error": _TARGET_ERROR_PX})
@@ -100,7 +100,7 @@ def steps(site: str, token: str) -> Iterator[CanaryStep]:
             state = capture.call("POST", "/v1/session/views", {"index": index, "ids": ids, "points": points})
         yield "result"
         (fx, *_), (_, fy, _), _ = state["calibration"]["camera_matrix"]
-        if not all(abs(found / _FOCAL - 1) < _MAX_FOCAL_ERROR for found in (fx, fy)):
+        if not all(abs(focal / _FOCAL - 1) < _MAX_FOCAL_ERROR for focal in (fx, fy)):
             raise CanaryError(f"fx {fx}, fy {fy} px, not {_FOCAL} px")
         if state["calibration_id"] is not None:
             raise CanaryError("the capture ended, and stored a calibration")

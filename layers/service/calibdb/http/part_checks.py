@@ -59,7 +59,7 @@ class PartChecks:
     Parameters
     ----------
     stages
-        What would slow the others down, as imports do, has a stage of its own.
+        Stages of checks; those that slow others down, such as imports, have their own.
     clock
         Monotonic seconds.
     """
@@ -79,7 +79,7 @@ class PartChecks:
         """Check all parts, unless they were checked lately; who asks meanwhile is given the same answer."""
         with self._lock:
             if self._clock() >= self._until:
-                self._known = tuple(found for stage in self._stages for found in self._check(stage))
+                self._known = tuple(state for stage in self._stages for state in self._check(stage))
                 self._until = self._clock() + CHECKS_TTL_S
                 self.checked_at = int(time.time())
             return self._known
@@ -130,4 +130,4 @@ def read_config(address: str, limit_s: float) -> None:
         error.close()
         raise
     if "api" not in content:
-        raise ValueError("the settings are no settings")
+        raise ValueError("/config.json has no settings")

@@ -172,7 +172,7 @@ def _outnumbers(other: ConsensusDocument | None, own: ConsensusDocument | None) 
 
 
 Compute = Callable[[str, tuple[int, int]], ConsensusDocument | None]
-"""Camera key and size to the consensus of the model asked for, computed now; None where there is none."""
+"""Camera key and size to the consensus of the model asked for, computed now; None if there is none."""
 
 
 @dataclass(frozen=True)
@@ -215,7 +215,7 @@ class LookupResult:
     Attributes
     ----------
     key
-        Of the camera whose calibrations answer; empty where the camera cannot be known.
+        Key of the camera with the result; empty if the camera is unknown.
     answer
         None: nothing is known that is good enough.
     reason, detail
@@ -241,11 +241,11 @@ def find(
     read
         Returns what is known under a camera key.
     wanted
-        What is asked for.
+        Requested size, zoom and model.
     private
         The database of one person, who has few cameras, and knows which is meant.
     compute
-        Computes a model that nobody asked for yet.
+        Computes a model on its first request.
     """
     size, zoom, model = wanted.img_size, wanted.zoom, wanted.model
     identity = identify(wanted.camera, wanted.platform)
@@ -253,13 +253,13 @@ def find(
     if why is not None:
         return LookupResult("", None, detail=why)
     resolved = resolve(read, identity, size, zoom, model, private=private)
-    found, reason = resolved.choice.found, resolved.choice.reason
+    consensus, reason = resolved.choice.found, resolved.choice.reason
     if resolved.choice.missing_at is not None:
-        # The keypoints are kept, so a model that nobody asked for yet is only a computation away.
-        found = compute(resolved.key, resolved.choice.missing_at)
-        reason = found.reason if found and found.reason else reason
-    if found is not None and found.reliable and found.calibration is not None:
-        return LookupResult(resolved.key, build_answer(found.calibration, resolved.known, size))
+        # A model that was not requested before can be computed from the stored keypoints.
+        consensus = compute(resolved.key, resolved.choice.missing_at)
+        reason = consensus.reason if consensus and consensus.reason else reason
+    if consensus is not None and consensus.reliable and consensus.calibration is not None:
+        return LookupResult(resolved.key, build_answer(consensus.calibration, resolved.known, size))
     around = bracketing_zooms(resolved.known, size, zoom, model)
     if around is not None:
         return LookupResult(resolved.key, interpolate_zoom(*around, zoom))
@@ -270,7 +270,7 @@ def find(
 def find_by_digest(
     store: Store, digest: str, wanted: LookupQuery | None, *, private: bool
 ) -> LookupResult | None:
-    """Find what a lookup by the digest of label and platform answers; None if it is no known alias."""
+    """Find what a lookup by the digest of label and platform answers; None if it is not a known alias."""
     alias = store.aliases.get(digest) if wanted and _DIGEST.fullmatch(digest) else None
     if wanted is None or alias is None:
         return None

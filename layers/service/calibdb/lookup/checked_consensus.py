@@ -12,7 +12,7 @@ from calibdb.store import Store, StreamMode
 
 
 def find_checked(store: Store, request: CheckRequest, *, private: bool) -> tuple[StreamMode, Calibration]:
-    """Find the consensus to check, reliable or not, and its mode; raises NotFoundError where there is none.
+    """Find the consensus to check, reliable or not, and its mode; raises NotFoundError if there is none.
 
     It is found as a lookup would find it, but at no other size or zoom than the views'. As in a lookup, what
     a browser cropped is another picture.
@@ -24,9 +24,9 @@ def find_checked(store: Store, request: CheckRequest, *, private: bool) -> tuple
         resolved = camera_lookup.resolve(read, identity, size, zoom, model, private=private)
         mode = StreamMode(resolved.key, size, zoom)
         here = [c for c in resolved.known if (c.img_size, c.zoom) == (size, zoom)]
-        known = consensus_of_model(here, model) or (refit_now(store, mode, model) if here else None)
-        if known is not None and known.calibration is not None:
-            return mode, known.calibration
+        consensus = consensus_of_model(here, model) or (refit_now(store, mode, model) if here else None)
+        if consensus is not None and consensus.calibration is not None:
+            return mode, consensus.calibration
     raise NotFoundError(
         "The database has no consensus to check for this camera at this size; cropped streams have none.",
         kind="no-calibration",
@@ -34,11 +34,11 @@ def find_checked(store: Store, request: CheckRequest, *, private: bool) -> tuple
 
 
 def consensus_of_model(documents: Sequence[ConsensusDocument], model: str) -> ConsensusDocument | None:
-    """Return the consensus of this model, None when there is none."""
+    """Return the consensus of this model, None if there is none."""
     return next((d for d in documents if d.distortion_model == model), None)
 
 
 def refit_now(store: Store, mode: StreamMode, model: str) -> ConsensusDocument | None:
     """Have the consensus computed with all that is known by now, and return it."""
-    asked = RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom, models=(model,))
-    return next(iter(store.refit.now(asked).models.values()), None)
+    request = RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom, models=(model,))
+    return next(iter(store.refit.now(request).models.values()), None)

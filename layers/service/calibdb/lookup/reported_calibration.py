@@ -1,4 +1,4 @@
-"""Calibration or consensus by its id, as the API answers it."""
+"""Calibration or consensus by its id, as the API returns it."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ def read_reported(
     store: Store, calibration_id: str, document: CalibrationDocument | None
 ) -> ReportedCalibration:
     """Return the calibration of a document, or else the consensus of this id; raises NotFoundError."""
-    known = _consensus(store, calibration_id) if document is None else _reported(document)
-    if known is None:
+    calibration = _consensus(store, calibration_id) if document is None else _reported(document)
+    if calibration is None:
         raise NotFoundError("The database has no calibration with this id.")
-    return known
+    return calibration
 
 
 def _reported(document: CalibrationDocument) -> ReportedCalibration:
@@ -35,15 +35,15 @@ def _reported(document: CalibrationDocument) -> ReportedCalibration:
 
 
 def _consensus(store: Store, calibration_id: str) -> ReportedCalibration | None:
-    """Return the consensus with this id, None when there is none."""
-    found = store.consensuses.get(calibration_id)
+    """Return the consensus with this id, None if there is none."""
+    document = store.consensuses.get(calibration_id)
     key, mark, place = calibration_id.partition("~")
-    if found is None and mark and not key.startswith(f"{VERSION}-"):
+    if document is None and mark and not key.startswith(f"{VERSION}-"):
         others = store.cameras.known(key).same_as  # of a key that was made by earlier rules
-        found = store.consensuses.get(f"{others[0]}~{place}") if len(others) == 1 else None
-    calibration = found.calibration if found else None
-    if found is None or calibration is None:
+        document = store.consensuses.get(f"{others[0]}~{place}") if len(others) == 1 else None
+    calibration = document.calibration if document else None
+    if document is None or calibration is None:
         return None
-    behind = store.consensuses.groups(found)
+    behind = store.consensuses.groups(document)
     covariance = behind.covariance if behind else None
-    return ReportedCalibration(**dict(calibration), covariance=covariance, camera_key=found.camera_key)
+    return ReportedCalibration(**dict(calibration), covariance=covariance, camera_key=document.camera_key)

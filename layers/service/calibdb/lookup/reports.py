@@ -39,9 +39,9 @@ class MissCounter:
                 self._counts[camera] += 1
             if now < self._next_report:
                 return {}
-            found, self._counts = dict(self._counts), Counter()
+            counts, self._counts = dict(self._counts), Counter()
             self._next_report = now + REPORT_S
-            return found
+            return counts
 
 
 class AliasFilter:
@@ -79,9 +79,9 @@ def miss_report(
     """
     if not found.key:
         return None
-    known = read(found.key).consensuses
+    consensuses = read(found.key).consensuses
     usb_id = identify(request.camera, request.platform).usb_id
-    if known and is_listed(known, max(2, min_contributors)):
+    if consensuses and is_listed(consensuses, max(2, min_contributors)):
         camera = found.key
     elif usb_id is not None:
         camera = USB + usb_id

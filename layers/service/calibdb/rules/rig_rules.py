@@ -151,11 +151,11 @@ def join(
         raise _cannot_join(wanted, "the rig is finished")
     if board != document.board:
         raise InvalidError.field("board", "all cameras of a rig see one board, and the rig has another")
-    known = position_of(document, member.session)
-    if known is not None:
-        if wanted.position not in (None, known):
-            raise InvalidError.field("rig.position", f"this session has position {known}")
-        return None, RigMembership(id=document.rig, position=known)
+    current = position_of(document, member.session)
+    if current is not None:
+        if wanted.position not in (None, current):
+            raise InvalidError.field("rig.position", f"this session has position {current}")
+        return None, RigMembership(id=document.rig, position=current)
     count = len(document.members)
     free = [i for i in range(1, count) if document.members[i] is None or i in abandoned]
     if not free:
@@ -178,17 +178,17 @@ def _cannot_join(wanted: RigJoin, detail: str, field: str = "rig.id") -> Invalid
 def with_code(document: RigDocument, code: CodeDocument, now: int) -> tuple[RigDocument, Sequence[str]]:
     """Add a join code; return the document, and the digests of those that no longer lead to it."""
     valid = [one for one in document.codes if one.until > now]
-    kept = [*valid, code][-MAX_CODES:]
-    gone = [one.digest for one in document.codes if one not in kept]
-    return document.model_copy(update={"codes": tuple(kept)}), gone
+    codes = [*valid, code][-MAX_CODES:]
+    gone = [one.digest for one in document.codes if one not in codes]
+    return document.model_copy(update={"codes": tuple(codes)}), gone
 
 
 def with_moment(document: RigDocument, moment: str, now: int) -> RigDocument | None:
     """Open a moment; None if it is open. Raises ConflictError."""
     require_open(document)
-    for known in document.moments:
-        if known.id == moment:
-            if known.undone:
+    for one in document.moments:
+        if one.id == moment:
+            if one.undone:
                 raise moment_undone()
             return None
     if len(document.moments) >= MAX_MOMENTS:
@@ -200,22 +200,21 @@ def with_moment(document: RigDocument, moment: str, now: int) -> RigDocument | N
 def without_moment(document: RigDocument, moment: str) -> RigDocument | None:
     """Undo a moment; None if it is undone. Raises ConflictError, and InvalidError of an unknown one."""
     require_open(document)
-    if not any(known.id == moment for known in document.moments):
+    if not any(one.id == moment for one in document.moments):
         raise InvalidError.field("moment", "this rig never opened it")
-    if any(known.id == moment and known.undone for known in document.moments):
+    if any(one.id == moment and one.undone for one in document.moments):
         return None
     changed = [
-        known.model_copy(update={"undone": True}) if known.id == moment else known
-        for known in document.moments
+        one.model_copy(update={"undone": True}) if one.id == moment else one for one in document.moments
     ]
     return document.model_copy(update={"moments": tuple(changed)})
 
 
 def with_skip(document: RigDocument, basis: str, pose: Sequence[float] | None) -> RigDocument:
     """Note that the target shown after the views of digest `basis` is not wanted; None: it has no pose."""
-    known = document.skips if document.skips and document.skips.basis == basis else SkipsDocument(basis=basis)
-    poses = known.poses if pose is None else (*known.poses, tuple(pose))[-MAX_SKIPPED_POSES:]
-    changed = known.model_copy(update={"poses": poses, "missed": known.missed + (pose is None)})
+    skips = document.skips if document.skips and document.skips.basis == basis else SkipsDocument(basis=basis)
+    poses = skips.poses if pose is None else (*skips.poses, tuple(pose))[-MAX_SKIPPED_POSES:]
+    changed = skips.model_copy(update={"poses": poses, "missed": skips.missed + (pose is None)})
     return document.model_copy(update={"skips": changed})
 
 
@@ -239,10 +238,10 @@ def require_moment(document: RigDocument | None, session: SessionDocument, view:
     if position_of(document, session.session) is None:
         raise InvalidError.field("moment", "this session's place in the rig was given to another")
     require_open(document)
-    known = next((one for one in document.moments if one.id == view.moment), None)
-    if known is None:
+    moment = next((one for one in document.moments if one.id == view.moment), None)
+    if moment is None:
         raise InvalidError.field("moment", "the leader of the rig has not opened it")
-    if known.undone:
+    if moment.undone:
         raise moment_undone()
 
 
@@ -252,9 +251,9 @@ def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
     The moment says what a view is of, its index nothing: a client that was without its network sends late.
     Raises ConflictError if the moment carries another view.
     """
-    for known in session.views:
-        if known.moment == view.moment:
-            if view_fingerprint(known) == view_fingerprint(view):
+    for stored in session.views:
+        if stored.moment == view.moment:
+            if view_fingerprint(stored) == view_fingerprint(view):
                 return True
             raise ConflictError("This camera has another view of the moment.", kind="other-content")
     if session.finish is not None:

@@ -66,9 +66,9 @@ def is_explained(error: float, noise: float, width: int, ratio: float) -> bool:
     noise
         px rms of the same views under a camera fitted to them: what no camera can do better.
     width
-        Of the image, px.
+        Width of the image, px.
     ratio
-        Of the error to the noise, up to which it fits.
+        Largest ratio of the error to the noise that fits.
     """
     return error <= min(ratio * expected_error(noise, width), math.hypot(noise, _MAX_EXCESS_WIDTHS * width))
 
@@ -88,7 +88,7 @@ def is_same_camera(difference: float, uncertainty: float, width: int) -> bool:
     uncertainty
         px rms over the image, predicted of the views' own.
     width
-        Of the image, px.
+        Width of the image, px.
     """
     return difference <= math.hypot(_SPECIMEN_SPREAD_WIDTHS * width, _MAX_SIGMAS * uncertainty)
 
@@ -143,7 +143,7 @@ def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, o
     since
         Unix seconds of the newest calibration in the group that agrees.
     sources
-        Of the calibrations that were considered.
+        Sources of the considered calibrations.
     one_per_source
         True if contributors can be distinguished: each source then has one vote, the newest.
     """
@@ -173,13 +173,13 @@ def decide_reliability(
     found
         Reason why its calibrations do not make it reliable.
     votes
-        What checks said.
+        Votes of checks.
     thresholds
         The deployment's.
     confirmable
         True if only more calibrations like these are missing.
     contributors
-        Of the group that agrees.
+        Contributors of the agreeing group.
     """
     doubts = max(thresholds.min_votes, math.ceil(thresholds.min_doubt * contributors))
     if votes.disagree >= doubts and votes.disagree >= votes.agree:

@@ -1,4 +1,4 @@
-"""Query of an export: the format, and the picture made of the camera's of which the file is to be."""
+"""Query of an export: the format, and the changes of the image."""
 
 from __future__ import annotations
 

@@ -9,9 +9,19 @@ from urllib.parse import urlencode
 from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field, model_validator
 
 from calibdb.schema.deferred import Deferred
-from calibdb.schema.device import DEVICE_TEXT, DeviceModel, join_device
 from calibdb.schema.estimate import Estimate
-from calibdb.schema.fields import DistortionModel, ImgSize, Label, Open, Zoom, size_text, zoom_text
+from calibdb.schema.fields import (
+    DEVICE_TEXT,
+    DeviceModel,
+    DistortionModel,
+    ImgSize,
+    Label,
+    Open,
+    Zoom,
+    join_device,
+    size_text,
+    zoom_text,
+)
 
 Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors", "imprecise"]
 ResizeMode = Annotated[str, Field(max_length=64)]

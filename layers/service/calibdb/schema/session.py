@@ -8,9 +8,10 @@ from pydantic import Field, model_validator
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration, Uncertainty
-from calibdb.schema.device import DEVICE_TEXT, DeviceModel, join_device
 from calibdb.schema.fields import (
+    DEVICE_TEXT,
     CaptureKind,
+    DeviceModel,
     DistortionModel,
     Guidance,
     ImgSize,
@@ -22,6 +23,7 @@ from calibdb.schema.fields import (
     Strict,
     TargetError,
     Zoom,
+    join_device,
 )
 from calibdb.schema.licence import Licence, LicenceVersion, Licensed
 from calibdb.schema.membership import MomentId, RigJoin, RigMembership

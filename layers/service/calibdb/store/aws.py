@@ -470,7 +470,7 @@ class S3Objects:
                         yield entry["VersionId"]
 
     def delete(self, names: Sequence[str]) -> None:
-        """Remove the objects, those that there are."""
+        """Remove the objects that exist."""
         for start in range(0, len(names), _MAX_OBJECTS_PER_DELETE):
             batch = names[start : start + _MAX_OBJECTS_PER_DELETE]
             with available():

@@ -54,7 +54,7 @@ class CameraRecords:
         Keys under which the camera may be known: the USB ids seen with this name, or the key that today's
         rules give to a camera of earlier ones.
     well_known
-        Those of them that are well known.
+        Well-known ids among them.
     """
 
     consensuses: list[ConsensusDocument]

@@ -22,7 +22,7 @@ class Proofs:
         self._jobs = jobs
 
     def fetch(self, token_id: str, origin: str, now: int) -> ProofAnswer:
-        """Have the proof fetched; raises UnavailableError if that fails for a reason of ours."""
+        """Have the proof fetched; raises UnavailableError if the service itself fails."""
         request = ProofRequest(token_id=token_id, origin=origin)
         content = self._jobs.now("verify", request.model_dump_json().encode())
         if content is None:

@@ -55,24 +55,24 @@ def ensure_estimate(store: Store, rig: Rig, solver: str, compute: Compute) -> Ri
     """
     basis = rig.basis(solver)
     digest = rig.digest(basis)
-    known = store.rigs.estimate(rig.document.rig, digest)
-    if known is None:
-        known = RigEstimateDocument.model_validate(compute(rig.solver_record(basis)))
-        store.rigs.keep_estimate(rig.document.rig, digest, known)
-    if known.too_slow:
+    stored = store.rigs.estimate(rig.document.rig, digest)
+    if stored is None:
+        stored = RigEstimateDocument.model_validate(compute(rig.solver_record(basis)))
+        store.rigs.keep_estimate(rig.document.rig, digest, stored)
+    if stored.too_slow:
         raise ConflictError(TOO_SLOW, kind="too-slow")
-    return known
+    return stored
 
 
 def abandoned_positions(store: Store, document: RigDocument, before: int) -> list[int]:
     """List the positions of members whose session was forgotten, or not started until a unix time."""
-    found = []
+    positions = []
     for position, member in enumerate(document.members):
         if position and member is not None:
             head = store.sessions.head(member.session)
             if (head is None and member.joined < before) or (head is not None and head.forgotten):
-                found.append(position)
-    return found
+                positions.append(position)
+    return positions
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Lead:
 def create(store: Store, lead: Lead, request: RigRequest, code: str, secret: str, now: int) -> RigOpened:
     """Make the rig of a session, or find it, and let cameras join by a code.
 
-    Raises ConflictError or InvalidError where the session cannot lead a rig.
+    Raises ConflictError or InvalidError if the session cannot lead a rig.
     """
     session = store.sessions.get(lead.session)
     rig_id = rig_rules.rig_id(secret, session)
@@ -123,11 +123,11 @@ def named(store: Store, wanted: RigJoin, source: str, secret: str, now: int) -> 
             GUESS_WINDOW_S - now % GUESS_WINDOW_S,
             f"More than {MAX_GUESSES} wrong join codes came from here; retry after the time in Retry-After.",
         )
-    found = store.rig_codes.find(rig_rules.code_digest(secret, wanted.code), now)
-    if found is None:
+    rig_id = store.rig_codes.find(rig_rules.code_digest(secret, wanted.code), now)
+    if rig_id is None:
         raise rig_rules.wrong_code()
     store.rig_codes.uncount_guess(source, now)
-    return found
+    return rig_id
 
 
 def open_moment(store: Store, rig_id: str, leader: str, moment: str, now: int) -> None:
@@ -172,11 +172,11 @@ def _sessions(store: Store, document: RigDocument) -> list[tuple[SessionDocument
     names = [member.session if member else "" for member in document.members]
 
     def read(name: str) -> tuple[SessionDocument | None, int]:
-        found = store.sessions.find_version(name) if name else None
+        version = store.sessions.find_version(name) if name else None
         # A session restarted without the rig is not part of it.
-        if found is None or found[0].rig is None or found[0].rig.id != document.rig:
-            return None, found[1] if found else 0
-        return found
+        if version is None or version[0].rig is None or version[0].rig.id != document.rig:
+            return None, version[1] if version else 0
+        return version
 
     with ThreadPoolExecutor(min(READERS, len(names))) as readers:
         return list(readers.map(read, names))

@@ -452,7 +452,7 @@ class SqliteJobs:
     Parameters
     ----------
     database
-        Where they are queued.
+        Database with the queue.
     run
         Runs a job and returns its result.
     """

@@ -60,7 +60,7 @@ class Kind(Generic[Document]):
     model
         Model of the documents.
     prefix, partition
-        What the names of their objects, and the partitions of their items, begin with.
+        Prefixes of the names of objects, and of the partitions of items.
     noun
         The word for one, in messages.
     missing, missing_kind

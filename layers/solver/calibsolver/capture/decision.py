@@ -127,7 +127,7 @@ class ViewDecision:
     accepted
         True if the view is accepted; if so `estimate` counts it.
     reason, hint
-        Of a refused view: why it was refused, and how to do better.
+        Reason of a refusal, and its remedy.
     on_target
         True if an accepted view was held at its target; None if there was no target.
     quarantine

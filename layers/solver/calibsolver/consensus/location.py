@@ -86,7 +86,7 @@ class Location:
 
 @dataclass(frozen=True, eq=False)
 class FittedMember:
-    """A member and the calibration fitted to its views, which show the board in the shape that this found."""
+    """A member and the calibration fitted to its views, in the board's estimated shape."""
 
     member: Member
     calibration: Calibration
@@ -100,7 +100,7 @@ class Contributions:
     fitted
         The c calibrations, all of one model and image size.
     camera
-        Where they are linearized: near all of them that belong together.
+        Camera of the linearization, near all agreeing ones.
     """
 
     def __init__(self, fitted: Sequence[FittedMember], camera: Camera) -> None:

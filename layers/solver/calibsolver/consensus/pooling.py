@@ -43,7 +43,7 @@ class Rule:
     Attributes
     ----------
     min_calibrations, min_contributors
-        In the largest group that agrees.
+        Minimum numbers in the largest agreeing group.
     min_share
         Share of all calibrations in this group. If contributors are distinguished (`min_contributors`
         of 2 or more) each of them weighs the same, however many calibrations are theirs, in majorities and
@@ -190,7 +190,7 @@ def locate_contributors(
 ) -> tuple[Calibration, Array, bool] | None:
     """Fit the location of the contributors of a group: calibration, held-out errors (m,), and stability.
 
-    None if the views do not lead to a common camera, though each of them has one: they say too little.
+    None if the views do not determine a common camera.
     """
     group = [agreement.fits[i] for i in indices]
     try:

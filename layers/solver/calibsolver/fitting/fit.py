@@ -183,7 +183,7 @@ class _Fit:
         """Fit the board's shape with the rest, from an optimum of least squares with the board as drawn.
 
         Other points may take part: what the shape explains is no outlier. A stretch that no printer causes is
-        left to the camera. None where the board is known to be as drawn, where there are too few views to
+        left to the camera. None if the board is known to be as drawn, where there are too few views to
         tell, and where a shape would explain no more than chance or leave a camera that is not believable.
         """
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
@@ -262,7 +262,7 @@ class _Fit:
         return outliers.outliers_concentrate_at_rim(good, among, self.problem.obs, self.problem.img_size)
 
     def _is_close(self, one: State, one_mask: Mask, other: State, other_mask: Mask, ratio: float) -> bool:
-        """Whether the rms of one fit over its points (v, n) is within `ratio` of another's over its own."""
+        """True if the rms of one fit over its points (v, n) is within `ratio` of another's over its own."""
         mean = np.mean(other.square[other_mask])
         return bool(np.mean(one.square[one_mask]) < ratio**2 * mean)
 
@@ -322,7 +322,7 @@ class _Fit:
         return replace(evidence, of_effects=more)
 
     def _is_observable(self, state: State) -> bool:
-        """Whether the data alone, without the prior, determine every parameter."""
+        """True if the data without the prior determine every parameter."""
         s = normal_equations.reduced_information(state.rows[:-1] * self.mask)
         scale = 1 / np.sqrt(np.maximum(np.diagonal(s), 1e-300))
         return bool(np.linalg.eigvalsh(s * scale[:, None] * scale)[0] > 1e-12)
@@ -354,7 +354,7 @@ class _Fit:
         mixed
             How the board's shape was fitted, which the state then has, too; None: it is as drawn.
         with_prior
-            Whether the prior took part: its information (p, p) is added to that of the points.
+            True if the prior took part: its information (p, p) is added to that of the points.
 
         Raises CalibrationError ``not_converged`` or ``not_believable``.
         """

@@ -80,7 +80,7 @@ class State:
     prior_residuals, prior_jacobian
         Whitened residuals (m,) of the prior and their Jacobian (m, a).
     converged
-        Whether the gradient allows no further decrease.
+        True if the gradient allows no further decrease.
     """
 
     k: Array
@@ -99,7 +99,7 @@ class State:
 
     @property
     def is_finite(self) -> bool:
-        """Whether every residual is a number."""
+        """True if every residual is finite."""
         return bool(np.isfinite(self.square).all())
 
     def system(self, weights: Array | None, prior_weight: float) -> System:
@@ -156,7 +156,7 @@ class LeastSquares(ABC):
 
     @abstractmethod
     def is_feasible(self, k: Array) -> bool:
-        """Whether there is a picture at all with the shared unknowns k (p,)."""
+        """True if there is an image with the shared unknowns k (p,)."""
 
     @abstractmethod
     def at(self, k: Array, poses: Poses) -> State:
@@ -226,7 +226,7 @@ class LeastSquares(ABC):
         return da
 
     def _take_step(self, state: State, da: Array, dp: Array) -> State | None:
-        """Linearize after steps (a,) and (v, 6); None where there is no picture there."""
+        """Linearize after steps (a,) and (v, 6); None if there is no picture there."""
         k, poses = self.retract(state.k, state.poses, da, dp)
         return self.at(k, poses) if self.is_feasible(k) else None
 
@@ -284,7 +284,7 @@ class Problem(LeastSquares):
         return self.img_size[0]
 
     def is_feasible(self, k: Array) -> bool:
-        """Whether the model has a picture at all with intrinsics k (p,)."""
+        """True if the model has an image with intrinsics k (p,)."""
         return bool(k[0] > 0 and k[1] > 0 and self.model.magnification(k[4:])[0] > 0)
 
     def at(self, k: Array, poses: Poses) -> State:
@@ -349,7 +349,7 @@ def assess_step(damping: float, actual: float, predicted: float) -> tuple[bool, 
 
 
 def is_last_step(predicted: float, previous_predicted: float, cost: float, tolerance: float) -> bool:
-    """Whether the decrease that the next step would predict, extrapolated, is within the tolerance."""
+    """True if the decrease that the next step would predict, extrapolated, is within the tolerance."""
     return (
         previous_predicted < EXTRAPOLATE_BELOW * cost
         and predicted * (predicted / previous_predicted) < tolerance

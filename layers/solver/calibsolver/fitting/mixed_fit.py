@@ -92,7 +92,7 @@ class ShapedProblem(LeastSquares):
         return Observations(moved, self.obs.pixels, self.obs.mask)
 
     def is_feasible(self, k: Array) -> bool:
-        """Whether the model has a picture at all with k."""
+        """True if the model has a picture at all with k."""
         return self.drawn.is_feasible(k[SHAPE_SIZE:])
 
     def noise(self, state: State, counted: Mask) -> float:
@@ -203,7 +203,7 @@ class MixedFit:
     def begin(
         cls, drawn: Problem, state: State, good: Mask, labels: IntArray, noise2: float
     ) -> "tuple[MixedFit, State] | None":
-        """Begin with the board as drawn; None where a shape explains no more than chance and motion do.
+        """Begin with the board as drawn; None if a shape explains no more than chance and motion do.
 
         Parameters
         ----------
@@ -231,7 +231,7 @@ class MixedFit:
         effects = systematic_effects.motion(state.rows[-POSE_SIZE - 1 : -1], drawn.obs.points, row)
         used = None if good.all() else good
         evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, used)
-        if metric is None:  # the shape is no part of the camera
+        if metric is None:  # the shape is not part of the camera
             known = np.zeros_like(evidence.metric)
             known[SHAPE_SIZE:, SHAPE_SIZE:] = evidence.metric[SHAPE_SIZE:, SHAPE_SIZE:]
             evidence = replace(evidence, metric=known)

@@ -52,7 +52,7 @@ class Conversion:
     Attributes
     ----------
     camera
-        What the file holds.
+        Camera of the file.
     error
         px, largest distance between where the two project the same ray, over what is covered.
     coverage
@@ -60,7 +60,7 @@ class Conversion:
     used
         For each view of the source the points (n,) that the camera was fitted to; empty: all.
     remark
-        What the tools that read the file cannot do with it, or "".
+        Limits of the tools that read the file, or "".
     """
 
     camera: Camera
@@ -99,7 +99,7 @@ class ExportedFile:
     Attributes
     ----------
     content, media_type, filename
-        As a download needs them.
+        Body, media type and file name of a download.
     error, coverage, warning
         See `Conversion`.
     """

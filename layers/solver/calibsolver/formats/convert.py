@@ -121,9 +121,9 @@ def compare(camera: Camera, other: Camera) -> Conversion:
     """Projection differences of `other` from `camera`, over the rays of the image of `camera`.
 
     Where `other` holds them: where it is one-to-one and, if `camera` is of a model that sees farther to the
-    side, within what its own is good for. A plane's coordinates grow without end towards 90 degrees: where a
-    file has them is no promise. The border of the image counts, and so do the rims of both domains where they
-    cross it: differences are largest there.
+    side, within the domain of its own model. A plane's coordinates grow without end towards 90 degrees, so a
+    file's values there are meaningless. The border of the image counts, and so do the rims of both domains
+    where they cross it: differences are largest there.
     """
     w, h = camera.img_size
     model, own = models.get(other.model), models.get(camera.model)
@@ -141,11 +141,11 @@ def compare(camera: Camera, other: Camera) -> Conversion:
         return away, visible
 
     q = samples(camera.img_size)
-    away, seen = differences(q)
+    away, in_sight = differences(q)
     grid = slice(IMAGE_ERROR_GRID[0] * IMAGE_ERROR_GRID[1])
     if not (away >= 0).any():
         raise CalibrationError("not_representable", "nothing of the image is left")
-    coverage = float((away[grid][seen[grid]] >= 0).mean()) if seen[grid].any() else 0.0
+    coverage = float((away[grid][in_sight[grid]] >= 0).mean()) if in_sight[grid].any() else 0.0
     worst = float(away.max())
     centre, step = q[np.argmax(away)], np.array([w, h]) / (np.array(IMAGE_ERROR_GRID) - 1)
     for _ in range(ZOOMS):

@@ -12,7 +12,7 @@ class ReaderOptions:
     img_size
         Width and height of the pictures, px, for files that do not state them.
     number
-        Which camera of a file that has several, from 0.
+        Number of the camera in a file with several, from 0.
     squares
         Columns and rows of the board, for tables of corners.
     model

@@ -91,7 +91,7 @@ class PoseSelection:
         skipped: Sequence[TargetPose] = (),
         unreached: Sequence[TargetPose] = (),
     ) -> TargetPose:
-        """Choose the next pose; the method knows no skipping: after one comes the next it would ask for."""
+        """Choose the next pose; a skipped pose is followed by the method's next one."""
         del calibration, unreached  # the method fits for itself, and learns nothing of its user
         step = (len(views) + len(skipped)) if len(views) < 2 else len(views)
         if step == 0:

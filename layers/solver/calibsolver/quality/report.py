@@ -1,4 +1,4 @@
-"""Quality report of a calibration, in figures for a page that shows them."""
+"""Quality report of a calibration: the figures that a page shows."""
 
 from collections.abc import Callable, Sequence
 from typing import TypeAlias, Union

@@ -62,11 +62,11 @@ class Cause:
     share
         Share of the residuals' variance that it explains, 0 to 1.
     text
-        What to do about it.
+        Remedy.
     px
         Root mean square of the residuals that it explains, px at REFERENCE_WIDTH_PX.
     inflation
-        Of the calibration: variance of its intrinsics / that under white noise.
+        Variance of the calibration's intrinsics / that under white noise.
     model
         The model that follows the lens, where this one is too simple; else None.
     """
@@ -132,9 +132,9 @@ def probable_cause(calibration: Calibration, views: Sequence[View]) -> Cause | N
 def _better_model(
     calibration: Calibration, views: Sequence[View], kept: Sequence[View]
 ) -> tuple[str | None, float]:
-    """Find the model that leaves less noise in the views that took part, and the share that it explains.
+    """Find a model with less noise in the used views, and the share of the residuals that it explains.
 
-    Others are fitted only where all views err alike. Of models that explain about as much it is the simplest.
+    Other models are fitted only if all views have the same pattern of errors. Ties go to the simplest.
     """
     if not has_fixed_pattern(calibration, views):
         return _NO_MODEL

@@ -29,7 +29,7 @@ def held_out_rms(moments: Sequence[Moment], calibration: RigCalibration) -> floa
     Parameters
     ----------
     moments
-        As they were fitted. Views that the fit set aside stay out.
+        Moments of the fit. Views that the fit set aside stay out.
     calibration
         The fit to all of them. What it held is held; what it found is where the parts begin.
 
