@@ -1,8 +1,8 @@
 """`make bench DOCS=hand`: guided captures by a simulated hand before drawn pictures, in simulated time.
 
-12 cameras, five captures each (`SEEDS=5`). The board of 9 x 6 squares is printed on A4, and its paper bends by
-1 mm. The hand follows the outline, which is drawn with the estimate, 5 degrees and 5 % off. Pictures have noise, motion
-blur, rolling shutter and JPEG, and the Python client's detector finds the corners.
+12 cameras, five captures each (`SEEDS=5`). The board of 9 x 6 squares is printed on A4, and its paper bends
+by 1 mm. The hand follows the outline, which is drawn with the estimate, 5 degrees and 5 % off. Pictures have
+noise, motion blur, rolling shutter and JPEG, and the Python client's detector finds the corners.
 """
 
 import os
