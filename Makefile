@@ -20,7 +20,7 @@ TWO := -n 2 --dist worksteal
 # Three at a time: a fifth of the time they wait for processes that they start and stop, or for a browser.
 MODULES := -n 3 --dist loadscope --no-loadscope-reorder
 # The longest first, for two at a time; each begins as soon as the packages that it needs are there.
-CHECKS := .mypy .cfn-lint .tsc .ruff .wording .audit
+CHECKS := .mypy .cfn-lint .tsc .ruff .wording .imports .audit
 # Tests under node that have OpenCV draw boards
 DRAWN := tests/web/geometry.test.mjs
 PAIRED := --no-print-directory --jobs 2 --output-sync
@@ -29,7 +29,7 @@ ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 COMMA := ,
 words_of = $(subst $(COMMA), ,$(1))
 
-.PHONY: help run test lint unit service browser thorough bench ops release openapi lock layers deploy verify clean
+.PHONY: help run test lint unit service browser thorough bench ops release lock layers deploy verify clean
 
 help: ## list the commands
 	@sed -nE 's/^([a-z]+):.*## (.*)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -42,11 +42,11 @@ test: ## run everything below up to browser
 	$(PYTEST) $(MODULES) tests/unit tests/service tests/aws
 	@$(MAKE) --no-print-directory browser
 
-lint: ## check style, types, wording, the template, and dependencies for known vulnerabilities
+lint: ## check style, types, imports, wording, the template, and dependencies for known vulnerabilities
 	@$(MAKE) $(PAIRED) $(CHECKS)
 
 .node .drawn .tsc: web/vendor/api.d.ts
-.drawn .ruff .wording .mypy .cfn-lint .audit: .venv/.made
+.drawn .ruff .wording .imports .mypy .cfn-lint .audit: .venv/.made
 
 .node:
 	node --test $(filter-out $(DRAWN),$(wildcard tests/web/*.test.mjs))
@@ -60,6 +60,9 @@ lint: ## check style, types, wording, the template, and dependencies for known v
 
 .wording:
 	@$(PY) -m infra.ci.wording
+
+.imports:
+	@PYTHONPATH=$(PYTHONPATH):clients/python .venv/bin/lint-imports --no-logo --cache-dir .build/imports
 
 .mypy:
 	$(PY) -m mypy
@@ -96,9 +99,10 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS
 .thorough-unit:
 	$(PYTEST) $(TWO) -m thorough tests/unit
 
-# kill -9 while captures end, at as many moments as KILLS
+# kill -9 while captures end, at as many moments as KILLS; and of two processes under load, as often
 .thorough-kills:
-	CALIBDB_KILLS=$(or $(KILLS),54) $(PYTEST) -s tests/service/test_killed_while_finishing.py
+	CALIBDB_KILLS=$(or $(KILLS),54) CALIBDB_LOAD_KILLS=$(or $(KILLS),54) $(PYTEST) -s \
+		tests/service/test_killed_while_finishing.py tests/service/test_killed_under_load.py
 
 # As many requests made of the OpenAPI document, and values of every schema, as CASES, and files as FILES; others with SEED=1
 .thorough-fuzz:
@@ -110,7 +114,7 @@ kills fuzz:
 	@$(MAKE) --no-print-directory thorough ONLY=$@
 
 bench: export PYTHONPATH := $(PYTHONPATH):clients/python
-bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,hand,consensus,uncertainty,real-views,board-shape,contributors,frc,keys,estimates,load,cost,slowest,page-speed
+bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,hand,consensus,uncertainty,honesty,real-views,board-shape,contributors,rigs,frc,keys,estimates,load,memory,cost,slowest,page-speed
 ifdef DOCS
 	@set -e; for name in $(call words_of,$(DOCS)); do $(MAKE) --no-print-directory .bench-$$name; done
 else
@@ -143,10 +147,6 @@ ops: .venv/.made ## run the operator's command line; ARGS="token create --origin
 release: $(SETUP) $(UV) ## ARGS="bump 0.2.0" sets the version; ARGS="build --tag v0.2.0" builds the artifacts of a clean checkout
 	@$(PY) -m infra.release $(ARGS)
 
-openapi: .venv/.made ## write web/openapi.json and web/data/schema.json
-	$(PY) -m infra.web_build.openapi
-	$(PY) -m infra.web_build.dump_schema
-
 .setup:
 	@$(MAKE) --silent --jobs 2 .venv/.made web/vendor/api.d.ts
 
@@ -163,9 +163,13 @@ node_modules/.made: package-lock.json
 	npm ci --silent --fetch-retries 5
 	@touch $@
 
-web/vendor/api.d.ts: node_modules/.made infra/web_build/vendor.mjs infra/web_build/engines.mjs infra/web_build/detector/opencv.json web/openapi.json
+web/vendor/api.d.ts: node_modules/.made infra/web_build/vendor.mjs infra/web_build/engines.mjs infra/web_build/detector/opencv.json .build/openapi.json
 	node infra/web_build/vendor.mjs
 	@touch $@
+
+.build/openapi.json: .venv/.made $(wildcard layers/service/calibdb/schema/*.py infra/web_build/*.py) infra/web_build/examples.json
+	@mkdir -p $(@D)
+	@$(PY) -m infra.web_build.openapi $@
 
 # ---- upkeep
 UV := .build/uv/bin/uv

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from infra.deploy import hashed_names
-from infra.server.pages import FOREVER, media_type
 from infra.web_build import site
 from infra.web_build.precache_manifest import shell_of
 from infra.web_build.root_files import robots_text, security_text, sitemap
 from infra.web_build.sdk import VERSIONED
+from infra.web_build.site_headers import FOREVER, media_type
 
 # Files whose names change with their contents are kept for good. Everything else the edge keeps until the
 # upload says otherwise, and browsers ask the edge whether it changed.
@@ -39,7 +39,7 @@ class Upload:
     cache_control: str
     content_encoding: str | None = None
     is_versioned: bool = False
-    """Whether the object, once there, never changes."""
+    """True if the object never changes once it exists."""
 
 
 def uploads(
@@ -56,11 +56,11 @@ def uploads(
     web
         The client, with `vendor/`.
     settings
-        What `/config.json` says: `api`, `token`, `operator`.
+        Content of `/config.json`: `api`, `token`, `operator`.
     contact, now
-        Where to report a vulnerability, and the time; without both there is no `security.txt`.
+        Contact for vulnerabilities, and the time; without both there is no `security.txt`.
     options
-        What the pages say about the deployment. Without an origin, no `robots.txt` and no sitemap.
+        Facts about the deployment for the pages. Without an origin, no `robots.txt` and no sitemap.
     """
     files = {
         path.relative_to(web).as_posix(): path.read_bytes()
@@ -97,7 +97,7 @@ def uploads(
 
 
 def _upload(key: str, content: bytes, vendor: str, named: str) -> Upload:
-    kept = key.startswith(_VENDOR) or f"-{named}." in key
+    is_immutable = key.startswith(_VENDOR) or f"-{named}." in key
     if key.startswith(_VENDOR):
         key = vendor + key.removeprefix(_VENDOR)
     elif key.endswith(_REFERENCING_SUFFIXES) and not VERSIONED.match(key):
@@ -108,7 +108,7 @@ def _upload(key: str, content: bytes, vendor: str, named: str) -> Upload:
         key=key,
         content=gzip.compress(content, mtime=0) if large else content,
         content_type=media_type(key),
-        cache_control=FOREVER if kept or versioned else FRESH,
+        cache_control=FOREVER if is_immutable or versioned else FRESH,
         content_encoding="gzip" if large else None,
         is_versioned=versioned,
     )

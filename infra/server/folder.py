@@ -1,10 +1,9 @@
-"""The data folder: its lock, its secrets, its checks at the start, and the format before SQLite."""
+"""The data folder: its lock, its secrets, and its checks at the start."""
 
 from __future__ import annotations
 
 import fcntl
 import hashlib
-import json
 import os
 import shutil
 import sqlite3
@@ -19,9 +18,6 @@ from calibdb.store.sqlite import (
     FOLDER_NAME,
     Database,
     SchemaError,
-    SqliteJobs,
-    SqliteObjects,
-    SqliteTable,
     item_checksum,
 )
 from infra.server import secrets, write_ahead_log
@@ -30,7 +26,7 @@ KEYPOINTS, SITE = "keypoints", "site"
 """Buckets of objects: of everything measured, and of what everyone may read."""
 LOCK_TIMEOUT_S = 5.0
 """Time for the processes of a server that was killed to end."""
-_JOURNAL = "journal.sqlite"
+_JOURNAL = "journal.sqlite"  # of the versions before SQLite was the database
 _RESTORE = "restore a backup with `calibdb-ops --data {folder} restore FILE`"
 _REPAIR = "Rebuild the index with `calibdb-ops --data {folder} reindex`, or " + _RESTORE
 
@@ -94,24 +90,26 @@ class Folder:
 
     def _open(self, path: Path, clock: Any, *, new_secrets: bool, as_worker: bool) -> None:
         file, secret_file = path / FILE_NAME, path / "secrets.json"
-        journal = path / _JOURNAL
-        known = file.exists() or journal.exists()
-        if secret_file.exists() and (not known or (file.exists() and file.stat().st_size == 0)):
+        exists = file.exists()
+        if not exists and (path / _JOURNAL).exists():
+            raise FolderError(
+                f"{path} was written by a version before 0.1.0. Write its captures to files with that "
+                "version, `calibdb-ops dump --private FILES`, and load them here, `calibdb-ops load FILES`"
+            )
+        if secret_file.exists() and (not exists or (file.exists() and file.stat().st_size == 0)):
             raise FolderError(
                 f"{file} is missing or empty, but {secret_file.name} is there: "
                 f"{_RESTORE.format(folder=path)}, or move the whole folder away to start empty"
             )
         if new_secrets and secret_file.exists() and not as_worker:
             secret_file.replace(secret_file.with_suffix(".old"))
-        self.secrets = secrets.load(secret_file, known=known and not new_secrets)
+        self.secrets = secrets.load(secret_file, known=exists and not new_secrets)
         try:
             if not as_worker and file.exists():
                 self._check(file)
             if not file.exists():
                 os.close(os.open(file, os.O_CREAT | os.O_RDWR, 0o600))
             self.database = Database(path, clock)
-            if journal.exists():
-                _convert(journal, self.database)
         except SchemaError as error:
             raise FolderError(str(error)) from error
         except (sqlite3.Error, OSError) as error:
@@ -122,26 +120,26 @@ class Folder:
         folder = file.parent
         lost = write_ahead_log.lost_commits(file.with_name(f"{file.name}-wal"))
         if lost:
-            kept = _copy_aside(file)
+            copy = _copy_aside(file)
             self.damage.append(
                 f"the log of {file} was damaged: {lost} of the last writes are lost. The damaged files are "
-                f"in {kept.name}. {_REPAIR.format(folder=folder)}"
+                f"in {copy.name}. {_REPAIR.format(folder=folder)}"
             )
         with closing(sqlite3.connect(file, timeout=10, isolation_level=None)) as connection:
             version = connection.execute("PRAGMA user_version").fetchone()[0]
             try:
-                found = [row[0] for row in connection.execute("PRAGMA quick_check(3)")]
+                messages = [row[0] for row in connection.execute("PRAGMA quick_check(3)")]
             except sqlite3.DatabaseError as error:
-                found = [str(error)]
-            if found != ["ok"]:
-                raise FolderError(f"{file} is damaged ({found[0]}): {_RESTORE.format(folder=folder)}")
+                messages = [str(error)]
+            if messages != ["ok"]:
+                raise FolderError(f"{file} is damaged ({messages[0]}): {_RESTORE.format(folder=folder)}")
             if version != 1:
                 return  # empty, or refused by the adapter
             items = list(_damaged_items(connection))
             objects = list(_damaged_objects(connection, folder))
             if not items and not objects:
                 return
-            kept = _copy_aside(file)
+            copy = _copy_aside(file)
             connection.execute("BEGIN IMMEDIATE")
             connection.executemany("DELETE FROM items WHERE pk = ? AND sk = ?", items)
             connection.executemany("DELETE FROM objects WHERE rowid = ?", [(row,) for row, _ in objects])
@@ -149,7 +147,7 @@ class Folder:
         names = ", ".join([" ".join(map(str, key)) for key in items[:2]] + [name for _, name in objects[:3]])
         self.damage.append(
             f"{file}: {len(items)} items and {len(objects)} objects are damaged and were removed ({names}). "
-            f"The damaged file is in {kept.name}. {_REPAIR.format(folder=folder)}"
+            f"The damaged file is in {copy.name}. {_REPAIR.format(folder=folder)}"
         )
 
     def close(self) -> None:
@@ -178,13 +176,13 @@ def _lock(path: Path, timeout_s: float) -> int | None:
 
 def _copy_aside(file: Path) -> Path:
     """Copy the database and its log to a new folder next to them."""
-    kept = file.with_name(f"damaged-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}-{os.getpid()}")
-    kept.mkdir()
+    copy = file.with_name(f"damaged-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}-{os.getpid()}")
+    copy.mkdir()
     for suffix in ("", "-wal"):
         source = file.with_name(file.name + suffix)
         if source.exists():
-            shutil.copy2(source, kept)
-    return kept
+            shutil.copy2(source, copy)
+    return copy
 
 
 def _damaged_items(connection: sqlite3.Connection) -> Iterator[tuple[Any, Any]]:
@@ -212,31 +210,3 @@ def _damaged_objects(connection: sqlite3.Connection, folder: Path) -> Iterator[t
     for file in (folder / FOLDER_NAME).glob("*"):
         if file.name not in used:
             file.unlink()
-
-
-def _convert(journal: Path, database: Database) -> None:
-    """Copy what a journal, the format before this one, has; keep it under another name."""
-    table, jobs = SqliteTable(database), SqliteJobs(database, lambda *_: None)
-    names = {"RefitFunction": "refit", "VerifyFunction": "verify"}
-    with closing(sqlite3.connect(journal)) as connection:
-        rows = connection.execute("SELECT kind, container, key, body FROM state ORDER BY rowid")
-        for kind, container, key, body in rows:
-            if kind == "item":
-                table.put({name: _value(value) for name, value in json.loads(body).items()})
-            elif kind == "object" and not key.startswith("known/"):
-                bucket = SITE if "webbucket" in container else KEYPOINTS
-                media_type = "application/gzip" if key.endswith(".gz") else "application/json"
-                SqliteObjects(database, bucket).put(key, body, media_type)
-            elif kind == "invoke" and names.get(container) == "refit":
-                jobs.later("refit", body)
-    for suffix in ("", "-wal", "-shm"):
-        source = journal.with_name(journal.name + suffix)
-        if source.exists():
-            source.replace(source.with_name(f"{_JOURNAL}.converted{suffix}"))
-
-
-def _value(value: dict[str, Any]) -> Any:
-    kind, content = next(iter(value.items()))
-    if kind == "N":
-        return int(content)
-    return [each["S"] for each in content] if kind == "L" else content

@@ -1,9 +1,8 @@
-"""JSON Schema of a dump, `web/data/schema.json`, built from the models that write it: `make openapi`."""
+"""JSON Schema of a dump, a file of the site, built from the models that write it."""
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 from pydantic.json_schema import models_json_schema
@@ -11,13 +10,13 @@ from pydantic.json_schema import models_json_schema
 from calibdb.schema import CalibrationDocument, VoteDocument
 from calibdb.schema.dump import Dump, Statistics
 
-PATH = Path(__file__).resolve().parents[2] / "web" / "data" / "schema.json"
+DUMP_SCHEMA_KEY = "data/schema.json"
 
 
 def text() -> str:
     """Return the file's content."""
     models = (Dump, Statistics, CalibrationDocument, VoteDocument)
-    _, found = models_json_schema(
+    _, definitions = models_json_schema(
         [(model, "serialization") for model in models], ref_template="#/$defs/{model}"
     )
     document: dict[str, Any] = {
@@ -26,10 +25,6 @@ def text() -> str:
         "description": "Of /dumps/latest.json. $defs also has Statistics, of /dumps/statistics.json, and the "
         "documents in the files, one a line: CalibrationDocument and VoteDocument.",
         "$ref": "#/$defs/Dump",
-        "$defs": found["$defs"],
+        "$defs": definitions["$defs"],
     }
     return json.dumps(document, indent=1, ensure_ascii=False) + "\n"
-
-
-if __name__ == "__main__":
-    PATH.write_text(text(), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""One call of the API: its contents, and the problems that calls answer with."""
+"""One call of the API: its contents, and its problems."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ PROBLEMS = {
     400: "The body is not JSON.",
     401: "No credential was sent.",
     403: "The credential is unknown, expired, or not for this origin.",
-    404: "There is no such thing.",
-    406: "None of the accepted media types can be given.",
-    409: "The request does not fit the state that things are in.",
-    410: "It was withdrawn; `reason` says for what kind of reason: wrong, abuse, privacy, other.",
+    404: "The resource does not exist.",
+    406: "None of the accepted media types is available.",
+    409: "The request conflicts with the current state.",
+    410: "The calibration was withdrawn; `reason` is wrong, abuse, privacy or other.",
     413: f"The body is larger than {MAX_BODY_BYTES} bytes.",
     415: "The body is not declared as JSON.",
-    422: "Fields are not what they must be; `errors` names them.",
-    429: "The calls that are allowed in this hour or day are used up; `Retry-After` says when more are.",
-    500: "Something went wrong here, not in the request.",
-    503: "Storage or another function did not answer; try again.",
+    422: "Fields are invalid; `errors` names them.",
+    429: "The limit of this hour or day is used up; retry after `Retry-After` seconds.",
+    500: "Internal error.",
+    503: "Storage or a function is temporarily unavailable; retry.",
 }
 
 
@@ -37,8 +37,8 @@ class Content:
     description: str
     model: type[BaseModel] | None = None
     pictures: tuple[str, ...] = ()
-    headers: tuple[str, ...] = ()  # that every such answer carries
-    sometimes: tuple[str, ...] = ()  # that some carry
+    headers: tuple[str, ...] = ()  # of every such response
+    sometimes: tuple[str, ...] = ()  # of some responses
     media_type: str = JSON
     other: type[BaseModel] | None = None  # model that it may be instead
 

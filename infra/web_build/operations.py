@@ -1,4 +1,4 @@
-"""The calls of the API: what each takes, answers and refuses. `infra.web_build.openapi` writes them down."""
+"""The calls of the API: requests, responses and problems, for `infra.web_build.openapi`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LOOKUP = query_of(
         "platform": "The parenthesised part of the user agent.",
         "img_size": "Width and height, px.",
         "zoom": "`zoom` of the track.",
-        "distortion_model": "The model to answer with.",
+        "distortion_model": "The requested model.",
         "resize_mode": "`resizeMode` of the track.",
         "device": "Model identifier of the phone, `iPhone17,3`.",
         "redirect": "`false`: 404 with `guidance_url` instead of the redirect.",
@@ -128,20 +128,20 @@ OPERATIONS = (
         "post",
         "/v1/session",
         "startSession",
-        "Start a guided capture; the same content again is answered again",
+        "Start a guided capture",
         {201: _STATE},
         (400, *_ASKED, 409, 413, 422),
         _SESSION,
         schema.SessionRequest,
     ),
     Operation(
-        "get", "/v1/session", "showSession", "How far it has come", {200: _STATE}, (*_ASKED, 404), _SESSION
+        "get", "/v1/session", "showSession", "State of a capture", {200: _STATE}, (*_ASKED, 404), _SESSION
     ),
     Operation(
         "delete",
         "/v1/session",
         "forgetSession",
-        "Forget the session's views",
+        "Delete a session and its views",
         {204: Content("Forgotten.")},
         (*_ASKED, 404, 409),
         _SESSION,
@@ -150,7 +150,7 @@ OPERATIONS = (
         "get",
         "/v1/session/pose",
         "showPose",
-        "Where to hold the board next; the same pose until a view answers it",
+        "Target pose of the board",
         {
             200: Content(
                 "The board as the camera would see it there, black elsewhere; or the same in numbers.",
@@ -166,7 +166,7 @@ OPERATIONS = (
         "post",
         "/v1/session/views",
         "submitView",
-        "Submit the corners seen; a refused view changes nothing and its index stays open",
+        "Submit a view: the corners in one frame",
         {200: Content("The session's state, and whether the view is part of it.", schema.ViewAnswer)},
         (400, *_ASKED, 404, 409, 413, 422),
         _SESSION,
@@ -198,7 +198,7 @@ OPERATIONS = (
         "post",
         "/v1/session/finish",
         "finishSession",
-        "End a session with the views that agree, whatever its error; again is answered again",
+        "End a session with the views that agree",
         {200: _STATE},
         (*_ASKED, 404, 409),
         _SESSION,
@@ -207,7 +207,7 @@ OPERATIONS = (
         "post",
         "/v1/session/licence",
         "licenseSession",
-        "Give the views of a session away; again is answered again",
+        "Add a licence to the views of a session",
         {200: _STATE},
         (400, *_ASKED, 404, 409, 413, 422),
         _SESSION,
@@ -253,7 +253,7 @@ OPERATIONS = (
         (*_ASKED, 404, 410, 422),
         _TOKEN,
         parameters=(
-            path("id", {"type": "string"}, "As a session or a lookup answered it."),
+            path("id", {"type": "string"}, "As a session or a lookup returned it."),
             *query_of(schema.ExportQuery),
         ),
     ),
@@ -281,10 +281,10 @@ OPERATIONS = (
         "post",
         "/v1/checks",
         "checkCalibration",
-        "Whether the stored consensus, reliable or not, or a given calibration fits fresh views",
+        "Check a consensus or a calibration against fresh views",
         {
             200: Content(
-                "Whether it fits, and what checks say of it by now; or the comparison of `calibration`.",
+                "Result of the check and the votes so far, or the comparison of `calibration`.",
                 schema.CheckAnswer,
                 other=schema.ComparisonAnswer,
             )
@@ -297,7 +297,7 @@ OPERATIONS = (
         "get",
         "/v1/cameras",
         "searchCameras",
-        "Cameras by words of their names; a word may be cut short",
+        "Search cameras by name",
         {200: Content("The cameras found.", schema.CameraList)},
         (*_ASKED, 422),
         _TOKEN,
@@ -307,17 +307,17 @@ OPERATIONS = (
         "get",
         "/v1/cameras/{key}",
         "showCamera",
-        "All that is known of one camera",
+        "Everything about one camera",
         {200: Content("The camera, by size and zoom.", schema.CameraDetail)},
         (*_ASKED, 404),
         _TOKEN,
-        parameters=(path("key", {"type": "string"}, "As a search answered it."),),
+        parameters=(path("key", {"type": "string"}, "As a search returned it."),),
     ),
     Operation(
         "get",
         "/known/v1/{digest}/{size}/{zoom}/{file}",
         "lookupKnown",
-        "A known camera's calibration, the same for all callers, so that caches keep it",
+        "Cacheable lookup of a known camera",
         {
             200: Content("The calibration.", schema.LookupAnswer, headers=("ETag",)),
             404: Content("Ask by POST.", schema.UnknownCamera),
@@ -334,11 +334,11 @@ OPERATIONS = (
         "get",
         "/badge/{key}/{file}",
         "showBadge",
-        "A picture that says whether a camera is calibrated at a size, for a README",
+        "Badge for a README",
         {200: Content("The badge; a grey one where nothing is known.", pictures=(SVG,))},
         (500, 503),
         parameters=(
-            path("key", {"type": "string"}, "As a search answered it."),
+            path("key", {"type": "string"}, "As a search returned it."),
             path("file", {"type": "string"}, "Width, x, height and `.svg`, as in `1280x720.svg`."),
         ),
     ),
@@ -348,7 +348,7 @@ OPERATIONS = (
         "get",
         "/healthz",
         "health",
-        "Whether the service is there",
+        "State of the service",
         {
             200: Content("It is; with `deep=1`, so is every part.", schema.Health, other=schema.DeepHealth),
             503: Content("With `deep=1`: some part does not work.", schema.HealthProblem, media_type=PROBLEM),

@@ -8,7 +8,7 @@ lose their comments and indentation.
 
     python -m infra.web_build.site .build/web     # the whole site, as files
 
-The local stack makes them anew when one of their sources changed.
+The server rebuilds them when one of their sources changed.
 """
 
 from __future__ import annotations
@@ -44,6 +44,7 @@ _MAX_BUILD_S = 120
 _PAGE_BUILDER = Path(__file__).parent / "site.mjs"
 # Not pages, though HTML or full of files.
 _SKIPPED = ("vendor/",)
+_MODELS = ROOT / "layers" / "service" / "calibdb" / "schema"
 _INPUTS = (".html", ".js", ".css", ".mjs", ".py", ".md", ".json", ".toml")
 
 Generator = Callable[[Path], Mapping[str, str]]
@@ -51,7 +52,7 @@ Generator = Callable[[Path], Mapping[str, str]]
 
 
 def _generators() -> tuple[Generator, ...]:
-    """Those of pages that are not written by hand. Loaded here: whoever has the pages already needs none."""
+    """Those of pages that are not written by hand. Loaded here, because built pages need none."""
     from infra.web_build.docs import build
     from infra.web_build.docs.example_pages import example_pages
 
@@ -77,7 +78,7 @@ class Options:
 def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, bytes]:
     """Make all files that are made, or take those made of the same sources before: key → content.
 
-    A folder without message catalogs is no client of ours; nothing is made of it.
+    A folder without message catalogues is not our client; nothing is built from it.
 
     Raises
     ------
@@ -101,7 +102,7 @@ def page_keys(web: Path = WEB) -> list[str]:
 
 
 def is_translated(source: str) -> bool:
-    """Whether a page has texts of the message catalogs, and so is there in every language."""
+    """True if a page has texts of the message catalogues, and so exists in every language."""
     return "data-t=" in source
 
 
@@ -179,21 +180,18 @@ def _generate_pages(web: Path, state: str) -> Mapping[str, str]:
 @lru_cache(maxsize=8)
 def _make_files(web: Path, settings_text: str, state: str) -> Mapping[str, bytes]:
     made = _remember(f"{state}{settings_text}", lambda: _build(web, settings_text))
-    from infra.web_build import calibration_schema  # here: the models take their time
-
-    schema = {calibration_schema.KEY: calibration_schema.text().encode()}
-    return {key: content.encode() for key, content in made.items()} | dict(sdk_files(web)) | schema
+    return {key: content.encode() for key, content in made.items()} | dict(sdk_files(web))
 
 
 def _remember(name: str, make: Callable[[], dict[str, str]]) -> dict[str, str]:
     """Return the texts that a process kept under this name, or make and keep them."""
-    kept = _CACHE / f"{hashlib.sha256(name.encode()).hexdigest()[:24]}.json"
+    cache_file = _CACHE / f"{hashlib.sha256(name.encode()).hexdigest()[:24]}.json"
     try:
-        found: dict[str, str] = json.loads(kept.read_text(encoding="utf-8"))
+        pages: dict[str, str] = json.loads(cache_file.read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        found = make()
-        _keep(kept, found)
-    return found
+        pages = make()
+        _keep(cache_file, pages)
+    return pages
 
 
 def _build(web: Path, settings_text: str) -> dict[str, str]:
@@ -217,7 +215,15 @@ def _build(web: Path, settings_text: str) -> dict[str, str]:
         hint = " Run `npm ci`." if "ERR_MODULE_NOT_FOUND" in made.stderr else ""
         raise SiteError(f"the site cannot be made.{hint}\n{made.stderr.strip()}")
     files: dict[str, str] = json.loads(made.stdout)
-    return {key: text for key, text in generate_pages(web).items() if not key.endswith(".html")} | files
+    from infra.web_build import calibration_schema, dump_schema, openapi  # here: the models take their time
+
+    schemas = {
+        calibration_schema.CALIBRATION_SCHEMA_KEY: calibration_schema.text(),
+        dump_schema.DUMP_SCHEMA_KEY: dump_schema.text(),
+        openapi.OPENAPI_KEY: openapi.text(),
+    }
+    others = {key: text for key, text in generate_pages(web).items() if not key.endswith(".html")}
+    return others | files | schemas
 
 
 def _repository() -> str | None:
@@ -233,8 +239,8 @@ def _keep(place: Path, made: Mapping[str, str]) -> None:
     with tempfile.NamedTemporaryFile("w", dir=place.parent, delete=False, encoding="utf-8") as file:
         json.dump(made, file)
     Path(file.name).replace(place)
-    kept = sorted(place.parent.glob("*.json"), key=_age, reverse=True)
-    for old in kept[_MAX_CACHED:]:
+    cache_files = sorted(place.parent.glob("*.json"), key=_age, reverse=True)
+    for old in cache_files[_MAX_CACHED:]:
         old.unlink(missing_ok=True)
 
 
@@ -259,7 +265,7 @@ def _state(web: Path) -> str:
 
 def _inputs(web: Path) -> Iterator[str]:
     """Paths as texts: they are walked with every page."""
-    for folder in (web, ROOT / "docs", Path(__file__).parent):
+    for folder in (web, ROOT / "docs", Path(__file__).parent, _MODELS):
         for place, folders, names in os.walk(folder):
             folders[:] = sorted(name for name in folders if name != "vendor")
             yield from (f"{place}/{name}" for name in sorted(names) if name.endswith(_INPUTS))

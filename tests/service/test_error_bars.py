@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from calibdb.compute.view_checks import examine
 from calibdb.lookup.relation import relate
 from calibdb.schema import Calibration, CheckRequest, FitRecord
 from calibsolver import Board, View, fit
 from calibsolver import Calibration as Fitted
 from calibsolver.arrays import symmetric_inverse
-from functions.checks.app import examine
 from tests.helpers.service.client import CAMERA, Client
 from tests.helpers.solver import hands, populations, synthetic
 

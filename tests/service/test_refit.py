@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from calibdb import schema
+from calibdb.compute import refits
 from calibdb.errors import UnavailableError
 from calibdb.store import Store
 from calibsolver import consensus, deadline
@@ -112,11 +113,11 @@ def test_overtaken_result_is_not_written(stack: Server, at_rest: Store) -> None:
 
 
 def test_malformed_refit_is_kept_with_its_error(stack: Server, at_rest: Store) -> None:
-    before = len(stack.failures())
+    before = len(stack.jobs.failures())
     for garbage in ({"camera": 5}, [], {"camera": "k", "img_size": [0, 0]}):
         stack.storage.jobs.later("refit", json.dumps(garbage).encode())
-    until(lambda: len(stack.failures()) == before + 3)
-    name, payload, error = stack.failures()[before]
+    until(lambda: len(stack.jobs.failures()) == before + 3)
+    name, payload, error = stack.jobs.failures()[before]
     assert (name, json.loads(payload), error.partition(":")[0]) == ("refit", {"camera": 5}, "ValidationError")
     # And nobody else has to wait for it.
     document = calibration("After the garbage", 0)
@@ -276,7 +277,7 @@ def test_what_many_wait_for_is_computed_once(at_rest: Store, monkeypatch: pytest
     assert reads == [1]
     assert all(answer == answers[0] for answer in answers)
     # Who computes for longer than a caller waits is not joined by others.
-    monkeypatch.setattr(refit, "WAITS_S", (0.01,))
+    monkeypatch.setattr(refits, "WAITS_S", (0.01,))
     at_rest.calibrations.publish(calibration("Impatient", 1, views=3))
     at_rest.leases.take(mode, "somebody", int(time.time()), int(time.time()) + 60, "NOW#rectilinear")
     with pytest.raises(UnavailableError):

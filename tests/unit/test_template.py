@@ -13,7 +13,7 @@ import yaml
 from calibdb.access import token_cache
 from calibdb.store import aws
 from infra.deploy import account_check, package
-from infra.server import pages
+from infra.web_build import site_headers
 from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S
 from tests.helpers.sam import as_created, complete, parsed
 from tests.helpers.service.iam import statements
@@ -117,7 +117,7 @@ def test_the_edge_serves_pages_as_the_local_stack_does(transformed: dict) -> Non
     ):
         config = transformed["Resources"][name]["Properties"]["ResponseHeadersPolicyConfig"]
         policy = config["SecurityHeadersConfig"]["ContentSecurityPolicy"]["ContentSecurityPolicy"]
-        assert policy == pages.headers(file)["content-security-policy"]
+        assert policy == site_headers.headers(file)["content-security-policy"]
 
 
 def test_edge_cache_key_holds_every_lookup_parameter(source: dict) -> None:
@@ -331,9 +331,8 @@ def test_who_waits_gives_up_after_whom_it_waits_for(source: dict) -> None:
     """Refit for its turn, its caller for refit, the function for its caller's answer, the gateway for all."""
     default = source["Globals"]["Function"]["Timeout"]
     refit = source["Resources"]["RefitFunction"]["Properties"]["Timeout"]
-    waits = re.search(
-        r"^WAITS_S = \(([\d., ]+)\)", (ROOT / "functions/refit/app.py").read_text(), re.MULTILINE
-    )
+    text = (ROOT / "layers/service/calibdb/compute/refits.py").read_text()
+    waits = re.search(r"^WAITS_S = \(([\d., ]+)\)", text, re.MULTILINE)
     assert waits is not None
     turn = sum(map(float, waits[1].split(",")))
     invoke = aws._INVOKE.read_timeout

@@ -24,7 +24,7 @@ class Entry:
     name, summary
         In the navigation, and on the page of all documents.
     uses_service
-        Whether its code is for this service: the page fills in the site's address and the visitor's token.
+        True if its code is for this service: the page fills in the site's address and the visitor's token.
     """
 
     source: str | None
@@ -74,7 +74,7 @@ GROUPS: dict[str, tuple[Entry, ...]] = {
             "docs/api.md", "api", "HTTP API", "All calls explained: tokens, lookups, captures, checks.", True
         ),
         Entry(None, "reference", "API reference", "Every call and field, with code to copy and to try."),
-        Entry(None, "problems", "Problems", "Every error that the API answers with, and what to do."),
+        Entry(None, "problems", "Problems", "Every error of the API, and what to do."),
         Entry("docs/limits.md", "limits", "Limits", "Calls an hour by plan, sizes, times.", True),
     ),
     "understand": (
@@ -91,7 +91,7 @@ GROUPS: dict[str, tuple[Entry, ...]] = {
             "docs/estimates.md",
             "estimates",
             "Estimates",
-            "What is likely of a camera that nobody calibrated.",
+            "Likely field of view of a camera without calibration.",
         ),
         Entry("docs/accuracy.md", "accuracy", "Accuracy and speed", "Every figure, with its command."),
         Entry("docs/webxr.md", "webxr", "WebXR", "Intrinsics and distortion for WebXR views."),
@@ -156,7 +156,7 @@ def target_key(source: str, target: str) -> tuple[str, str] | None:
     Returns
     -------
     tuple[str, str] or None
-        Key of a file of the site, and anchor; None where the site does not have it.
+        Key of a file of the site, and anchor; None if the site does not have it.
     """
     parts = urlsplit(target)
     path = posixpath.normpath(posixpath.join(posixpath.dirname(source), parts.path)) if parts.path else source
@@ -166,8 +166,6 @@ def target_key(source: str, target: str) -> tuple[str, str] | None:
         return f"{FOLDER}index.html", ""
     if path.startswith("docs/images/"):
         return path, ""
-    if path == "web/openapi.json":
-        return f"{FOLDER}reference/index.html", parts.fragment
     if path.startswith("web/") and (ROOT / path).is_dir():
         return f"{path.removeprefix('web/')}/index.html", parts.fragment
     if path.startswith("web/") and (ROOT / path).exists():
@@ -176,5 +174,5 @@ def target_key(source: str, target: str) -> tuple[str, str] | None:
 
 
 def is_elsewhere(target: str) -> bool:
-    """Whether a link leaves the repository."""
+    """True if a link leaves the repository."""
     return bool(urlsplit(target).scheme)

@@ -93,7 +93,7 @@ class Board:
             if not 0.05 <= self.tag_spacing <= 2:
                 raise ValueError(f"tag_spacing must lie in 0.05 to 2 on this board, not {self.tag_spacing}")
             if w * h < 2:
-                raise ValueError("one tag is no board: its four corners do not fix a camera")
+                raise ValueError("a board needs two tags or more: four corners do not determine a camera")
         markers = {"charuco": w * h // 2, "aprilgrid": w * h}.get(self.kind, 0)
         if markers > DICTIONARIES[self.dictionary]:
             raise ValueError(
@@ -131,12 +131,12 @@ class Board:
 
     @property
     def has_markers(self) -> bool:
-        """Whether a part of the board says which part it is: a chessboard is found whole only."""
+        """True if a part of the board identifies itself; a chessboard must be visible as a whole."""
         return self.kind in ("charuco", "aprilgrid")
 
     @property
     def is_half_turn_symmetric(self) -> bool:
-        """Whether it looks the same after half a turn: good for intrinsics, not where a pose is shared."""
+        """True if it looks the same after half a turn: sufficient for intrinsics, not for shared poses."""
         if self.kind == "asymmetric_circles":
             return self.squares[1] % 2 == 1
         return self.kind == "circles" or (self.kind == "chessboard" and sum(self.squares) % 2 == 0)

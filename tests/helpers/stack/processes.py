@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -58,6 +59,7 @@ class LocalProcess:
                 stdout=subprocess.PIPE,
                 stderr=log,
                 text=True,
+                start_new_session=True,
             )
         assert self.process.stdout
         watchdog = threading.Timer(180, self.process.kill)
@@ -74,8 +76,9 @@ class LocalProcess:
         return self
 
     def kill(self) -> None:
-        """End it at once, in the middle of whatever it does."""
-        self.process.send_signal(signal.SIGKILL)
+        """End it and its workers at once, in the middle of whatever they do."""
+        with suppress(ProcessLookupError):  # it has ended
+            os.killpg(self.process.pid, signal.SIGKILL)
         self.process.wait()
 
     def stop(self, timeout_s: float = 60) -> int:

@@ -36,7 +36,7 @@ class Frame:
     time
         Seconds, from any start.
     repeated
-        Whether it is the same picture, bit by bit, as the one before.
+        True if it is identical to the previous image.
     """
 
     picture: Any
@@ -76,7 +76,7 @@ class Frames:
         self._size: tuple[int, int] | None = None
         self._last: Any = None
         self.is_file = _property(source, _FRAME_COUNT) > 0
-        """Whether it ends, and has its own time."""
+        """True if it ends and has its own time."""
         self._waiting: Frame | None = None
 
     @property
@@ -85,7 +85,7 @@ class Frames:
         if self._size is None:
             self._waiting = self._read()
             if self._waiting is None:
-                raise CaptureError(f"{self.name} holds no picture: give another file")
+                raise CaptureError(f"{self.name} contains no image: pass another file")
         assert self._size is not None  # noqa: S101 - set with the first picture
         return self._size
 

@@ -31,7 +31,7 @@ def find_corners(grey: Any, size: tuple[int, int], thorough: bool = True) -> Any
     grey, size
         The picture, and the columns and rows of corners.
     thorough
-        Whether the slower detectors are tried.
+        True if the slower detectors are tried.
     """
     cv2 = opencv()
     columns, rows = size
@@ -72,7 +72,7 @@ def count_corners(greys: Sequence[Any]) -> tuple[int, int] | None:
             if 2 * count > len(chosen) and count >= MIN_AGREEMENT * counted.total():
                 return size
         votes += counted
-    # Parts of a board are counted and found, too: the largest size that the pictures show is the board's.
+    # Parts of a board are also found: the largest size in the images is the board's.
     sizes = sorted(votes, key=lambda size: -votes[size] * size[0] * size[1])[:MAX_CANDIDATES]
     shown = [[size for size in sizes if find_corners(grey, size) is not None] for grey in chosen]
     scores = Counter(size for there in shown for size in there)

@@ -44,14 +44,14 @@ class Capability:
 
     @property
     def captures(self) -> bool:
-        """Whether the node delivers pictures; others carry metadata, or convert pictures in memory."""
+        """True if the node delivers pictures; others carry metadata, or convert pictures in memory."""
         caps = self.device_caps if self.capabilities & _DEVICE_CAPS else self.capabilities
         return bool(caps & _CAPTURE) and not caps & _OUTPUT
 
 
 def query_capability(path: Path) -> Capability | None:
     """Ask a device for its capability; None if it cannot be opened."""
-    import fcntl  # of Unix alone
+    import fcntl  # Unix only
 
     buffer = bytearray(_CAPABILITY.size)
     try:
@@ -68,7 +68,7 @@ def devices(
     query: Callable[[Path], Capability | None] = query_capability,
 ) -> Sequence[Device]:
     """List the cameras in the order of their numbers; a device that cannot be opened is named by sysfs."""
-    found = []
+    cameras = []
     for folder in sys_class.glob("video*"):
         number = re.fullmatch(r"video(\d{1,4})", folder.name)
         if not number:
@@ -86,8 +86,8 @@ def devices(
         vendor, product = _read(usb / "idVendor")[:4], _read(usb / "idProduct")[:4]
         model = f"{vendor}:{product}" if vendor and product else ""
         label = label_of(name or folder.name, model)
-        found.append(Device(int(number[1]), label, LINUX_PLATFORM, str(path), CAP_V4L2))
-    return sorted(found, key=lambda device: device.index)
+        cameras.append(Device(int(number[1]), label, LINUX_PLATFORM, str(path), CAP_V4L2))
+    return sorted(cameras, key=lambda device: device.index)
 
 
 def _read(path: Path) -> str:

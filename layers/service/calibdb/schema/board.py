@@ -48,20 +48,20 @@ SquareCount = Annotated[int, Field(strict=True, ge=1, le=MAX_SQUARES), Whole, Af
 
 
 def _is_usual(value: str | bool | float) -> bool:
-    """Tell whether a member that older records and clients do not know has its default: it is left out."""
+    """True if a member that older records and clients do not know has its default: it is left out."""
     return value in ("charuco", False, DEFAULT_TAG_SPACING)
 
 
 class Board(Strict):
     """A flat calibration board.
 
-    `charuco`: squares with a marker in every white one. `chessboard`: squares alone. The corner `id` of both
+    `charuco`: squares with a marker in every white one. `chessboard`: only squares. The corner `id` of both
     is `row * (squares_x - 1) + column`, counted over the inner corners. `aprilgrid`: tags with a gap between
     them; `squares` counts tags, row by row from the lower left, and the corner `id` is `4 * tag + corner`,
     corners anticlockwise from the tag's lower left.
     """
 
-    kind: BoardKind = Field("charuco", exclude_if=_is_usual, description="What is on the board.")
+    kind: BoardKind = Field("charuco", exclude_if=_is_usual, description="Kind of the board.")
     squares: tuple[SquareCount, SquareCount] = Field(
         (9, 6),
         description="Columns and rows of squares, 3 to 50 each; of an AprilGrid its tags, 1 to 50 each.",
@@ -127,7 +127,7 @@ class Board(Strict):
 
     @property
     def is_half_turn_symmetric(self) -> bool:
-        """Whether it looks the same after half a turn: then it cannot link cameras."""
+        """True if it looks the same after half a turn, and therefore cannot link cameras."""
         return self.kind == "chessboard" and sum(self.squares) % 2 == 0
 
 

@@ -8,9 +8,10 @@ from pydantic import Field, model_validator
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration
-from calibdb.schema.device import DEVICE_TEXT, DeviceModel, join_device
 from calibdb.schema.documents import Votes
 from calibdb.schema.fields import (
+    DEVICE_TEXT,
+    DeviceModel,
     DistortionModel,
     ImgSize,
     Label,
@@ -18,6 +19,7 @@ from calibdb.schema.fields import (
     Row,
     Strict,
     Zoom,
+    join_device,
 )
 from calibdb.schema.licence import Licensed
 from calibdb.schema.lookup import ResizeMode
@@ -54,7 +56,7 @@ class CheckRequest(Strict, Licensed):
     )
     board: Board = Board()
     views: tuple[CheckView, ...] = Field(
-        min_length=1, max_length=MAX_VIEWS, description="Tilted differently; one alone tells little."
+        min_length=1, max_length=MAX_VIEWS, description="Views with different tilts."
     )
     calibration: GivenCalibration | None = Field(
         None,
@@ -72,14 +74,14 @@ class CheckAnswer(Open):
     """Result of a check: whether the stored consensus fits these views."""
 
     fits: Literal["fits", "does_not_fit"]
-    error: float = Field(description="px rms of the views under the consensus, the poses alone fitted.")
-    expected: float = Field(description="px rms of these views under a camera fitted to them alone.")
+    error: float = Field(description="px rms of the views under the consensus; only poses are fitted.")
+    expected: float = Field(description="px rms of these views under their own fit.")
     counted: bool = Field(
-        description="Whether it counts as a vote: a contributor has one a day for a camera at a size, none "
-        "where they calibrated it themselves, and views that fit many a camera are none."
+        description="True if it counts as a vote: a contributor has one per day, camera and size, and none "
+        "for a camera that they calibrated; ambiguous views do not count."
     )
-    votes: Votes = Field(description="On the consensus as it is now, this one included.")
-    calibration: Calibration = Field(description="The consensus as it is now, reliable or not.")
+    votes: Votes = Field(description="Votes on the current consensus, including this one.")
+    calibration: Calibration = Field(description="The current consensus, reliable or not.")
 
 
 class ComparisonAnswer(Open):

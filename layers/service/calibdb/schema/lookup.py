@@ -4,13 +4,24 @@ from __future__ import annotations
 
 import re
 from typing import Annotated, Literal, Self
+from urllib.parse import urlencode
 
 from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field, model_validator
 
 from calibdb.schema.deferred import Deferred
-from calibdb.schema.device import DEVICE_TEXT, DeviceModel, join_device
 from calibdb.schema.estimate import Estimate
-from calibdb.schema.fields import DistortionModel, ImgSize, Label, Open, Zoom
+from calibdb.schema.fields import (
+    DEVICE_TEXT,
+    DeviceModel,
+    DistortionModel,
+    ImgSize,
+    Label,
+    Open,
+    Zoom,
+    join_device,
+    size_text,
+    zoom_text,
+)
 
 Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors", "imprecise"]
 ResizeMode = Annotated[str, Field(max_length=64)]
@@ -83,8 +94,21 @@ class LookupRequest(Deferred):
     )
     redirect: Annotated[bool, BeforeValidator(_flag)] = True
     miss: Literal["ok"] | None = Field(
-        None, description="`ok`: a miss is answered with 200 and `calibration: null`, not with 307 or 404."
+        None, description="`ok`: a miss returns 200 with `calibration: null` instead of 307 or 404."
     )
+
+    @property
+    def key_query(self) -> str:
+        """Query of the guidance page that calibrates this camera."""
+        return urlencode(
+            {
+                "camera": self.camera,
+                "platform": self.platform,
+                "img_size": size_text(self.img_size),
+                "zoom": zoom_text(self.zoom),
+                "distortion_model": self.distortion_model,
+            }
+        )
 
     @model_validator(mode="after")
     def _join_device(self) -> Self:
@@ -98,7 +122,7 @@ class NoCalibration(Open):
     calibration: None = None
     reason: Reason
     guidance_url: str
-    detail: str = Field(description="The reason in words.")
+    detail: str = Field(description="Explanation for people.")
     estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)
 
 
@@ -114,6 +138,6 @@ class Miss(Open):
     guidance_url: str
     reason: Reason
     detail: str = Field(
-        "The database has no reliable calibration of this camera.", description="The reason in words."
+        "The database has no reliable calibration of this camera.", description="Explanation for people."
     )
     estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)

@@ -20,7 +20,7 @@ class RefitRequest(Open):
     """One camera (its key) at one size and zoom, and the models to compute.
 
     A model that the function does not know is passed over: while a new version is rolled out, an old one may
-    be asked by it. `queued`: nobody waits for the answer, so that whoever computes already can do it along.
+    be asked by it. `queued`: no caller waits for the answer, so that a running computation can include it.
     `alias`: nothing is computed; an alias of the camera is stored. `misses`: nothing is computed
     either; cameras, and how often lookups found nothing reliable of them.
     """
@@ -35,7 +35,7 @@ class RefitRequest(Open):
 
 
 class RefitAnswer(Open):
-    """Answer by model: the consensus now stored, or null where there is no calibration at all."""
+    """Answer by model: the consensus now stored, or null if there is no calibration at all."""
 
     models: dict[DistortionModel, ConsensusDocument | None]
 

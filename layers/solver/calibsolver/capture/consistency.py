@@ -57,7 +57,7 @@ class Consistency:
         self._thinned: dict[int, tuple[View, View]] = {}
 
     def fit(self, views: Sequence[View], near: Calibration | None = None) -> Calibration | None:
-        """Fit `views`; None where there is no believable camera, or nothing to fit.
+        """Fit `views`; None if there is no believable camera, or nothing to fit.
 
         Starts at `near`, or where the fit to one view less ended, or else the one to fewer points.
         """
@@ -89,7 +89,7 @@ class Consistency:
         return self._thinned[id(view)][1]
 
     def is_consistent(self, others: Sequence[View], view: View, near: Calibration | None = None) -> bool:
-        """Whether one camera explains `view` together with the `others` about as well as without it.
+        """True if one camera explains `view` together with the `others` about as well as without it.
 
         `near`: a trial fit that the one of the `others` starts from.
         """

@@ -12,11 +12,11 @@ FOCAL_WIDTHS = 0.15, 5.0
 MAX_CENTER_OFFSET = 0.25
 """Distance of a seed's principal point from the centre of the image / its size, along each axis."""
 MAX_SEED_ERROR_WIDTHS = 0.003
-"""Rms error / image width of the first view with its pose alone fitted, up to which the seed poses it."""
+"""Rms error / image width of the first view with only its pose fitted, up to which the seed poses it."""
 
 
 def is_usable(seed: Camera, model: str, img_size: tuple[int, int]) -> bool:
-    """Whether a seed is of this model and image size, and a believable camera."""
+    """True if a seed is of this model and image size, and a believable camera."""
     (w, h), k = img_size, seed.intrinsics
     if (seed.model, seed.img_size) != (model, img_size) or not np.isfinite(k).all():
         return False
@@ -27,8 +27,8 @@ def is_usable(seed: Camera, model: str, img_size: tuple[int, int]) -> bool:
 
 
 def is_posed(seed: Camera, view: View) -> bool:
-    """Whether a seed explains a view: one that does not is of another camera, whoever measured it."""
-    with np.errstate(all="ignore"):  # hostile numbers are no pose
+    """True if a seed explains a view; otherwise it belongs to another camera."""
+    with np.errstate(all="ignore"):  # hostile numbers are not a pose
         try:
             error = reprojection_score(seed, [view]).rms
         except CalibrationError:

@@ -5,16 +5,16 @@ or the square, sigma the noise that the residuals themselves show. (Marquardt 19
 2000 for the elimination; Transtrum & Sethna 2012 for the geodesic acceleration along narrow valleys.)
 """
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import deadline
+from .. import deadline, rotation
 from ..arrays import Array, Mask
 from ..models import Model
 from . import normal_equations, prior
-from .board_shape import BoardShape
 from .normal_equations import POSE_SIZE, Elimination, Poses, System
 from .observations import Observations
 
@@ -38,10 +38,12 @@ MIN_GAIN_RATIO = 0.25
 """Gain ratio (actual / predicted decrease) below which the damping is raised."""
 MIN_DAMPING, MIN_RAISED_DAMPING, MAX_DAMPING = 1e-12, 1e-8, 1e8
 """Bounds of the damping: when lowered, when raised, and beyond which no step leads downhill."""
-ACCELERATE_AFTER_ITERATIONS = 6
+ACCELERATE_AFTER_ITERATIONS = 4
 """Iterations after which the valley is taken for a curved one."""
 MAX_ACCELERATION_RATIO = 0.75
 """Length of the geodesic acceleration / length of the step, at most: else neither is trusted."""
+SHORT_STEP = 1e-6
+"""Relative change of the focal length up to which a straight step is as good as a curved one."""
 FINITE_DIFFERENCE = 0.1
 """Share of a step over which its second derivative is taken."""
 
@@ -79,7 +81,7 @@ class State:
     prior_residuals, prior_jacobian
         Whitened residuals (m,) of the prior and their Jacobian (m, a).
     converged
-        Whether the gradient allows no further decrease.
+        True if the gradient allows no further decrease.
     """
 
     k: Array
@@ -98,7 +100,7 @@ class State:
 
     @property
     def is_finite(self) -> bool:
-        """Whether every residual is a number."""
+        """True if every residual is finite."""
         return bool(np.isfinite(self.square).all())
 
     def system(self, weights: Array | None, prior_weight: float) -> System:
@@ -152,7 +154,7 @@ class LeastSquares(ABC):
 
     @abstractmethod
     def is_feasible(self, k: Array) -> bool:
-        """Whether there is a picture at all with the shared unknowns k (p,)."""
+        """True if there is an image with the shared unknowns k (p,)."""
 
     @abstractmethod
     def at(self, k: Array, poses: Poses) -> State:
@@ -176,7 +178,7 @@ class LeastSquares(ABC):
         refused = 0.0
         for iteration in range(options.iterations):
             deadline.check()
-            sigma = max(robust_sigma(state, counted), sigma_floor)
+            sigma = max(self.noise(state, counted), sigma_floor)
             objective = Objective(
                 plain, HUBER_SIGMAS * sigma if options.robust else np.inf, sigma * sigma * options.with_prior
             )
@@ -213,14 +215,22 @@ class LeastSquares(ABC):
         # Where curvature beyond Gauss-Newton's makes it slow, what is left may be nothing that could be seen.
         return replace(state, converged=bool(predicted < NEGLIGIBLE_DECREASE * visible * visible))
 
+    def noise(self, state: State, counted: Mask) -> float:
+        """Noise of a coordinate, px, over the points that count (v, n): what weighs the prior."""
+        return robust_sigma(state, counted)
+
     def free(self, da: Array) -> Array:
         """Change (p,) of the shared unknowns by a step (a,) of the free ones."""
         return da
 
     def _take_step(self, state: State, da: Array, dp: Array) -> State | None:
-        """Linearize after steps (a,) and (v, 6); None where there is no picture there."""
-        k = state.k + self.free(da)
-        return self.at(k, state.poses.retract(dp)) if self.is_feasible(k) else None
+        """Linearize after steps (a,) and (v, 6); None if there is no picture there."""
+        k, poses = self.retract(state.k, state.poses, da, dp)
+        return self.at(k, poses) if self.is_feasible(k) else None
+
+    def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
+        """Shared unknowns (p,) and poses after steps (a,) and (v, 6)."""
+        return k + self.free(da), poses.retract(dp)
 
     def _geodesic_acceleration(
         self, state: State, system: System, weights: Array | None, da: Array, dp: Array, at: Elimination
@@ -230,10 +240,10 @@ class LeastSquares(ABC):
         The second derivative of the residuals along the step is a finite difference.
         """
         h = FINITE_DIFFERENCE
-        k = state.k + h * self.free(da)
+        k, poses = self.retract(state.k, state.poses, h * da, h * dp)
         if not self.is_feasible(k):
             return da, dp
-        moved = self.residuals(k, state.poses.retract(h * dp))
+        moved = self.residuals(k, poses)
         rows, r, size = state.rows, state.rows[-1], len(da)
         first = (da @ rows[:size].reshape(size, -1)).reshape(r.shape)
         first += np.einsum("vi,iavn->avn", dp, rows[size:-1])
@@ -271,7 +281,7 @@ class Problem(LeastSquares):
         return self.img_size[0]
 
     def is_feasible(self, k: Array) -> bool:
-        """Whether the model has a picture at all with intrinsics k (p,)."""
+        """True if the model has an image with intrinsics k (p,)."""
         return bool(k[0] > 0 and k[1] > 0 and self.model.magnification(k[4:])[0] > 0)
 
     def at(self, k: Array, poses: Poses) -> State:
@@ -284,10 +294,6 @@ class Problem(LeastSquares):
             j = j @ self.basis
         return State(k, poses, rows, square, r, j)
 
-    def reshaped(self, shape: BoardShape) -> "Problem":
-        """Return the problem of a board in its shape."""
-        return replace(self, obs=shape.reshape(self.obs))
-
     def residuals(self, k: Array, poses: Poses) -> Array:
         """Compute the residuals (2, v, n) at given intrinsics (p,) and poses, px."""
         q = normal_equations.project(self.model, k, poses, self.obs.points)
@@ -297,10 +303,32 @@ class Problem(LeastSquares):
         """Change (p,) of the intrinsics by a step (a,) of the free ones."""
         return da if self.basis is None else self.basis @ da
 
+    def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
+        """Intrinsics and poses after steps (a,) and (v, 6), along the curve that keeps the picture.
 
-def residual_rows(model: Model, k: Array, poses: Poses, obs: Observations) -> tuple[Array, Array]:
-    """Jacobian and residuals (p + 7, 2, v, n) at k (p,), and the residuals' squared lengths (v, n), px^2."""
-    q, rows = normal_equations.linearize(model, k, poses, obs.points, 1)
+        A longer focal length moves the boards away, and leaves each coefficient's effect in px: the long
+        valley between focal length, distortion and distance is then nearly straight.
+        """
+        change = self.free(da)
+        across, down = float(change[0] / k[0]), float(change[1] / k[1])
+        longer = (across + down) / 2
+        moved, t = k + change, poses.t + dp[:, 3:]
+        if abs(longer) > SHORT_STEP:
+            grown, order = math.exp(longer), 2 * prior.weights(self.model).order
+            moved[0], moved[1] = k[0] * math.exp(across), k[1] * math.exp(down)
+            moved[4:] = (moved[4:] - k[4:] * (order * longer)) * grown**order
+            t[:, 2] = (t[:, 2] - poses.t[:, 2] * longer) * grown
+        return moved, Poses(rotation.matrix(dp[:, :3]) @ poses.r, t)
+
+
+def residual_rows(
+    model: Model, k: Array, poses: Poses, obs: Observations, rows_before: int = 0
+) -> tuple[Array, Array]:
+    """Jacobian and residuals (p + 7, 2, v, n) at k (p,), and the residuals' squared lengths (v, n), px^2.
+
+    As many rows before them are left empty as are asked for.
+    """
+    q, rows = normal_equations.linearize(model, k, poses, obs.points, 1, rows_before)
     r = rows[-1]
     np.subtract(q, obs.pixels.transpose(1, 0, 2), out=r)
     return rows, r[0] * r[0] + r[1] * r[1]
@@ -318,7 +346,7 @@ def assess_step(damping: float, actual: float, predicted: float) -> tuple[bool, 
 
 
 def is_last_step(predicted: float, previous_predicted: float, cost: float, tolerance: float) -> bool:
-    """Whether the decrease that the next step would predict, extrapolated, is within the tolerance."""
+    """True if the decrease that the next step would predict, extrapolated, is within the tolerance."""
     return (
         previous_predicted < EXTRAPOLATE_BELOW * cost
         and predicted * (predicted / previous_predicted) < tolerance

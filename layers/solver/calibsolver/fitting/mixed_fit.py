@@ -1,214 +1,313 @@
 """Fit of intrinsics, poses and the board's shape together.
 
-Gauss-Newton steps from the optimum of least squares, with the variance of the shape learnt at each of them.
-Motion of the hand during the readout is not estimated: on real sets the misfit of the lens would be taken for
-it. It counts in the covariance.
+Least squares from the optimum with the board as drawn. The variance of the shape is learnt where it begins
+and where it ends. Motion of the hand during the readout is not estimated: on real sets the misfit of the lens
+would be taken for it. It counts in the covariance.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import deadline
 from ..arrays import Array, IntArray, Mask, block_diagonal, dot, whitening
-from . import levenberg_marquardt, robust_covariance, systematic_effects
+from . import (
+    levenberg_marquardt,
+    normal_equations,
+    outliers,
+    prior,
+    robust_covariance,
+    systematic_effects,
+)
 from .board_shape import BoardShape
-from .levenberg_marquardt import Problem, State
-from .mixed_model import EXPECTED_MOTION, SHAPE_SIZE, MixedModel, Solution, Variances, trusted_motion
+from .levenberg_marquardt import LeastSquares, Options, Problem, State
+from .mixed_model import (
+    EXPECTED_MOTION,
+    EXPECTED_STRETCH,
+    MAX_STRETCH_DEVIATION,
+    SHAPE_SIZE,
+    MixedModel,
+    Variances,
+    trusted_motion,
+)
 from .normal_equations import POSE_SIZE, Poses
-from .outliers import OUTLIER_SIGMAS
+from .observations import Observations
 from .robust_covariance import Evidence, Result
 from .systematic_effects import BEND_SIZE
 
-MAX_GAUSS_NEWTON_STEPS = 12
-MIN_STEP_DECREASE = 1e-4
-"""Decrease of the cost, in squares of the noise, that a last step would bring."""
 MIN_SHAPE_DECREASE = 15.0
 """Decrease of the cost, in squares of the noise, by a shape that is believed: with five numbers chance brings
 more to one flat board in a hundred."""
 TYPICAL_NOISE_WIDTHS = 0.25 / 1280
 """Noise of a corner's coordinate / image width that is usual."""
-TRIED_SHARES = (1.0, 0.5, 0.25, 0.1)
-"""Shares of a step that are tried."""
 NO_METRIC: Array = np.zeros((0, 0))
 """Metric of a linearization that is not asked for error bars."""
 PRIOR_NOISE_WIDTHS = 1e-5
 """Noise / image width below which the prior of the intrinsics gains no more weight."""
+IN_SHAPE = Options(tolerance=1e-8, one_step=True)
+"""A hundredth of a standard deviation is 1e-4 squares of the noise, of thousands."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShapedProblem(LeastSquares):
+    """Problem of a camera whose board has a shape: k is that shape (SHAPE_SIZE,), then the intrinsics (p,).
+
+    Attributes
+    ----------
+    obs
+        Observations of the board as drawn.
+    drawn
+        Problem of that board.
+    frame
+        Shape of which the parameters are estimated.
+    displacements
+        (SHAPE_SIZE, v, 3, n) derivatives of the points by them.
+    variances
+        Of the noise, which weighs the priors, and of the shape.
+    """
+
+    obs: Observations
+    drawn: Problem
+    frame: BoardShape
+    displacements: Array
+    variances: Variances
+
+    @classmethod
+    def of(cls, drawn: Problem, variances: Variances) -> "ShapedProblem":
+        """Problem of the board as drawn, which gets a shape."""
+        frame, points = BoardShape.of(drawn.obs), drawn.obs.points
+        moved = frame.displacements(points.transpose(1, 0, 2)).transpose(0, 2, 1, 3)
+        return cls(drawn.obs, drawn, frame, np.ascontiguousarray(moved), variances)
+
+    @property
+    def width(self) -> int:
+        """Width of the image, px."""
+        return self.drawn.width
+
+    def reshaped(self, shape: Array) -> Observations:
+        """Observations of the board in a shape (SHAPE_SIZE,)."""
+        moved = (shape @ self.displacements.reshape(SHAPE_SIZE, -1)).reshape(self.obs.points.shape)
+        moved += self.obs.points
+        return Observations(moved, self.obs.pixels, self.obs.mask)
+
+    def is_feasible(self, k: Array) -> bool:
+        """True if the model has a picture at all with k."""
+        return self.drawn.is_feasible(k[SHAPE_SIZE:])
+
+    def noise(self, state: State, counted: Mask) -> float:
+        """Noise of a coordinate, px, as it was learnt."""
+        del state, counted
+        return max(float(np.sqrt(self.variances.noise2)), PRIOR_NOISE_WIDTHS * self.width)
+
+    def believing(self, state: State) -> State:
+        """Return a state with the prior of these variances."""
+        certain, jacobian = 1 / self.variances.shape_deviations(), state.prior_jacobian.copy()
+        jacobian[:SHAPE_SIZE, :SHAPE_SIZE] = np.diag(certain)
+        r = np.append(state.k[:SHAPE_SIZE] * certain, state.prior_residuals[SHAPE_SIZE:])
+        return replace(state, prior_residuals=r, prior_jacobian=jacobian)
+
+    def start(self, state: State) -> State:
+        """Linearize about a state of the board as drawn."""
+        rows = np.empty((SHAPE_SIZE + len(state.rows), *state.rows.shape[1:]))
+        rows[SHAPE_SIZE:] = state.rows
+        return self._with_shape(np.append(np.zeros(SHAPE_SIZE), state.k), state.poses, rows, state.square)
+
+    def at(self, k: Array, poses: Poses) -> State:
+        """Linearize at a shape and intrinsics k, and poses."""
+        obs = self.reshaped(k[:SHAPE_SIZE])
+        rows, square = levenberg_marquardt.residual_rows(
+            self.drawn.model, k[SHAPE_SIZE:], poses, obs, SHAPE_SIZE
+        )
+        return self._with_shape(k, poses, rows, square)
+
+    def residuals(self, k: Array, poses: Poses) -> Array:
+        """Compute the residuals (2, v, n) at a shape and intrinsics k, and poses, px."""
+        points = self.reshaped(k[:SHAPE_SIZE]).points
+        q = normal_equations.project(self.drawn.model, k[SHAPE_SIZE:], poses, points)
+        return (q - self.obs.pixels).transpose(1, 0, 2)
+
+    def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
+        """Shape, intrinsics and poses after steps (SHAPE_SIZE + p,) and (v, 6)."""
+        camera, moved = self.drawn.retract(k[SHAPE_SIZE:], poses, da[SHAPE_SIZE:], dp)
+        return np.append(k[:SHAPE_SIZE] + da[:SHAPE_SIZE], camera), moved
+
+    def of_camera(self, state: State) -> tuple[Problem, State]:
+        """Return problem and state of the camera alone, of the board in its shape."""
+        problem = replace(self.drawn, obs=self.reshaped(state.k[:SHAPE_SIZE]))
+        return problem, replace(
+            state,
+            k=state.k[SHAPE_SIZE:],
+            rows=state.rows[SHAPE_SIZE:],
+            prior_residuals=state.prior_residuals[SHAPE_SIZE:],
+            prior_jacobian=state.prior_jacobian[SHAPE_SIZE:, SHAPE_SIZE:],
+        )
+
+    def shape(self, state: State) -> BoardShape:
+        """Shape of the board at a state."""
+        return replace(self.frame, parameters=tuple(state.k[:SHAPE_SIZE].tolist()))
+
+    def _with_shape(self, k: Array, poses: Poses, rows: Array, square: Array) -> State:
+        """State of rows (SHAPE_SIZE + p + 7, 2, v, n), the first of which are filled here."""
+        by_x, by_y, by_z = np.einsum("vij,iavn->javn", poses.r, rows[-4:-1])
+        for i in range(BEND_SIZE):
+            np.multiply(by_z, self.displacements[i, :, 2], out=rows[i])
+        np.multiply(by_x, self.displacements[3, :, 0], out=rows[3])
+        rows[3] += by_y * self.displacements[3, :, 1]
+        np.multiply(by_x, self.displacements[4, :, 0], out=rows[4])
+        r, j = prior.residuals(self.drawn.model, k[SHAPE_SIZE:], self.drawn.img_size)
+        certain = 1 / self.variances.shape_deviations()
+        jacobian = block_diagonal(np.diag(certain), j)
+        return State(k, poses, rows, square, np.append(k[:SHAPE_SIZE] * certain, r), jacobian)
 
 
 @dataclass(frozen=True, eq=False)
 class Linearization:
-    """Mixed model of the views about a state and a shape.
+    """Mixed model of the views about a state.
 
     Attributes
     ----------
-    state, shape
-        Where, with the board in its shape.
+    state
+        State of a `ShapedProblem`.
     effects
         (MOTION_SIZE, 2, v, n) displacements by motion, px.
     evidence, model
         Of the points that count.
-    prior_cost
-        Squares of the prior's residuals.
     """
 
     state: State
-    shape: BoardShape
     effects: Array
     evidence: Evidence
     model: MixedModel
-    prior_cost: float
-
-    def cost(self, v: Variances) -> float:
-        """Cost at the variances `v`, in squares of the noise."""
-        total = float(self.model.gram[:, -1, -1].sum()) / v.noise2 + self.prior_cost
-        total += float(v.shape_information() @ np.square(self.shape.parameters))
-        return total if np.isfinite(total) else np.inf
 
 
 @dataclass(frozen=True, eq=False)
 class MixedFit:
-    """Views whose points (v, n) `good` take part.
+    """Fit of a board's shape with the rest.
 
     Attributes
     ----------
     problem
-        Model and observations, with the board as drawn.
-    good
-        (v, n) points that take part.
+        Problem with the shape, at variances to begin with.
     labels
         (v,) clusters of views in nearly the same pose.
+    max_stretch
+        Standard deviation of stretch at most.
     """
 
-    problem: Problem
-    good: Mask
+    problem: ShapedProblem
     labels: IntArray
+    max_stretch: float = MAX_STRETCH_DEVIATION
 
-    def at(
-        self,
-        k: Array,
-        poses: Poses,
-        shape: BoardShape,
-        noise2: float,
-        metric: Array | None = NO_METRIC,
-    ) -> Linearization:
-        """Linearize about shared unknowns (p,), poses and a shape.
-
-        `metric` (p, p) is that of the projection error (`robust_covariance.Evidence`); None: at the corners.
-        """
-        problem = self.problem.reshaped(shape)
-        state = problem.at(k, poses)
-        rows, size, points = state.rows, len(k), self.problem.obs.points
-        row = systematic_effects.row_position(self.problem.obs.pixels[:, 1], self.problem.img_size[1])
-        effects = systematic_effects.displacements(rows[size:-1], poses, points, row)[BEND_SIZE:]
-        by_shape = shape.columns(rows[size + 3 : -1], poses.r, points)
-        rows = np.concatenate([rows[:size], by_shape, rows[size:]])
-        evidence = Evidence.of(
-            rows, effects, poses, self.labels, metric, None if self.good.all() else self.good
-        )
-        if metric is not NO_METRIC:  # the shape is no part of the camera
-            known = evidence.metric[:size, :size]
-            nothing = np.zeros((SHAPE_SIZE, SHAPE_SIZE))
-            evidence = replace(evidence, metric=block_diagonal(known, nothing))
-        r, j = state.prior_residuals, state.prior_jacobian
-        # Below any detector's noise the prior keeps some weight: corners without any would leave it none.
-        weight = max((PRIOR_NOISE_WIDTHS * self.problem.width) ** 2 / noise2, 1.0)
-        mixed = MixedModel(
-            evidence.gram,
-            2 * int(self.good.sum()) - POSE_SIZE * int(self.good.any(axis=1).sum()),
-            (weight * j.T @ j, weight * j.T @ r),
-            np.array(shape.parameters),
-            (levenberg_marquardt.ROUNDOFF * self.problem.width) ** 2,
-            self._expected_motion(noise2),
-        )
-        return Linearization(state, shape, effects, evidence, mixed, weight * float(r @ r))
-
-    def _expected_motion(self, noise2: float) -> float:
-        """Variance of motion to expect: less where the corners show less noise than most."""
-        return EXPECTED_MOTION * min(noise2 / (TYPICAL_NOISE_WIDTHS * self.problem.width) ** 2, 1.0)
-
-    def tells_shape(self, start: State, noise2: float) -> bool:
-        """True if a shape of the board explains more than chance does, and more than motion."""
-        at = self.at(start.k, start.poses, BoardShape.of(self.problem.obs), noise2)
-        v, _ = at.model.learn(Variances(noise2))
-        return at.model.shape_gain(v) > MIN_SHAPE_DECREASE
-
-    def solve(self, start: State, shape: BoardShape, v: Variances) -> tuple[Linearization, Variances] | None:
-        """Iterate from a state, a shape and variances near it to the optimum; None where there is none."""
-        at = self.at(start.k, start.poses, shape, v.noise2)
-        for _ in range(MAX_GAUSS_NEWTON_STEPS):
-            deadline.check()
-            v, _ = at.model.learn(v)
-            # Least squares, with the shape as variable as the views tell when motion is allowed for.
-            plain = replace(v, motion=0.0, noise2=at.model.noise2)
-            found = at.model.solve(plain)
-            if not np.isfinite(found.x).all():
-                return None
-            if self._decrease(at, found, plain) < MIN_STEP_DECREASE:
-                break
-            after = self._step(at, found, plain)
-            if after is None:
-                break
-            at = after
-        return at, v
-
-    def spread(
-        self,
-        at: Linearization,
-        noise2: float,
-        metric: Array | None = None,
-        *,
-        mask: Mask | None = None,
-    ) -> Result:
-        """Covariance of what the views share there, with the motion that the residuals show.
+    @classmethod
+    def begin(
+        cls, drawn: Problem, state: State, good: Mask, labels: IntArray, noise2: float
+    ) -> "tuple[MixedFit, State] | None":
+        """Begin with the board as drawn; None if a shape explains no more than chance and motion do.
 
         Parameters
         ----------
-        metric
-            As for `at`.
-        mask
-            (v, n) points that may show it: those that the fit cut, but motion explains, were moved farthest.
+        drawn, state, good
+            Problem of the board as drawn, its optimum, and the points (v, n) that took part.
+        labels
+            As of the class.
+        noise2
+            Variance of the noise there, px^2.
         """
-        at = self.at(at.state.k, at.state.poses, at.shape, noise2, metric)
-        v, found = at.model.learn(Variances(noise2))
-        if mask is not None and not np.array_equal(mask, self.good):
-            left = at.state.rows[-1] + np.einsum("vm,mavn->avn", found.u[self.labels], at.effects)
-            seen = self.good | (mask & (np.sum(left**2, axis=0) < OUTLIER_SIGMAS**2 * noise2))
-            more = replace(self, good=seen).at(at.state.k, at.state.poses, at.shape, noise2)
-            v, _ = more.model.learn(v)
-        v = replace(v, motion=trusted_motion(v, at.model.noise2))
-        return _covariance(at, v, noise2)
+        fit = cls(ShapedProblem.of(drawn, Variances(noise2)), labels)
+        at = fit.linearize(fit.problem.start(state), good)
+        fit, v = fit._learn(at.model)
+        if not at.model.shape_gain(v) > MIN_SHAPE_DECREASE:
+            return None
+        return fit._at_variances(at.model, v), at.state
 
-    def _decrease(self, at: Linearization, found: Solution, v: Variances) -> float:
-        """Decrease of the cost that a step predicts, in squares of the noise."""
-        slope = at.model.total[:-1, -1] / v.noise2 + at.model.belief(v)[1]
-        return -float(found.x @ slope)
+    def linearize(self, state: State, good: Mask, metric: Array | None = NO_METRIC) -> Linearization:
+        """Gather the mixed model of the good points (v, n) about a state.
 
-    def _step(self, at: Linearization, found: Solution, v: Variances) -> Linearization | None:
-        """Linearize after a step, or a share of it, that lowers the cost; None where none does."""
-        k, poses, x = at.state.k, at.state.poses, found.x
-        size, before = len(k), at.cost(v)
-        turn = -(at.evidence.solved[:, :, : len(x)] @ x + at.evidence.solved[:, :, -1])
-        for share in TRIED_SHARES:
-            moved = k + share * x[:size]
-            if not self.problem.is_feasible(moved):
-                continue
-            shape = at.shape.shifted(share * x[size:])
-            after = self.at(moved, poses.retract(share * turn), shape, v.noise2)
-            if after.cost(v) < before:
-                return after
-        return None
+        `metric` (p, p) is that of the projection error (`robust_covariance.Evidence`); None: at the corners.
+        """
+        drawn = self.problem.drawn
+        row = systematic_effects.row_position(drawn.obs.pixels[:, 1], drawn.img_size[1])
+        effects = systematic_effects.motion(state.rows[-POSE_SIZE - 1 : -1], drawn.obs.points, row)
+        used = None if good.all() else good
+        evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, used)
+        if metric is None:  # the shape is not part of the camera
+            known = np.zeros_like(evidence.metric)
+            known[SHAPE_SIZE:, SHAPE_SIZE:] = evidence.metric[SHAPE_SIZE:, SHAPE_SIZE:]
+            evidence = replace(evidence, metric=known)
+        r, j = state.prior_residuals[SHAPE_SIZE:], state.prior_jacobian[SHAPE_SIZE:, SHAPE_SIZE:]
+        noise2 = self.problem.variances.noise2
+        # Below any detector's noise the prior keeps some weight: corners without any would leave it none.
+        weight = max((PRIOR_NOISE_WIDTHS * drawn.width) ** 2 / noise2, 1.0)
+        mixed = MixedModel(
+            evidence.gram,
+            2 * int(good.sum()) - POSE_SIZE * int(good.any(axis=1).sum()),
+            (weight * j.T @ j, weight * j.T @ r),
+            state.k[:SHAPE_SIZE],
+            (levenberg_marquardt.ROUNDOFF * drawn.width) ** 2,
+            # Less motion is expected where the corners show less noise than most.
+            EXPECTED_MOTION * min(noise2 / (TYPICAL_NOISE_WIDTHS * drawn.width) ** 2, 1.0),
+            self.max_stretch,
+        )
+        return Linearization(state, effects, evidence, mixed)
+
+    def learnt(self, at: Linearization) -> "MixedFit":
+        """Return the fit at the variances that a linearization teaches."""
+        fit, v = self._learn(at.model)
+        return fit._at_variances(at.model, v)
+
+    def _learn(self, model: MixedModel) -> "tuple[MixedFit, Variances]":
+        """Learn the variances; a stretch that no printer causes is not one, and has next to none."""
+        v = model.learn(self.problem.variances)
+        expected = tuple((model.shape + model.solve(v).x[:SHAPE_SIZE]).tolist())
+        if replace(self.problem.frame, parameters=expected).is_plausible:
+            return self, v
+        model.max_stretch = EXPECTED_STRETCH
+        return replace(self, max_stretch=EXPECTED_STRETCH), model.learn(replace(v, stretch=EXPECTED_STRETCH))
+
+    def _at_variances(self, model: MixedModel, v: Variances) -> "MixedFit":
+        """Return the fit at learnt variances, without motion: what moves counts as noise."""
+        noise2 = model.solve(replace(v, motion=0.0)).variances.noise2
+        return replace(self, problem=replace(self.problem, variances=replace(v, noise2=noise2)))
+
+    def solve(self, state: State, good: Mask, options: Options = IN_SHAPE) -> State:
+        """Solve for the optimum of the good points (v, n)."""
+        return self.problem.solve(self.problem.believing(state), outliers.unit_weights(good), options)
+
+    def spread(self, state: State, good: Mask, sigma: float, mask: Mask) -> Result:
+        """Covariance of what the views share, with the motion that the residuals show.
+
+        Parameters
+        ----------
+        state, good
+            The optimum, and the points (v, n) that took part.
+        sigma
+            px, noise of a coordinate there, motion and all.
+        mask
+            (v, n) points that may show motion: those that the fit cut, but motion explains, were moved
+            farthest.
+        """
+        noise2 = sigma**2
+        at = self.linearize(state, good, None)
+        model = at.model
+        v = model.learn(replace(self.problem.variances, noise2=noise2))
+        if not np.array_equal(mask, good):
+            u = model.moved(model.solve(v).u)
+            left = state.rows[-1] + np.einsum("vm,mavn->avn", u[self.labels], at.effects)
+            seen = good | (mask & (np.sum(left**2, axis=0) < (outliers.OUTLIER_SIGMAS * sigma) ** 2))
+            if not np.array_equal(seen, good):
+                v = self.linearize(state, seen).model.learn(v)
+        v = replace(v, motion=trusted_motion(v, model.noise2))
+        return _covariance(model, at.evidence.metric, v, noise2)
 
 
-def _covariance(at: Linearization, v: Variances, noise2: float) -> Result:
-    """Covariance of intrinsics and shape by the formula of `robust_covariance`, without its effect of bend.
+def _covariance(model: MixedModel, metric: Array, v: Variances, noise2: float) -> Result:
+    """Covariance of shape and intrinsics by the formula of `robust_covariance`, without its effect of bend.
 
-    `noise2` (px^2) is the variance of the residuals, motion and all.
+    `metric` is that of `Evidence`; `noise2` (px^2) is the variance of the residuals, motion and all.
     """
-    size, model = at.model.size, at.model
+    size = model.size
     information = model.total[:size, :size] + v.noise2 * model.belief(v)[0]
     basis = whitening(information)
-    w = basis.T @ at.evidence.metric @ basis
+    w = basis.T @ metric @ basis
     b = basis.T @ model.gram[:, :size, :size] @ basis
     h = model.gram[:, :size, size] @ basis / np.sqrt(v.noise2)
     pull = basis.T @ model.rows[:, :size]

@@ -17,7 +17,7 @@ from .normal_equations import Poses
 
 MAX_TRUSTED_RMS_WIDTHS = 0.002
 """Trimmed rms / image width above which other starts are tried."""
-TOWARDS_OPTIMUM = Options(robust=True, tolerance=1e-3, damping=1e-6, one_step=True, patient=True)
+TOWARDS_OPTIMUM = Options(robust=True, tolerance=1e-3, damping=1e-5, one_step=True, patient=True)
 """The way to near the optimum is always robust: one bad view must not turn the first steps."""
 MAX_PRIOR_Z = 3.0
 """Sigmas of the prior by which aspect and principal point may differ before other starts are tried, too."""
@@ -151,7 +151,7 @@ class MultiStart:
         return bool(change.max() < SAME_OPTIMUM and abs(quotient - 1) < SAME_OPTIMUM)
 
     def within_prior(self, state: State) -> bool:
-        """Whether the camera is like others; a strange one may be a local minimum beside the right one."""
+        """True if the camera is like others; an unusual one may be a local minimum next to the right one."""
         return bool(np.abs(state.prior_residuals[1:4]).max() < MAX_PRIOR_Z)
 
 

@@ -82,7 +82,7 @@ class Search:
     skipped
         Targets that candidates must not resemble.
     history
-        Noise to expect by pose; None where no view has shown any.
+        Noise to expect by pose; None if no view has shown any.
     """
 
     def __init__(
@@ -205,7 +205,7 @@ def fisher_information(
 
 
 def is_similar(poses: Poses, target: TargetPose, board: Board) -> Mask:
-    """Whether poses (c) resemble a target: normals within 20 degrees, centres within 1.5 squares."""
+    """True if poses (c) resemble a target: normals within 20 degrees, centres within 1.5 squares."""
     r = rotation.matrix(target.rvec)
     center = board.outline.mean(axis=0)
     distance = np.linalg.norm(poses.r @ center + poses.t - (r @ center + target.tvec), axis=1)

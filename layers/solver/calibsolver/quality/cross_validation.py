@@ -43,7 +43,7 @@ def held_out(
     *,
     board_shape: bool = False,
 ) -> HeldOut:
-    """Cross-validate: intrinsics from the training views, the poses of the views left out fitted anew.
+    """Cross-validate: intrinsics from the training views, the poses of the held-out views fitted.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ class Choice:
     model
         Name of the model to use.
     held_out
-        px, cross-validated rms by model; None where the model cannot be fitted to these views.
+        px, cross-validated rms by model; None if the model cannot be fitted to these views.
     reasons
         In plain words, what spoke for it and against the others.
     """
@@ -99,7 +99,7 @@ def without_outliers(views: Sequence[View], fits: Sequence[Calibration]) -> list
 
 
 def not_significantly_worse(one: HeldOut, best: HeldOut) -> bool:
-    """Whether a model is as good as the best, as far as these views can tell (see `suggest_model`)."""
+    """True if a model is as good as the best, within what these views show (see `suggest_model`)."""
     if one.rms <= MAX_EQUAL_RATIO * best.rms:
         return True
     # Logarithms: a view that a model cannot follow at all is one vote against it, not a large variance.
@@ -129,5 +129,5 @@ def describe_reasons(
         elif name == best and result.rms < scores[chosen].rms:
             sentences.append(f"with {name} they are {error}: not enough for a less simple model")
         else:
-            sentences.append(f"{name} is no better: {error}")
+            sentences.append(f"{name} is not better: {error}")
     return sentences + [f"{name} does not fit: {why}" for name, why in refused.items()]
