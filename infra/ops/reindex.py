@@ -160,20 +160,20 @@ def publish_finished(context: OpsContext, *, dry_run: bool = False) -> int:
     return published
 
 
-def refit(context: OpsContext, wanted: StreamMode) -> int | None:
+def refit(context: OpsContext, mode: StreamMode) -> int | None:
     """Have the consensus of every model computed; return of how many there is one, None if it failed."""
     request = RefitRequest(
-        camera=wanted.camera_key,
-        img_size=wanted.img_size,
-        zoom=wanted.zoom,
+        camera=mode.camera_key,
+        img_size=mode.img_size,
+        zoom=mode.zoom,
     )
     try:
         answer = context.store.refit.now(request)
     except UnavailableError as error:
-        context.echo(f"{wanted.camera_key} {wanted.text}: {error.detail}")
+        context.echo(f"{mode.camera_key} {mode.text}: {error.detail}")
         return None
     # A computation with nothing new leaves this as it is, and here it may have been lost.
-    well_known_ids.refresh_well_known(context.store, wanted.camera_key, context.settings.thresholds)
+    well_known_ids.refresh_well_known(context.store, mode.camera_key, context.settings.thresholds)
     return sum(1 for consensus in answer.models.values() if consensus is not None)
 
 

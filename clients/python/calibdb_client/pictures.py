@@ -165,12 +165,12 @@ def turned_by_camera(paths: Sequence[Path]) -> bool:
 def read(
     paths: Sequence[Path],
     board: Board,
-    found: FoundViews,
+    board_views: FoundViews,
     progress: Callable[[int, int], None] | None = None,
     most: int | None = MAX_PICTURES,
     mirrored: bool = False,
 ) -> None:
-    """Find the board in pictures, and add to `found` one by one: an interruption loses nothing.
+    """Find the board in pictures, and add to `board_views` one by one: an interruption loses nothing.
 
     Pixels are those of the file: an orientation that the camera wrote next to them is not applied.
     `mirrored` pictures are turned back. Of more pictures than `most`, as many are read, spread evenly.
@@ -183,13 +183,13 @@ def read(
         if mirrored and picture is not None:
             picture = np.ascontiguousarray(picture[:, ::-1])
         if picture is None:
-            found.unreadable.append(path.name)
+            board_views.unreadable.append(path.name)
         elif (corners := detector.find(picture)) is None:
-            found.empty.append(path.name)
+            board_views.empty.append(path.name)
         else:
             h, w = picture.shape[:2]
             points = tuple((float(u), float(v)) for u, v in corners.points.tolist())
-            found.views.append(((w, h), RecordedView(path.name, corners.ids, points)))
+            board_views.views.append(((w, h), RecordedView(path.name, corners.ids, points)))
         if progress:
             progress(n + 1, len(chosen))
 

@@ -105,10 +105,10 @@ def ignore(recording: Recording) -> None:
     del recording
 
 
-def _view(told: Mapping[str, Any], board: Board) -> RecordedView:
-    ids = tuple(int(each) for each in told["ids"])
-    points = tuple((float(u), float(v)) for u, v in told["points"])
+def _view(record: Mapping[str, Any], board: Board) -> RecordedView:
+    ids = tuple(int(each) for each in record["ids"])
+    points = tuple((float(u), float(v)) for u, v in record["points"])
     finite = all(math.isfinite(each) for point in points for each in point)
     if len(ids) != len(points) or not finite or not all(0 <= each < board.corner_count for each in ids):
         raise ValueError("corners that are none")
-    return RecordedView(str(told["source"]), ids, points)
+    return RecordedView(str(record["source"]), ids, points)

@@ -75,12 +75,12 @@ def show_use(
         run.output.value([{"camera": label, "lookups": count} for label, count in use])
 
 
-def _sections(found: CameraDetail) -> Iterator[tuple[str, list[tuple[object, ...]], list[str]]]:
+def _sections(detail: CameraDetail) -> Iterator[tuple[str, list[tuple[object, ...]], list[str]]]:
     """Yield lines, and after the consensuses of each mode the rows and the lines of its calibrations."""
     from infra.ops import cameras
 
-    yield f"{found.camera}, {found.platform}", [], []
-    for mode in found.modes:
+    yield f"{detail.camera}, {detail.platform}", [], []
+    for mode in detail.modes:
         texts = [
             cameras.title(mode.mode),
             *(f"  {cameras.describe_consensus(c)}" for c in mode.consensuses),
@@ -90,10 +90,10 @@ def _sections(found: CameraDetail) -> Iterator[tuple[str, list[tuple[object, ...
         yield "\n".join(texts), rows, lines
 
 
-def _draw(run: Run, found: CameraDetail) -> None:
+def _draw(run: Run, detail: CameraDetail) -> None:
     from infra.ops import plots
 
     width = min(100, shutil.get_terminal_size().columns)
-    for mode in found.modes:
+    for mode in detail.modes:
         if plots.points_by_group(run.context, mode):
             run.output.line(plots.draw(run.context, mode, width))

@@ -30,11 +30,11 @@ Seen = tuple[int, tuple[int, int], Corners]
 def read_video(
     path: str | Path,
     board: Board | None,
-    found: FoundViews,
+    board_views: FoundViews,
     progress: Callable[[int, int], None] | None = None,
     mirrored: bool = False,
 ) -> Board:
-    """Find the board in a video, and add to `found` the views where it moves least, all over its places.
+    """Find the board in a video; add the views in which it moves least, at many places, to `board_views`.
 
     Returns the board, which is recognised unless it is given. A `mirrored` video is turned back. Raises
     UsageError if the file is not a video, CaptureError if no board is recognised.
@@ -44,7 +44,7 @@ def read_video(
     observations: list[Seen] = []
     numbers: list[int] = []
     try:
-        for number, count, picture in _pictures(path, found, mirrored, _rate(detector)):
+        for number, count, picture in _pictures(path, board_views, mirrored, _rate(detector)):
             numbers.append(number)
             corners = detector.find_coarsely(picture)
             if corners is not None:
@@ -53,13 +53,13 @@ def read_video(
             if progress:
                 progress(number + 1, max(count, number + 1))
     finally:
-        found.frames = len(observations)
+        board_views.frames = len(observations)
         views = _choose(observations, numbers[1] if len(numbers) > 1 else 1)
         if detector.is_slow:
             views = _found_again(path, views, detector, mirrored)
         for number, size, corners in views:
             points = tuple((float(u), float(v)) for u, v in corners.points.tolist())
-            found.views.append((size, RecordedView(f"frame {number + 1}", corners.ids, points)))
+            board_views.views.append((size, RecordedView(f"frame {number + 1}", corners.ids, points)))
     return chosen
 
 
@@ -69,7 +69,7 @@ def _rate(detector: Detector) -> float:
 
 
 def _pictures(
-    path: str | Path, found: FoundViews, mirrored: bool, rate: float
+    path: str | Path, board_views: FoundViews, mirrored: bool, rate: float
 ) -> Iterator[tuple[int, int, Any]]:
     """Yield number, count and picture of the frames of a video that are looked at."""
     opened = open_source(path)
@@ -92,7 +92,9 @@ def _pictures(
                 f"{path} contains no image: it is corrupt, or of a kind that OpenCV cannot read"
             )
         if looked_at < MAX_FRAMES and 0 <= number < 0.9 * count - 1:
-            found.broken = f"{path} breaks off after {number + 1} of {count} frames: those before it are used"
+            board_views.broken = (
+                f"{path} breaks off after {number + 1} of {count} frames: those before it are used"
+            )
     finally:
         opened.close()
 

@@ -49,7 +49,7 @@ def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> Ca
 
 
 def to_file(
-    found: ReportedCalibration, document: CalibrationDocument | None, asked: ExportQuery
+    found: ReportedCalibration, document: CalibrationDocument | None, query: ExportQuery
 ) -> ExportedFile:
     """Write the calibration as a file; raises InvalidError if the format cannot hold it."""
     board: Board | None = None
@@ -69,22 +69,22 @@ def to_file(
     )
     try:
         change = image_transform.identity(found.img_size)
-        if asked.crop is not None:
-            change = change.then(image_transform.crop(change.img_size, asked.crop[:2], asked.crop[2:]))
-        if asked.resize is not None:
-            change = change.then(image_transform.resize(change.img_size, asked.resize))
-        change = change.then(image_transform.rotate(change.img_size, asked.rotate))
-        if asked.mirror:
+        if query.crop is not None:
+            change = change.then(image_transform.crop(change.img_size, query.crop[:2], query.crop[2:]))
+        if query.resize is not None:
+            change = change.then(image_transform.resize(change.img_size, query.resize))
+        change = change.then(image_transform.rotate(change.img_size, query.rotate))
+        if query.mirror:
             change = change.then(image_transform.mirror(change.img_size))
     except CalibrationError as error:
-        raise InvalidError.field("crop" if asked.crop else "resize", error.message) from error
+        raise InvalidError.field("crop" if query.crop else "resize", error.message) from error
     try:
-        return formats.write(subject, asked.format, change)
+        return formats.write(subject, query.format, change)
     except CalibrationError as error:
         raise InvalidError.field("format", error.message) from error
 
 
-def convert_file(asked: ConvertRequest) -> ExportedFile:
+def convert_file(request: ConvertRequest) -> ExportedFile:
     """Return the camera of a file, written in another format.
 
     Raises InvalidError: of the field `file` where no camera can be read, of `format` where it cannot be held.
@@ -92,22 +92,24 @@ def convert_file(asked: ConvertRequest) -> ExportedFile:
     from calibsolver.formats.reader_options import ReaderOptions
     from calibsolver.formats.reading import read_bytes
 
-    options = ReaderOptions(img_size=asked.img_size, number=asked.number, model=asked.distortion_model or "")
+    options = ReaderOptions(
+        img_size=request.img_size, number=request.number, model=request.distortion_model or ""
+    )
     try:
-        camera_file = read_bytes(content_of(asked), "", options)
+        camera_file = read_bytes(content_of(request), "", options)
     except CalibrationError as error:
         said = COMMAND_LINE.sub("", visible(str(error)[:MAX_MESSAGE]))
         raise InvalidError.field("img_size" if "size of the pictures" in said else "file", said) from error
     if camera_file.camera is None:
         raise InvalidError.field("file", "it has corners, and no camera: calibrate with them")
-    name = asked.camera or label_text(camera_file.name) or "camera"
+    name = request.camera or label_text(camera_file.name) or "camera"
     source = formats.ExportSource(
         camera_file.camera, name=name, record={"camera": name, "platform": "", "zoom": 0}
     )
-    if asked.format == "photonvision" and camera_file.views:
+    if request.format == "photonvision" and camera_file.views:
         source = with_corners(source, camera_file.views)
     try:
-        return formats.write(source, asked.format)
+        return formats.write(source, request.format)
     except CalibrationError as error:
         raise InvalidError.field("format", error.message) from error
 
@@ -127,11 +129,11 @@ def with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
     return replace(source, board=board, views=views_on_board)
 
 
-def content_of(asked: ConvertRequest) -> bytes:
+def content_of(request: ConvertRequest) -> bytes:
     """Return the bytes of the file."""
-    if asked.encoding == "text":
-        return asked.file.encode()
+    if request.encoding == "text":
+        return request.file.encode()
     try:
-        return base64.b64decode(asked.file, validate=True)
+        return base64.b64decode(request.file, validate=True)
     except ValueError as error:  # binascii's is one, and so is what is said of characters beyond ASCII
         raise InvalidError.field("file", f"it is not base64: {error}") from error

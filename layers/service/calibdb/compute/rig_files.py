@@ -14,15 +14,15 @@ from calibsolver.rig import formats
 WRITERS = {name: name for name in RIG_FORMATS} | {"opencv_stereo": "opencv-yaml"}
 
 
-def write(budget: Budget, found: RigResult, name: str) -> ExportedFile:
+def write(budget: Budget, result: RigResult, name: str) -> ExportedFile:
     """Write a result in a format; raises InvalidError if the format cannot hold it."""
     source = formats.RigSource(
-        cameras=[camera_of(one) for one in found.calibrations],
-        poses=np.array([[*one.rvec, *one.tvec] for one in found.extrinsics]),
-        unit=found.unit,
-        names=[f"cam{i} {one.camera}" for i, one in enumerate(found.calibrations)],
-        identifier=found.rig_id,
-        record=found.model_dump(),
+        cameras=[camera_of(one) for one in result.calibrations],
+        poses=np.array([[*one.rvec, *one.tvec] for one in result.extrinsics]),
+        unit=result.unit,
+        names=[f"cam{i} {one.camera}" for i, one in enumerate(result.calibrations)],
+        identifier=result.rig_id,
+        record=result.model_dump(),
     )
     slow = "takes longer to compute than a request may; ask for another format"
     try:

@@ -163,16 +163,16 @@ def _meanings(
     }
 
 
-def _rows(known: Sequence[ConsensusDocument]) -> Iterator[list[Any]]:
-    for c in known:
+def _rows(consensuses: Sequence[ConsensusDocument]) -> Iterator[list[Any]]:
+    for c in consensuses:
         if not c.reliable or c.calibration is None:
             continue
-        exact = build_answer(c.calibration, known, c.img_size)
+        exact = build_answer(c.calibration, consensuses, c.img_size)
         at = {}
-        for size in sorted({*COMMON_SIZES, *(other.img_size for other in known)}):
-            if choose(known, size, c.zoom, c.distortion_model).found is not c or size == c.img_size:
+        for size in sorted({*COMMON_SIZES, *(other.img_size for other in consensuses)}):
+            if choose(consensuses, size, c.zoom, c.distortion_model).found is not c or size == c.img_size:
                 continue
-            answer = build_answer(c.calibration, known, size)
+            answer = build_answer(c.calibration, consensuses, size)
             carried = _intrinsics(answer.adapted.camera_matrix) if answer.adapted else []
             if carried or answer.relation != exact.relation:
                 at[f"{size[0]}x{size[1]}"] = [answer.relation, *carried]
@@ -191,16 +191,16 @@ def _row(c: Calibration, relation: str | None, at: dict[str, Any]) -> list[Any]:
     return [values[column] for column in COLUMNS]
 
 
-def _camera(known: Sequence[ConsensusDocument], licence: str | None) -> dict[str, Any]:
+def _camera(consensuses: Sequence[ConsensusDocument], licence: str | None) -> dict[str, Any]:
     newest = max(
-        (c.calibration for c in known if c.reliable and c.calibration), key=lambda c: c.calibration_time
+        (c.calibration for c in consensuses if c.reliable and c.calibration), key=lambda c: c.calibration_time
     )
     licence_member = {"licence": licence} if licence else {}
     return {
         "camera": newest.camera,
         "platform": newest.platform,
         **licence_member,
-        "rows": list(_rows(known)),
+        "rows": list(_rows(consensuses)),
     }
 
 

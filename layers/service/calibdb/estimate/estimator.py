@@ -95,9 +95,9 @@ def combine_evidence(
     return Distribution(mean, mean - _QUANTILE * total, mean + _QUANTILE * total, best)
 
 
-def _prior_only(prior: Evidence, known: Population, change: float, sigma: float) -> Distribution:
-    centre = known.median + change
-    below, above = known.median - known.low, known.high - known.median
+def _prior_only(prior: Evidence, population: Population, change: float, sigma: float) -> Distribution:
+    centre = population.median + change
+    below, above = population.median - population.low, population.high - population.median
     reach = _QUANTILE * sigma
     return Distribution(centre, centre - math.hypot(below, reach), centre + math.hypot(above, reach), prior)
 

@@ -42,7 +42,7 @@ def parse_size(text: str) -> tuple[int, int] | None:
 
 def badge_of(
     camera: str,
-    known: Sequence[ConsensusDocument],
+    documents: Sequence[ConsensusDocument],
     img_size: tuple[int, int],
     *,
     min_calibrations: int,
@@ -54,19 +54,19 @@ def badge_of(
     ----------
     camera
         Its label.
-    known
+    documents
         Its consensuses.
     img_size
         Width and height, px. Of several zooms the one that a lookup returns counts.
     min_calibrations, min_contributors
         As in `Thresholds`. A camera that no search shows has no name here either.
     """
-    if not is_listed(known, min_contributors):
+    if not is_listed(documents, min_contributors):
         return NOT_CALIBRATED
     name = _USB_ID_END.sub("", camera)
     short = name if len(name) <= _MAX_SHOWN_LENGTH else name[: _MAX_SHOWN_LENGTH - 1] + "…"
     left = f"{short} {img_size[0]}×{img_size[1]}"
-    here = [consensuses for (size, _), consensuses in group_by_mode(known) if size == img_size]
+    here = [consensuses for (size, _), consensuses in group_by_mode(documents) if size == img_size]
     if not here:
         return Badge(left, "not calibrated", "grey")
     best = max(

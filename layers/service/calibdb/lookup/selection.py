@@ -59,11 +59,11 @@ def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: 
     return Choice(reason=exact[0] if exact else "too_few" if here else "unknown_camera")
 
 
-def closeness(size: tuple[int, int], asked: tuple[int, int]) -> tuple[bool, float, float]:
+def closeness(size: tuple[int, int], requested: tuple[int, int]) -> tuple[bool, float, float]:
     """Sort key of sizes by closeness: the same first, then by aspect, then by area."""
-    aspect = 0.0 if same_aspect(size, asked) else _aspect_log(size, asked)
-    area = abs(math.log(size[0] * size[1] / (asked[0] * asked[1])))
-    return size != asked, aspect, area
+    aspect = 0.0 if same_aspect(size, requested) else _aspect_log(size, requested)
+    area = abs(math.log(size[0] * size[1] / (requested[0] * requested[1])))
+    return size != requested, aspect, area
 
 
 def same_aspect(one: tuple[int, int], other: tuple[int, int]) -> bool:

@@ -204,14 +204,14 @@ def _latest(rig: Rig, moments: Sequence[tuple[str, Mapping[int, ViewDocument]]])
     return LatestMoment(id=name, positions=tuple(sorted(by_position)))
 
 
-def _moment(name: str, seen: Mapping[int, ViewDocument], fit: RigFit | None) -> RigMoment:
-    reasons = {p: _REASONS[v.set_aside.reason] for p, v in seen.items() if v.set_aside is not None}
+def _moment(name: str, by_position: Mapping[int, ViewDocument], fit: RigFit | None) -> RigMoment:
+    reasons = {p: _REASONS[v.set_aside.reason] for p, v in by_position.items() if v.set_aside is not None}
     if fit is not None:
         reasons |= {one.position: one.reason for one in fit.set_aside if one.moment == name}
     aside = [
         MomentSetAside(position=p, reason=r, detail=_SET_ASIDE_DETAILS[r]) for p, r in sorted(reasons.items())
     ]
-    return RigMoment(id=name, positions=tuple(sorted(seen)), set_aside=tuple(aside))
+    return RigMoment(id=name, positions=tuple(sorted(by_position)), set_aside=tuple(aside))
 
 
 def _advice(rig: Rig, estimate: RigEstimateDocument) -> Iterator[RigAdvice]:
