@@ -25,9 +25,8 @@ from calibdb.store.ports import Jobs, Storage
 from calibdb.store.sqlite import SqliteJobs, SqliteObjects, SqliteTable
 from calibdb.store.storage import opened
 from infra.server import jobs
-from infra.server.app import App, Public
+from infra.server.app import ORIGINS, App, Public
 from infra.server.folder import KEYPOINTS, SITE, Folder
-from infra.server.loopback import ORIGINS
 from infra.server.pages import Pages, PublicObjects
 from infra.server.protocol import TimedProtocol
 from infra.web_build.root_files import contacts, public_settings

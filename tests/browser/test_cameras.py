@@ -9,7 +9,7 @@ from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.captures import capture, listed
 from tests.helpers.browser.pictures import SCHEMES, picture
-from tests.helpers.browser.specimens import answer, camera, cameras, result
+from tests.helpers.browser.specimens import answer, camera, cameras, result, result_of_camera
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import address
 
@@ -129,10 +129,18 @@ def test_two_calibrations_are_compared(page: Page) -> None:
     picture(page, "camera-compared", ["hand"], full=True)
 
 
-def test_own_calibrations_are_listed_here_alone_until_they_are_removed(page: Page) -> None:
-    answer(page, "**/v1/cameras?*", cameras)
-    page.goto("/cameras/")
-    expect(page.locator("#own")).to_be_hidden()
+def test_own_calibrations_are_listed_compared_and_removed(page: Page) -> None:
+    def other() -> dict[str, Any]:
+        found = result()
+        (fx, *first), second, third = found["camera_matrix"]
+        return found | {"camera_matrix": [[fx * 1.01, *first], second, third]}
+
+    answer(page, "**/v1/cameras/*", camera)
+    answer(page, "**/v1/calibrations/a", result_of_camera)
+    answer(page, "**/v1/calibrations/b", other)
+    page.goto("/")
+    page.get_by_role("link", name="Mine").click()
+    expect(page.locator(".nothing")).to_contain_text("Nothing here yet")
     page.evaluate(
         """() => import("/lib/own-calibrations.js").then(({ keepOwn }) => ["a", "b"].forEach((id) => keepOwn({
           id, camera: `Own ${id} (1234:0001)`, img_size: [640, 480], time: 1767225600, level: "good", rms: 1,
@@ -141,9 +149,16 @@ def test_own_calibrations_are_listed_here_alone_until_they_are_removed(page: Pag
     page.reload()
     expect(page.locator("#own li")).to_have_count(2)
     expect(page.locator("#own li").first).to_contain_text("Own b 640\u00a0×\u00a0480")
-    expect(page.locator("#own li a").first).to_have_attribute("href", "../result/?id=b")
+    expect(page.locator("#own li a").first).to_have_attribute("href", re.compile(r"/result/\?id=b$"))
+    page.locator("#tick-a").check()
+    page.locator("#with-consensus").click()
+    expect(page.locator(".comparison thead")).to_contain_text("Consensus")
+    page.locator("#tick-b").check()
+    expect(page.locator(".comparison figcaption")).to_contain_text("How far apart the two show a point")
+    expect(page.locator(".comparison tbody tr").first).to_contain_text("σ")
+    picture(page, "mine-compared", ["desk", "hand"], full=True)
     page.locator("#own li button").first.click()
     expect(page.locator("#own li")).to_have_count(1)
     page.locator("#own li button").click()
-    expect(page.locator("#own")).to_be_hidden()
+    expect(page.locator(".nothing")).to_be_visible()
     assert page.evaluate("localStorage.getItem('calibdb.own')") is None

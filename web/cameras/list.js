@@ -1,12 +1,11 @@
-// Entries of lists of cameras: those of the database, and the calibrations that were made in this browser.
+// Rows of the table of cameras.
 import { el } from "../lib/dom.js";
 import { splitLabel } from "../lib/camera-name.js";
-import { number, rough, formatSize, t } from "../lib/i18n.js";
+import { dateText, number, t } from "../lib/i18n.js";
 import { make, short } from "../lib/svg.js";
-import { forgetOwn, ownCalibrations } from "../lib/own-calibrations.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { aboutText, stateText } from "./camera.js";
-import { dateText, nameOf } from "./members.js";
+import { nameOf } from "./members.js";
 
 /** @typedef {import("./source.js").Found} Found */
 
@@ -51,27 +50,4 @@ function ring({ agreeing, required }) {
     "stroke-dasharray": `${1 - GAP} ${required - 1 + GAP}`, "stroke-dashoffset": String(required / 4 - index - GAP / 2),
   }));
   return make("svg", { viewBox: "0 0 20 20", class: "ring", "aria-hidden": "true" }, parts);
-}
-
-/** @param {HTMLElement} place filled with the calibrations made here, hidden where there is none */
-export function showOwn(place) {
-  const own = ownCalibrations();
-  place.hidden = own.length === 0;
-  if (place.hidden) return place.replaceChildren();
-  const forget = (/** @type {string | undefined} */ id) => () => {
-    forgetOwn(id);
-    showOwn(place);
-    (place.hidden ? document.getElementById("query") : place.querySelector("h2"))?.focus();
-  };
-  const button = (/** @type {string} */ label, /** @type {string} */ name, /** @type {() => void} */ action) => {
-    const made = el("button", { type: "button", class: "small", "aria-label": name }, label);
-    made.addEventListener("click", action);
-    return made;
-  };
-  place.replaceChildren(el("h2", { id: "own-title", tabindex: -1 }, t("cameras.own")), el("p", { class: "muted" }, t("cameras.own_text")),
-    el("ul", { class: "own" }, ...own.map(({ id, camera, img_size, time, level, rms }) => el("li", {},
-      el("a", { href: `../result/?${new URLSearchParams({ id })}` }, el("strong", {}, splitLabel(camera).name), ` ${formatSize(img_size)}`),
-      el("span", { class: "muted number" }, [t(`result.level_${level}`), `± ${rough(rms)}\u00a0px`, dateText(time)].join(" · ")),
-      button(t("cameras.forget"), t("cameras.forget_this", { camera: splitLabel(camera).name }), forget(id))))),
-    ...(own.length > 1 ? [button(t("cameras.forget_all"), t("cameras.forget_all"), forget(undefined))] : []));
 }

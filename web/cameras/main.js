@@ -8,14 +8,14 @@ import { openPage } from "../lib/page.js";
 import { liveRegion } from "../lib/live-region.js";
 import { splitLabel } from "../lib/camera-name.js";
 import { cameraView } from "./camera.js";
-import { cameraRow, showOwn } from "./list.js";
+import { cameraRow } from "./list.js";
 import { camera, search } from "./source.js";
 
 /** @typedef {import("./source.js").Found} Found */
 
 const TYPING_PAUSE_MS = 250; // ms after the last key
 openPage();
-const [searching, status, list, one, own] = ["searching", "status", "found", "one", "own"].map((id) => part(id, HTMLElement));
+const [searching, status, list, one] = ["searching", "status", "found", "one"].map((id) => part(id, HTMLElement));
 const [input, state, more] = [part("query", HTMLInputElement), part("show", HTMLSelectElement), part("more", HTMLButtonElement)];
 const [tell, offers] = [liveRegion(status), liveRegion(part("first", HTMLElement))];
 /** @type {Found[]} */
@@ -133,7 +133,6 @@ more.addEventListener("click", () => look({ further: true }));
 onLanguage(() => {
   if (shown) return one.replaceChildren(cameraView(shown, explain));
   showList();
-  showOwn(own);
 });
 const parameters = new URLSearchParams(location.search);
 const key = parameters.get("key");
@@ -141,7 +140,6 @@ if (key) void show(key);
 else {
   input.value = parameters.get("query") ?? "";
   state.value = ["ready", "open"].find((each) => each === parameters.get("show")) ?? "";
-  showOwn(own);
   void showFigures();
   void look();
 }

@@ -10,7 +10,8 @@ import { distortionPlot, heatPlot } from "../lib/result/plots.js";
 import { straightPart } from "../lib/result/straight-part.js";
 import { FORMATS } from "../vendor/formats.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
-import { knownCalibrations, readCamera, saveAs, searchCameras } from "./conversion.js";
+import { knownCalibrations } from "../lib/result/source.js";
+import { readCamera, saveAs, searchCameras } from "./conversion.js";
 
 /**
  * @typedef {import("./conversion.js").Source} Source

@@ -16,7 +16,7 @@ from typing import Self
 
 from infra.deploy.intrinsics import TemplateError
 from infra.server import secrets
-from infra.server.loopback import ORIGINS
+from infra.server.app import ORIGINS
 from infra.server.server import DEVELOPMENT_TOKEN, OPERATOR_PARAMETERS, bind, serving
 from infra.web_build.root_files import contacts, public_settings
 from infra.web_build.site import Options

@@ -1,7 +1,7 @@
 // Card at the head of a result: which camera, how good, what to do with it, and what is known of its making.
 import { el } from "../dom.js";
 import { splitLabel } from "../camera-name.js";
-import { joinFacts, language, number, pageUrl, rough, formatSize, t } from "../i18n.js";
+import { dateText, joinFacts, number, pageUrl, rough, formatSize, t } from "../i18n.js";
 import { isVirtual } from "../virtual/name.js";
 import { meaning } from "./meaning.js";
 import { hint, moreMenu, shareButton } from "./menu.js";
@@ -101,6 +101,7 @@ function nextSteps(result, trial, id) {
   const more = [
     ...(id && !FILES.includes(calibration.platform) && origin !== "imported" ? [el("a", { id: "to-ar", href: arAddress(calibration, id) }, t("result.see_in_ar"))] : []),
     ...(again && !trial ? [button(again.label(), again.action, { id: "once-more" })] : practice ? [] : [el("a", { href: againAddress(calibration) }, t("result.calibrate_again"))]),
+    ...(practice ? [] : [el("a", { href: pageUrl("mine/").href }, t("result.compare"))]),
     el("a", { href: pageUrl("rig/").href }, t("result.several")),
   ];
   return el("div", { class: "next" },
@@ -136,11 +137,10 @@ function returning({ returnTo, returnOrigins = [] }, id) {
 
 /** "4 views · ChArUco 9 × 6 · 22 Nov 2026". @param {Calibration} calibration @param {Report | null} report @param {any} board */
 function factsText(calibration, report, board) {
-  const date = new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(calibration.calibration_time * 1000));
   return joinFacts([
     ...(report ? [t("result.views_count", { count: report.views.length })] : []),
     ...(board ? [`${BOARDS[board.kind ?? "charuco"] ?? board.kind} ${formatSize(board.squares)}`] : []),
-    date, calibration.distortion_model,
+    dateText(calibration.calibration_time), calibration.distortion_model,
   ]);
 }
 

@@ -5,6 +5,7 @@ or the square, sigma the noise that the residuals themselves show. (Marquardt 19
 2000 for the elimination; Transtrum & Sethna 2012 for the geodesic acceleration along narrow valleys.)
 """
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
@@ -41,6 +42,8 @@ ACCELERATE_AFTER_ITERATIONS = 4
 """Iterations after which the valley is taken for a curved one."""
 MAX_ACCELERATION_RATIO = 0.75
 """Length of the geodesic acceleration / length of the step, at most: else neither is trusted."""
+SHORT_STEP = 1e-6
+"""Relative change of the focal length up to which a straight step is as good as a curved one."""
 FINITE_DIFFERENCE = 0.1
 """Share of a step over which its second derivative is taken."""
 
@@ -306,17 +309,16 @@ class Problem(LeastSquares):
         A longer focal length moves the boards away, and leaves each coefficient's effect in px: the long
         valley between focal length, distortion and distance is then nearly straight.
         """
-        order, change = 2 * prior.weights(self.model).order, self.free(da)
-        k, t = k.copy(), poses.t.copy()
-        relative = change[:2] / k[:2]
-        k[:2] *= np.exp(relative)
-        k[2:4] += change[2:4]
-        longer = float(relative.sum()) / 2
-        grown = np.exp(longer)
-        k[4:] = (k[4:] * (1 - order * longer) + change[4:]) * grown**order
-        t[:, :2] += dp[:, 3:5]
-        t[:, 2] = (t[:, 2] * (1 - longer) + dp[:, 5]) * grown
-        return k, Poses(rotation.matrix(dp[:, :3]) @ poses.r, t)
+        change = self.free(da)
+        across, down = float(change[0] / k[0]), float(change[1] / k[1])
+        longer = (across + down) / 2
+        moved, t = k + change, poses.t + dp[:, 3:]
+        if abs(longer) > SHORT_STEP:
+            grown, order = math.exp(longer), 2 * prior.weights(self.model).order
+            moved[0], moved[1] = k[0] * math.exp(across), k[1] * math.exp(down)
+            moved[4:] = (moved[4:] - k[4:] * (order * longer)) * grown**order
+            t[:, 2] = (t[:, 2] - poses.t[:, 2] * longer) * grown
+        return moved, Poses(rotation.matrix(dp[:, :3]) @ poses.r, t)
 
 
 def residual_rows(
