@@ -94,7 +94,7 @@ class BoardShape:
     def reshape(self, obs: Observations) -> Observations:
         """Return observations of the same board in its shape."""
         points = self.moved(obs.points.transpose(1, 0, 2)).transpose(1, 0, 2)
-        return Observations(np.ascontiguousarray(points), obs.pixels, obs.mask)
+        return replace(obs, points=np.ascontiguousarray(points))
 
     @property
     def sag(self) -> float:
@@ -165,4 +165,4 @@ class BoardShape:
 
     def apply(self, view: View) -> View:
         """Return the view of the board in this shape."""
-        return View(self.moved(view.object_points.T).T, view.image_points)
+        return View(self.moved(view.object_points.T).T, view.image_points, view.weights)

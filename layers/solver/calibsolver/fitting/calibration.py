@@ -35,9 +35,9 @@ class Calibration:
         (`robust_covariance`), and from other optima that they allow (`focal_profile`).
     information
         (p, p) Fisher information of the intrinsics, with the prior: what white noise of the corners would
-        leave known. What a further view adds is compared with it.
+        leave known. What a further view adds is compared with it. 0 in the directions that were fixed.
     noise
-        px, standard deviation of one coordinate of a corner, as estimated.
+        px, standard deviation of one coordinate of a corner, as estimated; of mean weight.
     inflation
         Variance that the intrinsics see / variance that white noise of the corners gives them, >= 1: what is
         systematic in the views.
@@ -51,6 +51,8 @@ class Calibration:
         Views wholly left out of the fit: index -> why (``outlier``, ``mirrored``, ``degenerate``).
     board_shape
         Bend and stretch of the board, which poses and residuals refer to; None: it was taken as drawn.
+    fixed
+        Names of the parameters that were not estimated (`constraint`).
     """
 
     camera: Camera
@@ -66,6 +68,7 @@ class Calibration:
     prior_used: bool
     cut_views: Mapping[int, str] = field(default_factory=dict)
     board_shape: BoardShape | None = None
+    fixed: tuple[str, ...] = ()
 
     def shaped(self, views: Sequence[View]) -> list[View]:
         """Return views of the same board in its shape."""
@@ -120,4 +123,5 @@ class Calibration:
             "uncertainty": {"rms": uncertainty.rms, "max": uncertainty.max},
             "systematic": self.inflation,
             **({} if shape is None else {"board_shape": shape.figures()}),
+            **({"fixed": list(self.fixed)} if self.fixed else {}),
         }

@@ -258,12 +258,15 @@ class Problem(LeastSquares):
     ----------
     basis
         (p, a): the directions T in which the intrinsics may go, k + T da; None: all are free.
+    origin
+        (p,) intrinsics that satisfy the constraint of the basis; None: every start does.
     """
 
     model: Model
     obs: Observations
     img_size: tuple[int, int]
     basis: Array | None = None
+    origin: Array | None = None
 
     @property
     def width(self) -> int:
@@ -284,6 +287,15 @@ class Problem(LeastSquares):
             j = j @ self.basis
         return State(k, poses, rows, square, r, j)
 
+    def nearest(self, k: Array) -> Array:
+        """Intrinsics (p,) that satisfy the constraint, near to k (p,)."""
+        if self.basis is None or self.origin is None:
+            return k
+        nearest: Array = (
+            self.origin + self.basis @ np.linalg.lstsq(self.basis, k - self.origin, rcond=None)[0]
+        )
+        return nearest
+
     def reshaped(self, shape: BoardShape) -> "Problem":
         """Return the problem of a board in its shape."""
         return replace(self, obs=shape.reshape(self.obs))
@@ -291,7 +303,8 @@ class Problem(LeastSquares):
     def residuals(self, k: Array, poses: Poses) -> Array:
         """Compute the residuals (2, v, n) at given intrinsics (p,) and poses, px."""
         q = normal_equations.project(self.model, k, poses, self.obs.points)
-        return (q - self.obs.pixels).transpose(1, 0, 2)
+        r: Array = (q - self.obs.pixels).transpose(1, 0, 2)
+        return r if self.obs.scale is None else r * self.obs.scale
 
     def free(self, da: Array) -> Array:
         """Change (p,) of the intrinsics by a step (a,) of the free ones."""
@@ -299,10 +312,15 @@ class Problem(LeastSquares):
 
 
 def residual_rows(model: Model, k: Array, poses: Poses, obs: Observations) -> tuple[Array, Array]:
-    """Jacobian and residuals (p + 7, 2, v, n) at k (p,), and the residuals' squared lengths (v, n), px^2."""
+    """Jacobian and residuals (p + 7, 2, v, n) at k (p,), and the residuals' squared lengths (v, n), px^2.
+
+    Weighted, where the observations have weights.
+    """
     q, rows = normal_equations.linearize(model, k, poses, obs.points, 1)
     r = rows[-1]
     np.subtract(q, obs.pixels.transpose(1, 0, 2), out=r)
+    if obs.scale is not None:
+        rows *= obs.scale
     return rows, r[0] * r[0] + r[1] * r[1]
 
 

@@ -98,7 +98,8 @@ class MixedFit:
         """
         problem = self.problem.reshaped(shape)
         state = problem.at(k, poses)
-        rows, size, points = state.rows, len(k), self.problem.obs.points
+        rows, points = state.rows, self.problem.obs.points
+        size = len(rows) - POSE_SIZE - 1
         row = systematic_effects.row_position(self.problem.obs.pixels[:, 1], self.problem.img_size[1])
         effects = systematic_effects.displacements(rows[size:-1], poses, points, row)[BEND_SIZE:]
         by_shape = shape.columns(rows[size + 3 : -1], poses.r, points)
@@ -187,10 +188,10 @@ class MixedFit:
     def _step(self, at: Linearization, found: Solution, v: Variances) -> Linearization | None:
         """Linearize after a step, or a share of it, that lowers the cost; None where none does."""
         k, poses, x = at.state.k, at.state.poses, found.x
-        size, before = len(k), at.cost(v)
+        size, before = len(x) - SHAPE_SIZE, at.cost(v)
         turn = -(at.evidence.solved[:, :, : len(x)] @ x + at.evidence.solved[:, :, -1])
         for share in TRIED_SHARES:
-            moved = k + share * x[:size]
+            moved = k + share * self.problem.free(x[:size])
             if not self.problem.is_feasible(moved):
                 continue
             shape = at.shape.shifted(share * x[size:])
