@@ -116,6 +116,7 @@ def fit_again(recording: Recording, calibration: Calibration) -> tuple[Fit, list
     """
     import calibsolver
     from calibsolver.board import CIRCLES
+    from calibsolver.quality.rivals import with_rivals
 
     try:
         views = recording.board.views([{"ids": view.ids, "points": view.points} for view in recording.views])
@@ -123,7 +124,7 @@ def fit_again(recording: Recording, calibration: Calibration) -> tuple[Fit, list
         bends = recording.board.kind not in CIRCLES
         fixed = calibration.record.get("fixed", ())
         fit = calibsolver.fit(views, lens.img_size, lens.model, start=lens, fix=fixed, board_shape=bends)
-        return fit, views
+        return with_rivals(fit, views), views
     except (calibsolver.CalibrationError, ValueError) as error:
         raise CaptureError(f"the corners determine no calibration: {error}") from None
 

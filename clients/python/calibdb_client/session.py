@@ -193,6 +193,7 @@ def calibrate_offline(
     from calibsolver.fitting.coverage import Coverage, record_covered
     from calibsolver.quality import assessment, cross_validation
     from calibsolver.quality.report import board_sentence
+    from calibsolver.quality.rivals import with_rivals
 
     lens = start.lens if start else None
     chosen, better = chosen_model(recording, lens.model if lens and model == AUTO else model)
@@ -217,6 +218,7 @@ def calibrate_offline(
         ).rms
     except calibsolver.CalibrationError:
         held_out = None
+    fitted = with_rivals(fitted, views)
     coverage = Coverage.of(fitted, views)
     said = assessment.assess(fitted, views, held_out, coverage)
     cut = tuple((recording.views[n].source, refusal(why)) for n, why in sorted(fitted.cut_views.items()))

@@ -50,9 +50,9 @@ def view_statuses(estimate: Estimate) -> list[tuple[float | None, dict[str, str]
 
 @dataclass(frozen=True)
 class Outcome:
-    """Outcome of a capture that ends: the fit's record where the board's shape changed it, and a report."""
+    """Outcome of a capture that ends: the fit's record, with the board's shape and rivals, and a report."""
 
-    fit: dict[str, Any] | None
+    fit: dict[str, Any]
     report: dict[str, Any]
 
 
@@ -62,6 +62,7 @@ def end(estimate: Estimate, views: Sequence[View], indices: Sequence[int]) -> Ou
     `indices`: names of the views that are not excluded, in their order.
     """
     from ..quality import report  # here alone: who shows a target has no use for it
+    from ..quality.rivals import with_rivals
 
     if estimate.calibration is None:
         return None
@@ -71,10 +72,9 @@ def end(estimate: Estimate, views: Sequence[View], indices: Sequence[int]) -> Ou
         shaped = fit(used, camera.img_size, camera.model, start=camera, board_shape=True)
     except CalibrationError:
         shaped = found
-    if shaped.board_shape is None:
-        return Outcome(None, report.describe(found, used, indices))
-    record = record_covered(shaped, Coverage.of(shaped, used))
-    return Outcome(record, report.describe(shaped, used, indices))
+    judged = with_rivals(found if shaped.board_shape is None else shaped, used)
+    record = record_covered(judged, Coverage.of(judged, used))
+    return Outcome(record, report.describe(judged, used, indices))
 
 
 def finish(record: Mapping[str, Any]) -> dict[str, Any]:
@@ -92,7 +92,7 @@ def finish(record: Mapping[str, Any]) -> dict[str, Any]:
         raise CalibrationError("no_fit", "no camera explains these views")
     known = estimate_record(found)
     return {
-        "estimate": known if outcome.fit is None else {**known, "fit": outcome.fit},
+        "estimate": {**known, "fit": outcome.fit},
         "statuses": view_statuses(found),
         "report": outcome.report,
     }
