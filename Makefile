@@ -29,7 +29,7 @@ ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 COMMA := ,
 words_of = $(subst $(COMMA), ,$(1))
 
-.PHONY: help run test lint unit service browser thorough bench ops release openapi lock layers deploy verify clean
+.PHONY: help run test lint unit service browser thorough bench ops release lock layers deploy verify clean
 
 help: ## list the commands
 	@sed -nE 's/^([a-z]+):.*## (.*)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -143,10 +143,6 @@ ops: .venv/.made ## run the operator's command line; ARGS="token create --origin
 release: $(SETUP) $(UV) ## ARGS="bump 0.2.0" sets the version; ARGS="build --tag v0.2.0" builds the artifacts of a clean checkout
 	@$(PY) -m infra.release $(ARGS)
 
-openapi: .venv/.made ## write web/openapi.json and web/data/schema.json
-	$(PY) -m infra.web_build.openapi
-	$(PY) -m infra.web_build.dump_schema
-
 .setup:
 	@$(MAKE) --silent --jobs 2 .venv/.made web/vendor/api.d.ts
 
@@ -163,9 +159,13 @@ node_modules/.made: package-lock.json
 	npm ci --silent --fetch-retries 5
 	@touch $@
 
-web/vendor/api.d.ts: node_modules/.made infra/web_build/vendor.mjs infra/web_build/engines.mjs infra/web_build/detector/opencv.json web/openapi.json
+web/vendor/api.d.ts: node_modules/.made infra/web_build/vendor.mjs infra/web_build/engines.mjs infra/web_build/detector/opencv.json .build/openapi.json
 	node infra/web_build/vendor.mjs
 	@touch $@
+
+.build/openapi.json: .venv/.made $(wildcard layers/service/calibdb/schema/*.py infra/web_build/*.py) infra/web_build/examples.json
+	@mkdir -p $(@D)
+	@$(PY) -m infra.web_build.openapi $@
 
 # ---- upkeep
 UV := .build/uv/bin/uv

@@ -30,8 +30,6 @@ def bump(version: Annotated[str, typer.Argument(help="Next version, 1.2.3.")]) -
         text = changelog.with_release(path.read_text(encoding="utf-8"), version, day)
         checkout.set_version(version)
         path.write_text(text, encoding="utf-8")
-        # In another process: this one has imported the former version.
-        subprocess.run([sys.executable, "-m", "infra.web_build.openapi"], cwd=ROOT, check=True)
         print(f"now: git commit --all --message 'Release {version}' && git tag v{version} && git push --tags")
 
     _or_exit(change)

@@ -10,7 +10,7 @@ from calibdb.schema import GivenCalibration, LookupAnswer, ReportedCalibration
 
 VERSION = 1
 """Another one removes a member, or gives it another meaning; new members do not change it."""
-KEY = f"docs/schema/calibration-{VERSION}.json"
+CALIBRATION_SCHEMA_KEY = f"docs/schema/calibration-{VERSION}.json"
 
 
 def text() -> str:
@@ -22,7 +22,7 @@ def text() -> str:
     lookup, reported, given = (schema["$defs"].pop(model.__name__) for model in models)
     document = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "$id": f"/{KEY}",
+        "$id": f"/{CALIBRATION_SCHEMA_KEY}",
         "title": f"Calibration of calibDB, version {VERSION}",
         "description": "As a lookup, GET /v1/calibrations/{id} and the export format calibdb return it, and "
         "as the Python client saves it. Only what makes a camera is required.",

@@ -1,9 +1,8 @@
-"""JSON Schema of a dump, `web/data/schema.json`, built from the models that write it: `make openapi`."""
+"""JSON Schema of a dump, a file of the site, built from the models that write it."""
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 from pydantic.json_schema import models_json_schema
@@ -11,7 +10,7 @@ from pydantic.json_schema import models_json_schema
 from calibdb.schema import CalibrationDocument, VoteDocument
 from calibdb.schema.dump import Dump, Statistics
 
-PATH = Path(__file__).resolve().parents[2] / "web" / "data" / "schema.json"
+DUMP_SCHEMA_KEY = "data/schema.json"
 
 
 def text() -> str:
@@ -29,7 +28,3 @@ def text() -> str:
         "$defs": found["$defs"],
     }
     return json.dumps(document, indent=1, ensure_ascii=False) + "\n"
-
-
-if __name__ == "__main__":
-    PATH.write_text(text(), encoding="utf-8")

@@ -1,8 +1,12 @@
-"""OpenAPI document `web/openapi.json`, of the models that functions check requests with: `make openapi`."""
+"""OpenAPI document, a file of the site, built from the models that functions check requests with.
+
+python -m infra.web_build.openapi .build/openapi.json     # the document as a file
+"""
 
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -17,11 +21,11 @@ from infra.web_build.operation_texts import TAGS, text_of
 from infra.web_build.operations import OPERATIONS
 from infra.web_build.parameters import Node
 
-__all__ = ["OPENAPI_PATH", "OPERATIONS", "document", "text"]
+__all__ = ["OPENAPI_KEY", "OPERATIONS", "document", "text"]
 
 EXAMPLES_PATH = Path(__file__).with_name("examples.json")
 """Answers to the examples of `operation_texts`, written by `infra.web_build.recorded_examples`."""
-OPENAPI_PATH = Path(__file__).resolve().parents[2] / "web" / "openapi.json"
+OPENAPI_KEY = "openapi.json"
 RATE_LIMITED = ("RateLimit-Policy", "RateLimit")
 """Headers of every answer under a plan that has limits."""
 _REFERENCE = "#/components/schemas/{model}"
@@ -125,4 +129,4 @@ def text() -> str:
 
 
 if __name__ == "__main__":
-    OPENAPI_PATH.write_text(text())
+    Path(sys.argv[1]).write_text(text(), encoding="utf-8")

@@ -44,6 +44,7 @@ _MAX_BUILD_S = 120
 _PAGE_BUILDER = Path(__file__).parent / "site.mjs"
 # Not pages, though HTML or full of files.
 _SKIPPED = ("vendor/",)
+_MODELS = ROOT / "layers" / "service" / "calibdb" / "schema"
 _INPUTS = (".html", ".js", ".css", ".mjs", ".py", ".md", ".json", ".toml")
 
 Generator = Callable[[Path], Mapping[str, str]]
@@ -179,10 +180,7 @@ def _generate_pages(web: Path, state: str) -> Mapping[str, str]:
 @lru_cache(maxsize=8)
 def _make_files(web: Path, settings_text: str, state: str) -> Mapping[str, bytes]:
     made = _remember(f"{state}{settings_text}", lambda: _build(web, settings_text))
-    from infra.web_build import calibration_schema  # here: the models take their time
-
-    schema = {calibration_schema.KEY: calibration_schema.text().encode()}
-    return {key: content.encode() for key, content in made.items()} | dict(sdk_files(web)) | schema
+    return {key: content.encode() for key, content in made.items()} | dict(sdk_files(web))
 
 
 def _remember(name: str, make: Callable[[], dict[str, str]]) -> dict[str, str]:
@@ -217,7 +215,15 @@ def _build(web: Path, settings_text: str) -> dict[str, str]:
         hint = " Run `npm ci`." if "ERR_MODULE_NOT_FOUND" in made.stderr else ""
         raise SiteError(f"the site cannot be made.{hint}\n{made.stderr.strip()}")
     files: dict[str, str] = json.loads(made.stdout)
-    return {key: text for key, text in generate_pages(web).items() if not key.endswith(".html")} | files
+    from infra.web_build import calibration_schema, dump_schema, openapi  # here: the models take their time
+
+    schemas = {
+        calibration_schema.CALIBRATION_SCHEMA_KEY: calibration_schema.text(),
+        dump_schema.DUMP_SCHEMA_KEY: dump_schema.text(),
+        openapi.OPENAPI_KEY: openapi.text(),
+    }
+    others = {key: text for key, text in generate_pages(web).items() if not key.endswith(".html")}
+    return others | files | schemas
 
 
 def _repository() -> str | None:
@@ -259,7 +265,7 @@ def _state(web: Path) -> str:
 
 def _inputs(web: Path) -> Iterator[str]:
     """Paths as texts: they are walked with every page."""
-    for folder in (web, ROOT / "docs", Path(__file__).parent):
+    for folder in (web, ROOT / "docs", Path(__file__).parent, _MODELS):
         for place, folders, names in os.walk(folder):
             folders[:] = sorted(name for name in folders if name != "vendor")
             yield from (f"{place}/{name}" for name in sorted(names) if name.endswith(_INPUTS))

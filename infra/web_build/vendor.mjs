@@ -99,7 +99,7 @@ function vendorWebXR() {
 function vendorFormats({ paths }) {
   const { parameters } = paths["/v1/calibrations/{id}"].get;
   const { schema } = parameters.find((/** @type {{name: string}} */ { name }) => name === "format");
-  const banner = "// Made from web/openapi.json by infra/web_build/vendor.mjs.\n";
+  const banner = "// Made from openapi.json by infra/web_build/vendor.mjs.\n";
   writeFileSync(`${vendor}formats.js`, `${banner}export const FORMATS = ${JSON.stringify(schema.enum)};\n`);
   writeFileSync(`${vendor}formats.d.ts`, `${banner}export const FORMATS: string[];\n`);
 }
@@ -110,7 +110,7 @@ async function vendorTypes({ components }) {
     Object.entries(components.schemas).map(([name, schema]) => [name, plainSchema(schema, true)]),
   );
   const types = await compile({ title: "Api", type: "object", definitions }, "Api", {
-    bannerComment: "// Made from web/openapi.json by infra/web_build/vendor.mjs.",
+    bannerComment: "// Made from openapi.json by infra/web_build/vendor.mjs.",
     unreachableDefinitions: true,
     additionalProperties: false,
   });
@@ -126,7 +126,7 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   vendorSearch();
   vendorWebXR();
   await vendorEngines(vendor);
-  const api = JSON.parse(readFileSync(`${root}web/openapi.json`, "utf8"));
+  const api = JSON.parse(readFileSync(`${root}.build/openapi.json`, "utf8"));
   vendorFormats(api);
   await vendorTypes(api);
 }

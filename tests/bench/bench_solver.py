@@ -214,4 +214,4 @@ def convergence() -> Iterator[Row]:
     medians = ", ".join(f"{value:.2f}" for value in mean)
     yield Row("views to 0.40 px, the published 9-view accuracy", needed, 3, "views", f"medians {medians} px")
     stopped = [run.stopped or 6 for run in runs]
-    yield Row("views until the capture ends by itself (median)", float(np.median(stopped)), None, "views")
+    yield Row("views until the capture ends (median)", float(np.median(stopped)), None, "views")

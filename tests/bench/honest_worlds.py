@@ -126,15 +126,15 @@ def read(path: Path) -> dict[int, Outcome]:
 
 
 def render(outcomes: Sequence[Outcome]) -> str:
-    rows = [row("five, no liar", [o.first_five for o in outcomes])]
+    rows = [row("five, no attacker", [o.first_five for o in outcomes])]
     for what, chosen in (
         ("five", [o for o in outcomes if o.honest == 5]),
         (f"six to {MAX_HONEST}", [o for o in outcomes if o.honest > 5]),
         ("all", outcomes),
     ):
-        rows.append(row(f"{what}, no liar", [o.clean for o in chosen]))
-        rows.append(row(f"{what}, and one liar", [o.one for o in chosen], lies=True))
-        rows.append(row(f"{what}, and two liars", [o.two for o in chosen], lies=True))
+        rows.append(row(f"{what}, no attacker", [o.clean for o in chosen]))
+        rows.append(row(f"{what}, and one attacker", [o.one for o in chosen], lies=True))
+        rows.append(row(f"{what}, and two attackers", [o.two for o in chosen], lies=True))
     del rows[1]  # the same as the first, of half of the cameras
     return document.table(HEADER, rows)
 

@@ -1,4 +1,4 @@
-"""The OpenAPI document is fresh, and promises what the template routes and the functions serve."""
+"""The OpenAPI document promises what the template routes and the functions serve."""
 
 import json
 import re
@@ -15,11 +15,7 @@ from infra.web_build.site import ROOT
 
 @pytest.fixture(scope="module")
 def document() -> dict:
-    return json.loads(openapi.OPENAPI_PATH.read_text())
-
-
-def test_committed_openapi_is_current() -> None:
-    assert openapi.OPENAPI_PATH.read_text() == openapi.text(), "run `make openapi`"
+    return json.loads(openapi.text())
 
 
 def test_openapi_has_the_routes_of_the_template(document: dict) -> None:

@@ -7,7 +7,6 @@ with `SEED=1` other ones.
 import math
 import os
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 import schemathesis
@@ -24,6 +23,7 @@ from schemathesis.specs.openapi.checks import (
 
 from calibdb.store.aliases import alias_digest
 from infra.server.server import Server
+from infra.web_build import openapi
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.published import asked, calibration, mode_of, store
 from tests.helpers.service.rigs import RigTruth
@@ -32,7 +32,6 @@ CASES = int(os.environ.get("CASES", "200"))
 MAX_ANSWER_S = 120
 """Seconds to wait for an answer: only a failure takes them, and a busy machine is none."""
 SEED = int(os.environ.get("SEED", "0"))
-ROOT = Path(__file__).parents[2]
 CHECKS = [
     not_a_server_error,
     status_code_conformance,
@@ -40,7 +39,7 @@ CHECKS = [
     response_headers_conformance,
     response_schema_conformance,
 ]
-API = schemathesis.openapi.from_path(ROOT / "web" / "openapi.json")
+API = schemathesis.openapi.from_dict(openapi.document())
 OPERATIONS = {operation.ok().label: operation.ok() for operation in API.get_all_operations()}
 #: Nothing is a wrong question about health, a badge or a known camera: of texts, all are taken.
 NEVER_WRONG = {

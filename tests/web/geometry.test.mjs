@@ -98,7 +98,7 @@ test("a board that cannot be is named, and the default taken", () => {
 });
 
 test("the dictionaries are those that the service takes, in the sizes of their tables", () => {
-  const { components } = JSON.parse(readFileSync(new URL("../../web/openapi.json", import.meta.url), "utf8"));
+  const { components } = JSON.parse(readFileSync(new URL("../../.build/openapi.json", import.meta.url), "utf8"));
   assert.deepEqual(DICTIONARIES, components.schemas.Board.properties.dictionary.enum);
   for (const name of DICTIONARIES) {
     const { size, side, count } = dictionaryOf(name);

@@ -1,1 +1,1 @@
-"""Pages under `/docs/`, built from the project's Markdown, `web/openapi.json` and the package's integrity."""
+"""Pages under `/docs/`, built from Markdown, the OpenAPI document and the SDK's integrity."""

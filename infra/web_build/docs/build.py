@@ -11,9 +11,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from html import escape, unescape
 from pathlib import Path
 
+from infra.web_build import openapi
 from infra.web_build.docs import catalog, reference
 from infra.web_build.docs.catalog import ENTRIES, FOLDER, GROUPS, ROOT, Entry, address
-from infra.web_build.docs.fields import Node
 from infra.web_build.docs.fill import fill
 from infra.web_build.docs.markdown import Document, Link, Section, render
 from infra.web_build.docs.page import GROUP_NAMES, page
@@ -48,7 +48,7 @@ def pages(web: Path) -> Mapping[str, str]:
         path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8")
         for path in sorted((ROOT / "docs" / "images").glob("*.svg"))
     }
-    return made | dict(reference.pages(_openapi(web))) | {OVERVIEW: _home()} | loaded
+    return made | dict(reference.pages(openapi.document())) | {OVERVIEW: _home()} | loaded
 
 
 def documents() -> Iterator[tuple[Entry, Document]]:
@@ -91,7 +91,7 @@ def search_texts(web: Path, rendered: Sequence[tuple[Entry, Document]]) -> str:
         if entry.slug in NOT_SEARCHED:
             continue
         found += [_row(entry.slug, document.title, section) for section in document.sections]
-    for folder, section in reference.sections(_openapi(web)):
+    for folder, section in reference.sections(openapi.document()):
         found += [_row(f"reference/{folder}", "API reference", section)]
     problems = (web / FOLDER / "problems" / "index.html").read_text(encoding="utf-8")
     for kind, status, text in _PROBLEM.findall(problems):
@@ -106,11 +106,6 @@ def _row(folder: str, name: str, section: Section) -> list[str]:
     said = " ".join(part for part in section.text if re.search("[A-Za-z]", part))
     text = re.sub(r"\s+", " ", re.sub(r"tests/\S+", "", said)).strip()
     return [f"{folder}/{anchor}", name, section.title, text]
-
-
-def _openapi(web: Path) -> Node:
-    document: Node = json.loads((web / "openapi.json").read_text(encoding="utf-8"))
-    return document
 
 
 def _page(entry: Entry, document: Document) -> str:

@@ -166,8 +166,6 @@ def target_key(source: str, target: str) -> tuple[str, str] | None:
         return f"{FOLDER}index.html", ""
     if path.startswith("docs/images/"):
         return path, ""
-    if path == "web/openapi.json":
-        return f"{FOLDER}reference/index.html", parts.fragment
     if path.startswith("web/") and (ROOT / path).is_dir():
         return f"{path.removeprefix('web/')}/index.html", parts.fragment
     if path.startswith("web/") and (ROOT / path).exists():

@@ -14,6 +14,7 @@ import calibsolver
 from infra.release import changelog, checkout
 from infra.release.changelog import ChangelogError
 from infra.release.checkout import VERSION_FILE, WHEEL_FILES, CheckoutError
+from infra.web_build import openapi
 from tests.helpers.data import ROOT
 
 CHANGELOG = """# Changelog
@@ -55,7 +56,7 @@ def test_version_stands_in_one_place() -> None:
     assert "version" not in json.loads((ROOT / "package.json").read_text())
     # The packed SDK is given the release's version.
     assert json.loads((ROOT / "web/sdk/package.json").read_text())["version"] == "0.0.0"
-    assert json.loads((ROOT / "web/openapi.json").read_text())["info"]["version"] == calibdb.__version__
+    assert openapi.document()["info"]["version"] == calibdb.__version__
 
 
 def test_wheels_take_the_version_of_a_release_and_fits_keep_theirs(repository: Path) -> None:

@@ -10,7 +10,7 @@ from urllib.parse import unquote, urlsplit
 import pytest
 
 from calibdb.access.plans import PLANS
-from infra.web_build import site
+from infra.web_build import openapi, site
 from infra.web_build.docs import markdown
 from infra.web_build.docs.build import NOT_SEARCHED, SEARCH_KEY
 from infra.web_build.docs.catalog import ENTRIES, ROOT
@@ -125,7 +125,7 @@ def test_search_knows_every_document_call_and_problem(made: Mapping[str, bytes])
 
 
 def test_every_call_has_a_group_a_description_and_an_example() -> None:
-    document = json.loads((site.WEB / "openapi.json").read_text())
+    document = openapi.document()
     groups = {tag["name"] for tag in document["tags"]}
     for methods in document["paths"].values():
         for operation in methods.values():
