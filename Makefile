@@ -20,7 +20,7 @@ TWO := -n 2 --dist worksteal
 # Three at a time: a fifth of the time they wait for processes that they start and stop, or for a browser.
 MODULES := -n 3 --dist loadscope --no-loadscope-reorder
 # The longest first, for two at a time; each begins as soon as the packages that it needs are there.
-CHECKS := .mypy .cfn-lint .tsc .ruff .wording .audit
+CHECKS := .mypy .cfn-lint .tsc .ruff .wording .imports .audit
 # Tests under node that have OpenCV draw boards
 DRAWN := tests/web/geometry.test.mjs
 PAIRED := --no-print-directory --jobs 2 --output-sync
@@ -42,11 +42,11 @@ test: ## run everything below up to browser
 	$(PYTEST) $(MODULES) tests/unit tests/service tests/aws
 	@$(MAKE) --no-print-directory browser
 
-lint: ## check style, types, wording, the template, and dependencies for known vulnerabilities
+lint: ## check style, types, imports, wording, the template, and dependencies for known vulnerabilities
 	@$(MAKE) $(PAIRED) $(CHECKS)
 
 .node .drawn .tsc: web/vendor/api.d.ts
-.drawn .ruff .wording .mypy .cfn-lint .audit: .venv/.made
+.drawn .ruff .wording .imports .mypy .cfn-lint .audit: .venv/.made
 
 .node:
 	node --test $(filter-out $(DRAWN),$(wildcard tests/web/*.test.mjs))
@@ -60,6 +60,9 @@ lint: ## check style, types, wording, the template, and dependencies for known v
 
 .wording:
 	@$(PY) -m infra.ci.wording
+
+.imports:
+	@PYTHONPATH=$(PYTHONPATH):clients/python .venv/bin/lint-imports --no-logo --cache-dir .build/imports
 
 .mypy:
 	$(PY) -m mypy
@@ -96,9 +99,10 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS
 .thorough-unit:
 	$(PYTEST) $(TWO) -m thorough tests/unit
 
-# kill -9 while captures end, at as many moments as KILLS
+# kill -9 while captures end, at as many moments as KILLS; and of two processes under load, as often
 .thorough-kills:
-	CALIBDB_KILLS=$(or $(KILLS),54) $(PYTEST) -s tests/service/test_killed_while_finishing.py
+	CALIBDB_KILLS=$(or $(KILLS),54) CALIBDB_LOAD_KILLS=$(or $(KILLS),54) $(PYTEST) -s \
+		tests/service/test_killed_while_finishing.py tests/service/test_killed_under_load.py
 
 # As many requests made of the OpenAPI document, and values of every schema, as CASES, and files as FILES; others with SEED=1
 .thorough-fuzz:
@@ -110,7 +114,7 @@ kills fuzz:
 	@$(MAKE) --no-print-directory thorough ONLY=$@
 
 bench: export PYTHONPATH := $(PYTHONPATH):clients/python
-bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,consensus,uncertainty,real-views,board-shape,contributors,frc,keys,estimates,load,cost,slowest,page-speed
+bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,consensus,uncertainty,honesty,real-views,board-shape,contributors,rigs,frc,keys,estimates,load,cost,slowest,page-speed
 ifdef DOCS
 	@set -e; for name in $(call words_of,$(DOCS)); do $(MAKE) --no-print-directory .bench-$$name; done
 else

@@ -17,6 +17,7 @@ if [ "$(id -u)" -ne 0 ]; then
   fi
   run=(sudo -n)
 fi
+echo "Installing ${missing[*]} and their dependencies with apt-get, for the whole system"
 "${run[@]}" apt-get update -qq -o Acquire::Retries=3
 packages=()
 for package in "${missing[@]}"; do

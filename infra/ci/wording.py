@@ -1,10 +1,11 @@
-"""Check the words of documents and the subjects of commits.
+"""Check the words of documents, the first words of docstrings, and the subjects of commits.
 
 python -m infra.ci.wording
 """
 
 from __future__ import annotations
 
+import ast
 import re
 import subprocess
 import sys
@@ -25,6 +26,14 @@ DISCOURAGED = re.compile(
 )
 """Words of literal translations; docs/development.md says how to write instead."""
 _NOT_PROSE = re.compile(r"^ *```.*?^ *```|<!--.*?-->|`[^`\n]*`|\]\([^)]*\)", re.DOTALL | re.MULTILINE)
+
+RIDDLE = re.compile(
+    r"(What|Who|Whose|Whom|Where|Which|How|Why|Whoever|Whatever|From|In which|Asking)\b"
+    r"|(Returns?|Says?|Gives?) (what|who|which|how|where)\b"
+)
+"""Opening words that leave out the noun that a docstring describes."""
+_FIRST_COMMENT = re.compile(r"\s*(?://|/\*+)\s*\**\s*([^\n]*)")
+_JSDOC = re.compile(r"/\*\*\s*\**\s*([^\n]*)")
 
 ALLOWED: dict[str, int] = {}
 """Findings that a document may have, `MAX_FINDINGS` in others. The numbers may only fall."""
@@ -53,6 +62,27 @@ def document_problems(path: str, text: str) -> list[str]:
     return [f"{path}: {len(found)} discouraged words or long cells, at most {allowed} allowed{where}"]
 
 
+def docstrings(tree: ast.Module) -> Iterator[str]:
+    """Yield the docstrings of a module and of its public classes, functions and methods."""
+    nodes: list[ast.AST] = [tree]
+    while nodes:
+        node = nodes.pop()
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+            yield ast.get_docstring(node) or ""
+        if isinstance(node, (ast.Module, ast.ClassDef)):
+            nodes += [each for each in node.body if not getattr(each, "name", "").startswith("_")]
+
+
+def opening_problems(path: str, text: str) -> list[str]:
+    """Describe docstrings, or comments of JavaScript, whose first words leave out the noun."""
+    if path.endswith(".py"):
+        openings = list(docstrings(ast.parse(text)))
+    else:
+        first = _FIRST_COMMENT.match(text)
+        openings = [*([first[1]] if first else []), *_JSDOC.findall(text)]
+    return [f"{path}: {each.splitlines()[0]!r} names no noun" for each in openings if RIDDLE.match(each)]
+
+
 def subject_problems(subject: str) -> list[str]:
     """Describe what is wrong with the subject of a commit."""
     wrong = []
@@ -76,6 +106,8 @@ def main() -> int:
     problems = []
     for path in git_lines("ls-files", "*.md"):
         problems += document_problems(path, (ROOT / path).read_text(encoding="utf-8"))
+    for path in git_lines("ls-files", "*.py", "web/*.js", "tests/web/*.mjs", "infra/*.mjs"):
+        problems += opening_problems(path, (ROOT / path).read_text(encoding="utf-8"))
     for subject in git_lines("log", "--no-merges", "--format=%s", f"{BASE}..HEAD"):
         problems += subject_problems(subject)
     print("\n".join(problems) or "wording: no problems")

@@ -20,7 +20,7 @@ from infra.deploy.package import ROOT, TEMPLATE, complete_template, package_temp
 from infra.deploy.prune import prune
 from infra.deploy.site import uploads
 from infra.deploy.steps import PARAMETERS, Step, Target, parameter_file, steps
-from infra.server.pages import contacts, public_settings
+from infra.web_build.root_files import contacts, public_settings
 from infra.web_build.site import Options
 
 

@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from infra.deploy.intrinsics import parse_text
-from infra.server.pages import NOT_FOUND
-from infra.web_build.site import page_keys
+from infra.web_build.site import WEB, page_keys
 
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATE = ROOT / ".build" / "deploy" / "template.yaml"
@@ -134,7 +133,8 @@ def _inline_function(match: re.Match[str], pages: str) -> str:
         .read_text(encoding="utf-8")
         .replace("PAGES = []", f"PAGES = {pages}")
         .replace(
-            "NOT_FOUND = ''", f"NOT_FOUND = {json.dumps(NOT_FOUND.read_text('utf-8'), ensure_ascii=False)}"
+            "NOT_FOUND = ''",
+            f"NOT_FOUND = {json.dumps((WEB / '404.html').read_text('utf-8'), ensure_ascii=False)}",
         )
     )
     return f"FunctionCode: |\n{textwrap.indent(code, ' ' * 8)}"

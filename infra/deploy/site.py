@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from infra.deploy import hashed_names
-from infra.server.pages import FOREVER, media_type
 from infra.web_build import site
 from infra.web_build.precache_manifest import shell_of
 from infra.web_build.root_files import robots_text, security_text, sitemap
 from infra.web_build.sdk import VERSIONED
+from infra.web_build.site_headers import FOREVER, media_type
 
 # Files whose names change with their contents are kept for good. Everything else the edge keeps until the
 # upload says otherwise, and browsers ask the edge whether it changed.
@@ -39,7 +39,7 @@ class Upload:
     cache_control: str
     content_encoding: str | None = None
     is_versioned: bool = False
-    """Whether the object, once there, never changes."""
+    """True if the object never changes once it exists."""
 
 
 def uploads(

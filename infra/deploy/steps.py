@@ -32,7 +32,7 @@ class Target:
     site
         Address of the site without slash; None where CloudFront makes one up, at the first deployment.
     exists
-        Whether the stack is there already.
+        True if the stack exists already.
     """
 
     stack: str

@@ -17,6 +17,7 @@ from infra.console.output import Output
 from infra.console.progress import track
 
 if TYPE_CHECKING:
+    from calibdb.store.ports import JobName
     from infra.ops.context import OpsContext
 
 
@@ -72,7 +73,6 @@ def _opened() -> Iterator[tuple[Mapping[str, str], bool]]:
     from calibdb.store.ports import Storage
     from calibdb.store.storage import opened, storage_of
     from infra.server.folder import Folder
-    from infra.server.jobs import InlineJobs
     from infra.server.server import opened_for_functions, variables, variables_set
 
     if not (os.environ.get("CALIBDB_STORAGE") == "aws" or "AWS_ENDPOINT_URL" in os.environ):
@@ -96,6 +96,20 @@ def _opened() -> Iterator[tuple[Mapping[str, str], bool]]:
     here = Storage(storage.table, storage.objects, InlineJobs(), storage.site)
     with variables_set({**own, **os.environ}), opened(here):
         yield environment, "CONTRIBUTOR_SECRET" in os.environ
+
+
+class InlineJobs:
+    """`Jobs` that run at once in the caller's thread."""
+
+    def later(self, job: JobName, payload: bytes) -> None:
+        """Run the job; its failure is logged."""
+        self.now(job, payload)
+
+    def now(self, job: JobName, payload: bytes) -> bytes | None:
+        """Run the job and return its result, None if it failed."""
+        from infra.server.jobs import run
+
+        return run(job, payload)
 
 
 def data_folder() -> Path:

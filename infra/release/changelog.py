@@ -23,7 +23,7 @@ def notes(changelog: str, version: str) -> str:
 
 
 def is_released(changelog: str, version: str) -> bool:
-    """Whether this is the version as it was released: it has entries, and nothing changed since."""
+    """True if this is the version as released: it has entries, and nothing has changed since."""
     unreleased = re.split(r"^## ", changelog.partition(_UNRELEASED)[2], maxsplit=1, flags=re.MULTILINE)[0]
     return not unreleased.strip() and any(
         match["version"] == version for match in _SECTION.finditer(changelog)

@@ -11,6 +11,7 @@ from flit_core.wheel import make_wheel_in  # type: ignore[import-untyped]
 
 from infra.release.checkout import ROOT, version
 from infra.web_build import site
+from infra.web_build.site_headers import compress
 
 PROJECTS = (ROOT / "clients" / "python", ROOT / "layers" / "solver")
 _FOLDERS = ("functions", "infra/console", "infra/ops", "infra/server", "infra/web_build")
@@ -57,6 +58,7 @@ def build_server(target: Path) -> Path:
             shutil.copy2(ROOT / name, library / name)
         shutil.copytree(site.WEB, library / "web", ignore=shutil.ignore_patterns("node_modules"))
         site.build_for_wheel(library / site.MADE_FILES.name)
+        _precompress(library / "web", library / site.MADE_FILES.name)
         program = (ROOT / "infra" / "release" / "server_program.py").read_text(encoding="utf-8")
         stamped = f'{program}\n__version__ = "{version()}"\n'
         (package / "__init__.py").write_text(stamped, encoding="utf-8")
@@ -68,6 +70,15 @@ def build_server(target: Path) -> Path:
         Path(place, "pyproject.toml").write_text(described, encoding="utf-8")
         built: Path = make_wheel_in(Path(place, "pyproject.toml"), target).file
     return built
+
+
+def _precompress(*folders: Path) -> None:
+    """Write `NAME.gz` next to each file that is served compressed; pages get their origin on the server."""
+    files = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
+    for path in [path for path in files if path.suffix != ".html"]:
+        compressed = compress(path.name, path.read_bytes(), level=9)
+        if compressed is not None:
+            path.with_name(f"{path.name}.gz").write_bytes(compressed)
 
 
 def _dependencies(project: dict[str, dict[str, list[str]]]) -> list[str]:

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import asyncio
 import importlib
-import ipaddress
 import logging
 import time
-from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 from urllib.parse import urlsplit
 
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Match, Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from calibdb.http.application import IN_THREAD, PREFLIGHT, application, with_default_headers
+from calibdb.http.application import IN_THREAD, application, with_default_headers
 from infra.server.loopback import is_loopback
 
 FUNCTIONS = (
@@ -26,13 +25,9 @@ FUNCTIONS = (
     "tokens",
 )
 MAX_BODY_BYTES = 6 * 1024 * 1024
-_KNOWN = "/known/"
-KNOWN_TTL_S = 60.0
-"""Time for which the answers to known cameras are remembered, and that they are not known."""
-_MAX_KNOWN = 4096
 BODY_TIMEOUT_S = 30.0
 RESPONSE_TIMEOUT_S = 30.0
-_API_PREFIXES = ("/v1/", "/healthz", "/badge/", _KNOWN)
+_API_PREFIXES = ("/v1/", "/healthz", "/badge/", "/known/")
 _EXPOSED = (
     "location,retry-after,etag,ratelimit,ratelimit-policy,content-disposition,"
     "x-conversion-error,x-conversion-coverage,x-conversion-warning"
@@ -43,7 +38,6 @@ _CORS = [
 ]
 
 _access = logging.getLogger("infra.server.access")
-Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 
 @dataclass(frozen=True)
@@ -59,24 +53,11 @@ class Public:
     """
 
     url: str | None = None
-    proxies: Sequence[Network] = field(default=())
+    proxies: Sequence[str] = ()
 
     def allows(self, host: str) -> bool:
         """True if the server answers to this `Host` header."""
         return is_loopback(host) or (self.url is not None and host.lower() == urlsplit(self.url).netloc)
-
-    def caller(self, peer: str, forwarded: str) -> str:
-        """Return the address of the caller: the last one that is not a proxy's."""
-        address = peer
-        for hop in reversed([*filter(None, forwarded.split(",")), peer]):
-            try:
-                parsed = ipaddress.ip_address(hop.strip())
-            except ValueError:
-                break
-            address = str(parsed)
-            if not any(parsed in network for network in self.proxies):
-                break
-        return address
 
 
 class App:
@@ -103,7 +84,6 @@ class App:
         for name in FUNCTIONS:
             routes += importlib.import_module(f"functions.{name}.app").handler.routes
         self._routes = routes
-        self._known: OrderedDict[str, tuple[float, Message, Message]] = OrderedDict()
         self._api = with_default_headers(application(*routes))
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -127,10 +107,6 @@ class App:
         app: ASGIApp = self._answer if is_api else self._dumps if path.startswith("/dumps/") else self._site
         if not all(self._public.allows(value.decode("latin-1")) for value in hosts):
             app = _message(421, "This server does not answer to this host name.")
-        elif path.startswith(_KNOWN) and scope["method"] == "GET":
-            app = self._answer_known
-        if self._public.proxies and scope.get("client"):
-            self._believe_proxy(scope)
         try:
             await app(scope, receive, sending)
         finally:
@@ -147,26 +123,18 @@ class App:
                 return route.path
         return "unknown path"
 
-    def _believe_proxy(self, scope: Scope) -> None:
-        peer, port = scope["client"]
-        forwarded = b",".join(value for name, value in scope["headers"] if name == b"x-forwarded-for")
-        scope["client"] = self._public.caller(peer, forwarded.decode("latin-1")), port
-
     async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request of the API: the body is read here, the endpoint runs in a thread."""
-        if scope["method"] == "OPTIONS":
-            await Response(status_code=204, headers=PREFLIGHT)(scope, receive, send)
-            return
         body: bytes | None = b""
         if any(name in (b"content-length", b"transfer-encoding") for name, _ in scope["headers"]):
             try:
                 async with asyncio.timeout(BODY_TIMEOUT_S):
-                    body = await _read(receive)
+                    body = await _read(Request(scope, receive))
             except TimeoutError:
                 late = _message(408, "Request Timeout", {"connection": "close"})
                 await late(scope, receive, send)
                 return
-            except _DisconnectError:
+            except ClientDisconnect:
                 return
         if body is None:
             await _message(413, "Request Entity Too Large")(scope, receive, send)
@@ -179,28 +147,6 @@ class App:
         scope[IN_THREAD] = self._in_thread
         await self._api(scope, receiving, send)
 
-    async def _answer_known(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer a lookup of a known camera, the same for everyone, from memory if it was asked lately."""
-        path, now = scope["path"], time.monotonic()
-        until, start, body = self._known.get(path, (0.0, {}, {}))
-        if now >= until or any(name == b"if-none-match" for name, _ in scope["headers"]):
-            messages: list[Message] = []
-
-            async def collect(message: Message) -> None:
-                messages.append(message)
-
-            await self._answer(scope, receive, collect)
-            if not messages:
-                return  # the client is gone
-            start, body = messages[0], messages[-1]
-            if start["status"] in (200, 404):
-                self._known[path] = now + KNOWN_TTL_S, start, body
-                self._known.move_to_end(path)
-                if len(self._known) > _MAX_KNOWN:
-                    self._known.popitem(last=False)
-        await send({**start})
-        await send(body)
-
     async def _in_thread(self, call: Callable[[], Response]) -> Response:
         future = asyncio.get_running_loop().run_in_executor(self._workers, call)
         done, _ = await asyncio.wait([future], timeout=RESPONSE_TIMEOUT_S)
@@ -208,24 +154,14 @@ class App:
         return future.result() if done else _message(503, "Service Unavailable")
 
 
-class _DisconnectError(Exception):
-    """The client is gone."""
-
-
-async def _read(receive: Receive) -> bytes | None:
+async def _read(request: Request) -> bytes | None:
     """Read the body; None if it is too large."""
-    chunks, size = [], 0
-    while True:
-        message = await receive()
-        if message["type"] == "http.disconnect":
-            raise _DisconnectError
-        chunk = message.get("body", b"")
-        chunks.append(chunk)
-        size += len(chunk)
-        if size > MAX_BODY_BYTES:
+    body = bytearray()
+    async for chunk in request.stream():
+        body += chunk
+        if len(body) > MAX_BODY_BYTES:
             return None
-        if not message.get("more_body"):
-            return b"".join(chunks)
+    return bytes(body)
 
 
 def _message(status: int, text: str, headers: Mapping[str, str] | None = None) -> Any:

@@ -8,12 +8,11 @@ import ipaddress
 import logging
 import os
 import signal
-import socket
-import subprocess
 import sys
 import threading
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 from urllib.parse import urlsplit
@@ -23,8 +22,9 @@ from infra.server.app import Public
 from infra.server.folder import Folder, FolderError
 from infra.server.loopback import is_loopback
 from infra.server.secrets import SecretsError
-from infra.server.server import STOP_TIMEOUT_S, HttpServer, PortInUseError, Server, bind
+from infra.server.server import DEVELOPMENT_TOKEN, STOP_TIMEOUT_S, PortInUseError, Server, bind, http_server
 
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _RESTART_PAUSE_S = 0.5  # before a process that ended is started again
 _log = logging.getLogger("infra.server")
 
@@ -36,8 +36,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         public = _public(options)
-        if options.worker:
-            return _work(options, public)
         if options.workers == 1:
             server = Server(
                 options.data,
@@ -48,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 new_secrets=bool(os.environ.get("NEW_SECRETS")),
             )
             return _serve(server, announce=True)
-        return _supervise(options, public, list(sys.argv[1:] if arguments is None else arguments))
+        return _supervise(options, public)
     except (FolderError, PortInUseError, SecretsError, ValueError) as error:
         print(f"calibDB cannot start: {error}", file=sys.stderr)
         return 1
@@ -65,7 +63,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--workers", type=int, metavar="N", default=environment.get("WORKERS") or "1")
     parser.add_argument("--public-url", metavar="URL", help="address of the site behind a proxy with TLS")
     parser.add_argument("--trusted-proxy", metavar="CIDR", action="append", default=[])
-    parser.add_argument("--worker", help=argparse.SUPPRESS)  # number and descriptors of a process
     return parser
 
 
@@ -79,108 +76,102 @@ def _public(options: argparse.Namespace) -> Public:
             raise ValueError(f"--public-url is an address such as https://calibdb.example, not {url!r}")
     elif not is_loopback(options.host):
         raise ValueError(f"--host {options.host} is not this machine only: --public-url is required")
-    return Public(url, tuple(ipaddress.ip_network(each) for each in options.trusted_proxy))
+    return Public(url, tuple(str(ipaddress.ip_network(each)) for each in options.trusted_proxy))
 
 
-def _serve(server: Server, *, announce: bool) -> int:
-    """Serve until a signal."""
-    stopping = threading.Event()
-    http: HttpServer | None = None
+def _serve(server: Server, *, announce: bool = False) -> int:
+    """Serve until a signal, which uvicorn raises again when it has ended."""
 
-    def stop(number: int, _: FrameType | None) -> None:
-        if stopping.is_set():
-            os._exit(128 + number)
-        stopping.set()
-        if http is None:
-            raise SystemExit(0)
-        http.should_exit = True
+    def stop(_number: int, _frame: FrameType | None) -> None:
+        raise SystemExit(0)
 
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in _SIGNALS:
         signal.signal(number, stop)
-    with server:
-        for sentence in server.damage:
-            print(f"warning: {sentence}", file=sys.stderr, flush=True)
-        server.warm()
+    with suppress(SystemExit), server:
+        _warn(server.damage)
+        server.pages.warm()
         # What is there by now mostly stays; the collector need not walk it in the middle of requests.
         gc.freeze()
         gc.enable()
-        http = HttpServer(server.app)
         if announce:
-            _announce(server.url, server.token if server.public.url is None else None)
+            _announce(server.url, is_public=server.public.url is not None)
         with Service.in_server():
-            http.run([server.listener])
-        if announce:
-            print("stopped", flush=True)
+            http_server(server.app).run([server.listener])
+    if announce:
+        print("stopped", flush=True)
     # A job or a request that has not ended by now runs again, or was not acknowledged.
     sys.stdout.flush()
     os._exit(0)
 
 
-def _announce(url: str, token: str | None) -> None:
+def _announce(url: str, *, is_public: bool) -> None:
     print(f"calibDB is at {url}/")
-    if token is not None:
-        print(f"API token, for this machine only: {token}")
+    if not is_public:
+        print(f"API token, for this machine only: {DEVELOPMENT_TOKEN}")
     sys.stdout.flush()
 
 
-def _supervise(options: argparse.Namespace, public: Public, arguments: list[str]) -> int:
-    """Check the folder, then keep `--workers` processes running over it until a signal."""
-    folder = Folder(options.data, new_secrets=bool(os.environ.get("NEW_SECRETS")))
-    for sentence in folder.damage:
+def _warn(damage: Sequence[str]) -> None:
+    for sentence in damage:
         print(f"warning: {sentence}", file=sys.stderr, flush=True)
+
+
+def _supervise(options: argparse.Namespace, public: Public) -> int:
+    """Check the folder, then keep `--workers` processes running over it until a signal."""
+    # Its lock lasts until the last process ends that has inherited it.
+    folder = Folder(options.data, new_secrets=bool(os.environ.get("NEW_SECRETS")))
+    _warn(folder.damage)
     folder.database.close()
     listener = bind(options.host, options.port)
-    listener.listen(1024)
-    alive, held = os.pipe()  # a worker whose `alive` ends has lost this process
-    lock = folder.lock
-    assert lock is not None  # noqa: S101 - this process has opened the folder
+    alive, held = os.pipe()  # a process whose `alive` ends has lost this one
+    processes: dict[int, int] = {}  # index by id
     stopping: list[int] = []
 
     def stop(number: int, _: FrameType | None) -> None:
         stopping.append(number)
-        for process in processes:
-            process.send_signal(signal.SIGTERM if len(stopping) == 1 else signal.SIGKILL)
+        for process in list(processes):
+            os.kill(process, signal.SIGTERM if len(stopping) == 1 else signal.SIGKILL)
 
-    def start(index: int) -> subprocess.Popen[bytes]:
-        # A lock that is inherited lasts until the last process ends.
-        passed = (listener.fileno(), alive, lock)
-        return subprocess.Popen(  # noqa: S603 - this program
-            [sys.executable, "-m", "infra.server", *arguments, "--worker", f"{index},{passed[0]},{alive}"],
-            stdin=subprocess.DEVNULL,
-            pass_fds=passed,
-            env=os.environ | {"NEW_SECRETS": ""},
-        )
+    def start(index: int) -> bool:
+        """Start a process; return True in that process."""
+        signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)  # until the new process has its own handlers
+        if process := os.fork():
+            processes[process] = index
+        else:
+            os.close(held)
+            threading.Thread(target=_end_with, args=(alive,), daemon=True).start()
+            for number in _SIGNALS:
+                signal.signal(number, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
+        return not process
 
-    processes: list[subprocess.Popen[bytes]] = []
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in _SIGNALS:
         signal.signal(number, stop)
-    processes += [start(index) for index in range(options.workers)]
-    url = public.url or f"http://127.0.0.1:{listener.getsockname()[1]}"
-    _announce(url, None if public.url else "cdb_dev_local")
-    while not stopping:
-        time.sleep(0.1)
-        for index, process in enumerate(processes):
-            if not stopping and process.poll() is not None:
-                _log.error("process %d ended with status %s; it is started again", index, process.returncode)
-                time.sleep(_RESTART_PAUSE_S)
-                processes[index] = start(index)
-    for process in processes:
-        process.wait()
-    os.close(held)
+    waiting = list(range(options.workers))
+    _announce(public.url or f"http://127.0.0.1:{listener.getsockname()[1]}", is_public=public.url is not None)
+    while processes or not stopping:
+        while waiting and not stopping:
+            if start(index := waiting.pop()):
+                server = Server(
+                    options.data,
+                    public=public,
+                    inherited=listener,
+                    stop_timeout_s=STOP_TIMEOUT_S,
+                    worker=index,
+                )
+                return _serve(server)
+        process, status = os.wait()
+        index = processes.pop(process)
+        if not stopping:
+            ended = os.waitstatus_to_exitcode(status)
+            _log.error("process %d ended with status %d; it is started again", index, ended)
+            time.sleep(_RESTART_PAUSE_S)
+            waiting.append(index)
     print("stopped", flush=True)
     return 0
 
 
-def _work(options: argparse.Namespace, public: Public) -> int:
-    index, descriptor, alive = map(int, options.worker.split(","))
-    listener = socket.socket(fileno=descriptor)
-
-    def watch() -> None:
-        os.read(alive, 1)
-        os.kill(os.getpid(), signal.SIGTERM)
-
-    threading.Thread(target=watch, daemon=True, name="watch").start()
-    server = Server(
-        options.data, public=public, listener=listener, stop_timeout_s=STOP_TIMEOUT_S, worker=index
-    )
-    return _serve(server, announce=False)
+def _end_with(alive: int) -> None:
+    """End this process when the one that started it has ended."""
+    os.read(alive, 1)
+    os.kill(os.getpid(), signal.SIGTERM)

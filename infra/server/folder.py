@@ -1,10 +1,9 @@
-"""The data folder: its lock, its secrets, its checks at the start, and the format before SQLite."""
+"""The data folder: its lock, its secrets, and its checks at the start."""
 
 from __future__ import annotations
 
 import fcntl
 import hashlib
-import json
 import os
 import shutil
 import sqlite3
@@ -19,9 +18,6 @@ from calibdb.store.sqlite import (
     FOLDER_NAME,
     Database,
     SchemaError,
-    SqliteJobs,
-    SqliteObjects,
-    SqliteTable,
     item_checksum,
 )
 from infra.server import secrets, write_ahead_log
@@ -30,7 +26,7 @@ KEYPOINTS, SITE = "keypoints", "site"
 """Buckets of objects: of everything measured, and of what everyone may read."""
 LOCK_TIMEOUT_S = 5.0
 """Time for the processes of a server that was killed to end."""
-_JOURNAL = "journal.sqlite"
+_JOURNAL = "journal.sqlite"  # of the versions before SQLite was the database
 _RESTORE = "restore a backup with `calibdb-ops --data {folder} restore FILE`"
 _REPAIR = "Rebuild the index with `calibdb-ops --data {folder} reindex`, or " + _RESTORE
 
@@ -94,8 +90,12 @@ class Folder:
 
     def _open(self, path: Path, clock: Any, *, new_secrets: bool, as_worker: bool) -> None:
         file, secret_file = path / FILE_NAME, path / "secrets.json"
-        journal = path / _JOURNAL
-        known = file.exists() or journal.exists()
+        known = file.exists()
+        if not known and (path / _JOURNAL).exists():
+            raise FolderError(
+                f"{path} was written by a version before 0.1.0. Write its captures to files with that "
+                "version, `calibdb-ops dump --private FILES`, and load them here, `calibdb-ops load FILES`"
+            )
         if secret_file.exists() and (not known or (file.exists() and file.stat().st_size == 0)):
             raise FolderError(
                 f"{file} is missing or empty, but {secret_file.name} is there: "
@@ -110,8 +110,6 @@ class Folder:
             if not file.exists():
                 os.close(os.open(file, os.O_CREAT | os.O_RDWR, 0o600))
             self.database = Database(path, clock)
-            if journal.exists():
-                _convert(journal, self.database)
         except SchemaError as error:
             raise FolderError(str(error)) from error
         except (sqlite3.Error, OSError) as error:
@@ -212,31 +210,3 @@ def _damaged_objects(connection: sqlite3.Connection, folder: Path) -> Iterator[t
     for file in (folder / FOLDER_NAME).glob("*"):
         if file.name not in used:
             file.unlink()
-
-
-def _convert(journal: Path, database: Database) -> None:
-    """Copy what a journal, the format before this one, has; keep it under another name."""
-    table, jobs = SqliteTable(database), SqliteJobs(database, lambda *_: None)
-    names = {"RefitFunction": "refit", "VerifyFunction": "verify"}
-    with closing(sqlite3.connect(journal)) as connection:
-        rows = connection.execute("SELECT kind, container, key, body FROM state ORDER BY rowid")
-        for kind, container, key, body in rows:
-            if kind == "item":
-                table.put({name: _value(value) for name, value in json.loads(body).items()})
-            elif kind == "object" and not key.startswith("known/"):
-                bucket = SITE if "webbucket" in container else KEYPOINTS
-                media_type = "application/gzip" if key.endswith(".gz") else "application/json"
-                SqliteObjects(database, bucket).put(key, body, media_type)
-            elif kind == "invoke" and names.get(container) == "refit":
-                jobs.later("refit", body)
-    for suffix in ("", "-wal", "-shm"):
-        source = journal.with_name(journal.name + suffix)
-        if source.exists():
-            source.replace(source.with_name(f"{_JOURNAL}.converted{suffix}"))
-
-
-def _value(value: dict[str, Any]) -> Any:
-    kind, content = next(iter(value.items()))
-    if kind == "N":
-        return int(content)
-    return [each["S"] for each in content] if kind == "L" else content

@@ -50,52 +50,37 @@ def run(job: JobName, payload: bytes) -> bytes | None:
         return None
 
 
-class InlineJobs:
-    """`Jobs` that run at once in the caller's thread. For operators."""
-
-    def later(self, job: JobName, payload: bytes) -> None:
-        """Run the job; its failure is logged."""
-        run(job, payload)
-
-    def now(self, job: JobName, payload: bytes) -> bytes | None:
-        """Run the job and return its result, None if it failed."""
-        return run(job, payload)
-
-
-class JobWorker:
+class JobWorker(threading.Thread):
     """A thread that runs queued jobs one at a time, oldest first."""
 
     def __init__(self, jobs: SqliteJobs, pauses_s: Sequence[float] = PAUSES_S) -> None:
+        super().__init__(name="jobs", daemon=True)
         self._jobs = jobs
         self._pauses_s = pauses_s
-        self._stopping = threading.Event()
-        self._thread = threading.Thread(target=self._work, name="jobs", daemon=True)
-
-    def start(self) -> None:
-        """Start the thread; jobs that a process was killed at run again."""
-        self._jobs.release_all()
-        self._thread.start()
+        self._ending = threading.Event()
 
     def stop(self, timeout_s: float) -> None:
         """Take no more jobs, and wait for the one that is running; it runs again if that takes too long."""
-        self._stopping.set()
+        self._ending.set()
         self._jobs.queued.set()
-        self._thread.join(timeout_s)
+        self.join(timeout_s)
 
-    def _work(self) -> None:
-        while not self._stopping.is_set():
+    def run(self) -> None:
+        """Work until `stop`; jobs that a process was killed at run again."""
+        self._jobs.release_all()
+        while not self._ending.is_set():
             try:
                 job = self._jobs.take(2 * TIMEOUT_S)
                 if job is not None:
-                    self._run(job)
+                    self._run_one(job)
                     continue
             except Exception:  # noqa: BLE001 - storage that fails now may work later
                 _log.exception("the queue of jobs could not be read or written")
-                self._stopping.wait(1.0)
+                self._ending.wait(1.0)
             self._jobs.queued.wait(_POLL_S)
             self._jobs.queued.clear()
 
-    def _run(self, job: Job) -> None:
+    def _run_one(self, job: Job) -> None:
         try:
             # The same id for every attempt: a lease of the first one is still its own.
             call(job.name, job.payload, Context(f"job-{job.id}"))

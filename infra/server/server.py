@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 import os
 import socket
@@ -11,13 +10,13 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 import uvicorn
-from starlette.types import ASGIApp
+from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.service import Service
@@ -29,8 +28,9 @@ from infra.server import jobs
 from infra.server.app import App, Public
 from infra.server.folder import KEYPOINTS, SITE, Folder
 from infra.server.loopback import ORIGINS
-from infra.server.pages import Pages, PublicObjects, contacts, public_settings
+from infra.server.pages import Pages, PublicObjects
 from infra.server.protocol import TimedProtocol
+from infra.web_build.root_files import contacts, public_settings
 from infra.web_build.site import WEB, Options
 
 # Accepted on loopback only, and from pages of this machine only.
@@ -38,6 +38,7 @@ DEVELOPMENT_TOKEN = "cdb_dev_local"  # noqa: S105
 STOP_TIMEOUT_S = 2.0
 """Time that requests and a job have to finish when the server stops."""
 _CHECKPOINT_S, _SWEEP_S = 10.0, 600.0
+_DUMP_S = 3600.0  # between two looks whether the weekly dump is due
 _DAY_S = 86_400
 # As the rules of the buckets in template.yaml.
 LIFETIMES = {
@@ -47,7 +48,7 @@ LIFETIMES = {
     (SITE, "dumps/2"): 35 * _DAY_S,
 }
 # Variables of this process, and the parameters of the template that they set on AWS.
-_PARAMETERS = {
+PARAMETERS = {
     "OPERATOR_NAME": "OperatorName",
     "OPERATOR_CONTACT": "OperatorContact",
     "IMPRINT": "Imprint",
@@ -57,15 +58,7 @@ _THREADS = max(4, 2 * (os.cpu_count() or 1))
 _log = logging.getLogger("infra.server")
 
 
-@dataclass(frozen=True)
-class Response:
-    """A response, as `Server.request` returns it; header names are lower case."""
-
-    status: int
-    headers: Mapping[str, str]
-    body: bytes
-
-
+@dataclass(eq=False)
 class Server:
     """The service over one data folder within the block. One at a time in a process.
 
@@ -101,85 +94,69 @@ class Server:
         At the start of the block, if the port cannot be used.
     """
 
-    def __init__(
-        self,
-        data: Path | None = None,
-        environment: Mapping[str, str] | None = None,
-        port: int = 0,
-        *,
-        host: str = "127.0.0.1",
-        public: Public | None = None,
-        web: Path = WEB,
-        clock: Callable[[], float] = time.time,
-        pauses_s: Sequence[float] = jobs.PAUSES_S,
-        stop_timeout_s: float = 60.0,
-        new_secrets: bool = False,
-        worker: int | None = None,
-        listener: socket.socket | None = None,
-    ) -> None:
-        self._data = data
-        self._environment = environment or {}
-        self._port = port
-        self._host = host
-        self._listener = listener
-        self.public = public or Public()
-        self._web = web
-        self._clock = clock
-        self._pauses_s = pauses_s
-        self._stop_timeout_s = stop_timeout_s
-        self._new_secrets = new_secrets
-        self._worker = worker
-        self._stack = ExitStack()
+    data: Path | None = None
+    environment: Mapping[str, str] = field(default_factory=dict)
+    port: int = 0
+    _: KW_ONLY
+    host: str = "127.0.0.1"
+    public: Public = field(default_factory=Public)
+    web: Path = WEB
+    clock: Callable[[], float] = time.time
+    pauses_s: Sequence[float] = jobs.PAUSES_S
+    stop_timeout_s: float = 60.0
+    new_secrets: bool = False
+    worker: int | None = None
+    inherited: socket.socket | None = None
 
     def __enter__(self) -> Self:
         with ExitStack() as stack:
             self._start(stack)
-            self._stack = stack.pop_all()
+            self._running = stack.pop_all()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._stack.close()
+        self._running.close()
 
     def _start(self, stack: ExitStack) -> None:
-        is_worker = self._worker is not None
-        folder = Folder(self._data, self._clock, new_secrets=self._new_secrets, as_worker=is_worker)
+        is_worker = self.worker is not None
+        folder = Folder(self.data, self.clock, new_secrets=self.new_secrets, as_worker=is_worker)
         stack.callback(folder.close)
         self.folder = folder
         self.damage = tuple(folder.damage)
         """Sentences about damage that was found in the folder."""
-        self.listener = self._listener or bind(self._host, self._port)
+        self.listener = self.inherited or bind(self.host, self.port)
         stack.callback(self.listener.close)
         self.url = self.public.url or f"http://127.0.0.1:{self.listener.getsockname()[1]}"
         """Address of the site, without slash."""
-        self.environment = variables(folder, self.url, is_public=self.public.url is not None)
-        self.environment |= self._environment
-        self._jobs = SqliteJobs(folder.database, jobs.run)
-        self.storage = stack.enter_context(opened_for_functions(folder, self._jobs, self.environment))
+        own = variables(folder, self.url, is_public=self.public.url is not None)
+        self.environment = own | dict(self.environment)
+        self.jobs = SqliteJobs(folder.database, jobs.run)
+        self.storage = stack.enter_context(opened_for_functions(folder, self.jobs, self.environment))
         self.token = self._admit_token()
         """Token of the site's own pages."""
-        self._parameters = {name: os.environ[v] for v, name in _PARAMETERS.items() if os.environ.get(v)}
+        self._parameters = {name: os.environ[v] for v, name in PARAMETERS.items() if os.environ.get(v)}
         options = Options(self.url, contacts(self._parameters))
         settings = public_settings("/v1", self.token, self._parameters)
-        self.pages = Pages(self._web, settings, options)
+        self.pages = Pages(self.web, settings, options)
         threads = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
-        stack.callback(threads.shutdown, wait=self._data is None or not is_worker, cancel_futures=True)
-        self.app: ASGIApp = App(
-            self.pages, PublicObjects(SqliteObjects(folder.database, SITE)), threads, self.public
-        )
-        if not is_worker or self._worker == 0:
-            upkeep = Upkeep(folder)
+        stack.callback(threads.shutdown, wait=self.data is None or not is_worker, cancel_futures=True)
+        dumps = PublicObjects(SqliteObjects(folder.database, SITE))
+        app: Any = App(self.pages, dumps, threads, self.public)
+        self.app: Any = ProxyHeadersMiddleware(app, list(self.public.proxies)) if self.public.proxies else app
+        if not is_worker or self.worker == 0:
+            upkeep = Upkeep(folder, self.jobs)
             upkeep.start()
             stack.callback(upkeep.stop)
-            worker = jobs.JobWorker(self._jobs, self._pauses_s)
+            worker = jobs.JobWorker(self.jobs, self.pauses_s)
             worker.start()
-            stack.callback(worker.stop, self._stop_timeout_s)
+            stack.callback(worker.stop, self.stop_timeout_s)
 
     def _admit_token(self) -> str:
         """Return the token of the site's pages: the development token, or one for the public address."""
         tokens = Store.over(self.storage).tokens
-        now = int(self._clock())
+        now = int(self.clock())
         if self.public.url is None:
             _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
             token = ApiToken(token_id, secret_hash(secret), ORIGINS, plan="development", created=now)
@@ -200,111 +177,90 @@ class Server:
             tokens.revoke(stored, now)
         return f"cdb_{token_id}_{secret}"
 
-    def warm(self) -> None:
-        """Make the pages, and load what the first requests need, now."""
-        self.pages.warm()
-
-    def failures(self) -> list[tuple[str, bytes, str]]:
-        """Return name, payload and error of the jobs that failed every time."""
-        return self._jobs.failures()
-
     def wait_until_idle(self, seconds: float) -> None:
         """Wait until no job is unfinished; raises TimeoutError."""
         end = time.monotonic() + seconds
-        while unfinished := self._jobs.unfinished():
+        while unfinished := self.jobs.unfinished():
             if time.monotonic() > end:
                 raise TimeoutError(f"{unfinished} jobs unfinished after {seconds:g} s")
             time.sleep(0.01)
-
-    def request(
-        self,
-        method: str,
-        path: str,
-        headers: Mapping[str, str] | None = None,
-        query: str = "",
-        body: bytes = b"",
-        client: str = "127.0.0.1",
-    ) -> Response:
-        """Send a request to the application without a socket.
-
-        `path` and `query` are percent-encoded; `query` is without its question mark.
-        """
-        return asyncio.run(_request(self.app, method, path, headers or {}, query, body, client, self.url))
 
     @contextmanager
     def serve(self) -> Iterator[str]:
         """Serve in a thread until the end of the block; yields the address."""
         if self.listener.fileno() == -1:
-            self.listener = bind(self._host, int(self.url.rpartition(":")[2]))
-        server = HttpServer(self.app)
-        thread = threading.Thread(target=server.run, args=([self.listener],), name="server")
-        thread.start()
-        try:
-            while not server.started:
-                if not thread.is_alive():
-                    raise RuntimeError("the server did not start; its log says why")
-                time.sleep(0.005)
+            self.listener = bind(self.host, int(self.url.rpartition(":")[2]))
+        with serving(self.app, self.listener):
             yield self.url
-        finally:
-            server.should_exit = True
-            thread.join()
-            self.listener.close()
 
 
-class HttpServer(uvicorn.Server):
-    """uvicorn with the server's options, which leaves signals to the command."""
-
-    def __init__(self, app: ASGIApp) -> None:
-        super().__init__(
-            uvicorn.Config(
-                app,
-                loop="uvloop",
-                http=TimedProtocol,
-                ws="none",
-                lifespan="off",
-                log_config=None,
-                access_log=False,
-                server_header=False,
-                proxy_headers=False,
-                timeout_keep_alive=30,
-                timeout_graceful_shutdown=round(STOP_TIMEOUT_S),
-            )
-        )
-
-    @contextmanager
-    def capture_signals(self) -> Iterator[None]:
-        """Leave signals alone."""
+@contextmanager
+def serving(app: Any, listener: socket.socket) -> Iterator[None]:
+    """Serve in a thread until the end of the block, and close the socket."""
+    server = http_server(app)
+    thread = threading.Thread(target=server.run, args=([listener],), name="server")
+    thread.start()
+    try:
+        while not server.started:
+            if not thread.is_alive():
+                raise RuntimeError("the server did not start; its log says why")
+            time.sleep(0.005)
         yield
+    finally:
+        server.should_exit = True
+        thread.join()
+        listener.close()
 
 
-class Upkeep:
-    """A thread that copies the log into the database, and deletes what has expired."""
+def http_server(app: Any) -> uvicorn.Server:
+    """Make the HTTP server of an application."""
+    return uvicorn.Server(
+        uvicorn.Config(
+            app,
+            loop="uvloop",
+            http=TimedProtocol,
+            ws="none",
+            lifespan="off",
+            log_config=None,
+            access_log=False,
+            server_header=False,
+            proxy_headers=False,
+            timeout_keep_alive=30,
+            timeout_graceful_shutdown=round(STOP_TIMEOUT_S),
+        )
+    )
 
-    def __init__(self, folder: Folder) -> None:
+
+class Upkeep(threading.Thread):
+    """A thread that copies the log into the database, deletes what has expired, and has dumps written."""
+
+    def __init__(self, folder: Folder, queue: Jobs) -> None:
+        super().__init__(name="upkeep", daemon=True)
         self._folder = folder
-        self._stopping = threading.Event()
-        self._thread = threading.Thread(target=self._work, name="upkeep", daemon=True)
-
-    def start(self) -> None:
-        """Start the thread."""
-        self._thread.start()
+        self._queue = queue
+        self._ending = threading.Event()
 
     def stop(self) -> None:
-        """Stop it."""
-        self._stopping.set()
-        self._thread.join()
+        """Stop the thread."""
+        self._ending.set()
+        self.join()
 
-    def _work(self) -> None:
-        next_sweep = 0.0
+    def run(self) -> None:
+        """Work until `stop`."""
+        next_sweep, next_dump = 0.0, time.monotonic() + _DUMP_S
         while True:
+            now = time.monotonic()
             try:
-                if time.monotonic() >= next_sweep:
+                if now >= next_sweep:
                     self._folder.database.sweep(LIFETIMES)
-                    next_sweep = time.monotonic() + _SWEEP_S
+                    next_sweep = now + _SWEEP_S
+                if now >= next_dump:
+                    self._queue.later("dump", b"{}")
+                    next_dump = now + _DUMP_S
                 self._folder.database.checkpoint()
             except Exception:  # noqa: BLE001 - a full disk now may have room later
                 _log.exception("upkeep of the database failed")
-            if self._stopping.wait(_CHECKPOINT_S):
+            if self._ending.wait(_CHECKPOINT_S):
                 return
 
 
@@ -317,15 +273,10 @@ def bind(host: str, port: int) -> socket.socket:
     if not 0 <= port < 2**16:
         raise PortInUseError(f"port {port} does not exist: choose one from 1 to 65535")
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    # With the protocol by name, asyncio sets TCP_NODELAY on connections.
-    taken = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
-    taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        taken.bind((host, port))
+        return socket.create_server((host, port), family=family, backlog=1024)
     except OSError as error:
-        taken.close()
         raise PortInUseError(f"port {port} cannot be used: {error.strerror}") from error
-    return taken
 
 
 def variables(folder: Folder, url: str, *, is_public: bool = False) -> dict[str, str]:
@@ -376,54 +327,3 @@ def variables_set(wanted: Mapping[str, str]) -> Iterator[None]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
-
-
-async def _request(
-    app: ASGIApp,
-    method: str,
-    path: str,
-    headers: Mapping[str, str],
-    query: str,
-    body: bytes,
-    client: str,
-    url: str,
-) -> Response:
-    from urllib.parse import unquote
-
-    sent = {"host": url.partition("//")[2]} | {name.lower(): value for name, value in headers.items()}
-    if body:
-        sent["content-length"] = str(len(body))
-    scope: dict[str, Any] = {
-        "type": "http",
-        "asgi": {"version": "3.0"},
-        "http_version": "1.1",
-        "method": method,
-        "scheme": "http",
-        "path": unquote(path),
-        "raw_path": path.encode(),
-        "query_string": query.encode(),
-        "root_path": "",
-        "headers": [(name.encode("latin-1"), value.encode("latin-1")) for name, value in sent.items()],
-        "client": (client, 50_000),
-        "server": ("127.0.0.1", 80),
-    }
-    status, received, content = 0, {}, bytearray()
-
-    async def receive() -> dict[str, Any]:
-        return {"type": "http.request", "body": body, "more_body": False}
-
-    async def send(message: Any) -> None:
-        nonlocal status, received
-        if message["type"] == "http.response.start":
-            status = message["status"]
-            received = {n.decode("latin-1").lower(): v.decode("latin-1") for n, v in message["headers"]}
-        else:
-            content.extend(message.get("body", b""))
-
-    try:
-        await app(scope, receive, send)
-    except Exception:
-        if not status:
-            raise
-        _log.exception("%s %s failed", method, path)  # after its answer, as uvicorn does
-    return Response(status, received, b"" if method == "HEAD" else bytes(content))

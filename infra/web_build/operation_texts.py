@@ -1,8 +1,7 @@
 """Group, description and example of every call, by the names in `infra.web_build.operations`.
 
-Examples are requests as somebody sends them. `SESSION_ID`, `MANAGEMENT_TOKEN`, `CALIBRATION_ID`, `RIG_ID` and
-`CAMERA_KEY` stand for what an earlier call answered.
-`infra.web_build.recorded_examples` sends them and records the answers.
+`SESSION_ID`, `MANAGEMENT_TOKEN`, `CALIBRATION_ID`, `RIG_ID` and `CAMERA_KEY` in the examples stand for
+results of earlier calls. `infra.web_build.recorded_examples` sends the examples and records the responses.
 """
 
 from __future__ import annotations
@@ -16,10 +15,10 @@ from calibdb.store.aliases import alias_digest
 TAGS = {
     "Lookup": "Find the calibration of a camera.",
     "Capture": "Calibrate a camera, view by view. The guidance page makes these calls; any client can.",
-    "Rigs": "Calibrate cameras that do not move against each other together, each from a client of its own.",
+    "Rigs": "Calibrate several fixed cameras together, each from its own client.",
     "Database": "Search cameras, read stored calibrations, write them as another tool's file.",
-    "Tokens": "Make and manage API tokens. Nobody has to be asked for one.",
-    "Service": "Whether the service is there.",
+    "Tokens": "Create and manage API tokens. Anyone can create one.",
+    "Service": "State of the service.",
 }
 """Groups of calls, in the order of the reference."""
 
@@ -43,7 +42,7 @@ EXAMPLE_FILE = (
 
 @dataclass(frozen=True)
 class OperationText:
-    """Words about one call.
+    """Texts about one call.
 
     Attributes
     ----------
@@ -66,18 +65,18 @@ class OperationText:
 TEXTS: dict[str, OperationText] = {
     "lookup": OperationText(
         "Lookup",
-        "Answers with the calibration of a camera: its camera matrix, its distortion, and how far "
-        "to trust them. Name the camera as the browser does. Where nothing reliable is known, "
-        '`miss: "ok"` answers 200 with `calibration: null`, the `reason`, an `estimate`, and the '
-        "`guidance_url` where the camera can be calibrated; `redirect: false` answers 404 with the same; "
-        "without either the answer is a redirect to that page, which `fetch()` cannot read.",
+        "Returns the calibration of a camera: its camera matrix, its distortion, and how far to trust them. "
+        "Name the camera as the browser does. If nothing reliable is known, "
+        '`miss: "ok"` returns 200 with `calibration: null`, the `reason`, an `estimate`, and the '
+        "`guidance_url` of the page that calibrates the camera. `redirect: false` returns 404 with the same. "
+        "Otherwise the response is a redirect to that page, which `fetch()` cannot read.",
         {**_EXAMPLE_KEY, "zoom": 0, "miss": "ok"},
     ),
     "visitLookup": OperationText(
         "Lookup",
-        "The same as `POST /v1/lookup`, with the names as query parameters. A browser can "
-        "navigate to it with the API token in `key`, and is redirected to the guidance page where "
-        "nothing reliable is known.",
+        "Same as `POST /v1/lookup`, with the names as query parameters. A browser can "
+        "navigate to it with the API token in `key`. If nothing reliable is known, it is redirected to the "
+        "guidance page.",
         query={
             "camera": EXAMPLE_CAMERA,
             "platform": EXAMPLE_PLATFORM,
@@ -87,103 +86,101 @@ TEXTS: dict[str, OperationText] = {
     ),
     "openSession": OperationText(
         "Capture",
-        "Exchanges an API token for a session id: the credential of one guided capture, signed, "
-        "and good for 30 minutes. All calls of that capture carry it instead of the token.",
+        "Exchanges an API token for a session id, the signed credential of one guided capture. "
+        "It is valid for 30 minutes. All calls of that capture use it instead of the token.",
     ),
     "startSession": OperationText(
         "Capture",
-        'Starts the capture of one camera at one size and zoom. `capture: "recorded"` is for '
-        "views that are all there already (photographs, a video, another program's corners): then "
-        "every view that agrees counts, and `POST /v1/session/finish` ends the session. The same "
-        "content again is answered again; other content is 409.",
+        'Starts the capture of one camera at one size and zoom. Use `capture: "recorded"` for '
+        "views that exist already: photos, a video, or another program's corners. Then every agreeing view "
+        "counts, and `POST /v1/session/finish` ends the session. The call is idempotent; different content "
+        "is 409.",
         {**_EXAMPLE_KEY, "board": _BOARD},
     ),
     "showSession": OperationText(
         "Capture",
-        "Answers with the session's state: its views, its progress, the calibration so far and "
-        "the error that it expects.",
+        "Returns the session's state: its views, its progress, the current calibration and its expected "
+        "error.",
     ),
     "licenseSession": OperationText(
         "Capture",
         "Adds the licence to a session and to the calibration that it published. A licence cannot be "
-        "taken back or replaced: a session that has one keeps it.",
+        "withdrawn or replaced.",
         {"licence": "CC0-1.0", "licence_version": "2026-11-22"},
     ),
     "forgetSession": OperationText(
         "Capture",
-        "Ends the session and deletes its views. What it has published already stays.",
+        "Ends the session and deletes its views. A published calibration stays.",
     ),
     "showPose": OperationText(
         "Capture",
-        "Answers with the pose in which the board should be held next, until a view answers it. "
-        "`Accept` chooses between a picture to lay over the video (JPEG, PNG) and numbers. 409 "
-        "once the session has converged.",
+        "Returns the target pose of the board, which stays the same until a view answers it. `Accept` "
+        "chooses between an image to lay over the video (JPEG, PNG) and numbers. 409 once the session has "
+        "converged.",
         accept="application/json",
     ),
     "submitView": OperationText(
         "Capture",
         "Submits the board's corners in one frame: their ids, and their positions in px, where "
         "the centre of the top-left pixel is (0, 0). At least six, not all on a line. `accepted` "
-        "says whether the view became part of the session, and `reason` why not. The same view "
-        "again is answered again.",
+        "is true if the view became part of the session; otherwise `reason` explains the refusal. "
+        "The call is idempotent.",
         {"index": 0, "ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS},
     ),
     "submitViews": OperationText(
         "Capture",
         "Submits several views of a session that was started with `capture: recorded`. The service judges "
-        "them in their order, as `POST /v1/session/views` would, and returns a result for each. If one "
-        "has wrong fields, nothing is judged, and `errors` has one entry for each wrong view.",
+        "them in their order and returns a result for each. If a view has invalid fields, no view is judged, "
+        "and `errors` has an entry for each invalid view.",
         {"index": 0, "views": [{"ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS}]},
     ),
     "undoView": OperationText(
         "Capture",
-        "Takes a view out of the session. Its index is not used again.",
+        "Removes a view from the session. Its index is not used again.",
         path={"index": "0"},
     ),
     "finishSession": OperationText(
         "Capture",
-        "Ends a recorded session with the views that agree, publishes the calibration, and "
-        "answers with the state. At least four views must agree. Again is answered again.",
+        "Ends a session with the views that agree, publishes the calibration, and returns the state. "
+        "At least four views must agree. The call is idempotent.",
     ),
     "checkCalibration": OperationText(
         "Capture",
-        "Scores the stored consensus of a camera on one to five fresh views, and counts the "
-        "finding as a vote for or against it. Only the poses are fitted to the views. With "
-        "`calibration` it compares that calibration with a fit of the views instead, and no vote "
-        "counts. No session need be started under the session id.",
+        "Compares the stored consensus of a camera with one to five fresh views, and counts the "
+        "result as a vote. Only the poses are fitted to the views. With `calibration` it compares that "
+        "calibration with a fit of the views instead, without a vote. The session need not be started.",
         {**_EXAMPLE_KEY, "views": [{"ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS}]},
     ),
     "showCalibration": OperationText(
         "Database",
-        "Answers with one stored calibration and the report of its session, or with one "
-        "consensus. `format` asks for another tool's file; `crop`, `resize`, `rotate` and "
-        "`mirror` convert it to a changed picture. `without` fits anew without some of the views; "
-        "nothing is stored.",
+        "Returns a stored calibration with the report of its session, or a consensus. `format` returns "
+        "another tool's file; `crop`, `resize`, `rotate` and `mirror` convert it to a changed image. "
+        "`without` refits the calibration without some views and stores nothing.",
         path={"id": "CALIBRATION_ID"},
     ),
     "convertFile": OperationText(
         "Database",
         "Reads the camera matrix and distortion of another program's file (OpenCV, ROS, Kalibr, COLMAP, "
-        "mrcal, Gyroflow and others) and answers with the file in `format`. Nothing is stored. A file "
-        "larger than 100,000 characters is refused; corners in it are kept in `photonvision` alone.",
+        "mrcal, Gyroflow and others) and returns the file in `format`. Nothing is stored. Files above "
+        "100,000 characters are refused. Only `photonvision` keeps the corners of a file.",
         body={"file": EXAMPLE_FILE, "format": "kalibr"},
     ),
     "searchCameras": OperationText(
         "Database",
-        "Finds cameras whose names hold, for each word of `query`, a word that begins with it. "
-        "Without a query it lists all. Pass `next` as `after` for the following page.",
+        "Finds cameras by name: each word of `query` must begin a word of the name. "
+        "Without a query it lists all cameras. Pass `next` as `after` for the following page.",
         query={"query": "c920"},
     ),
     "showCamera": OperationText(
         "Database",
-        "Answers with everything that is known of one camera: by size and zoom, the calibrations, "
+        "Returns everything that is known about a camera: by size and zoom, the calibrations, "
         "the groups in which they agree, and the consensus of each model.",
         path={"key": "CAMERA_KEY"},
     ),
     "lookupKnown": OperationText(
         "Lookup",
-        "Looks a camera up by the digest of its label and platform. It needs no credential and no preflight, "
-        "and caches keep the answer, so ask here first, then by POST after a 404.",
+        "Looks a camera up by the digest of its label and platform. It needs neither a credential nor a "
+        "preflight, and caches keep the response. Ask here first, and by POST after a 404.",
         path={
             "digest": alias_digest(EXAMPLE_CAMERA, EXAMPLE_PLATFORM),
             "size": "1280x720",
@@ -193,100 +190,104 @@ TEXTS: dict[str, OperationText] = {
     ),
     "showBadge": OperationText(
         "Database",
-        "Answers with a picture for a README or a page: whether a camera is calibrated at a size, and to "
+        "Returns an image for a README or a page: whether a camera is calibrated at a size, and with "
         "which error. It needs no credential.",
         path={"key": "CAMERA_KEY", "file": "1280x720.svg"},
     ),
     "createToken": OperationText(
         "Tokens",
-        "Makes an API token for pages of some origins, and for programs. Nothing need be proved "
-        "for origins of the machine itself, such as `http://localhost`. For an `https://` origin "
-        "the answer says which proof to place. The token and its management token are shown this "
-        "once. One source can make five a day.",
+        "Creates an API token for pages of some origins, and for programs. Origins of the machine itself, "
+        "such as `http://localhost`, need no proof. For an `https://` origin the response contains the "
+        "proof to "
+        "place there. The token and its management token are shown only once. One source can create five "
+        "per day.",
         {"origins": ["http://localhost", "https://page.example"], "name": "My page"},
     ),
     "showToken": OperationText(
         "Tokens",
-        "Answers with the facts about a token, its limits, and its use by hour for two days and "
+        "Returns the facts about a token, its limits, and its use by hour for two days and "
         "by day for thirty.",
     ),
     "changeToken": OperationText(
         "Tokens",
-        "Gives a token other origins or another name. Origins that stay keep their state.",
+        "Replaces the origins or the name of a token. Origins that stay keep their state.",
         {"origins": ["http://localhost", "https://www.page.example"]},
     ),
     "revokeToken": OperationText(
         "Tokens",
-        "Revokes a token for good, within a minute. Again is answered again.",
+        "Revokes a token for good, within a minute. The call is idempotent.",
     ),
     "verifyToken": OperationText(
         "Tokens",
-        "Looks for the proofs of all origins that are pending, at `https://<origin>/.well- "
-        "known/calibdb.txt`. `failure` and `detail` of an origin say why there is none.",
+        "Looks for the proofs of all pending origins, at `https://<origin>/.well-known/calibdb.txt`. "
+        "`failure` and `detail` of an origin explain what is missing.",
     ),
     "rotateToken": OperationText(
         "Tokens",
-        "Gives a token another secret, shown this once. The one until now opens for another day, "
-        "or for `grace_s` seconds; 0 ends every earlier one at once.",
+        "Issues another secret, which is shown only once. The previous one works for another day, "
+        "or for `grace_s` seconds; 0 ends all earlier secrets.",
         {"grace_s": 3600},
     ),
     "showUsage": OperationText(
         "Tokens",
-        "Answers with the limits of an API token's plan, and with its use in this hour by all and "
+        "Returns the limits of an API token's plan, and its use in this hour by all users and "
         "from your address. It counts as a lookup.",
     ),
     "createRig": OperationText(
         "Rigs",
-        "Makes a rig of two to eight cameras. The session, which has no views yet, is camera 0 and leads. "
+        "Creates a rig of two to eight cameras. The session, which has no views yet, is camera 0 and leads. "
         "Other cameras join with `POST /v1/session` and `rig: {code, position?}`, from any device. The code "
-        "is good for 15 minutes and until all cameras are there; the same request again answers the same "
+        "is valid for 15 minutes and until all cameras have joined; the same request again returns the same "
         "rig and a fresh code. The board must not look the same after half a turn. With `square_size` "
         "lengths are in metres.",
         {"cameras": 2, "square_size": 0.03},
     ),
     "openMoment": OperationText(
         "Rigs",
-        "Opens a moment: one pose of the board, held still, under an id that the leader makes. Each camera "
-        "then sends its view of it with `POST /v1/session/views` and `moment`, at once or later. A rig has "
+        "Opens a moment: one pose of the board, held still, under an id that the leader chooses. Each camera "
+        "then sends its view of it with `POST /v1/session/views` and `moment`, at any later time. A rig has "
         "at most 100 moments.",
         {"moment": "m1"},
         path={"id": "RIG_ID"},
     ),
     "showRig": OperationText(
         "Rigs",
-        "Answers with the state of a rig: who is there, which moments were answered and what of them is set "
-        "aside, how large the error is expected to be, and where to hold the board next, as each camera "
-        "sees it. Clients ask once a second with `If-None-Match`: 304 costs nothing of the plan.",
+        "Returns the state of a rig: its cameras, its moments and what is set aside of them, the expected "
+        "error, and the next pose of the board as each camera sees it. Poll once a second with "
+        "`If-None-Match`: 304 does not count against the plan.",
         path={"id": "RIG_ID"},
     ),
     "undoMoment": OperationText(
         "Rigs",
-        "Undoes a moment. Its views are forgotten in all cameras, and late ones are refused.",
+        "Undoes a moment. Its views are removed from all cameras, and late ones are refused.",
         path={"id": "RIG_ID", "moment": "m1"},
     ),
     "forgetRig": OperationText(
         "Rigs",
-        "Forgets a running rig with the sessions of its cameras. A finished rig stays.",
+        "Deletes a running rig with the sessions of its cameras. A finished rig stays.",
         path={"id": "RIG_ID"},
     ),
     "finishRig": OperationText(
         "Rigs",
-        "Ends a rig whose cameras are all linked and have four views that agree. Each camera's session is "
-        "published as a calibration of its own; the rig keeps where they are.",
+        "Ends a rig whose cameras are all linked and have four agreeing views. Each camera's session is "
+        "published as a calibration; the rig contains their poses.",
         path={"id": "RIG_ID"},
     ),
     "showRigResult": OperationText(
         "Rigs",
-        "Answers with the cameras as they were fitted together and the pose of each, from camera 0. "
+        "Returns the cameras as they were fitted together, and the pose of each relative to camera 0. "
         "`format` chooses files of OpenCV (`opencv_stereo`), ROS, Kalibr, COLMAP, mrcal or glTF.",
         path={"id": "RIG_ID"},
     ),
-    "health": OperationText("Service", "Answers 200 where the service is up. It needs no credential."),
+    "health": OperationText(
+        "Service",
+        "Returns 200 if the service works. It needs no credential.",
+    ),
 }
 
 
 def text_of(name: str) -> OperationText:
-    """Return the words about a call; raises ValueError where somebody forgot them."""
+    """Return the texts of a call; ValueError if they are missing."""
     if name not in TEXTS:
-        raise ValueError(f"infra/web_build/operation_texts.py has no words about {name}, nor its example")
+        raise ValueError(f"infra/web_build/operation_texts.py has no text or example of {name}")
     return TEXTS[name]

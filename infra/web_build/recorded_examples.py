@@ -6,6 +6,7 @@ sent to it. `examples.json` has what it answers; the OpenAPI document and the re
 
 from __future__ import annotations
 
+import asyncio
 import functools
 import json
 import sys
@@ -14,6 +15,7 @@ from collections.abc import Iterator
 from typing import Any
 from urllib.parse import urlencode
 
+import httpx
 import numpy as np
 
 from calibsolver import Board, Camera
@@ -108,12 +110,21 @@ def send(stack: Server, method: str, path: str, credential: str | None, body: An
     """Send a request that must succeed; return the body."""
     headers = {"authorization": f"Bearer {credential}"} if credential else {}
     headers |= {} if body is None else {"content-type": "application/json"}
-    path, _, query = path.partition("?")
     content = b"" if body is None else json.dumps(body).encode()
-    answer = stack.request(method, path, headers | {"accept": "application/json"}, query, content)
-    if answer.status >= 400:
-        raise ValueError(f"{method} {path}: {answer.status} {answer.body.decode(errors='replace')}")
-    return answer.body
+    answer = asyncio.run(
+        _answer(stack, method, path, headers=headers | {"accept": "application/json"}, content=content)
+    )
+    if answer.status_code >= 400:
+        raise ValueError(f"{method} {path}: {answer.status_code} {answer.text}")
+    return answer.content
+
+
+async def _answer(stack: Server, method: str, path: str, **options: Any) -> httpx.Response:
+    transport = httpx.ASGITransport(stack.app, client=("127.0.0.1", 50_000))
+    async with httpx.AsyncClient(
+        transport=transport, base_url=stack.url, follow_redirects=True, timeout=60
+    ) as page:
+        return await page.request(method, path, **options)
 
 
 def _views(

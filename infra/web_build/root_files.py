@@ -1,12 +1,16 @@
-"""Files at the root of the site that programs look for: robots.txt, sitemap.xml, security.txt."""
+"""Files at the root of the site that programs look for, such as robots.txt and config.json."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from datetime import datetime, timedelta
+import json
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any
 from xml.sax.saxutils import escape
 
-from infra.web_build.site import LANGUAGES
+from infra.web_build.precache_manifest import shell
+from infra.web_build.site import LANGUAGES, Options, page_keys
 
 _SECURITY_TEXT_DAYS = 364  # less than the year that the RFC recommends at most
 #: answers to programs, and single results of people
@@ -54,3 +58,42 @@ def security_text(contact: str, now: datetime, site: str | None = None) -> bytes
     if site:
         lines += ["Preferred-Languages: en, de, uk", f"Canonical: {site}/.well-known/security.txt"]
     return "".join(f"{line}\n" for line in lines).encode()
+
+
+def root_file(key: str, web: Path, options: Options, settings: Mapping[str, Any]) -> bytes | None:
+    """Make a file of a site that is served from its sources; None if it has no such file at its root."""
+    contact = settings.get("operator", {}).get("contact", "")
+    match key:
+        case "config.json":
+            return json.dumps(settings).encode()
+        case "shell.json":
+            return json.dumps(shell(web, options)).encode()
+        case "robots.txt":
+            return robots_text(options.origin)
+        case "sitemap.xml":
+            return sitemap(options.origin, page_keys(web))
+        case ".well-known/security.txt" if contact:
+            return security_text(contact, datetime.now(UTC), options.origin)
+    return None
+
+
+def public_settings(api: str, token: str, parameters: Mapping[str, str] | None = None) -> dict[str, Any]:
+    """Content of `/config.json`, which a deployment writes; `parameters`: of the deployment."""
+    settings: dict[str, Any] = {"api": api, "token": token}
+    found = operator(parameters or {})
+    return settings | ({"operator": found} if found else {})
+
+
+def operator(parameters: Mapping[str, str]) -> dict[str, str]:
+    """Name the operator of the service as far as the deployment does: `name`, `contact`, `imprint`."""
+    names = {"name": "OperatorName", "contact": "OperatorContact", "imprint": "Imprint"}
+    return {key: parameters[name] for key, name in names.items() if parameters.get(name)}
+
+
+def contacts(parameters: Mapping[str, str]) -> dict[str, str]:
+    """Return the addresses that every page's footer names: `contact`, `imprint`."""
+    found = operator(parameters)
+    imprint = found.get("imprint", "")
+    addresses = {"contact": found.get("contact", "")}
+    addresses["imprint"] = imprint if imprint.startswith("https://") else "/privacy/#imprint" if found else ""
+    return {name: address for name, address in addresses.items() if address}

@@ -102,7 +102,7 @@ def page_keys(web: Path = WEB) -> list[str]:
 
 
 def is_translated(source: str) -> bool:
-    """Whether a page has texts of the message catalogs, and so is there in every language."""
+    """True if a page has texts of the message catalogues, and so exists in every language."""
     return "data-t=" in source
 
 

@@ -9,10 +9,11 @@ from typing import Any
 
 import httpx
 import pytest
-from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
+from infra.server.server import bind, serving
 from tests.aws.emulator import LocalStack
-from tests.aws.emulator.server import GatewayApp, bind, serving
+from tests.aws.emulator.server import GatewayApp
 from tests.helpers.service.client import until
 from tests.helpers.stack.toy_stack import deploy
 
@@ -180,15 +181,15 @@ def test_the_log_has_neither_tokens_nor_people(
 
 def test_answers_are_not_held_back_by_nagle(stack: LocalStack, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[int] = []
-    made = H11Protocol.connection_made
+    made = HttpToolsProtocol.connection_made
 
-    def watch(self: H11Protocol, transport: Any) -> None:
+    def watch(self: HttpToolsProtocol, transport: Any) -> None:
         made(self, transport)
         accepted = transport.get_extra_info("socket")
         seen.append(accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
 
-    monkeypatch.setattr(H11Protocol, "connection_made", watch)
-    listener = bind(0)
+    monkeypatch.setattr(HttpToolsProtocol, "connection_made", watch)
+    listener = bind("127.0.0.1", 0)
     with serving(GatewayApp(stack.gateway, stack.workers, Path(), {}), listener):
         assert (
             httpx.get(f"http://127.0.0.1:{listener.getsockname()[1]}/v1/echo", timeout=60).status_code == 200
@@ -198,7 +199,7 @@ def test_answers_are_not_held_back_by_nagle(stack: LocalStack, monkeypatch: pyte
 
 def test_a_request_under_way_is_finished_at_the_end(stack: LocalStack, tmp_path: Path) -> None:
     begun = tmp_path / "begun"
-    listener = bind(0)
+    listener = bind("127.0.0.1", 0)
     url = f"http://127.0.0.1:{listener.getsockname()[1]}"
     with ThreadPoolExecutor(1) as pool:
         with serving(GatewayApp(stack.gateway, stack.workers, Path(), {}), listener):
@@ -211,7 +212,7 @@ def test_a_request_under_way_is_finished_at_the_end(stack: LocalStack, tmp_path:
 
 def test_disconnecting_client_is_no_error(stack: LocalStack, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level("INFO", "tests.aws.emulator.access")
-    listener = bind(0)
+    listener = bind("127.0.0.1", 0)
     with serving(GatewayApp(stack.gateway, stack.workers, Path(), {}), listener):
         with socket.create_connection(listener.getsockname()) as gone:
             gone.sendall(b"POST /v1/echo HTTP/1.1\r\nhost: localhost\r\ncontent-length: 100\r\n\r\nhalf")

@@ -31,8 +31,8 @@ from infra.measure.usage import (
     read_units,
     write_units,
 )
+from infra.server.server import DEVELOPMENT_TOKEN
 from tests.aws.emulator import LocalStack, intercept
-from tests.aws.emulator.stack import DEVELOPMENT_TOKEN
 from tests.aws.emulator.storage import Answer
 
 LOOKUPS, CALIBRATION = "a million lookups", "a finished calibration"

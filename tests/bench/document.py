@@ -19,6 +19,6 @@ def replace(part: str, text: str, path: Path = ACCURACY) -> None:
 
 
 def table(header: list[str], rows: list[list[str]]) -> str:
-    """Markdown table."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    """Return a Markdown table, without padding."""
+    lines = [header, ["-"] * len(header), *rows]
+    return "\n".join(f"|{'|'.join(line)}|" for line in lines)

@@ -54,7 +54,7 @@ def test_it_is_found_again_as_the_page_says(known: Page) -> None:
     known.locator("#start").click()
     known.locator("#instruction:not(:empty)").wait_for()
     known.evaluate(PULL)
-    known.locator("#failure", has_text="this page continues by itself").wait_for()
+    known.locator("#failure", has_text="this page continues automatically").wait_for()
     known.evaluate(PLUG)
     known.locator("#instruction:not(:empty)").wait_for()
     assert known.evaluate("window.asked.deviceId") == {"exact": "c920"}

@@ -7,6 +7,7 @@ import pytest
 
 from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
+from tests.helpers.service.in_process import request
 
 MISSING = object()
 MALFORMED = [
@@ -245,7 +246,7 @@ def test_calls_before_the_start_of_the_session(client: Client) -> None:
 
 def test_malformed_host_header_is_misdirected(stack: Server) -> None:
     for host, status in {"a:b:c": 421, "[::1]:8000": 200, ":": 421, "x:port": 421}.items():
-        assert stack.request("GET", "/healthz", headers={"host": host}).status == status
+        assert request(stack, "GET", "/healthz", headers={"host": host}).status == status
 
 
 def test_whole_numbers_may_be_written_with_a_point(client: Client) -> None:

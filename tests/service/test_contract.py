@@ -7,6 +7,7 @@ import pytest
 from calibdb import schema
 from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
+from tests.helpers.service.in_process import request
 
 BOARD = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
 
@@ -220,4 +221,4 @@ def test_answers_are_uncached_with_nosniff(running: Client) -> None:
 
 
 def test_head_is_answered_like_get(stack: Server) -> None:
-    assert stack.request("HEAD", "/healthz").status == 200
+    assert request(stack, "HEAD", "/healthz").status == 200

@@ -23,7 +23,7 @@ from calibdb.store.sqlite import (
 from infra.ops.__main__ import main
 from infra.ops.backup import write_backup
 from infra.server import folder as folders
-from infra.server.folder import KEYPOINTS, SITE, Folder, FolderError
+from infra.server.folder import KEYPOINTS, Folder, FolderError
 from infra.server.secrets import SecretsError
 from infra.server.server import Server
 from infra.server.write_ahead_log import lost_commits
@@ -170,32 +170,11 @@ def test_second_server_is_refused_and_an_operator_is_a_guest(
     first.close()
 
 
-def test_journal_of_before_is_converted(tmp_path: Path) -> None:
-    folder = tmp_path / "data"
-    folder.mkdir()
-    Folder(tmp_path / "other").close()
-    shutil.copy(tmp_path / "other" / "secrets.json", folder)
-    with closing(sqlite3.connect(folder / "journal.sqlite")) as journal, journal:
-        journal.execute("CREATE TABLE state (kind, container, key, about, body BLOB, checksum)")
-        stored = {"pk": {"S": "P"}, "sk": {"S": "S"}, "n": {"N": "7"}, "l": {"L": [{"S": "a"}]}}
-        rows = [
-            ("item", "calibdb-table", '["P","S"]', json.dumps(stored).encode()),
-            ("object", "calibdb-keypointbucket", "calibrations/a.json", b"{}"),
-            ("object", "calibdb-webbucket", "dumps/latest.json", b"{1}"),
-            ("invoke", "RefitFunction", "id", b'{"camera": "c"}'),
-        ]
-        journal.executemany("INSERT INTO state VALUES (?, ?, ?, '', ?, 0)", rows)
-    opened = Folder(folder)
-    assert SqliteTable(opened.database).get("P", "S") == {"pk": "P", "sk": "S", "n": 7, "l": ["a"]}
-    assert SqliteObjects(opened.database, KEYPOINTS).get("calibrations/a.json") == b"{}"
-    assert SqliteObjects(opened.database, SITE).get("dumps/latest.json") == b"{1}"
-    with opened.database.reading() as connection:
-        assert connection.execute("SELECT name, payload FROM jobs").fetchall() == [
-            ("refit", b'{"camera": "c"}')
-        ]
-    opened.close()
-    assert (folder / "journal.sqlite.converted").exists()
-    assert not (folder / "journal.sqlite").exists()
+def test_journal_of_earlier_versions_is_refused_with_the_way_on(tmp_path: Path) -> None:
+    (tmp_path / "journal.sqlite").touch()
+    with pytest.raises(FolderError, match=r"calibdb-ops dump --private FILES.*calibdb-ops load FILES"):
+        Folder(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"journal.sqlite", "lock"}
 
 
 def test_expired_items_are_not_returned_and_swept() -> None:

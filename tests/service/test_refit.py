@@ -112,11 +112,11 @@ def test_overtaken_result_is_not_written(stack: Server, at_rest: Store) -> None:
 
 
 def test_malformed_refit_is_kept_with_its_error(stack: Server, at_rest: Store) -> None:
-    before = len(stack.failures())
+    before = len(stack.jobs.failures())
     for garbage in ({"camera": 5}, [], {"camera": "k", "img_size": [0, 0]}):
         stack.storage.jobs.later("refit", json.dumps(garbage).encode())
-    until(lambda: len(stack.failures()) == before + 3)
-    name, payload, error = stack.failures()[before]
+    until(lambda: len(stack.jobs.failures()) == before + 3)
+    name, payload, error = stack.jobs.failures()[before]
     assert (name, json.loads(payload), error.partition(":")[0]) == ("refit", {"camera": 5}, "ValidationError")
     # And nobody else has to wait for it.
     document = calibration("After the garbage", 0)

@@ -7,16 +7,15 @@ import sys
 import sysconfig
 import threading
 import venv
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 
-import httpx
 import pytest
 
 from calibdb import __version__
 from infra.release import wheels
-from infra.server.server import Response
 from tests.helpers.service.client import BRIEF, Client, Truth
+from tests.helpers.service.remote import Remote
 
 NOT_INSTALLED = ("boto", "s3transfer", "mangum", "moto", "calib", "infra", "functions", "__editable__")
 MAX_S = 120
@@ -44,34 +43,13 @@ def environment(scripts: Path) -> dict[str, str]:
     return kept | {"PATH": str(scripts), "OPERATOR_CONTACT": "mailto:op@calibdb.example", "PORT": "0"}
 
 
-class Installed:
-    """The installed server, as `Client` speaks to it."""
-
-    def __init__(self, url: str) -> None:
-        self.url = url
-        self.http = httpx.Client(base_url=url, timeout=60)
-
-    def request(
-        self,
-        method: str,
-        path: str,
-        headers: Mapping[str, str] | None = None,
-        query: str = "",
-        body: bytes = b"",
-        client: str = "",  # noqa: ARG002
-    ) -> Response:
-        address = f"{path}?{query}" if query else path
-        answer = self.http.request(method, address, headers=dict(headers or {}), content=body)
-        return Response(answer.status_code, dict(answer.headers), answer.content)
-
-
 @pytest.fixture(scope="module")
 def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("data")
 
 
 @pytest.fixture(scope="module")
-def installed(scripts: Path, data: Path) -> Iterator[Installed]:
+def installed(scripts: Path, data: Path) -> Iterator[Remote]:
     with (
         (data / "log").open("w") as log,
         subprocess.Popen(
@@ -89,22 +67,21 @@ def installed(scripts: Path, data: Path) -> Iterator[Installed]:
             assert process.stdout
             found = re.search(r"http://127\.0\.0\.1:\d+", process.stdout.readline())
             assert found, (data / "log").read_text()[-2000:]
-            server = Installed(found[0])
-            yield server
-            server.http.close()
+            with Remote(found[0]) as server:
+                yield server
         finally:
             watchdog.cancel()
             process.kill()
 
 
-def test_guided_capture_is_looked_up(installed: Installed) -> None:
+def test_guided_capture_is_looked_up(installed: Remote) -> None:
     client = Client(installed)
     truth = Truth(seed=1)
     done = truth.calibrate(client, **BRIEF)
     assert done["calibration_id"]
 
 
-def test_pages_are_those_of_the_build(installed: Installed) -> None:
+def test_pages_are_those_of_the_build(installed: Remote) -> None:
     pages = {path: installed.http.get(path) for path in ("/", "/de/board/", "/docs/api/")}
     assert {path: page.status_code for path, page in pages.items()} == dict.fromkeys(pages, 200)
     for page in pages.values():
@@ -116,7 +93,7 @@ def test_pages_are_those_of_the_build(installed: Installed) -> None:
     assert installed.http.get("/sitemap.xml").text.count("<loc>") > 20
 
 
-def test_operator_acts_on_the_data_folder(installed: Installed, scripts: Path, data: Path) -> None:
+def test_operator_acts_on_the_data_folder(installed: Remote, scripts: Path, data: Path) -> None:
     assert installed.http.get("/healthz").status_code == 200
     for command in (
         ("backup", data / "backup.tar"),

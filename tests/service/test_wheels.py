@@ -24,6 +24,7 @@ from infra.server.server import Server
 from tests.helpers import board_pictures
 from tests.helpers.data import data_dir, external_data
 from tests.helpers.service.client import Client, until
+from tests.helpers.service.in_process import request
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "clients/python/examples"
@@ -37,6 +38,7 @@ for name in guidance.GUIDES:
     guided = capture.Capture(Board(), (640, 480), guidance=name)
     assert len(guided.next_target([], guided.estimate([])).ids) == 40
 import calibdb_client
+from tests.helpers.service.in_process import request
 assert "site-packages" in calibsolver.__file__ and "site-packages" in calibdb_client.__file__
 """
 
@@ -159,9 +161,8 @@ def test_installed_commands_calibrate_real_photographs_by_the_service(
         known = json.loads((tmp_path / "camera.json").read_text())
         export = ("export", known["id"], "--format", "ros", "-o", "ros.yaml")
         run(calibdb, *export, folder=tmp_path, **service)
-        stored = stack.request(
-            "GET", f"/v1/calibrations/{known['id']}", headers={"authorization": "Bearer cdb_dev_local"}
-        )
+        path = f"/v1/calibrations/{known['id']}"
+        stored = request(stack, "GET", path, {"authorization": "Bearer cdb_dev_local"})
     assert json.loads(stored.body)["licence"] == "CC0-1.0"
     recording = Recording.load(tmp_path / "camera.json")
     assert recording.board.squares == (8, 8)

@@ -16,7 +16,7 @@ from calibdb.access.tokens import SessionIds, Ticket
 from infra.deploy import aws, layers, package, rehearsal, steps
 from infra.deploy.__main__ import main
 from infra.deploy.site import FOREVER, Upload, uploads
-from infra.server.pages import media_type
+from infra.web_build.site_headers import media_type
 from tests.helpers.aws import account
 from tests.helpers.sam import complete, parsed
 

@@ -13,7 +13,7 @@ import yaml
 from calibdb.access import token_cache
 from calibdb.store import aws
 from infra.deploy import account_check, package
-from infra.server import pages
+from infra.web_build import site_headers
 from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S
 from tests.helpers.sam import as_created, complete, parsed
 from tests.helpers.service.iam import statements
@@ -117,7 +117,7 @@ def test_the_edge_serves_pages_as_the_local_stack_does(transformed: dict) -> Non
     ):
         config = transformed["Resources"][name]["Properties"]["ResponseHeadersPolicyConfig"]
         policy = config["SecurityHeadersConfig"]["ContentSecurityPolicy"]["ContentSecurityPolicy"]
-        assert policy == pages.headers(file)["content-security-policy"]
+        assert policy == site_headers.headers(file)["content-security-policy"]
 
 
 def test_edge_cache_key_holds_every_lookup_parameter(source: dict) -> None:

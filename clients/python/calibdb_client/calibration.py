@@ -147,12 +147,12 @@ class Calibration:
 
     @property
     def reliable(self) -> bool:
-        """Whether enough calibrations agree."""
+        """True if enough calibrations agree."""
         return bool(self.record.get("reliable"))
 
     @property
     def exact_size(self) -> bool:
-        """Whether this is the size that was asked for; if not, never rescale it blindly."""
+        """True if this is the requested size; otherwise never rescale it blindly."""
         return bool(self.record.get("exact_size", True))
 
     @cached_property

@@ -27,11 +27,11 @@ class CheckResult:
     Attributes
     ----------
     fits
-        Whether the calibration fits the views.
+        True if the calibration fits the views.
     error, expected
         px rms of the views under it, and under a camera fitted to them alone.
     counted
-        Whether the check counts as a vote.
+        True if the check counts as a vote.
     votes
         Number of votes that agree, and that disagree.
     calibration

@@ -153,7 +153,7 @@ class Client:
         rotate
             Degrees clockwise after that: 0, 90, 180 or 270.
         mirror
-            Whether left and right are swapped at last.
+            True: left and right are swapped, as the last step.
         """
         change = PictureChange(crop, resize, rotate, mirror)
         return self._run(flows.export(identifier, {"format": format, **change.query()}))

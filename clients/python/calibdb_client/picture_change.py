@@ -25,7 +25,7 @@ class PictureChange:
     rotate
         Degrees clockwise.
     mirror
-        Whether left and right are swapped.
+        True if left and right are swapped.
 
     Raises UsageError for numbers that describe no picture.
     """

@@ -48,7 +48,7 @@ class Recording:
     views
         In the order in which they were taken.
     live
-        Whether a guided capture took them, which can go on with them.
+        True if a guided capture took them, which can continue with them.
     """
 
     key: CameraKey

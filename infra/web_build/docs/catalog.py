@@ -24,7 +24,7 @@ class Entry:
     name, summary
         In the navigation, and on the page of all documents.
     uses_service
-        Whether its code is for this service: the page fills in the site's address and the visitor's token.
+        True if its code is for this service: the page fills in the site's address and the visitor's token.
     """
 
     source: str | None
@@ -174,5 +174,5 @@ def target_key(source: str, target: str) -> tuple[str, str] | None:
 
 
 def is_elsewhere(target: str) -> bool:
-    """Whether a link leaves the repository."""
+    """True if a link leaves the repository."""
     return bool(urlsplit(target).scheme)

@@ -22,7 +22,7 @@ class Example:
     folder, name, heading, message
         Where it lies, the engine, the heading, and the key of the heading's text.
     has_virtual
-        Whether the virtual camera can stand in.
+        True if the virtual camera can stand in.
     lines, style
         The lines that matter, and a style sheet that the engine needs.
     demo

@@ -41,7 +41,7 @@ def page(
     scripts
         Keys of modules besides `docs/docs.js`.
     uses_service
-        Whether its code is for this service.
+        True if its code is for this service.
     """
 
     def at(name: str) -> str:

@@ -26,9 +26,10 @@ def dot(one: Array, other: Array) -> float:
 
 
 def block_diagonal(one: Array, other: Array) -> Array:
-    """Matrix of two square ones on its diagonal."""
-    out = np.zeros((len(one) + len(other),) * 2)
-    out[: len(one), : len(one)], out[len(one) :, len(one) :] = one, other
+    """Matrix of two on its diagonal."""
+    (m, n), (p, q) = one.shape, other.shape
+    out = np.zeros((m + p, n + q))
+    out[:m, :n], out[m:, n:] = one, other
     return out
 
 

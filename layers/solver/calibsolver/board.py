@@ -131,12 +131,12 @@ class Board:
 
     @property
     def has_markers(self) -> bool:
-        """Whether a part of the board says which part it is: a chessboard is found whole only."""
+        """True if a part of the board identifies itself; a chessboard must be visible as a whole."""
         return self.kind in ("charuco", "aprilgrid")
 
     @property
     def is_half_turn_symmetric(self) -> bool:
-        """Whether it looks the same after half a turn: good for intrinsics, not where a pose is shared."""
+        """True if it looks the same after half a turn: sufficient for intrinsics, not for shared poses."""
         if self.kind == "asymmetric_circles":
             return self.squares[1] % 2 == 1
         return self.kind == "circles" or (self.kind == "chessboard" and sum(self.squares) % 2 == 0)

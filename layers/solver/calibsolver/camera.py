@@ -102,7 +102,7 @@ class Camera:
         return np.ascontiguousarray(rays.T).reshape(*shape, 3)
 
     def valid(self, points: Array) -> Mask:
-        """Whether points (n, 3), camera frame, lie where the model is one-to-one."""
+        """True if points (n, 3), camera frame, lie where the model is one-to-one."""
         p, shape = rows(points, 3)
         return models.get(self.model).valid(np.asarray(self.distortion), p).reshape(shape)
 

@@ -37,7 +37,7 @@ class Transform:
 
     @property
     def mirrored(self) -> bool:
-        """Whether left and right are swapped."""
+        """True if left and right are swapped."""
         return float(np.linalg.det(self.linear)) < 0
 
     def pixels(self, q: Array) -> Array:

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import socket
-import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import uvicorn
 from starlette.requests import ClientDisconnect
 from starlette.requests import Request as WebRequest
 from starlette.responses import JSONResponse
@@ -25,7 +21,6 @@ from infra.server.pages import Pages
 from infra.web_build.site import Options
 from tests.aws.emulator.events import Request, Response
 from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S, MAX_BODY_BYTES, Gateway
-from tests.aws.emulator.protocol import TimedProtocol
 
 _access = logging.getLogger("tests.aws.emulator.access")
 _MISDIRECTED = JSONResponse({"message": "This server answers to localhost and 127.0.0.1 only."}, 421)
@@ -33,10 +28,6 @@ _MISDIRECTED = JSONResponse({"message": "This server answers to localhost and 12
 
 BODY_TIMEOUT_S = 30.0
 """Time for a request's body."""
-
-
-class PortInUseError(OSError):
-    """Another program listens there."""
 
 
 class GatewayApp:
@@ -145,54 +136,3 @@ async def _read(scope: Scope, receive: Receive) -> Request | None:
         source_ip=client[0] if client else "127.0.0.1",
         protocol=f"HTTP/{scope['http_version']}",
     )
-
-
-def bind(port: int) -> socket.socket:
-    """Return a socket on the loopback interface; port 0 takes a free one.
-
-    Raises
-    ------
-    PortInUseError
-        If another program has the port.
-    """
-    # asyncio sets TCP_NODELAY on a connection, but only where the protocol is named and not left to default.
-    if not 0 <= port < 2**16:
-        raise PortInUseError(f"port {port} does not exist: choose one from 1 to 65535")
-    taken = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
-    taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    try:
-        taken.bind(("127.0.0.1", port))
-    except OSError as error:
-        taken.close()
-        raise PortInUseError(f"port {port} cannot be used: {error.strerror}") from error
-    return taken
-
-
-@contextmanager
-def serving(app: ASGIApp, listener: socket.socket) -> Iterator[None]:
-    """Serve in a thread until the end of the block, which requests under way outlast. Closes the socket."""
-    config = uvicorn.Config(
-        app,
-        loop="asyncio",
-        http=TimedProtocol,
-        ws="none",
-        lifespan="off",
-        log_config=None,
-        access_log=False,
-        server_header=False,
-        proxy_headers=False,
-        timeout_graceful_shutdown=round(INTEGRATION_TIMEOUT_S) + 5,
-    )
-    server = uvicorn.Server(config)
-    thread = threading.Thread(target=server.run, args=([listener],), name="server")
-    thread.start()
-    try:
-        while not server.started:
-            if not thread.is_alive():
-                raise RuntimeError("the server did not start; its log says why")
-            time.sleep(0.005)
-        yield
-    finally:
-        server.should_exit = True
-        thread.join()
-        listener.close()

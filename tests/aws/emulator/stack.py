@@ -17,7 +17,8 @@ from typing import Self
 from infra.deploy.intrinsics import TemplateError
 from infra.server import secrets
 from infra.server.loopback import ORIGINS
-from infra.server.pages import contacts, public_settings
+from infra.server.server import DEVELOPMENT_TOKEN, PARAMETERS, bind, serving
+from infra.web_build.root_files import contacts, public_settings
 from infra.web_build.site import Options
 from tests.aws.emulator import environment as env
 from tests.aws.emulator.events import Request, Response, message
@@ -26,20 +27,13 @@ from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S, Gateway
 from tests.aws.emulator.intercept import Service, intercepting
 from tests.aws.emulator.invokes import SHUTDOWN_GRACE_S, Invokes
 from tests.aws.emulator.journal import Journal
-from tests.aws.emulator.server import GatewayApp, bind, serving
+from tests.aws.emulator.server import GatewayApp
 from tests.aws.emulator.storage import Storage
 from tests.aws.emulator.template import Template, load
 
 ROOT = Path(__file__).resolve().parents[3]
-# Accepted by a local stack only, and of pages only from those of the machine: whoever else can ask is on it.
-DEVELOPMENT_TOKEN = "cdb_dev_local"
 # Variables of this process, and the parameters of the template that they set.
-_PARAMETERS = {
-    "OPERATOR_NAME": "OperatorName",
-    "OPERATOR_CONTACT": "OperatorContact",
-    "IMPRINT": "Imprint",
-    "NEW_TOKENS": "NewTokens",
-}
+_PARAMETERS = {**PARAMETERS, "NEW_TOKENS": "NewTokens"}
 # A few more than can compute at once, for those that wait for the disk. More only make everyone wait longer.
 _THREADS = max(4, 2 * (os.cpu_count() or 1))
 
@@ -123,7 +117,7 @@ class LocalStack:
         # First of all, for it keeps a second process off the folder.
         journal, own = self._open_data_dir()
         stack.callback(journal.close)
-        self._listener = stack.enter_context(bind(self._port))
+        self._listener = stack.enter_context(bind("127.0.0.1", self._port))
         self._port = self._listener.getsockname()[1]
         self.url = f"http://127.0.0.1:{self._port}"
         """URL of `serve`, without slash."""
@@ -265,7 +259,7 @@ class LocalStack:
         if port not in (0, self._port):
             raise ValueError(f"the stack was made for port {self._port}; give it the port {port} instead")
         if self._listener.fileno() == -1:  # closed when it was served before
-            self._listener = bind(self._port)
+            self._listener = bind("127.0.0.1", self._port)
         settings = public_settings("/v1", DEVELOPMENT_TOKEN, self._parameters)
         app = GatewayApp(
             self.gateway,

@@ -12,6 +12,7 @@ import numpy as np
 
 from infra.server.server import Server
 from infra.web_build.openapi import OPERATIONS
+from tests.helpers.service.in_process import request
 
 TOKEN = "cdb_dev_local"
 CAMERA = {"camera": "Test camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
@@ -72,10 +73,8 @@ class Client:
     ) -> Answer:
         """`body`: bytes are sent as they are, everything else as JSON; `token`: None sends the session id."""
         sent = dict(headers or {})
-        where = {}
-        if self.address and isinstance(self.stack, Server):
-            where = {"client": self.address}
-        elif self.address:
+        in_process = isinstance(self.stack, Server)
+        if self.address and not in_process:
             sent |= {"x-calibdb-edge": EDGE, "x-forwarded-for": self.address}
         credential = self.session_id if token is None else token
         if credential:
@@ -83,7 +82,11 @@ class Client:
         content = body if isinstance(body, bytes) else b"" if body is None else json.dumps(body).encode()
         if content:
             sent.setdefault("content-type", "application/json")
-        response = self.stack.request(method, path, headers=sent, query=query, body=content, **where)
+        if in_process:
+            caller = self.address or "127.0.0.1"
+            response = request(self.stack, method, path, sent, query, content, client=caller)
+        else:
+            response = self.stack.request(method, path, headers=sent, query=query, body=content)
         answer = Answer(response.status, response.headers, response.body)
         assert answer.status in documented(method, path), (method, path, answer)
         if answer.status >= 400:

@@ -58,6 +58,7 @@ class LocalProcess:
                 stdout=subprocess.PIPE,
                 stderr=log,
                 text=True,
+                start_new_session=True,
             )
         assert self.process.stdout
         watchdog = threading.Timer(180, self.process.kill)
@@ -74,8 +75,8 @@ class LocalProcess:
         return self
 
     def kill(self) -> None:
-        """End it at once, in the middle of whatever it does."""
-        self.process.send_signal(signal.SIGKILL)
+        """End it and its workers at once, in the middle of whatever they do."""
+        os.killpg(self.process.pid, signal.SIGKILL)
         self.process.wait()
 
     def stop(self, timeout_s: float = 60) -> int:

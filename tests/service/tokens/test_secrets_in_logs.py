@@ -7,6 +7,7 @@ import pytest
 
 from calibdb.store.sqlite import SqliteTable
 from infra.server.server import Server
+from tests.helpers.service.in_process import request
 from tests.helpers.service.strangers import SITE, Time
 
 
@@ -26,7 +27,7 @@ def test_no_endpoint_of_tokens_writes_a_secret_into_a_log(
         method: str, path: str, credential: str = "", body: bytes = b"", query: str = ""
     ) -> tuple[int, bytes]:
         headers = {**plain, "authorization": f"Bearer {credential}"} if credential else plain
-        answer = stack.request(method, path, headers, query, body, client="198.18.200.1")
+        answer = request(stack, method, path, headers, query, body, client="198.18.200.1")
         return answer.status, answer.body
 
     made = loads(ask("POST", "/v1/tokens", body=f'{{"origins": ["http://localhost", "{SITE}"]}}'.encode())[1])

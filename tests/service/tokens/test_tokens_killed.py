@@ -16,6 +16,7 @@ from calibdb.store import Store
 from calibdb.store.ports import Storage
 from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, Answer, Client
+from tests.helpers.service.in_process import request
 from tests.helpers.service.intercepted import WRITES, intercepted_service
 
 SITE = "https://example.org"
@@ -77,7 +78,7 @@ class Owner:
         """Send a request that nobody may live to answer; return its status."""
         headers = {"authorization": f"Bearer {self.made['management_token']}"}
         content = b"" if body is None else json.dumps(body).encode()
-        return self.client.stack.request(method, f"/v1/tokens/self{action}", headers, body=content).status
+        return request(self.client.stack, method, f"/v1/tokens/self{action}", headers, body=content).status
 
     def lookup(self, token: str, origin: str | None = None) -> int:
         headers = {} if origin is None else {"origin": origin}
@@ -150,7 +151,7 @@ def test_killed_while_a_token_is_made_leaves_none_half_made(stack: Server) -> No
         headers = {"content-type": "application/json"}
         with killed_at(stack.storage, number) as process:
             body = b'{"origins": ["http://localhost"]}'
-            stack.request("POST", "/v1/tokens", headers, body=body, client=client.address)
+            request(stack, "POST", "/v1/tokens", headers, body=body, client=client.address)
         assert process.killed
         answer = client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}, token="")
         assert answer.status == 201

@@ -1,4 +1,4 @@
-"""Words of documents and subjects of commits: what is found, and where nothing is looked for."""
+"""Words of documents, first words of docstrings, subjects of commits: matches, and exceptions."""
 
 import pytest
 
@@ -44,6 +44,19 @@ def test_document_may_have_as_many_findings_as_allowed(monkeypatch: pytest.Monke
 )
 def test_subject_is_short_capitalised_and_without_full_stop(subject: str, problems: int) -> None:
     assert len(wording.subject_problems(subject)) == problems
+
+
+@pytest.mark.parametrize(
+    ("path", "text", "problems"),
+    [
+        ("a.py", '"""What it does."""\n\ndef f():\n    """Sum."""\n', 1),
+        ("a.py", 'class A:\n    def f(self):\n        """Returns what fits."""\n', 1),
+        ("a.py", 'def _f():\n    """How it works."""\n', 0),
+        ("a.js", "// Where boards are.\n/** Which board. */\n/** Board. */", 2),
+    ],
+)
+def test_docstrings_open_with_a_noun(path: str, text: str, problems: int) -> None:
+    assert len(wording.opening_problems(path, text)) == problems
 
 
 def test_unknown_base_has_no_commits_to_check() -> None:

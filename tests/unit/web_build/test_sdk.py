@@ -12,9 +12,9 @@ from calibdb import __version__
 from infra.deploy import aws
 from infra.deploy.site import Upload, uploads
 from infra.release.changelog import is_released
-from infra.server.pages import headers
 from infra.web_build import sdk
 from infra.web_build.sdk import ROOT, sdk_files, sdk_version
+from infra.web_build.site_headers import headers
 from tests.helpers.aws import account
 
 WEB = ROOT / "web"

@@ -36,7 +36,7 @@ class Frame:
     time
         Seconds, from any start.
     repeated
-        Whether it is the same picture, bit by bit, as the one before.
+        True if it is identical to the previous image.
     """
 
     picture: Any
@@ -76,7 +76,7 @@ class Frames:
         self._size: tuple[int, int] | None = None
         self._last: Any = None
         self.is_file = _property(source, _FRAME_COUNT) > 0
-        """Whether it ends, and has its own time."""
+        """True if it ends and has its own time."""
         self._waiting: Frame | None = None
 
     @property

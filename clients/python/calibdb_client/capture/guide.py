@@ -76,7 +76,7 @@ class Status:
     error
         Predicted error over the image, px; None: there is no fit yet.
     done
-        Whether it has converged.
+        True if it has converged.
     advice
         Sentences about the whole capture.
     """
@@ -95,7 +95,7 @@ class Judgement:
     Attributes
     ----------
     accepted, reason, hint
-        Whether it counts; else the reason in words and the next movement.
+        True if it counts; otherwise the reason and the next movement are given.
     status
         Course of the capture with it.
     """

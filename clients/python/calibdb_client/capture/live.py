@@ -186,7 +186,7 @@ class Live:
         return usual if self._still.frames >= MIN_HOLD_FRAMES else FROZEN_HOLD_S
 
     def _is_due(self, corners: Corners) -> bool:
-        """Whether a view is taken now: the hold is long enough, and this very frame belongs to it."""
+        """True if a view is taken now: the hold is long enough, and this frame belongs to it."""
         return (
             self._required is not None and self._still.last is corners and self._still.held >= self._required
         )

@@ -130,7 +130,7 @@ def prepare(
     label, platform, zoom, size, board, show, resume, clock
         As in `CaptureOptions`.
     named
-        Whether the camera must have a label: without one its calibration cannot be looked up.
+        True if the camera must have a label: without one its calibration cannot be looked up.
 
     Raises CameraError, CaptureError, MissingPackageError or UsageError.
     """

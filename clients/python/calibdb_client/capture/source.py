@@ -46,7 +46,7 @@ class NamedSource:
     label, platform
         Of a camera here; None: whoever captures must say.
     owned
-        Whether it was opened here, and must be closed.
+        True if it was opened here and must be closed.
     """
 
     source: Any
@@ -62,12 +62,12 @@ class NamedSource:
 
 
 def is_stream(text: object) -> bool:
-    """Whether this is the address of a stream, such as ``rtsp://camera.example/1``."""
+    """True if this is the address of a stream, such as ``rtsp://camera.example/1``."""
     return isinstance(text, str) and bool(re.match(r"(rtsps?|rtmp|https?|udp|tcp)://", text))
 
 
 def is_video(text: object) -> bool:
-    """Whether this names a video file that is there."""
+    """True if this names an existing video file."""
     if not isinstance(text, (str, Path)) or is_stream(text):
         return False
     path = Path(text)

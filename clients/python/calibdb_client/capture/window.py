@@ -20,7 +20,7 @@ _ESCAPE = 27
 
 
 def has_window() -> bool:
-    """Whether OpenCV can open a window here: its build has highgui, and there is a display."""
+    """True if OpenCV can open a window here: its build has highgui, and there is a display."""
     cv2 = opencv()
     framework = getattr(cv2, "currentUIFramework", None)
     try:

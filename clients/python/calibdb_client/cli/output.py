@@ -18,7 +18,7 @@ class Output:
     Parameters
     ----------
     json
-        Whether standard output takes one JSON document and nothing else.
+        True if standard output is one JSON document.
     """
 
     def __init__(self, json: bool = False) -> None:

@@ -31,7 +31,7 @@ def find_corners(grey: Any, size: tuple[int, int], thorough: bool = True) -> Any
     grey, size
         The picture, and the columns and rows of corners.
     thorough
-        Whether the slower detectors are tried.
+        True if the slower detectors are tried.
     """
     cv2 = opencv()
     columns, rows = size

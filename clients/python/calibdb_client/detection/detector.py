@@ -28,7 +28,7 @@ class Detector:
     board
         The board.
     thorough
-        Whether slower detectors look for a chessboard that the first does not find.
+        True if slower detectors look for a chessboard that the first does not find.
     """
 
     def __init__(self, board: Board, thorough: bool = False) -> None:
@@ -126,7 +126,7 @@ def order_chessboard(grey: Any, lattice: Any) -> Any:
 
 
 def _is_dark(grey: Any, lattice: Any) -> bool:
-    """Whether the square behind the first corner, of the first one's colour, is darker than its neighbour."""
+    """True if the square behind the first corner, of the first one's colour, is darker than its neighbour."""
     first, neighbour = lattice[:2, :2].mean(axis=(0, 1)), lattice[:2, 1:3].mean(axis=(0, 1))
     (x, y), (u, v) = np.round([first, neighbour]).astype(int)
     return bool(grey[y, x] < grey[v, u])

@@ -53,7 +53,7 @@ class Layout:
     columns
         Columns of squares or tags.
     first
-        Whether the first cell of a checkered layout holds a marker; None: every cell does, from the bottom.
+        True if the first cell of a checkered layout has a marker; None: every cell has one, from the bottom.
     """
 
     columns: int

@@ -44,7 +44,7 @@ class Capability:
 
     @property
     def captures(self) -> bool:
-        """Whether the node delivers pictures; others carry metadata, or convert pictures in memory."""
+        """True if the node delivers pictures; others carry metadata, or convert pictures in memory."""
         caps = self.device_caps if self.capabilities & _DEVICE_CAPS else self.capabilities
         return bool(caps & _CAPTURE) and not caps & _OUTPUT
 

@@ -46,7 +46,7 @@ class Plan:
     together: Allowance
     each: Allowance
     counts_each_lookup: bool = False
-    """Whether every lookup is written down at once, so that its user sees it."""
+    """True if every lookup is stored immediately, so that its user sees it."""
 
 
 # A capture is four to six views and a few refused ones; who calibrates all cameras in the house needs ten

@@ -53,7 +53,7 @@ class ApiToken:
 
     @property
     def is_restricted(self) -> bool:
-        """Whether pages of some origins only may use the token."""
+        """True if only pages of some origins may use the token."""
         return bool(self.origins or self.pending)
 
     def admits(self, origin: str | None) -> bool:

@@ -58,11 +58,11 @@ class Identity:
     usb_id
         `vid:pid`; None if the browser gave none, or one that no camera has.
     virtual
-        Whether it is a virtual camera: a program that passes on another camera's picture.
+        True if it is a virtual camera: a program that forwards another camera's image.
     ambiguous
-        Whether the key fails to identify the product.
+        True if the key fails to identify the product.
     distinct
-        Whether the name alone identifies the product.
+        True if the name is sufficient to identify the product.
 
     """
 

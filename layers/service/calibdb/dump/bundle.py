@@ -72,7 +72,7 @@ class Source:
     licence
         Licence under which every calibration of a camera was given; None where one was given without.
     private
-        Whether it is the database of one person, who has few cameras.
+        True if it is the database of one person with few cameras.
     created
         Unix time, seconds.
     track

@@ -145,7 +145,7 @@ def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, o
     sources
         Of the calibrations that were considered.
     one_per_source
-        Whether contributors can be told apart: each source then has one vote, the newest.
+        True if contributors can be distinguished: each source then has one vote, the newest.
     """
     agree: list[str] = []
     disagree: list[str] = []
@@ -177,7 +177,7 @@ def decide_reliability(
     thresholds
         The deployment's.
     confirmable
-        Whether more calibrations like these are all that is missing.
+        True if only more calibrations like these are missing.
     contributors
         Of the group that agrees.
     """

@@ -61,7 +61,7 @@ class Board(Strict):
     corners anticlockwise from the tag's lower left.
     """
 
-    kind: BoardKind = Field("charuco", exclude_if=_is_usual, description="What is on the board.")
+    kind: BoardKind = Field("charuco", exclude_if=_is_usual, description="Kind of the board.")
     squares: tuple[SquareCount, SquareCount] = Field(
         (9, 6),
         description="Columns and rows of squares, 3 to 50 each; of an AprilGrid its tags, 1 to 50 each.",
@@ -127,7 +127,7 @@ class Board(Strict):
 
     @property
     def is_half_turn_symmetric(self) -> bool:
-        """Whether it looks the same after half a turn: then it cannot link cameras."""
+        """True if it looks the same after half a turn, and therefore cannot link cameras."""
         return self.kind == "chessboard" and sum(self.squares) % 2 == 0
 
 

@@ -52,7 +52,7 @@ class FitRecord(Open):
         "corners would give; 1: nothing systematic. null: made before it was estimated.",
     )
     board_shape: BoardShape | None = Field(
-        None, exclude_if=is_none, description="What the board was found to be; missing: as drawn."
+        None, exclude_if=is_none, description="Estimated shape of the board; missing: as drawn."
     )
 
 
@@ -72,10 +72,10 @@ class Calibration(Open):
     camera: str
     platform: str
     zoom: float
-    calibrations: int = Field(description="How many calibrations agree on this.")
-    contributors: int = Field(description="How many contributors these came from.")
+    calibrations: int = Field(description="Number of agreeing calibrations.")
+    contributors: int = Field(description="Number of their contributors.")
     reliable: bool
-    exact_size: bool = Field(description="false: this is the closest known size, not the one asked for.")
+    exact_size: bool = Field(description="false: the closest known size, not the requested one.")
     uncertainty: Uncertainty
     calibration_time: int = Field(description="Unix time, seconds.")
     systematic: float | None = Field(
@@ -88,11 +88,11 @@ class Calibration(Open):
         description="px rms over the image between the calibrations that agree, after the best rotation.",
     )
     held_out_error: float | None = Field(
-        None, description="rms px of views of the camera under a fit that did not see them."
+        None, description="rms of views of the camera under a fit without them, px."
     )
     basis: Basis | None = Field(
         None,
-        description="What makes it reliable: calibrations that agree, or fewer and checks on other views.",
+        description="`consensus`: enough calibrations agree; `checked`: fewer, and checks confirm them.",
     )
 
     @classmethod
@@ -147,15 +147,15 @@ class Adapted(Open):
 
 
 class LookupAnswer(Calibration):
-    """Answer of a lookup: the stored calibration, and the part that holds for the request."""
+    """Response of a lookup: the stored calibration, and the part for this request."""
 
     relation: Relation | None = Field(
         None,
-        description="How the picture at this size relates to that at the size asked for, or, where that "
-        "was never calibrated, at the closest other size; verified by the calibrations; null: not known.",
+        description="Relation of the image at this size to that at the requested size, or, if that has no "
+        "calibrations, at the closest other size; verified by calibrations. null: unknown.",
     )
     adapted: Adapted | None = Field(
-        None, description="Parameters for the size or zoom asked for; null where they could not be verified."
+        None, description="Parameters for the requested size or zoom; null if they could not be verified."
     )
 
 
@@ -171,10 +171,10 @@ class ReportedCalibration(Calibration, Licensed):
         description="Covariance of fx, fy, cx, cy and the distortion coefficients, in this order; null: made "
         "before it was kept.",
     )
-    board: Board | None = Field(None, description="The board that was seen; null: of a consensus.")
+    board: Board | None = Field(None, description="Board of the capture; null for a consensus.")
     board_shape: BoardShape | None = Field(
         None,
         exclude_if=is_none,
-        description="Shape of the board that was taken into account; missing: as drawn, and of a consensus.",
+        description="Shape of the board in the fit; missing: as drawn, or a consensus.",
     )
-    camera_key: str | None = Field(None, description="Key of the camera, as a search answers it.")
+    camera_key: str | None = Field(None, description="Key of the camera, as a search returns it.")

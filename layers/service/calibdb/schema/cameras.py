@@ -33,7 +33,7 @@ class CamerasRequest(Deferred):
         description="Words of a name, a USB id, or a USB vendor; none: all cameras but simulated ones.",
     )
     reliable: Annotated[bool | None, BeforeValidator(_switch)] = Field(
-        None, description="`true`: cameras that a lookup answers at some size; `false`: the others."
+        None, description="`true`: cameras with a reliable calibration at some size; `false`: the others."
     )
     limit: Annotated[int, Field(ge=1, le=MAX_CAMERAS), BeforeValidator(_whole)] = Field(
         20, description="A page."
@@ -47,11 +47,11 @@ class CameraSize(Open):
     img_size: ImgSize
     zoom: float
     models: tuple[DistortionModel, ...] = Field(description="That were computed.")
-    calibrations: int = Field(description="All that count, whether they agree or not.")
+    calibrations: int = Field(description="Calibrations that count, agreeing or not.")
     contributors: int = Field(description="Of those that agree.")
     agreeing: int = Field(description="How many calibrations agree.")
-    required: int = Field(description="How many calibrations must agree before a lookup answers with them.")
-    reliable: bool = Field(description="A lookup answers with it, by at least one model.")
+    required: int = Field(description="Number of calibrations that must agree before lookups return them.")
+    reliable: bool = Field(description="True if lookups return it, for at least one model.")
     fx: float | None = Field(description="px; null: there is no consensus yet.")
     calibration_time: int | None = Field(description="Of the newest that agrees; Unix time, seconds.")
 
@@ -96,7 +96,7 @@ class CameraMode(Open):
     calibrations: int
     contributors: int
     agreeing: int = Field(description="How many calibrations agree.")
-    required: int = Field(description="How many calibrations must agree before a lookup answers with them.")
+    required: int = Field(description="Number of calibrations that must agree before lookups return them.")
     reason: Reason | None = Field(description="Why it is not reliable by any model; null: it is.")
     groups: tuple[tuple[str, ...], ...] = Field(description="Calibrations that agree, largest group first.")
     consensus: dict[DistortionModel, Calibration] = Field(description="By model; where there is one.")

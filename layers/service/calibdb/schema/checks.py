@@ -72,14 +72,14 @@ class CheckAnswer(Open):
     """Result of a check: whether the stored consensus fits these views."""
 
     fits: Literal["fits", "does_not_fit"]
-    error: float = Field(description="px rms of the views under the consensus, the poses alone fitted.")
-    expected: float = Field(description="px rms of these views under a camera fitted to them alone.")
+    error: float = Field(description="px rms of the views under the consensus; only poses are fitted.")
+    expected: float = Field(description="px rms of these views under their own fit.")
     counted: bool = Field(
-        description="Whether it counts as a vote: a contributor has one a day for a camera at a size, none "
-        "where they calibrated it themselves, and views that fit many a camera are none."
+        description="True if it counts as a vote: a contributor has one per day, camera and size, and none "
+        "for a camera that they calibrated; ambiguous views do not count."
     )
-    votes: Votes = Field(description="On the consensus as it is now, this one included.")
-    calibration: Calibration = Field(description="The consensus as it is now, reliable or not.")
+    votes: Votes = Field(description="Votes on the current consensus, including this one.")
+    calibration: Calibration = Field(description="The current consensus, reliable or not.")
 
 
 class ComparisonAnswer(Open):

@@ -23,12 +23,12 @@ class ConvertRequest(Strict):
         "`photonvision` alone.",
     )
     encoding: Literal["text", "base64"] = Field("text", description="`base64` of a numpy archive (.npz).")
-    format: FormatName = Field("calibdb", description="Format that is wanted.")
-    img_size: ImgSize | None = Field(None, description="Of the pictures, where the file does not say.")
+    format: FormatName = Field("calibdb", description="Requested format.")
+    img_size: ImgSize | None = Field(None, description="Size of the images, if the file lacks it.")
     distortion_model: DistortionModel | None = Field(
-        None, description="Of four coefficients without a name: `rectilinear` or `fisheye`."
+        None, description="Model of four coefficients without a name: `rectilinear` or `fisheye`."
     )
     number: Annotated[int, Field(strict=True, ge=0, lt=MAX_FILE_CAMERAS), Whole] = Field(
-        0, description="Which camera of a file that has several, from 0."
+        0, description="Number of the camera in a file with several, from 0."
     )
-    camera: Label | None = Field(None, description="Name that the camera has in the new file.")
+    camera: Label | None = Field(None, description="Name of the camera in the new file.")

@@ -15,11 +15,11 @@ DumpedKind = Literal["calibrations", "votes"]
 class DumpFile(Open):
     """One part of a dump: JSON Lines, one document a line, compressed with gzip."""
 
-    name: str = Field(description="Under `/dumps/`.")
-    kind: DumpedKind = Field(description="Of its documents.")
-    count: int = Field(description="Documents, which are lines.")
+    name: str = Field(description="Name of the file under `/dumps/`.")
+    kind: DumpedKind = Field(description="Kind of its documents.")
+    count: int = Field(description="Number of documents, one per line.")
     size: int = Field(description="Bytes.")
-    sha256: str = Field(pattern="^[0-9a-f]{64}$", description="Of the file as it is downloaded.")
+    sha256: str = Field(pattern="^[0-9a-f]{64}$", description="SHA-256 of the file as downloaded.")
 
 
 class DumpCounts(Open):
@@ -35,8 +35,8 @@ class Dump(Open):
     """The newest dump: `/dumps/latest.json`."""
 
     format: Literal["calibdb-dump"] = "calibdb-dump"
-    version: Literal[1] = Field(1, description="Of this document and of those in the files.")
-    name: str = Field(description="Its folder: the UTC date on which it was begun, and a number.")
+    version: Literal[1] = Field(1, description="Version of this document and of those in the files.")
+    name: str = Field(description="Folder of the dump: the UTC date of its start, and a number.")
     created: int = Field(description="Unix time, seconds.")
     licence: Licence = Field("CC0-1.0", description="SPDX identifier of the licence of all of it.")
     document_schema: str = Field("/data/schema.json", description="JSON Schema of this and of the documents.")
@@ -49,26 +49,28 @@ class Snapshot(Open):
     """The whole database on one day, what was given without a licence included."""
 
     date: str = Field(description="UTC, YYYY-MM-DD.")
-    cameras: int = Field(description="That somebody calibrated.")
-    known: int = Field(description="Of them those that a lookup answers, by at least one size and model.")
+    cameras: int = Field(description="Cameras with at least one calibration.")
+    known: int = Field(description="Cameras with a reliable calibration at some size and model.")
     calibrations: int
     contributors: int
-    given: int = Field(description="Calibrations that the dump holds.")
+    given: int = Field(description="Calibrations in the dump.")
 
 
 class WantedCamera(Open):
     """A camera that is asked for and not reliably known."""
 
-    key: str | None = Field(description="Of the camera; null: nobody has calibrated it yet.")
-    camera: str = Field(description="Its name; before two contributors calibrated it, its vendor and USB id.")
-    asked: int = Field(description="Lookups of the last 90 days that found nothing reliable.")
+    key: str | None = Field(description="Key of the camera; null: not calibrated yet.")
+    camera: str = Field(
+        description="Name of the camera, or its vendor and USB id until two contributors have calibrated it."
+    )
+    asked: int = Field(description="Lookups in the last 90 days without a reliable result.")
     calibrations: int
 
 
 class BundleFile(Open):
     """The bundle that was written with a dump, for lookups without a network."""
 
-    name: str = Field(description="Under `/dumps/`.")
+    name: str = Field(description="Name of the file under `/dumps/`.")
     cameras: int
     size: int = Field(description="Bytes.")
     sha256: str = Field(pattern="^[0-9a-f]{64}$")
@@ -79,9 +81,11 @@ class Statistics(Open):
 
     version: Literal[1] = 1
     created: int = Field(description="Unix time, seconds.")
-    history: tuple[Snapshot, ...] = Field(description="One a dump, oldest first.")
-    wanted: tuple[WantedCamera, ...] = Field(description="Most asked for first.")
-    bundle: BundleFile | None = Field(None, description="null: no camera is known.")
+    history: tuple[Snapshot, ...] = Field(description="One entry per dump, oldest first.")
+    wanted: tuple[WantedCamera, ...] = Field(description="Most requested first.")
+    bundle: BundleFile | None = Field(
+        None, description="File for offline lookups; null: the database has no reliable calibration."
+    )
 
 
 class Tally(Open):

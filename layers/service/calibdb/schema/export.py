@@ -76,7 +76,7 @@ class ExportQuery(Open):
         Literal[0, 90, 180, 270],
         BeforeValidator(lambda v: int(v) if str(v) in ("0", "90", "180", "270") else v),
     ] = Field(0, description="Degrees, clockwise, after that.")
-    mirror: bool = Field(False, description="Whether left and right are swapped at last.")
+    mirror: bool = Field(False, description="True: left and right are swapped, as the last step.")
     without: Annotated[tuple[Index, ...], BeforeValidator(_indices)] = Field(
         (),
         max_length=64,

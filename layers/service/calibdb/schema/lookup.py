@@ -83,7 +83,7 @@ class LookupRequest(Deferred):
     )
     redirect: Annotated[bool, BeforeValidator(_flag)] = True
     miss: Literal["ok"] | None = Field(
-        None, description="`ok`: a miss is answered with 200 and `calibration: null`, not with 307 or 404."
+        None, description="`ok`: a miss returns 200 with `calibration: null` instead of 307 or 404."
     )
 
     @model_validator(mode="after")
@@ -98,7 +98,7 @@ class NoCalibration(Open):
     calibration: None = None
     reason: Reason
     guidance_url: str
-    detail: str = Field(description="The reason in words.")
+    detail: str = Field(description="Explanation for people.")
     estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)
 
 
@@ -114,6 +114,6 @@ class Miss(Open):
     guidance_url: str
     reason: Reason
     detail: str = Field(
-        "The database has no reliable calibration of this camera.", description="The reason in words."
+        "The database has no reliable calibration of this camera.", description="Explanation for people."
     )
     estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)

@@ -51,7 +51,7 @@ Origins = Annotated[
     ),
     AfterValidator(_different),
 ]
-TokenName = Annotated[Label, Field(max_length=MAX_NAME, description="For whoever manages several tokens.")]
+TokenName = Annotated[Label, Field(max_length=MAX_NAME, description="Label that only you see.")]
 
 
 class TokenRequest(Strict):
@@ -75,7 +75,7 @@ class RotationRequest(Strict):
         DEFAULT_GRACE_S,
         ge=0,
         le=MAX_GRACE_S,
-        description="Seconds for which the secret until now still opens; 0: every earlier one ends at once.",
+        description="Seconds for which the previous secret still works; 0 ends all earlier secrets.",
     )
 
 
@@ -91,9 +91,9 @@ class OriginState(Open):
 
     origin: str
     state: Literal["verified", "pending"]
-    proof: OriginProof | None = Field(None, description="Of a pending origin: the file to place there.")
-    failure: ProofFailure | None = Field(None, description="After a look: why no proof was found.")
-    detail: str | None = Field(None, description="The same in words.")
+    proof: OriginProof | None = Field(None, description="File to place at a pending origin.")
+    failure: ProofFailure | None = Field(None, description="Reason why no proof was found.")
+    detail: str | None = Field(None, description="Explanation for people.")
 
 
 class PlanLimits(Open):
@@ -148,8 +148,8 @@ class TokenFacts(Open):
     plan: str
     origins: tuple[OriginState, ...]
     created: int
-    expires: int | None = Field(description="Of a trial token that was never used: when it stops working.")
-    former_until: int | None = Field(description="Until when a secret before the last rotation still opens.")
+    expires: int | None = Field(description="Expiry of an unused trial token, unix seconds.")
+    former_until: int | None = Field(description="Expiry of the previous secret, unix seconds.")
     limits: HourlyLimits
 
 
@@ -179,10 +179,10 @@ class UsageAnswer(Open):
 
     plan: str
     period_s: int
-    resets_at: int = Field(description="Unix seconds at which the next hour begins.")
+    resets_at: int = Field(description="Start of the next hour, unix seconds.")
     limits: HourlyLimits
-    used: UseCounts = Field(description="By all users of the token together.")
-    used_here: UseCounts = Field(description="From the address that asks; lookups are not among them.")
+    used: UseCounts = Field(description="Use by all users of the token.")
+    used_here: UseCounts = Field(description="Use from your address, without lookups.")
 
 
 class ProofRequest(Strict):

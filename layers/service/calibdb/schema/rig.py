@@ -55,7 +55,7 @@ class RigCamera(Open):
     """One camera of the rig."""
 
     position: int
-    camera: str | None = Field(description="Label of the camera; null as long as nobody has joined.")
+    camera: str | None = Field(description="Label of the camera; null until a camera has joined.")
     img_size: ImgSize | None
     distortion_model: DistortionModel | None
     status: Literal["waiting", "capturing", "finished"]

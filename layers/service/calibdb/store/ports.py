@@ -8,7 +8,7 @@ from typing import Literal, Protocol
 
 Value = str | int | list[str]
 Item = dict[str, Value]
-JobName = Literal["refit", "verify"]
+JobName = Literal["refit", "verify", "dump"]
 
 READERS = 8  # threads that read objects at a time
 

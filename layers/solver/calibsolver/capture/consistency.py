@@ -89,7 +89,7 @@ class Consistency:
         return self._thinned[id(view)][1]
 
     def is_consistent(self, others: Sequence[View], view: View, near: Calibration | None = None) -> bool:
-        """Whether one camera explains `view` together with the `others` about as well as without it.
+        """True if one camera explains `view` together with the `others` about as well as without it.
 
         `near`: a trial fit that the one of the `others` starts from.
         """

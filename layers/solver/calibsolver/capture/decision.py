@@ -125,15 +125,15 @@ class ViewDecision:
     Attributes
     ----------
     accepted
-        Whether the view is accepted; if so `estimate` counts it.
+        True if the view is accepted; if so `estimate` counts it.
     reason, hint
         Of a refused view: why it was refused, and how to do better.
     on_target
         True if an accepted view was held at its target; None if there was no target.
     quarantine
-        Whether a refused view is worth keeping: it contradicts the others, and it may be they that are wrong.
+        True if a refused view is worth keeping: it contradicts the others, which may be wrong.
     seed_rejected
-        Whether the seed did not pose this view, the first one: the capture goes on without it.
+        True if the seed did not pose this first view; the capture continues without it.
     """
 
     accepted: bool

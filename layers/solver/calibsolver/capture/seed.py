@@ -16,7 +16,7 @@ MAX_SEED_ERROR_WIDTHS = 0.003
 
 
 def is_usable(seed: Camera, model: str, img_size: tuple[int, int]) -> bool:
-    """Whether a seed is of this model and image size, and a believable camera."""
+    """True if a seed is of this model and image size, and a believable camera."""
     (w, h), k = img_size, seed.intrinsics
     if (seed.model, seed.img_size) != (model, img_size) or not np.isfinite(k).all():
         return False
@@ -27,7 +27,7 @@ def is_usable(seed: Camera, model: str, img_size: tuple[int, int]) -> bool:
 
 
 def is_posed(seed: Camera, view: View) -> bool:
-    """Whether a seed explains a view: one that does not is of another camera, whoever measured it."""
+    """True if a seed explains a view; otherwise it belongs to another camera."""
     with np.errstate(all="ignore"):  # hostile numbers are no pose
         try:
             error = reprojection_score(seed, [view]).rms

@@ -167,7 +167,7 @@ class Contributions:
         return f.calibration.noise**2 * information * self.scale[:, None] * self.scale
 
     def is_settled(self, members: Sequence[int]) -> bool:
-        """Whether the location of some calibrations lies about where they are linearized."""
+        """True if the location of some calibrations is close to where they are linearized."""
         return bool(self.length(self.locate(members).y) < self.huber_px)
 
     def relinearize(self, members: Sequence[int]) -> "Contributions":

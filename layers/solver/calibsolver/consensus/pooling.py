@@ -74,13 +74,13 @@ class Consensus:
     contributors
         Number of different contributors in the group, of the largest family alone.
     reliable
-        Whether the rule holds.
+        True if the rule holds.
     total
         Number of all calibrations.
     reason
         Why it is not reliable; None where it is.
     consistent
-        Whether the rule would hold if one calibration were enough.
+        True if the rule would hold if one calibration were enough.
     groups
         Ids of the members of every group that agrees, largest first: modes of the camera, or mistakes.
     dropped
@@ -274,7 +274,7 @@ def unreliable_reason(
     coverage
         Part of the image that the group has shown.
     is_stable
-        Whether no two contributors move the answer by more than allowed.
+        True if no two contributors move the result by more than allowed.
     """
     if len(members) < rule.min_calibrations:
         return "too_few"

@@ -25,14 +25,13 @@ from . import (
     systematic_effects,
     validation,
 )
-from .board_shape import BoardShape
 from .calibration import Calibration
 from .constraint import Fix
 from .degenerate_views import with_degenerate_views
 from .levenberg_marquardt import Options, Problem, State
-from .mixed_fit import Linearization, MixedFit
-from .mixed_model import Variances, marginal_information
-from .multistart import TOWARDS_OPTIMUM, MultiStart, constrained
+from .mixed_fit import MIN_SHAPE_DECREASE, MixedFit
+from .mixed_model import SHAPE_SIZE, marginal_information
+from .multistart import MultiStart, constrained
 from .normal_equations import POSE_SIZE, Poses
 from .observations import Order
 from .validation import MIN_POINTS, check, degenerate_views, pack
@@ -48,7 +47,7 @@ MAX_REJECTIONS = 6
 """Rounds of outlier rejection."""
 MIN_SHAPE_VIEWS = 3
 """Number of views from which the shape of the board is distinguished from the lens."""
-MAX_MASKS = 3
+MAX_MASKS = 2
 """Rounds in which points are cut, or taken back, by what the shape explains."""
 REJECTION = Options(tolerance=1e-5, one_step=True)
 """Fits that only distinguish outliers."""
@@ -176,49 +175,48 @@ class _Fit:
     def run(self, near: State | None = None) -> Calibration:
         """Fit, from `near` alone where it is given."""
         if not self.robust:
-            return self._least_squares(self.multistart.run())
+            return self._least_squares(self.multistart.run()).calibration
         state, good = self._settle(near or self.multistart.run())
-        shaped, good = self._shaped(state, good)
-        if shaped is not None:
-            state = replace(shaped.state, converged=True)
-        found = self._result(state, good, shaped, with_prior=True)
+        found = self._shaped(state, good) or self._result(state, good, with_prior=True)
         if near is not None:
-            return found
-        covariance = focal_profile.covariance_of_optima(self._problem_of(shaped), state, good, found)
-        return replace(found, covariance=covariance)
+            return found.calibration
+        covariance = focal_profile.covariance_of_optima(
+            found.problem, found.state, found.good, found.calibration
+        )
+        return replace(found.calibration, covariance=covariance)
 
-    def _problem_of(self, shaped: Linearization | None) -> Problem:
-        """Problem of the board in its shape; None: as drawn."""
-        return self.problem.reshaped(shaped.shape) if shaped else self.problem
-
-    def _shaped(self, state: State, good: Mask) -> tuple[Linearization | None, Mask]:
+    def _shaped(self, state: State, good: Mask) -> "_Found | None":
         """Fit the board's shape with the rest, from an optimum of least squares with the board as drawn.
 
-        Also returns the points (v, n) that took part: what the shape explains is no outlier. None where the
-        board is known to be as drawn, where there are too few views to tell, and where a shape would explain
-        no more than chance.
+        Other points may take part: what the shape explains is no outlier. None where the board is known to be
+        as drawn, where there are too few views to tell, where a shape would explain no more than chance, and
+        where it is no board's.
         """
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
-            return None, good
-        at, taken, shape = None, good, BoardShape.of(self.problem.obs)
-        v = Variances(self._sigma(state, good) ** 2)
-        labels = self._labels(state, good)
-        if not MixedFit(self.problem, good, labels).tells_shape(state, v.noise2):
-            return None, good
+            return None
+        mixed = MixedFit.of(self.problem, self._labels(state, good), self._sigma(state, good) ** 2)
+        at = mixed.linearize(mixed.problem.start(state), good)
+        v = at.model.learn(mixed.problem.variances)
+        if not at.model.shape_gain(v) > MIN_SHAPE_DECREASE:
+            return None
+        mixed, shaped = mixed.at_variances(at.model, v), at.state
         for _ in range(MAX_MASKS):
-            found = MixedFit(self.problem, taken, labels).solve(state, shape, v)
-            if found is None:
-                break
-            good, (at, v) = taken, found
-            state, shape = at.state, found[0].shape
+            shaped = mixed.solve(shaped, good)
             taken = outliers.inlier_mask(
-                state, self.mask, good, outliers.OUTLIER_SIGMAS, self.problem.img_size
+                shaped, self.mask, good, outliers.OUTLIER_SIGMAS, self.problem.img_size
             )
             if self._concentrate_at_rim(taken, good):
                 taken = taken | good
             if np.array_equal(taken, good) or not taken.any():
                 break
-        return at, good
+            good = taken
+        at = mixed.linearize(shaped, good)
+        mixed = mixed.at_variances(at.model, at.model.learn(mixed.problem.variances))
+        shaped = mixed.solve(shaped, good)
+        try:
+            return self._result(mixed.problem.camera_state(shaped), good, (mixed, shaped), with_prior=True)
+        except CalibrationError:
+            return None
 
     def _labels(self, state: State, good: Mask) -> IntArray:
         """Clusters (v,) of views in nearly the same pose."""
@@ -234,7 +232,7 @@ class _Fit:
         state, inliers = outliers.reject_gross(self.problem, state, self.mask)
         if self._concentrate_at_rim(inliers, self.mask):
             # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
-            all_points = self._refit_all_points(state, self.multistart.unit_weights)
+            all_points = self.problem.solve(state, self.multistart.unit_weights, Options())
             if self._is_close(all_points, self.mask, state, inliers, MAX_RIM_RMS_RATIO):
                 return all_points, self.mask
         if not inliers.any():  # refused later
@@ -274,13 +272,7 @@ class _Fit:
         mean = np.mean(other.square[other_mask])
         return bool(np.mean(one.square[one_mask]) < ratio**2 * mean)
 
-    def _refit_all_points(self, state: State, weights: Array) -> State:
-        """Least squares over points of weight (v, n), begun anew from the intrinsics of `state`."""
-        first = initial_guess.with_robust_poses(self.model, self.problem.obs, state.k)
-        state = self.problem.solve(self.problem.at(first.k, first.poses), weights, TOWARDS_OPTIMUM)
-        return self.problem.solve(state, weights, Options())
-
-    def _least_squares(self, state: State) -> Calibration:
+    def _least_squares(self, state: State) -> "_Found":
         """Least squares over all points, without the prior where the points carry every parameter."""
         problem = self.problem
         if self._is_observable(state):
@@ -299,9 +291,9 @@ class _Fit:
                 and plausibility.share_outside_domain(problem, best, self.mask)
                 <= plausibility.MAX_SHARE_OUTSIDE_DOMAIN
             ):
-                return self._result(best, self.mask, None, with_prior=False)
+                return self._result(best, self.mask, with_prior=False)
         state = problem.solve(state, self.multistart.unit_weights, Options())
-        return self._result(state, self.mask, None, with_prior=True)
+        return self._result(state, self.mask, with_prior=True)
 
     def _evidence(self, state: State, good: Mask, sigma: float) -> robust_covariance.Evidence:
         """Gather what the good points (v, n) say of the intrinsics, by clusters of views."""
@@ -339,8 +331,8 @@ class _Fit:
         return max(noise, levenberg_marquardt.ROUNDOFF * self.width)
 
     def _result(
-        self, state: State, good: Mask, shaped: Linearization | None, *, with_prior: bool
-    ) -> Calibration:
+        self, state: State, good: Mask, shaped: tuple[MixedFit, State] | None = None, *, with_prior: bool
+    ) -> "_Found":
         """Check the fit and describe it: errors over all points, covariance from the good ones.
 
         Parameters
@@ -351,7 +343,7 @@ class _Fit:
         good
             (v, n) points that took part.
         shaped
-            The optimum in the board's shape; None: of the board as drawn.
+            How the board's shape was fitted, and the optimum with it; None: the board is as drawn.
         with_prior
             Whether the prior took part: its information (p, p) is added to that of the points.
 
@@ -359,7 +351,8 @@ class _Fit:
         """
         if not state.converged:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
-        problem = self._problem_of(shaped)
+        shape = None
+        problem = self.problem.reshaped(shaped[0].problem.shape(shaped[1])) if shaped else self.problem
         plausibility.check_result(problem, state, good, self.robust)
         state = self._resect_excluded_views(problem, state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size
@@ -373,16 +366,16 @@ class _Fit:
         believed = state.prior_jacobian.T @ state.prior_jacobian if with_prior else None
         if believed is not None:
             believed *= max(sigma, 1e-5 * img_size[0]) ** 2
-        size, shape = len(state.rows) - 1 - POSE_SIZE, None
         if shaped is None:
             spread = robust_covariance.estimate(self._evidence(state, good, sigma), sigma, believed)
             covariance, information = spread.covariance, spread.information
         else:
-            whole = MixedFit(self.problem, good, self._labels(state, good))
-            spread = whole.spread(shaped, sigma**2, mask=self.mask)
-            covariance = spread.covariance[:size, :size]
-            information = marginal_information(spread.information, size)
-            shape = replace(shaped.shape, covariance=frozen(spread.covariance[size:, size:]))
+            mixed, optimum = shaped
+            shape = mixed.problem.shape(optimum)
+            spread = mixed.spread(optimum, good, sigma, self.mask)
+            covariance = spread.covariance[SHAPE_SIZE:, SHAPE_SIZE:]
+            information = marginal_information(spread.information, len(state.rows) - 1 - POSE_SIZE)
+            shape = replace(shape, covariance=frozen(spread.covariance[:SHAPE_SIZE, :SHAPE_SIZE]))
         if not (np.isfinite(rms) and np.isfinite(spread.covariance).all()):
             raise CalibrationError("not_believable", "the fit has no finite error")
         measured, back = self.order.points_back(mask), self.order.points_back
@@ -391,7 +384,7 @@ class _Fit:
             covariance = problem.basis @ covariance @ problem.basis.T
             inverse = np.linalg.pinv(problem.basis)
             information = inverse.T @ information @ inverse
-        return Calibration(
+        calibration = Calibration(
             camera=Camera.from_intrinsics(self.model.name, k, img_size),
             poses=frozen(self.order.back(state.poses.vectors())),
             avg_reprojection_error=rms,
@@ -406,6 +399,7 @@ class _Fit:
             cut_views=self._cut_reasons(good),
             board_shape=shape,
         )
+        return _Found(problem, state, good, calibration)
 
     def _resect_excluded_views(self, problem: Problem, state: State, good: Mask) -> State:
         """Resect views that took no part: their errors are reported, too."""
@@ -423,6 +417,16 @@ class _Fit:
             int(self.order.views[i]): "mirrored" if self.mirrored[i] else "outlier"
             for i in np.flatnonzero(~good.any(axis=1))
         }
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """Calibration with the optimum that it describes: the problem, state there, and points (v, n) used."""
+
+    problem: Problem
+    state: State
+    good: Mask
+    calibration: Calibration
 
 
 def cost(state: State) -> float:

@@ -71,6 +71,7 @@ def optimum_beside(problem: Problem, state: State, good: Mask, step: float) -> S
     factor = float(np.exp(step))
     k, weights = state.k.copy(), outliers.unit_weights(good)
     k[:2] *= factor
+    k = problem.nearest(k)
     poses = Poses(state.poses.r, state.poses.t * (1, 1, factor))  # of the same size in the image
     # All directions but the one in which the focal length grows.
     free = np.eye(len(k)) if problem.basis is None else problem.basis

@@ -50,9 +50,12 @@ class Homographies:
         return cls(normalize_scale(h), mean, spread)
 
     def errors(self, points: Array, rays: Array) -> Array:
-        """Angular errors (v, n), radians, small ones, of points (v, 3, n) against unit rays (v, 3, n)."""
-        x = np.ones(rays.shape)
-        x[:, :2] = (points[:, :2] - self.mean[:, :, None]) / self.spread[:, None, None]
+        """Angular errors (v, n), radians, small ones, of points (v, 3, n) against unit rays (v, 3, n).
+
+        Points and rays (3, n) are those of all planes.
+        """
+        x = np.ones((len(self.h), *points.shape[-2:]))
+        x[:, :2] = (points[..., :2, :] - self.mean[:, :, None]) / self.spread[:, None, None]
         return angular_errors(self.h @ x, rays)
 
     def with_focal_scale(self, factor: float) -> "Homographies":
@@ -91,6 +94,6 @@ def normalize_scale(h: Array) -> Array:
 
 def angular_errors(p: Array, rays: Array) -> Array:
     """Angles (v, n), radians, small ones, between points (v, 3, n), camera frame, and unit rays (v, 3, n)."""
-    e = p / np.maximum(np.sqrt((p * p).sum(axis=1, keepdims=True)), 1e-300) - rays
-    out: Array = np.sqrt((e * e).sum(axis=1))
+    e = p / np.maximum(np.sqrt(np.einsum("vin,vin->vn", p, p)), 1e-300)[:, None] - rays
+    out: Array = np.sqrt(np.einsum("vin,vin->vn", e, e))
     return out

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import deadline
+from .. import deadline, rotation
 from ..arrays import Array, Mask
 from ..models import Model
 from . import normal_equations, prior
@@ -38,7 +38,7 @@ MIN_GAIN_RATIO = 0.25
 """Gain ratio (actual / predicted decrease) below which the damping is raised."""
 MIN_DAMPING, MIN_RAISED_DAMPING, MAX_DAMPING = 1e-12, 1e-8, 1e8
 """Bounds of the damping: when lowered, when raised, and beyond which no step leads downhill."""
-ACCELERATE_AFTER_ITERATIONS = 6
+ACCELERATE_AFTER_ITERATIONS = 4
 """Iterations after which the valley is taken for a curved one."""
 MAX_ACCELERATION_RATIO = 0.75
 """Length of the geodesic acceleration / length of the step, at most: else neither is trusted."""
@@ -176,7 +176,7 @@ class LeastSquares(ABC):
         refused = 0.0
         for iteration in range(options.iterations):
             deadline.check()
-            sigma = max(robust_sigma(state, counted), sigma_floor)
+            sigma = max(self.noise(state, counted), sigma_floor)
             objective = Objective(
                 plain, HUBER_SIGMAS * sigma if options.robust else np.inf, sigma * sigma * options.with_prior
             )
@@ -213,14 +213,22 @@ class LeastSquares(ABC):
         # Where curvature beyond Gauss-Newton's makes it slow, what is left may be nothing that could be seen.
         return replace(state, converged=bool(predicted < NEGLIGIBLE_DECREASE * visible * visible))
 
+    def noise(self, state: State, counted: Mask) -> float:
+        """Noise of a coordinate, px, over the points that count (v, n): what weighs the prior."""
+        return robust_sigma(state, counted)
+
     def free(self, da: Array) -> Array:
         """Change (p,) of the shared unknowns by a step (a,) of the free ones."""
         return da
 
     def _take_step(self, state: State, da: Array, dp: Array) -> State | None:
         """Linearize after steps (a,) and (v, 6); None where there is no picture there."""
-        k = state.k + self.free(da)
-        return self.at(k, state.poses.retract(dp)) if self.is_feasible(k) else None
+        k, poses = self.retract(state, da, dp)
+        return self.at(k, poses) if self.is_feasible(k) else None
+
+    def retract(self, state: State, da: Array, dp: Array) -> tuple[Array, Poses]:
+        """Shared unknowns (p,) and poses after steps (a,) and (v, 6)."""
+        return state.k + self.free(da), state.poses.retract(dp)
 
     def _geodesic_acceleration(
         self, state: State, system: System, weights: Array | None, da: Array, dp: Array, at: Elimination
@@ -230,10 +238,10 @@ class LeastSquares(ABC):
         The second derivative of the residuals along the step is a finite difference.
         """
         h = FINITE_DIFFERENCE
-        k = state.k + h * self.free(da)
+        k, poses = self.retract(state, h * da, h * dp)
         if not self.is_feasible(k):
             return da, dp
-        moved = self.residuals(k, state.poses.retract(h * dp))
+        moved = self.residuals(k, poses)
         rows, r, size = state.rows, state.rows[-1], len(da)
         first = (da @ rows[:size].reshape(size, -1)).reshape(r.shape)
         first += np.einsum("vi,iavn->avn", dp, rows[size:-1])
@@ -280,12 +288,20 @@ class Problem(LeastSquares):
     def at(self, k: Array, poses: Poses) -> State:
         """Linearize at given intrinsics (p,) and poses."""
         rows, square = residual_rows(self.model, k, poses, self.obs)
+        return State(k, poses, self.free_rows(rows), square, *self.prior(k))
+
+    def free_rows(self, rows: Array, before: int = 0) -> Array:
+        """Rows (before + a + ..., 2, v, n) by the free intrinsics, of rows by all of them."""
+        if self.basis is None:
+            return rows
+        after = before + self.model.size
+        free = np.tensordot(self.basis.T, rows[before:after], 1)
+        return np.concatenate([rows[:before], free, rows[after:]])
+
+    def prior(self, k: Array) -> tuple[Array, Array]:
+        """Whitened residuals (m,) of the prior at intrinsics k (p,), and their Jacobian (m, a)."""
         r, j = prior.residuals(self.model, k, self.img_size)
-        if self.basis is not None:
-            size = self.model.size
-            rows = np.concatenate([np.tensordot(self.basis.T, rows[:size], 1), rows[size:]])
-            j = j @ self.basis
-        return State(k, poses, rows, square, r, j)
+        return r, j if self.basis is None else j @ self.basis
 
     def nearest(self, k: Array) -> Array:
         """Intrinsics (p,) that satisfy the constraint, near to k (p,)."""
@@ -310,17 +326,40 @@ class Problem(LeastSquares):
         """Change (p,) of the intrinsics by a step (a,) of the free ones."""
         return da if self.basis is None else self.basis @ da
 
+    def retract(self, state: State, da: Array, dp: Array) -> tuple[Array, Poses]:
+        """Intrinsics and poses after steps (a,) and (v, 6), along the curve that keeps the picture.
 
-def residual_rows(model: Model, k: Array, poses: Poses, obs: Observations) -> tuple[Array, Array]:
+        A longer focal length moves the boards away, and leaves each coefficient's effect in px: the long
+        valley between focal length, distortion and distance is then nearly straight. A constraint is kept by
+        straight steps.
+        """
+        if self.origin is not None:
+            return super().retract(state, da, dp)
+        order, change = 2 * prior.weights(self.model).order, self.free(da)
+        k, t = state.k.copy(), state.poses.t.copy()
+        relative = change[:2] / k[:2]
+        k[:2] *= np.exp(relative)
+        k[2:4] += change[2:4]
+        longer = float(relative.sum()) / 2
+        grown = np.exp(longer)
+        k[4:] = (k[4:] * (1 - order * longer) + change[4:]) * grown**order
+        t[:, :2] += dp[:, 3:5]
+        t[:, 2] = (t[:, 2] * (1 - longer) + dp[:, 5]) * grown
+        return k, Poses(rotation.matrix(dp[:, :3]) @ state.poses.r, t)
+
+
+def residual_rows(
+    model: Model, k: Array, poses: Poses, obs: Observations, rows_before: int = 0
+) -> tuple[Array, Array]:
     """Jacobian and residuals (p + 7, 2, v, n) at k (p,), and the residuals' squared lengths (v, n), px^2.
 
-    Weighted, where the observations have weights.
+    Weighted, where the observations have weights. As many rows before them are left empty as are asked for.
     """
-    q, rows = normal_equations.linearize(model, k, poses, obs.points, 1)
+    q, rows = normal_equations.linearize(model, k, poses, obs.points, 1, rows_before)
     r = rows[-1]
     np.subtract(q, obs.pixels.transpose(1, 0, 2), out=r)
     if obs.scale is not None:
-        rows *= obs.scale
+        rows[rows_before:] *= obs.scale
     return rows, r[0] * r[0] + r[1] * r[1]
 
 

@@ -1,13 +1,13 @@
 """Mixed model of the views: what they share, and what differs between them, with learnt variances.
 
-Linearized, the residuals of a cluster of views are e + A x + Z u + noise. All views share x: the intrinsics
-and the shape of the board. Each cluster has its own u: the motion of the hand while the rows are read out
+Linearized, the residuals of a cluster of views are e + A x + Z u + noise. All views share x: the shape of the
+board and the intrinsics. Each cluster has its own u: the motion of the hand while the rows are read out
 (`systematic_effects`). Shape and motion are random effects (Laird & Ware 1982): their variances and that of
 the noise are learnt by expectation maximization of the restricted likelihood (Patterson & Thompson 1971;
 Dempster, Laird & Rubin 1977), with weak priors. So a flat board and a still hand cost next to nothing.
 """
 
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,6 +28,10 @@ FIRST_MOTION = 1.0
 """Initial variance of motion: the maximization is fast from above and slow from below."""
 MAX_LEARNING_STEPS, LEARNING_TOLERANCE = 60, 1e-2
 """Steps of the maximization, and relative change of the variances below which it ends."""
+EXTRAPOLATION_STEPS = 3
+"""Steps of the maximization after which it is extrapolated."""
+MAX_RATE = 0.9
+"""Ratio of two changes that follow each other, by which it is extrapolated at most."""
 
 
 @dataclass(frozen=True)
@@ -39,10 +43,13 @@ class Variances:
     height: float = FIRST_HEIGHT
     stretch: float = FIRST_STRETCH
 
-    def shape_information(self) -> Array:
-        """Information (SHAPE_SIZE,) that the prior gives on each number of the shape."""
-        std = [self.height] * BEND_SIZE + [self.stretch] * (SHAPE_SIZE - BEND_SIZE)
-        return np.array(std) ** -2.0
+    def shape_deviations(self) -> Array:
+        """Standard deviations (SHAPE_SIZE,) of the numbers of the shape."""
+        return np.array([self.height] * BEND_SIZE + [self.stretch] * (SHAPE_SIZE - BEND_SIZE))
+
+    def logarithms(self) -> Array:
+        """Logarithms (4,) of all."""
+        return np.log([self.noise2, max(self.motion, 1e-12), self.height, self.stretch])
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +61,7 @@ class Solution:
     x
         (g,) step of what the views share.
     u
-        (c, MOTION_SIZE) motion.
+        (c, MOTION_SIZE) motion in the principal directions of each cluster.
     variances
         After one more step of the maximization.
     """
@@ -75,9 +82,9 @@ class MixedModel:
     count
         Number of residuals less the unknowns of the poses.
     prior
-        Information (p, p) of the intrinsics' prior and half its gradient (p,); they come first in x.
+        Information (p, p) of the intrinsics' prior and half its gradient (p,); they come last in x.
     shape
-        (SHAPE_SIZE,) shape so far, the last of x.
+        (SHAPE_SIZE,) shape so far, the first of x.
     floor
         Least variance of the noise, px^2: rounding.
     expected_motion
@@ -105,8 +112,9 @@ class MixedModel:
         self.total = self.gram.sum(axis=0)
         # In the principal directions of each cluster's motion its covariance is diagonal.
         power, self.directions = np.linalg.eigh(gram[:, moves, moves])
-        self.power = np.maximum(power, 0.0)
+        self.power = np.maximum(power.ravel(), 0.0)
         self.rows = gram[:, kept, moves] @ self.directions
+        self.across = self.rows.transpose(1, 0, 2).reshape(size + 1, -1)
 
     @property
     def noise2(self) -> float:
@@ -116,83 +124,98 @@ class MixedModel:
         return variance
 
     def belief(self, v: Variances) -> tuple[Array, Array]:
-        """Information (g, g) and half gradient (g,) of the priors of intrinsics and shape."""
-        information, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
-        free = len(self.gradient)
-        information[:free, :free], gradient[:free] = self.prior, self.gradient
-        certain = v.shape_information()
-        information[free:, free:] = np.diag(certain)
-        gradient[free:] = certain * self.shape
+        """Information (g, g) and half gradient (g,) of the priors of shape and intrinsics."""
+        information, gradient = np.zeros((self.size, self.size)), np.empty(self.size)
+        information[SHAPE_SIZE:, SHAPE_SIZE:], gradient[SHAPE_SIZE:] = self.prior, self.gradient
+        certain = v.shape_deviations() ** -2
+        information.reshape(-1)[: SHAPE_SIZE * self.size : self.size + 1] = certain
+        gradient[:SHAPE_SIZE] = certain * self.shape
         return information, gradient
 
     def solve(self, v: Variances) -> Solution:
         """Solve at the variances `v`, motion marginalised."""
         size = self.size
-        total, belief, slope = self._total(v)
         weights = self._weights(v)
-        basis = whitening(total[:size, :size] + v.noise2 * belief)
-        x = -basis @ (basis.T @ (total[:size, size] + v.noise2 * slope))
-        u = -np.einsum("cgm,g->cm", self.rows, np.append(x, 1.0)) * weights
-        turned = np.einsum("cij,cj->ci", self.directions, u)
-        return Solution(x, turned, self._improved(v, x, u, basis, belief, weights))
+        total, belief, slope = self._total(v, weights)
+        basis = whitening_by_cholesky(total[:size, :size] + v.noise2 * belief)
+        x = -basis @ ((total[:size, size] + v.noise2 * slope) @ basis)
+        one = np.append(x, 1.0)
+        pulled = one @ self.across
+        u = -pulled * weights
+        # One step of the maximization, from the second moments of the posterior.
+        covariance = v.noise2 * basis @ basis.T
+        rest = float(one @ self.total @ one) + float(u @ (2 * pulled + self.power * u))
+        pull = basis.T @ self.across[:size]
+        variance = v.noise2 * float(weights.sum() + (weights * weights) @ np.einsum("gm,gm->m", pull, pull))
+        known = dot(covariance, belief) + (variance / v.motion if v.motion > 0 else u.size)
+        freedom = self.count - (size + u.size - known)
+        noise2 = max(rest / max(freedom, 0.1 * self.count, 1.0), self.floor)
+        motion = v.motion
+        if v.motion > 0:
+            square = float(u @ u) + variance + MOTION_FREEDOM * self.expected_motion
+            motion = square / (u.size + MOTION_FREEDOM)
+        second = (self.shape + x[:SHAPE_SIZE]) ** 2 + covariance.diagonal()[:SHAPE_SIZE]
+        height = deviation(second[:BEND_SIZE], EXPECTED_HEIGHT)
+        stretch = deviation(second[BEND_SIZE:], EXPECTED_STRETCH)
+        return Solution(x, u.reshape(-1, MOTION_SIZE), Variances(noise2, motion, height, stretch))
 
     def shape_gain(self, v: Variances) -> float:
         """Decrease of the cost, in squares of the noise, by the shape, with motion allowed for."""
-        total, belief, slope = self._total(v)
+        total, belief, slope = self._total(v, self._weights(v))
         information, gradient = total[:-1, :-1] / v.noise2 + belief, total[:-1, -1] / v.noise2 + slope
-        free = len(self.gradient)
-        both, camera = (whitening(information[:n, :n]).T @ gradient[:n] for n in (self.size, free))
+        both, camera = (
+            whitening(information[part, part]).T @ gradient[part]
+            for part in (slice(None), slice(SHAPE_SIZE, None))
+        )
         return dot(both, both) - dot(camera, camera)
 
-    def _total(self, v: Variances) -> tuple[Array, Array, Array]:
+    def learn(self, v: Variances) -> Variances:
+        """Learn the variances from `v` on."""
+        last = v.logarithms()
+        previous = np.zeros_like(last)
+        for step in range(MAX_LEARNING_STEPS):
+            v = self.solve(v).variances
+            now = v.logarithms()
+            change = now - last
+            if not np.abs(change).max() > LEARNING_TOLERANCE:
+                break
+            if step % EXTRAPOLATION_STEPS == EXTRAPOLATION_STEPS - 1:
+                with np.errstate(all="ignore"):
+                    rate = np.nan_to_num(np.clip(change / previous, 0.0, MAX_RATE))
+                now = now + change * rate / (1 - rate)
+                noise2, motion, height, stretch = np.exp(now).tolist()
+                v = Variances(max(noise2, self.floor), motion if v.motion > 0 else 0.0, height, stretch)
+            last, previous = now, change
+        return v
+
+    def moved(self, u: Array) -> Array:
+        """Motion (c, MOTION_SIZE) of a solution's `u`, in the order of the effects."""
+        out: Array = np.einsum("cij,cj->ci", self.directions, u)
+        return out
+
+    def _total(self, v: Variances, weights: Array) -> tuple[Array, Array, Array]:
         """Gram matrix (g + 1, g + 1), motion marginalised; information and half gradient of the priors."""
-        weights = self._weights(v)
-        across = self.rows.transpose(1, 0, 2).reshape(self.size + 1, -1)
-        return self.total - (across * weights.ravel()) @ across.T, *self.belief(v)
+        return self.total - (self.across * weights) @ self.across.T, *self.belief(v)
 
     def _weights(self, v: Variances) -> Array:
-        """Variances (c, MOTION_SIZE) of motion given the rest, at unit noise; 0 if there is none."""
+        """Variances (c MOTION_SIZE,) of motion given the rest, at unit noise; 0 if there is none."""
         return 1 / (self.power + v.noise2 / v.motion) if v.motion > 0 else np.zeros_like(self.power)
 
-    def learn(self, v: Variances) -> tuple[Variances, Solution]:
-        """Learn the variances from `v` on; the solution there."""
-        for _ in range(MAX_LEARNING_STEPS):
-            found = self.solve(v)
-            last, v = v, found.variances
-            changes = [
-                abs(now / max(before, 1e-12) - 1)
-                for now, before in zip(astuple(v), astuple(last), strict=True)
-            ]
-            if max(changes[0], *changes[2:], changes[1] * (v.motion > 0)) < LEARNING_TOLERANCE:
-                break
-        return v, self.solve(v)
 
-    def _improved(
-        self, v: Variances, x: Array, u: Array, basis: Array, belief: Array, weights: Array
-    ) -> Variances:
-        """One step of the maximization: variances from the posterior's second moments."""
-        size, free = self.size, len(self.gradient)
-        covariance = v.noise2 * basis @ basis.T
-        one = np.append(x, 1.0)
-        rest = float(one @ self.total @ one) + float(np.sum(u * (2 * (one @ self.rows) + self.power * u)))
-        across = self.rows[:, :size].transpose(0, 2, 1)  # (c, MOTION_SIZE, g)
-        variance = v.noise2 * weights + weights**2 * np.einsum("cmg,gh,cmh->cm", across, covariance, across)
-        known = dot(covariance, belief) + (float(variance.sum()) / v.motion if v.motion > 0 else u.size)
-        freedom = self.count - (size + u.size - known)
-        found = replace(v, noise2=max(rest / max(freedom, 0.1 * self.count, 1.0), self.floor))
-        if v.motion > 0:
-            square = float((u**2).sum() + variance.sum()) + MOTION_FREEDOM * self.expected_motion
-            found = replace(found, motion=square / (u.size + MOTION_FREEDOM))
-        second = (self.shape + x[free:]) ** 2 + np.diagonal(covariance)[free:]
+def deviation(second: Array, expected: float) -> float:
+    """Standard deviation of numbers with these second moments, by its prior."""
+    return float(np.sqrt((second.sum() + SHAPE_FREEDOM * expected**2) / (len(second) + SHAPE_FREEDOM)))
 
-        def deviation(part: Array, expected: float) -> float:
-            return float(np.sqrt((part.sum() + SHAPE_FREEDOM * expected**2) / (len(part) + SHAPE_FREEDOM)))
 
-        return replace(
-            found,
-            height=deviation(second[:BEND_SIZE], EXPECTED_HEIGHT),
-            stretch=deviation(second[BEND_SIZE:], EXPECTED_STRETCH),
-        )
+def whitening_by_cholesky(a: Array) -> Array:
+    """Matrix T (g, g) with T'AT = 1, as `whitening`: faster, where A is well positive definite."""
+    scale = 1 / np.sqrt(np.maximum(a.diagonal(), 1e-300))
+    try:
+        factor = np.linalg.cholesky(a * scale[:, None] * scale)
+        out: Array = scale[:, None] * np.linalg.inv(factor).T
+    except np.linalg.LinAlgError:
+        return whitening(a)
+    return out
 
 
 def trusted_motion(v: Variances, noise2: float) -> float:
@@ -209,7 +232,7 @@ def trusted_motion(v: Variances, noise2: float) -> float:
 
 
 def marginal_information(information: Array, size: int) -> Array:
-    """Information (size, size) of the first unknowns of (g, g), the others marginalised."""
-    kept, across = information[:size, :size], information[:size, size:]
-    out: Array = kept - across @ symmetric_inverse(information[size:, size:]) @ across.T
+    """Information (size, size) of the last unknowns of (g, g), the others marginalised."""
+    kept, across = information[-size:, -size:], information[-size:, :-size]
+    out: Array = kept - across @ symmetric_inverse(information[:-size, :-size]) @ across.T
     return (out + out.T) / 2

@@ -17,7 +17,7 @@ from .normal_equations import Poses
 
 MAX_TRUSTED_RMS_WIDTHS = 0.002
 """Trimmed rms / image width above which other starts are tried."""
-TOWARDS_OPTIMUM = Options(robust=True, tolerance=1e-3, damping=1e-6, one_step=True, patient=True)
+TOWARDS_OPTIMUM = Options(robust=True, tolerance=1e-3, damping=1e-5, one_step=True, patient=True)
 """The way to near the optimum is always robust: one bad view must not turn the first steps."""
 MAX_PRIOR_Z = 3.0
 """Sigmas of the prior by which aspect and principal point may differ before other starts are tried, too."""

@@ -68,15 +68,20 @@ def projection_jacobian(model: Model, k: Array, poses: Poses, points: Array) -> 
     return q.transpose(1, 0, 2), rows.transpose(2, 0, 1, 3)
 
 
-def linearize(model: Model, k: Array, poses: Poses, points: Array, extra_rows: int) -> tuple[Array, Array]:
+def linearize(
+    model: Model, k: Array, poses: Poses, points: Array, extra_rows: int, rows_before: int = 0
+) -> tuple[Array, Array]:
     """Pixels (2, v, n) and the Jacobian by rows (p + 6 + extra_rows, 2, v, n), the extra ones left empty.
+
+    So are `rows_before` more before them.
 
     Rows first: each is one plane in memory, which is what the arithmetic on them wants.
     """
     views, n, size = len(poses.r), points.shape[-1], model.size
     rotated = np.empty((3, views, n))
     np.matmul(poses.r, points, out=rotated.transpose(1, 0, 2))
-    rows = np.empty((size + 6 + extra_rows, 2, views, n))
+    every = np.empty((rows_before + size + 6 + extra_rows, 2, views, n))
+    rows = every[rows_before:]
     by_p = rows[size + 3 : size + 6]
     q = model.fill_jacobian(k, rotated + poses.t.T[:, :, None], rows[:size], by_p)
     # d(exp(w) Y)/dw = w x Y, and b . (w x Y) = w . (Y x b)
@@ -89,7 +94,7 @@ def linearize(model: Model, k: Array, poses: Poses, points: Array, extra_rows: i
     turn[1] -= x * bz
     np.multiply(x, by, out=turn[2])
     turn[2] -= y * bx
-    return q, rows
+    return q, every
 
 
 def gram_matrices(rows: Array) -> Array:

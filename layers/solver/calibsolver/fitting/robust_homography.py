@@ -4,10 +4,12 @@ Least median of squares (LMedS): of homographies through random samples the one 
 view's points is least (Rousseeuw 1984; Fischler & Bolles 1981), then the one through all its inliers.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from .. import deadline
-from ..arrays import Array, Mask
+from ..arrays import Array, IntArray, Mask
 from .homography import Homographies
 
 SAMPLES, SAMPLE_SIZE = 60, 5
@@ -54,20 +56,22 @@ def fit_homographies_lmeds(
 
 
 def lmeds_inliers(points: Array, rays: Array, usable: Mask) -> tuple[Mask, float]:
-    """Find the inliers (n,) of one view by LMedS, and the median error of the best sample, radians.
-
-    The samples are a fixed choice: the same every time.
-    """
+    """Find the inliers (n,) of one view by LMedS, and the median error of the best sample, radians."""
     index = np.flatnonzero(usable)
-    order = np.random.default_rng(len(index)).random((SAMPLES, len(index))).argsort(axis=1)
-    weights = np.zeros((SAMPLES, len(usable)))
-    np.put_along_axis(weights, index[order[:, :SAMPLE_SIZE]], 1.0, axis=1)
-    many = np.broadcast_to(points, (SAMPLES, *points.shape)), np.broadcast_to(rays, (SAMPLES, *rays.shape))
-    error = Homographies.fit_dlt(*many, weights).errors(*many)
+    drawn = index[samples_of(len(index))]
+    xyz, seen = (np.moveaxis(each[:, drawn], 0, 1) for each in (points, rays))
+    error = Homographies.fit_dlt(xyz, seen, np.ones(drawn.shape)).errors(points, rays)
     middle = medians(error, np.broadcast_to(usable, error.shape))
     best = int(np.argmin(middle))
     agree: Mask = usable & (error[best] <= INLIER_LMEDS_MEDIANS * middle[best])
     return agree, float(middle[best])
+
+
+@lru_cache(maxsize=64)
+def samples_of(count: int) -> IntArray:
+    """Draw the samples (SAMPLES, SAMPLE_SIZE) of so many points, the same every time."""
+    order = np.random.default_rng(count).random((SAMPLES, count)).argsort(axis=1)
+    return order[:, :SAMPLE_SIZE]
 
 
 def medians(values: Array, mask: Mask) -> Array:

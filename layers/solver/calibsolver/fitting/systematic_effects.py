@@ -41,7 +41,7 @@ def displacements(by_pose: Array, poses: Poses, points: Array, row: Array) -> Ar
         (v, n) as `row_position`.
     """
     x, y = points[..., 0, :], points[..., 1, :]
-    half = max(float(max(x.max() - x.min(), y.max() - y.min())) / 2, 1e-9)
+    half = _half_extent(points)
     across, down = (each - each.sum(axis=-1, keepdims=True) / each.shape[-1] for each in (x, y))
     normal = poses.r[:, :, 2] * (SAG_STD_BOARDS * 2 / half)
     by_height = by_pose[3] * normal[:, :1]
@@ -50,9 +50,26 @@ def displacements(by_pose: Array, poses: Poses, points: Array, row: Array) -> Ar
     out = np.empty((EFFECTS_SIZE, *by_pose.shape[1:]))
     for i, term in enumerate((across * across, across * down, down * down)):
         np.multiply(by_height, term, out=out[i])
-    np.multiply(by_pose[:3], row * SHUTTER_ROTATION_STD_RAD, out=out[BEND_SIZE : BEND_SIZE + 3])
-    np.multiply(by_pose[3:], row * (SHUTTER_SHIFT_STD_BOARDS * 2 * half), out=out[BEND_SIZE + 3 :])
+    _fill_motion(by_pose, half, row, out[BEND_SIZE:])
     return out
+
+
+def motion(by_pose: Array, points: Array, row: Array) -> Array:
+    """Displacements (POSE_SIZE, 2, v, n), px, by a standard deviation of motion; see `displacements`."""
+    out = np.empty_like(by_pose)
+    _fill_motion(by_pose, _half_extent(points), row, out)
+    return out
+
+
+def _fill_motion(by_pose: Array, half: float, row: Array, out: Array) -> None:
+    np.multiply(by_pose[:3], row * SHUTTER_ROTATION_STD_RAD, out=out[:3])
+    np.multiply(by_pose[3:], row * (SHUTTER_SHIFT_STD_BOARDS * 2 * half), out=out[3:])
+
+
+def _half_extent(points: Array) -> float:
+    """Half the longer extent of points (..., 3, n)."""
+    x, y = points[..., 0, :], points[..., 1, :]
+    return max(float(max(x.max() - x.min(), y.max() - y.min())) / 2, 1e-9)
 
 
 def explained_points(

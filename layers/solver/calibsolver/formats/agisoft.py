@@ -13,7 +13,7 @@ from .members import Members
 
 
 def is_calibration(members: Members) -> bool:
-    """Whether a mapping is such a calibration."""
+    """True if a mapping is such a calibration."""
     return all(name in members for name in ("projection", "width", "height", "f"))
 
 

@@ -111,7 +111,7 @@ def embed(camera: Camera, model: str) -> Camera | None:
 
 
 def satisfies(camera: Camera, constraint: ModelConstraint) -> bool:
-    """Whether a camera of the constraint's model satisfies it."""
+    """True if a camera of the constraint's model satisfies it."""
     names = models.get(camera.model).coefficients
     violated = any(camera.distortion[names.index(name)] != 0 for name in constraint.zero)
     return not violated and not (constraint.equal_focal and camera.matrix[0, 0] != camera.matrix[1, 1])

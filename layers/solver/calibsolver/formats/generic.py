@@ -35,7 +35,7 @@ MAX_SKEW_PX = 0.05
 
 
 def is_camera(members: Members) -> bool:
-    """Whether a mapping holds a camera."""
+    """True if a mapping contains a camera."""
     return _matrix_key(members) is not None or _scalar_intrinsics(_flat(members)) is not None
 
 

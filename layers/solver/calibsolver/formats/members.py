@@ -25,7 +25,7 @@ class Members:
             self._found.setdefault(normalise(key), (str(key), value))
 
     def __contains__(self, name: str) -> bool:
-        """Whether there is such a member that holds something."""
+        """True if the member exists and is not empty."""
         return self.get(name) is not None
 
     def get(self, *names: str) -> Any:

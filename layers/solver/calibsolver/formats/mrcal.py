@@ -244,7 +244,7 @@ def read_corners(content: str, squares: tuple[int, int]) -> ImportedFile:
 
 
 def is_corners(content: str) -> bool:
-    """Whether it looks like a table of corners: the first line that says something has a name and a place."""
+    """True if it looks like a table of corners: the first line with content has a name and a position."""
     for line in content.splitlines():
         fields = line.split()
         if not fields or fields[0].startswith("#"):

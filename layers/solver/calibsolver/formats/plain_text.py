@@ -10,13 +10,13 @@ _COMMENT = ("#", ";", "//", "%")
 
 
 def is_ros_ini(content: str) -> bool:
-    """Whether it is of the form that ROS calls videre INI: sections, a name on a line, its numbers below."""
+    """True if it is what ROS calls videre INI: sections, a name on a line, its numbers below."""
     heading = re.search(r"^[ \t]*\[image\][ \t]*$", content, re.MULTILINE)
     return bool(heading and re.search(r"^[ \t]*camera matrix", content, re.MULTILINE))
 
 
 def is_assignments(content: str) -> bool:
-    """Whether its lines are `name = value`, in sections or not."""
+    """True if its lines are `name = value`, in sections or not."""
     lines = [
         line
         for line in content.splitlines()[:MAX_LINES]

@@ -66,7 +66,7 @@ def read_bytes(
 
 
 def is_text_kind(content: str) -> bool:
-    """Whether `read_text` reads it: it is neither JSON nor YAML."""
+    """True if `read_text` reads it: it is neither JSON nor YAML."""
     return (
         content.lstrip().startswith("<")
         or is_mrcal(content)
@@ -80,7 +80,7 @@ def is_text_kind(content: str) -> bool:
 
 
 def is_mrcal(content: str) -> bool:
-    """Whether it is a .cameramodel: a Python dictionary with a lens model, under today's or an older name."""
+    """True if it is a .cameramodel: a Python dictionary with a lens model, under today's or an older name."""
     return any(
         f"{quote}{name}{quote}" in content
         for name in ("lensmodel", "lens_model", "distortion_model")

@@ -68,7 +68,7 @@ def member(data: object, *path: str | int) -> Any:
 
 
 def has_member(data: object, key: str) -> bool:
-    """Whether parsed data is an object with such a member."""
+    """True if parsed data is an object with such a member."""
     return isinstance(data, dict) and key in data
 
 

@@ -190,7 +190,7 @@ def tilt_and_width_from_unit_cube(unit: Array, limits: PoseLimits) -> tuple[Arra
 
 
 def needs_quarter_turn(board: Board, img_size: tuple[int, int]) -> bool:
-    """Whether the board must be turned by a quarter for its longer side to lie along the image's."""
+    """True if the board must be turned by 90 degrees for its longer side to lie along the image's."""
     return (board.size[0] - board.size[1]) * (img_size[0] - img_size[1]) < 0
 
 
@@ -237,7 +237,7 @@ def check_visibility(
 
 
 def is_in_front(poses: Poses, board: Board, rays: RayGrid) -> Mask:
-    """Whether all of the board, visible or not, is in front of the camera and faces it (c,)."""
+    """True if all of the board, visible or not, is in front of the camera and faces it (c,)."""
     p = poses.r @ board.outline.T + poses.t[:, :, None]
     length = np.sqrt(np.einsum("cin,cin->cn", p, p))
     front = (p[:, 2] / length).min(axis=1) >= rays.min_cos_angle

@@ -126,13 +126,13 @@ class PoseSelection:
         return self._target(r, t, camera, f"to measure {INTRINSICS[parameter]}")
 
     def is_reached(self, target: TargetPose, view: View) -> bool:
-        """Whether the board lies where the target does, and enough of it was seen."""
+        """True if the board is at the target, and enough of it is visible."""
         if len(view) < min(MIN_REACHED_CORNERS, self.board.corner_count):
             return False
         return jaccard_index(target.outline, estimate_outline(self.board, view), self.img_size) > MIN_OVERLAP
 
     def is_done(self, views: Sequence[View]) -> bool:
-        """Whether the method stops: every parameter has converged."""
+        """True if the method stops: every parameter has converged."""
         return len(views) >= 2 and self.progress(views).next_parameter is None
 
     def estimate(self, views: Sequence[View]) -> Calibration | None:

@@ -205,7 +205,7 @@ def fisher_information(
 
 
 def is_similar(poses: Poses, target: TargetPose, board: Board) -> Mask:
-    """Whether poses (c) resemble a target: normals within 20 degrees, centres within 1.5 squares."""
+    """True if poses (c) resemble a target: normals within 20 degrees, centres within 1.5 squares."""
     r = rotation.matrix(target.rvec)
     center = board.outline.mean(axis=0)
     distance = np.linalg.norm(poses.r @ center + poses.t - (r @ center + target.tvec), axis=1)

@@ -126,7 +126,7 @@ class TargetPose:
 
 
 def in_image(q: Array, img_size: tuple[int, int], margin: float = 0.0) -> Mask:
-    """Whether pixels (..., 2) lie in the image, at least `margin` px from its border; NaN does not."""
+    """True if pixels (..., 2) lie in the image, at least `margin` px from its border; NaN does not."""
     w, h = img_size
     x, y = q[..., 0], q[..., 1]
     inside: Mask = (x >= margin) & (y >= margin) & (x <= w - 1 - margin) & (y <= h - 1 - margin)

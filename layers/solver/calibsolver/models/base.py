@@ -81,7 +81,7 @@ class Model(ABC):
     start_families: int = 1
     """Families of initial intrinsics that may lead to different optima: the best of each kind is followed."""
     is_perspective: bool = False
-    """Whether, without distortion, it is a pinhole: straight lines stay straight."""
+    """True if it is a pinhole without distortion: straight lines stay straight."""
     max_angle: float = math.pi
     """Angle from the axis, radians, up to which its coordinates still tell directions apart."""
 
@@ -107,7 +107,7 @@ class Model(ABC):
         """Largest angle from the axis, radians, up to which the projection is one-to-one."""
 
     def valid(self, d: Array, p: Array) -> Mask:
-        """Whether points (3, ...) lie where the projection is one-to-one."""
+        """True if points (3, ...) lie where the projection is one-to-one."""
         inside: Mask = p[2] > np.cos(self.domain_half_angle(d)) * np.sqrt(
             p[0] * p[0] + p[1] * p[1] + p[2] * p[2]
         )

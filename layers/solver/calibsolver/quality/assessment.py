@@ -236,7 +236,7 @@ def rim_covered(views: Sequence[View], img_size: tuple[int, int]) -> dict[Side, 
 
 
 def has_fixed_pattern(calibration: Calibration, views: Sequence[View]) -> bool:
-    """Whether the residuals noticeably depend on the place in the image, alike in all views."""
+    """True if the residuals noticeably depend on the place in the image, alike in all views."""
     share, common = fixed_pattern_residual(calibration, views)
     least = MIN_NOTICEABLE_PX * calibration.camera.img_size[0] / REFERENCE_WIDTH_PX
     return common > least and share > MAX_FIXED_PATTERN_SHARE

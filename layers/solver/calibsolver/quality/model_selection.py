@@ -99,7 +99,7 @@ def without_outliers(views: Sequence[View], fits: Sequence[Calibration]) -> list
 
 
 def not_significantly_worse(one: HeldOut, best: HeldOut) -> bool:
-    """Whether a model is as good as the best, as far as these views can tell (see `suggest_model`)."""
+    """True if a model is as good as the best, within what these views show (see `suggest_model`)."""
     if one.rms <= MAX_EQUAL_RATIO * best.rms:
         return True
     # Logarithms: a view that a model cannot follow at all is one vote against it, not a large variance.

@@ -80,12 +80,12 @@ class Cause:
 
     @property
     def is_noticeable(self) -> bool:
-        """Whether it moves corners by no less than their noise does, or doubles the error bars."""
+        """True if it moves corners by no less than their noise does, or doubles the error bars."""
         return self.px >= MIN_CAUSED_PX or self.inflation >= MIN_CAUSED_INFLATION
 
     @property
     def is_main(self) -> bool:
-        """Whether it explains so much that no other model is to blame."""
+        """True if it explains so much that no other model is to blame."""
         return self.share >= MAX_SHARE_BESIDE_MODEL
 
     @property

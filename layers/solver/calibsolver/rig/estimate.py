@@ -111,7 +111,7 @@ def estimate(record: Mapping[str, Any], *, final: bool = False) -> dict[str, Any
 
 
 def _is_determined(found: RigCalibration) -> bool:
-    """Whether all that a fit says of the rig is a number."""
+    """True if all numbers of a fitted rig are finite."""
     u = found.uncertainty
     said = np.array([found.rms, u.rotation_deg, u.translation_percent, u.rms])
     numbers = (said, found.covariance, found.poses, *(camera.intrinsics for camera in found.cameras))

@@ -251,7 +251,7 @@ class _Search:
         return visible, seen
 
     def _is_near(self, poses: Poses, skipped: RigidMotion) -> Mask:
-        """Whether poses (c) resemble a skipped one: normals within 20 degrees, centres within 1.5 squares."""
+        """True if poses (c) resemble a skipped one: normals within 20 degrees, centres within 1.5 squares."""
         center = self.board.outline.mean(axis=0)
         distance = np.linalg.norm(poses.r @ center + poses.t - (skipped.r @ center + skipped.t), axis=1)
         near: Mask = (poses.r[:, :, 2] @ skipped.r[:, 2] > np.cos(np.radians(20))) & (distance < 1.5)

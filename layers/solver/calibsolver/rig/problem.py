@@ -131,7 +131,7 @@ class RigProblem(LeastSquares):
         return Camera.from_intrinsics(member.model.name, self.intrinsics(k, position), member.img_size)
 
     def is_feasible(self, k: Array) -> bool:
-        """Whether every camera has a picture at all with the shared unknowns k (p,)."""
+        """True if every camera has an image with the shared unknowns k (p,)."""
         every = [(member.model, self.intrinsics(k, i)) for i, member in enumerate(self.members)]
         return all(x[0] > 0 and x[1] > 0 and model.magnification(x[4:])[0] > 0 for model, x in every)
 

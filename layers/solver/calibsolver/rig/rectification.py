@@ -31,7 +31,7 @@ class Rectification:
     q
         (4, 4) disparity to depth: (x, y, disparity, 1) -> homogeneous point.
     is_vertical
-        Whether the baseline lies along y: then disparities do.
+        True if the baseline, and with it disparities, lies along y.
     """
 
     r1: Array
