@@ -16,10 +16,10 @@ from starlette.responses import Response
 
 from calibdb.access.tokens import Ticket, contributor, source
 from calibdb.camera_key import identify, public_label, public_platform
-from calibdb.errors import MAX_FIELD_ERRORS, FieldError, InvalidError, NotFoundError
+from calibdb.errors import FieldError, InvalidError, NotFoundError
 from calibdb.http import application
 from calibdb.lookup import camera_lookup
-from calibdb.rules.corners import corner_errors
+from calibdb.rules.corners import require_corners
 from calibdb.rules.votes import OwnCamera, decide_vote, expected_error, view_digest, vote_id
 from calibdb.schema import (
     Calibration,
@@ -77,13 +77,7 @@ def check(call: application.Call) -> Response:
     """Return whether the consensus fits the views, and what checks say of it, or the comparison asked for."""
     ticket = call.session(charge="views")
     request = call.json(CheckRequest)
-    wrong = [
-        error
-        for n, view in enumerate(request.views)
-        for error in corner_errors(request.board, request.img_size, view.ids, view.points, f"views.{n}.")
-    ]
-    if wrong:
-        raise InvalidError(wrong[:MAX_FIELD_ERRORS])
+    require_corners(request.board, request.img_size, request.views)
     if request.calibration is not None:
         with in_time(call):
             return application.json_response(check_given(request, request.calibration))

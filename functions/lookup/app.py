@@ -25,15 +25,19 @@ from calibdb.http import application, metrics
 from calibdb.lookup.calibration_lookup import LookupQuery, LookupResult, find
 from calibdb.lookup.camera_search import is_listed
 from calibdb.lookup.estimation import estimate_for
+from calibdb.rules.corners import require_corners
 from calibdb.schema import (
     DISTORTION_MODELS,
     ConsensusDocument,
+    FittingGroup,
     LookupRequest,
     Miss,
+    ModeViews,
     NewAlias,
     NoCalibration,
     RefitRequest,
     UnknownCamera,
+    ViewDocument,
 )
 from calibdb.schema.fields import size_text, zoom_text
 from calibdb.schema.lookup import Reason
@@ -69,6 +73,7 @@ def visit(call: application.Call) -> Response:
 
 
 def _answer(call: application.Call, request: LookupRequest) -> Response:
+    require_corners(request.board, request.img_size, request.views)
     found = _find(call, request)
     now = call.service.clock()
     if found.answer is not None:
@@ -77,7 +82,7 @@ def _answer(call: application.Call, request: LookupRequest) -> Response:
             found.answer, headers=_PUBLIC_CACHE if call.request.method != "POST" else None
         )
     url = call.service.settings.guidance_url + "?" + urlencode(_key(request))
-    likely = estimate_for(request, found.known)
+    likely = estimate_for(request, found.known, _fitting_group(call, request, found))
     if request.miss == "ok":
         metrics.count(now, Lookups=1, Misses=1)
         return application.json_response(
@@ -116,6 +121,25 @@ def _find(call: application.Call, request: LookupRequest) -> LookupResult:
     elif found.answer is None and found.key:
         _count_miss(call, request, read, found)
     return found
+
+
+def _fitting_group(
+    call: application.Call, request: LookupRequest, found: LookupResult
+) -> FittingGroup | None:
+    """Return the group of the camera's calibrations that fits the views sent, if they fall into groups."""
+    if not request.views or found.reason != "disagree" or not found.key:
+        return None
+    call.require_thread()
+    views = (ViewDocument(index=n, ids=v.ids, points=v.points) for n, v in enumerate(request.views))
+    seen = ModeViews(board=request.board.model_dump(mode="json"), views=tuple(views))
+    asked = RefitRequest(
+        camera=found.key,
+        img_size=request.img_size,
+        zoom=request.zoom,
+        models=(request.distortion_model,),
+        seen=seen,
+    )
+    return call.service.store.refit.now(asked).fitting
 
 
 def _count_miss(

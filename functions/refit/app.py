@@ -32,7 +32,9 @@ from calibdb.schema import (
     CalibrationDocument,
     ConsensusDocument,
     FitRecord,
+    FittingGroup,
     GroupsDocument,
+    ModeViews,
     RefitAnswer,
     RefitRequest,
     VoteDocument,
@@ -46,6 +48,7 @@ from calibdb.store.calibrations import CountedCalibration
 from calibdb.store.keys import consensus_id
 from calibsolver import FIT_VERSION, Board, CalibrationError, Camera, DeadlineError, View, consensus, deadline
 from calibsolver.consensus import difference
+from calibsolver.consensus import mode as mode_of_camera
 from calibsolver.fitting.board_shape import BoardShape
 from calibsolver.fitting.coverage import record_covered
 from calibsolver.fitting.resection import reprojection_score
@@ -75,6 +78,7 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
     service = Service.of(os.environ)
     mode = StreamMode(request.camera, request.img_size, request.zoom)
     consensuses: Consensuses = {}
+    fitting = None
     with deadline.limit(lambda: context.get_remaining_time_in_millis() / 1000 - MIN_PUBLISHING_S):
         if request.misses:
             service.store.miss_counts.add(request.misses, service.now)
@@ -86,7 +90,9 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
         else:
             models = [m for m in DISTORTION_MODELS if m in request.models or not request.models]
             consensuses = ensure_current(service, mode, models, _alone(service, mode, models, context))
-    return RefitAnswer.model_validate({"models": consensuses}).model_dump(mode="json")
+            document = consensuses.get(models[0]) if request.seen and models else None
+            fitting = fitting_group(service, document, request.seen) if document and request.seen else None
+    return RefitAnswer.model_validate({"models": consensuses, "fitting": fitting}).model_dump(mode="json")
 
 
 @contextmanager
@@ -349,6 +355,36 @@ def views_of(document: CalibrationDocument | VoteDocument) -> list[View]:
     """Convert a document's views for the solver; raises ValueError."""
     board = Board.from_record(document.board.model_dump())
     return board.views([view.model_dump() for view in document.views])
+
+
+def fitting_group(service: Service, document: ConsensusDocument, seen: ModeViews) -> FittingGroup | None:
+    """Return the one group of calibrations that fits the views, by its most certain calibration.
+
+    None if no group does, or several do. Nothing is stored.
+    """
+    behind = service.store.consensuses.groups(document)
+    if behind is None or len(behind.groups) < 2:
+        return None
+    ids = [one for group in behind.groups for one in group]
+    documents = {d.id: d for d in service.store.calibrations.read(ids)}
+    groups = [[documents[one] for one in group if one in documents] for group in behind.groups]
+    model = document.distortion_model
+
+    def rank(d: CalibrationDocument) -> tuple[bool, float]:
+        return d.distortion_model != model, d.fits[d.distortion_model].uncertainty.rms
+
+    known = [min(group, key=rank).answer() for group in groups if group]
+    cameras = [Camera.from_record(one.model_dump()) for one in known]
+    try:
+        views = Board.from_record(seen.board).views([view.model_dump() for view in seen.views])
+        index = mode_of_camera.fitting_camera(cameras, views, model)
+    except (CalibrationError, ValueError):
+        return None
+    if index is None:
+        return None
+    count = len([group for group in groups if group][index])
+    calibration = known[index].model_copy(update={"calibrations": count})
+    return FittingGroup(calibration=calibration, groups=len(known))
 
 
 def none_beyond_image(px: float, img_size: tuple[int, int]) -> float | None:
