@@ -102,7 +102,7 @@ class Calibration:
 
         At the centre of each cell: root of the trace of the 2x2 covariance of the projection of the ray
         seen there, to first order, with the rotation of the camera frame that fits best over the grid
-        removed. Outside the hull of the corners with the distance of the rivals, if there are any. NaN
+        removed. Outside the hull of the corners with the error if a rival is right, if there are any. NaN
         outside the model's one-to-one domain.
         """
         model = models.get(self.camera.model)
@@ -110,7 +110,7 @@ class Calibration:
         with np.errstate(invalid="ignore"):
             square = np.maximum(variance(d, self.covariance), 0)
             if self.rivals is not None:
-                square = square + self.rivals.distance(self.camera, grid) ** 2
+                square = square + self.rivals.square_error(self.camera, grid)
             std: Array = np.sqrt(square).reshape(grid[1], grid[0])
         return std
 

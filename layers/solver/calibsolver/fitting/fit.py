@@ -14,6 +14,7 @@ from ..models import Model
 from ..view import View
 from . import (
     constraint,
+    domain,
     focal_profile,
     initial_guess,
     levenberg_marquardt,
@@ -180,6 +181,10 @@ class _Fit:
         found = self._shaped(state, good) or self._result(state, good, with_prior=True)
         if near is not None:
             return found.calibration
+        covering = domain.covering(self.problem, state, good, found.calibration)
+        if covering is not None:
+            other = replace(self, problem=covering[0])
+            found = other._shaped(covering[1], good) or other._result(covering[1], good, with_prior=True)
         covariance = focal_profile.covariance_of_optima(
             found.problem, found.state, found.good, found.calibration
         )

@@ -9,7 +9,7 @@ from .. import models
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
-from ..fitting.rivals import Hull, Rivals
+from ..fitting.rivals import Hull, Rival, Rivals
 from ..view import View
 from .model_selection import MAX_EQUAL_RATIO
 
@@ -21,7 +21,7 @@ def with_rivals(calibration: Calibration, views: Sequence[View]) -> Calibration:
     others differ. They are fitted to the board in the shape that the calibration found.
     """
     shaped, size = calibration.shaped(views), calibration.camera.img_size
-    cameras = []
+    rivals = []
     for name in models.NAMES:
         if name == calibration.camera.model:
             continue
@@ -30,7 +30,7 @@ def with_rivals(calibration: Calibration, views: Sequence[View]) -> Calibration:
         except CalibrationError:
             continue
         if other.noise <= MAX_EQUAL_RATIO * calibration.noise:
-            cameras.append(other.camera)
+            rivals.append(Rival(other.camera, other.covariance))
     pairs = zip(views, calibration.used, strict=True)
     hull = Hull.of(np.concatenate([view.image_points[used] for view, used in pairs]))
-    return replace(calibration, rivals=Rivals(tuple(cameras), hull))
+    return replace(calibration, rivals=Rivals(tuple(rivals), hull))

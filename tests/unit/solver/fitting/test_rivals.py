@@ -6,7 +6,7 @@ import pytest
 from calibsolver import Camera, fit
 from calibsolver.camera import pixel_grid
 from calibsolver.fitting.coverage import Coverage, record_covered
-from calibsolver.fitting.rivals import Hull, Rivals
+from calibsolver.fitting.rivals import Hull, Rival, Rivals
 from calibsolver.quality.rivals import with_rivals
 from tests.bench.extrapolation import corner_hull, errors
 from tests.helpers.data import available, corner_views
@@ -33,7 +33,7 @@ def test_inside_the_hull_nothing_changes() -> None:
     plain = fit(views, size)
     whole = with_rivals(plain, views)
     assert whole.rivals is not None
-    assert whole.rivals.cameras
+    assert whole.rivals.rivals
     inside = whole.rivals.hull.contains(pixel_grid(size, GRID).reshape(2, -1).T).reshape(GRID[1], GRID[0])
     before, after = plain.projection_std(GRID), whole.projection_std(GRID)
     np.testing.assert_array_equal(after[inside], before[inside])
@@ -48,7 +48,7 @@ def test_models_that_explain_less_are_no_rivals() -> None:
     views, size = corner_views("jy_left")  # a lens that the rectilinear model cannot follow
     found = with_rivals(fit(views, size, "omnidirectional"), views)
     assert found.rivals is not None
-    assert "rectilinear" not in {camera.model for camera in found.rivals.cameras}
+    assert "rectilinear" not in {rival.camera.model for rival in found.rivals.rivals}
 
 
 def test_a_turned_camera_is_no_rival() -> None:
@@ -56,11 +56,12 @@ def test_a_turned_camera_is_no_rival() -> None:
     camera = fit(*corner_views("opencv_left")).camera
     w, h = camera.img_size
     hull = Hull.of(np.array([[w / 4, h / 4], [3 * w / 4, h / 4], [3 * w / 4, 3 * h / 4], [w / 4, 3 * h / 4]]))
-    assert Rivals((camera,), hull).distance(camera, GRID).max() < 1e-9
+    certain = np.zeros((9, 9))
+    assert Rivals((Rival(camera, certain),), hull).square_error(camera, GRID).max() < 1e-9
     longer = Camera(
         camera.model, camera.matrix * [[1.01, 1, 1], [1, 1.01, 1], [1, 1, 1]], camera.distortion, (w, h)
     )
-    away = Rivals((longer,), hull).distance(camera, GRID)
+    away = np.sqrt(Rivals((Rival(longer, certain),), hull).square_error(camera, GRID))
     assert away.max() == pytest.approx(0.01 * np.hypot(0.5, 0.5) * np.hypot(w, h), rel=0.5)
 
 
