@@ -26,11 +26,13 @@ def handler(event: dict[str, Any], _: object) -> dict[str, Any]:
     """List the requests to `refit`."""
     batch = BackfillBatch.model_validate(event)
     calibrations = Service.of(os.environ).store.calibrations
-    found = sorted(
+    stored_modes = sorted(
         set(modes(calibrations, [listed.key for listed in batch.items])),
         key=lambda mode: (mode.camera_key, mode.img_size, mode.zoom),
     )
-    requests = tuple(RefitRequest(camera=m.camera_key, img_size=m.img_size, zoom=m.zoom) for m in found)
+    requests = tuple(
+        RefitRequest(camera=m.camera_key, img_size=m.img_size, zoom=m.zoom) for m in stored_modes
+    )
     return BackfillAnswer(requests=requests).model_dump(mode="json")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from concurrent.futures import ThreadPoolExecutor
 
 from starlette.responses import Response
@@ -13,13 +14,11 @@ from calibdb.errors import InvalidError, NotFoundError
 from calibdb.http import application
 from calibdb.lookup import camera_search
 from calibdb.lookup.badge import NOT_CALIBRATED, badge_of, parse_size, svg
-from calibdb.schema import ConsensusDocument
-from calibdb.schema.cameras import CameraDetail, CameraList, CameraMode, CamerasRequest
+from calibdb.schema.cameras import CameraDetail, CameraList, CamerasRequest
 from calibdb.store import StreamMode
 from calibdb.store.cameras import is_place
 
-_MAX_MEMBERS = 200
-_MAX_MODES = 60  # sizes and zooms of a camera that are shown; anybody can add one
+_MAX_MODES = 60  # sizes and zooms of a camera that are shown; anyone can add one
 _READERS = 8  # cameras, or modes of one, read at a time
 _BADGE_HEADERS = {
     "Cache-Control": "public, max-age=300",
@@ -32,34 +31,34 @@ def search(call: application.Call) -> Response:
     """Answer with the cameras of whose names a word begins with every word asked for."""
     call.api_token()
     request = call.query(CamerasRequest)
-    wanted = camera_search.query_words(request.query)
+    terms = camera_search.query_words(request.query)
     thresholds = call.service.settings.thresholds
-    word = wanted[0] if wanted else ""
+    word = terms[0] if terms else ""
     if request.after is not None and not is_place(word, request.after):
         raise InvalidError.field("after", "must be the `next` value of an earlier answer to the same query")
     store = call.service.store.cameras
-    found, following = store.search(word, request.limit, request.after)
+    cameras, following = store.search(word, request.limit, request.after)
     if not word:
-        # Whoever practises leaves a camera behind: they are found by their name alone.
-        real = [camera for camera in found if not is_practice(camera[1])]
-        if found and is_practice(found[-1][1]) and following is not None:
+        # Practice captures create cameras, which are found only by their name.
+        real = [camera for camera in cameras if not is_practice(camera[1])]
+        if cameras and is_practice(cameras[-1][1]) and following is not None:
             following = camera_search.AFTER_PRACTICE
-        found = real
+        cameras = real
     with ThreadPoolExecutor(_READERS) as readers:
-        known = list(readers.map(lambda camera: store.known(camera[0]).consensuses, found))
+        consensus_lists = list(readers.map(lambda camera: store.known(camera[0]).consensuses, cameras))
     entries = (
         camera_search.camera_entry(key, name, consensuses, thresholds.min_calibrations)
-        for (key, name), consensuses in zip(found, known, strict=True)
+        for (key, name), consensuses in zip(cameras, consensus_lists, strict=True)
         if camera_search.is_listed(consensuses, thresholds.min_contributors)
         and request.reliable in (None, any(c.reliable for c in consensuses))
-        and camera_search.has_words(wanted[1:], name, consensuses)
+        and camera_search.has_words(terms[1:], name, consensuses)
     )
     answer = CameraList(cameras=tuple({entry.key: entry for entry in entries}.values()), next=following)
     return application.json_response(answer, headers=_PRIVATE_CACHE)
 
 
 def show(call: application.Call) -> Response:
-    """Answer with one camera: what its calibrations are, and how far they agree."""
+    """Return one camera with its calibrations and their agreement."""
     call.api_token()
     key = call.path("key")
     store = call.service.store.cameras
@@ -70,12 +69,14 @@ def show(call: application.Call) -> Response:
             key, name = others[0], store.name(others[0])
     if name is None:
         raise NotFoundError("The database has no camera with this key.")
-    known = store.known(key).consensuses
-    camera, platform = camera_search.display_name(name, known)
-    shown = camera_search.best_modes(known, _MAX_MODES)
+    consensuses = store.known(key).consensuses
+    camera, platform = camera_search.display_name(name, consensuses)
+    shown = camera_search.best_modes(consensuses, _MAX_MODES)
+    least = call.service.settings.thresholds.min_calibrations
+    mode_of = functools.partial(camera_search.camera_mode, call.service.store, least)
     with ThreadPoolExecutor(_READERS) as readers:
-        modes = tuple(readers.map(lambda found: _mode(call, StreamMode(key, *found[0]), found[1]), shown))
-    usb_id = camera_search.usb_id(known)
+        modes = tuple(readers.map(lambda found: mode_of(StreamMode(key, *found[0]), found[1]), shown))
+    usb_id = camera_search.usb_id(consensuses)
     detail = CameraDetail(
         key=key, camera=camera, platform=platform, usb_id=usb_id, vendor=vendor_of(usb_id), modes=modes
     )
@@ -83,43 +84,24 @@ def show(call: application.Call) -> Response:
 
 
 def badge(call: application.Call) -> Response:
-    """Answer with the badge of a camera at a size; one that says so where nothing is known.
+    """Return the badge of a camera at a size.
 
-    No credential: it is the same for all, and kept at the edge. A picture that is missing would be a hole in
-    a page, so an unknown camera and a size that is none get one, too.
+    It needs no credential, is the same for everyone, and is cached. Unknown cameras and invalid sizes also
+    get a badge, because a missing image would leave a hole in a page.
     """
     key, img_size = call.path("key"), parse_size(call.path("file"))
-    found = NOT_CALIBRATED
+    result = NOT_CALIBRATED
     if img_size is not None and PATTERN.fullmatch(key):
         thresholds = call.service.settings.thresholds
-        known = call.service.store.cameras.known(key).consensuses
-        found = badge_of(
-            camera_search.display_name("", known)[0],
-            known,
+        consensuses = call.service.store.cameras.known(key).consensuses
+        result = badge_of(
+            camera_search.display_name("", consensuses)[0],
+            consensuses,
             img_size,
             min_calibrations=thresholds.min_calibrations,
             min_contributors=thresholds.min_contributors,
         )
-    return Response(svg(found), 200, _BADGE_HEADERS, "image/svg+xml")
-
-
-def _mode(call: application.Call, mode: StreamMode, known: list[ConsensusDocument]) -> CameraMode:
-    store = call.service.store
-    best = camera_search.best_consensus(known)
-    behind = store.consensuses.groups(best)
-    groups = behind.groups if behind else ()
-    return CameraMode(
-        img_size=mode.img_size,
-        zoom=mode.zoom,
-        calibrations=max(c.total for c in known),
-        contributors=best.calibration.contributors if best.calibration else 0,
-        agreeing=camera_search.count_agreeing(best),
-        required=call.service.settings.thresholds.min_calibrations,
-        reason=None if best.reliable else best.reason,
-        groups=groups,
-        consensus={c.distortion_model: c.calibration for c in known if c.calibration},
-        members=tuple(store.cameras.members(mode, frozenset(groups[0] if groups else ()), _MAX_MEMBERS)),
-    )
+    return Response(svg(result), 200, _BADGE_HEADERS, "image/svg+xml")
 
 
 handler = application.handler(

@@ -25,7 +25,7 @@ from calibdb.store.storage import storage_named
 
 @metrics.counting_denied_reads
 def handler(_: Mapping[str, Any], context: Any) -> dict[str, Any]:
-    """Answer with the name of the dump that is whole now, null where there is more to do or nothing."""
+    """Answer with the name of the dump that is whole now, null if there is more to do or nothing."""
     region = os.environ["AWS_REGION"]
     storage = storage_named(
         region, os.environ["TABLE_NAME"], os.environ["BUCKET_NAME"], os.environ["WEB_BUCKET_NAME"]

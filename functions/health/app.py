@@ -1,26 +1,22 @@
-"""Health: whether the service is there, and, asked for, whether each of its parts works.
+"""Health: state of the service and, on request, of each of its parts.
 
-The parts are what everything else stands on: the index, the bucket, the solver and the edge. Nobody needs a
-credential for this, so it is bounded three times: an instance checks the parts once in ten seconds, the edge
-keeps an answer as long, and the gateway lets few requests through.
+The parts are the index, the bucket, the solver and the edge. Callers need no
+credential, so the load is bounded three times: an instance checks the parts once in ten seconds, the edge
+caches the response as long, and the gateway lets few requests through.
 """
 
 from __future__ import annotations
 
 import functools
-import json
 import time
-import urllib.error
-import urllib.request
 from collections.abc import Callable
-from typing import Any
 from urllib.parse import urljoin
 
 from starlette.responses import Response
 
 from calibdb.errors import UnhealthyError
 from calibdb.http import application
-from calibdb.http.part_checks import CHECKS_TTL_S, Part, PartChecks
+from calibdb.http.part_checks import CHECKS_TTL_S, Part, PartChecks, read_config
 from calibdb.schema import DeepHealth, Health
 from calibdb.schema.health import CanaryRun, PartHealth
 from calibdb.settings import Settings
@@ -28,9 +24,7 @@ from calibdb.store.canary import last_canary_run
 from calibdb.store.storage import storage_of
 
 _TABLE_LIMIT_S, _BUCKET_LIMIT_S, _EDGE_LIMIT_S, _SOLVER_LIMIT_S = 2.0, 2.0, 3.0, 8.0
-_MAX_CONFIG_BYTES = 10_000
 _CACHED = {"Cache-Control": f"public, max-age=5, s-maxage={CHECKS_TTL_S:.0f}"}
-_FX, _IMG_SIZE = 950.0, (1280, 720)
 
 
 class Checks:
@@ -62,51 +56,16 @@ class Checks:
         address = urljoin(self._settings.guidance_url, "/config.json")
         if not address.startswith(("https://", "http://")):
             raise ValueError("the site has no address")
-        opener = urllib.request.build_opener(urllib.request.ProxyHandler({}), Unredirected)
-        return functools.partial(read_config, opener, address)
+        return functools.partial(read_config, address, _EDGE_LIMIT_S)
 
 
 def void(_: object) -> None:
     """Ignore a value: the check was that it could be read."""
 
 
-class Unredirected(urllib.request.HTTPRedirectHandler):
-    """Handler that follows no redirect: the site answers itself."""
-
-    def redirect_request(self, *_: Any) -> None:
-        """Return no request to go on with."""
-
-
-def read_config(opener: urllib.request.OpenerDirector, address: str) -> None:
-    """Read the site's settings, as every page does first; raises where they are not there."""
-    try:
-        with opener.open(address, timeout=_EDGE_LIMIT_S) as answer:
-            content = json.loads(answer.read(_MAX_CONFIG_BYTES))
-    except urllib.error.HTTPError as error:
-        error.close()
-        raise
-    if "api" not in content:
-        raise ValueError("the settings are no settings")
-
-
 def prepare_solver() -> Callable[[], None]:
     """Import the solver; return a fit whose outcome is known. Nothing else here loads numpy or OpenCV."""
-    import numpy as np
-
-    from calibsolver import Board, Camera, View, fit, rotation
-
-    matrix = np.array([[_FX, 0.0, 640.0], [0.0, _FX, 360.0], [0.0, 0.0, 1.0]])
-    camera = Camera("rectilinear", matrix, np.zeros(5), _IMG_SIZE)
-    points = Board().points
-
-    def solve() -> None:
-        views = []
-        for turn in ((0.5, 0.0, 0.0), (-0.4, 0.3, 0.1), (0.1, 0.5, 0.0), (0.0, -0.5, 0.2)):
-            placed = points @ rotation.matrix(np.array(turn)).T + np.array([-4.5, -3.0, 10.0])
-            views.append(View(points, camera.project(placed)))
-        found = fit(views, _IMG_SIZE).camera.matrix[0, 0]
-        if not abs(found / _FX - 1) < 1e-3:
-            raise ValueError(f"fx is {found} px, not {_FX} px")
+    from calibdb.compute.solver_check import solve
 
     return solve
 

@@ -1,6 +1,6 @@
-"""Session: starts one guided capture, alone or as a camera of a rig, shows its state, or forgets it.
+"""Session: starts one guided capture, also as a camera of a rig, shows its state, or deletes it.
 
-A rig's document names the session before the session exists: whoever starts it again after a crash finds its
+A rig's document names the session before the session exists: a repeated start after a crash finds its
 place kept.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 from starlette.responses import Response
 
 from calibdb.camera_key import camera_key
-from calibdb.errors import ConflictError, InvalidError, NotFoundError, TooManyError
+from calibdb.errors import ConflictError, InvalidError, NotFoundError
 from calibdb.estimate.estimator import EstimateQuery
 from calibdb.estimate.starting_camera import starting_camera
 from calibdb.http import application, metrics
@@ -20,8 +20,6 @@ from calibdb.schema import FitRecord, RigDocument, SessionDocument, SessionReque
 from calibdb.schema.membership import RigJoin, RigMembership
 from calibdb.schema.rig_documents import MemberDocument
 from calibdb.store import Store, running_rigs
-from calibdb.store.rig_codes import GUESS_WINDOW_S, MAX_GUESSES
-from calibdb.store.rigs import is_rig_id
 
 
 def start(call: application.Call) -> Response:
@@ -38,16 +36,16 @@ def start(call: application.Call) -> Response:
         where = call.service.source(call.address)
 
     def begin(version: int) -> SessionDocument:
-        if version > 1:  # started anew, it can be published anew: a capture as any other
+        if version > 1:  # a restarted session is another capture, and can be published
             call.service.charge(call.service.token_of(ticket), "sessions", call.address)
         return session_rules.begin(request, sid, version, now, find_seed(store, request), who, rig, where)
 
     document, made = store.sessions.start(sid, now, begin)
-    asked = session_rules.begin(request, sid, document.first_version, now, rig=rig)
+    session = session_rules.begin(request, sid, document.first_version, now, rig=rig)
     # The session that made a rig was started without one, and is started again without one.
     if request.rig is None and document.rig is not None and document.rig.position == 0:
-        asked = asked.model_copy(update={"rig": document.rig})
-    if not session_rules.is_same_start(document, asked):
+        session = session.model_copy(update={"rig": document.rig})
+    if not session_rules.is_same_start(document, session):
         raise ConflictError(
             "A session with other content is running under this session id; forget it first.",
             kind="other-content",
@@ -61,9 +59,9 @@ def find_seed(store: Store, request: SessionRequest) -> FitRecord | None:
     """Find an initial camera: what others measured of this camera, the operator's guess, or the estimate."""
     key = camera_key(request.camera, request.platform)
     place = (request.img_size, request.zoom, request.distortion_model)
-    found = find_reliable_seed(store.consensuses.of(key), *place) or store.priors.find(key, *place)
-    if found is not None:
-        return found
+    seed = find_reliable_seed(store.consensuses.of(key), *place) or store.priors.find(key, *place)
+    if seed is not None:
+        return seed
     query = EstimateQuery(request.camera, request.platform, request.img_size, request.zoom)
     return starting_camera(query, request.distortion_model)
 
@@ -75,14 +73,19 @@ def place(
     store, now = call.service.store, call.service.now
     running = store.sessions.find(sid)
     if running is not None:
-        known = running.rig
-        if known and wanted.position in (None, known.position) and wanted.id in (None, known.id):
-            return known  # the code may be used up by now
+        running_rig = running.rig
+        if (
+            running_rig
+            and wanted.position in (None, running_rig.position)
+            and wanted.id in (None, running_rig.id)
+        ):
+            return running_rig  # the code may be used up by now
         raise ConflictError(
             "A session with other content is running under this session id; forget it first.",
             kind="other-content",
         )
-    rig = named_rig(call, wanted)
+    where, secret = call.service.source(call.address), call.service.settings.contributor_secret
+    rig = running_rigs.named(store, wanted, where, secret, now)
     member = MemberDocument(session=sid, contributor=who, joined=now)
 
     def change(document: RigDocument) -> tuple[RigDocument | None, RigMembership]:
@@ -94,27 +97,6 @@ def place(
     except NotFoundError as error:  # finished long ago, or forgotten
         field = InvalidError.field("rig.id", "there is no running rig with this id")
         raise (rig_rules.wrong_code() if wanted.code is not None else field) from error
-
-
-def named_rig(call: application.Call, wanted: RigJoin) -> str:
-    """Return the id of the rig that a code or an id names; wrong codes are counted."""
-    if wanted.code is None:
-        if not is_rig_id(wanted.id or ""):
-            raise InvalidError.field("rig.id", "there is no running rig with this id")
-        return wanted.id or ""
-    codes, now = call.service.store.rig_codes, call.service.now
-    where = call.service.source(call.address)
-    if not codes.count_guess(where, now):
-        raise TooManyError(
-            GUESS_WINDOW_S - now % GUESS_WINDOW_S,
-            f"More than {MAX_GUESSES} wrong join codes came from here; retry after the time in Retry-After.",
-        )
-    secret = call.service.settings.contributor_secret
-    found = codes.find(rig_rules.code_digest(secret, wanted.code), now)
-    if found is None:
-        raise rig_rules.wrong_code()
-    codes.uncount_guess(where, now)
-    return found
 
 
 def show(call: application.Call) -> Response:

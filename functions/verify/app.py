@@ -30,7 +30,7 @@ def handler(event: Mapping[str, Any], _: Any) -> dict[str, Any]:
 
 
 def look_for(request: ProofRequest) -> ProofFailure | None:
-    """Fetch the file of the origin; return why it proves nothing, None where it does."""
+    """Fetch the file of the origin; return why it proves nothing, None if it does."""
     host = proof_host(request.origin)
     if host is None:
         return "name"

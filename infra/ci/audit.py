@@ -47,11 +47,13 @@ class Audit:
 
     @classmethod
     def of_npm(cls, answer: Any) -> Audit:
-        """Read npm's JSON, which has no `metadata` where nobody answered it."""
+        """Read npm's JSON, which lacks `metadata` if the registry did not respond."""
         if "metadata" not in answer:
             return cls(0)
-        found = answer.get("vulnerabilities", {}).values()
-        severe = (f"{v['name']}: {v['severity']}" for v in found if v["severity"] in ("high", "critical"))
+        vulnerabilities = answer.get("vulnerabilities", {}).values()
+        severe = (
+            f"{v['name']}: {v['severity']}" for v in vulnerabilities if v["severity"] in ("high", "critical")
+        )
         return cls(answer["metadata"]["dependencies"]["total"], tuple(severe))
 
 
@@ -62,14 +64,14 @@ def pins(*locks: Path) -> list[str]:
 
 def python(packages: list[str], pip_audit: Path = PIP_AUDIT) -> Audit:
     """Ask about Python's packages; about one first, for each that is not answered takes its time."""
-    with tempfile.NamedTemporaryFile("w", suffix=".txt") as asked:
+    with tempfile.NamedTemporaryFile("w", suffix=".txt") as requirements:
         for part, timeout_s in ((packages[:1], _PROBE_TIMEOUT_S), (packages, _AUDIT_TIMEOUT_S)):
-            asked.seek(0)
-            asked.truncate()
-            asked.write("\n".join(part))
-            asked.flush()
+            requirements.seek(0)
+            requirements.truncate()
+            requirements.write("\n".join(part))
+            requirements.flush()
             command = [str(pip_audit), "--no-deps", "--disable-pip", "--progress-spinner=off", "-f", "json"]
-            audit = Audit.of_pip(_answer([*command, "--timeout", "5", "-r", asked.name], timeout_s))
+            audit = Audit.of_pip(_answer([*command, "--timeout", "5", "-r", requirements.name], timeout_s))
             if not audit.judged:
                 break
     return audit
@@ -93,7 +95,7 @@ def _answer(command: list[str], timeout_s: float) -> Any:
 def report(name: str, audit: Audit) -> str:
     """Describe the findings in a line."""
     if not audit.judged:
-        return f"{name}: not audited, the service that knows of vulnerabilities does not answer here"
+        return f"{name}: not audited, the vulnerability service does not respond here"
     return "\n".join([f"{name}: {audit.judged} packages audited", *audit.vulnerable])
 
 

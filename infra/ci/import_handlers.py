@@ -1,4 +1,4 @@
-"""Import of every handler from the built layers alone, on Lambda's processor and Python.
+"""Import of every handler from only the built layers, on Lambda's processor and Python.
 
 `python3.13 infra/ci/import_handlers.py FOLDER`; it needs nothing but the standard library and `.build/layers`
 in FOLDER, so that it runs in Lambda's own image.
@@ -33,7 +33,7 @@ def sources(root: Path) -> str:
 
 
 def problem(root: Path, folder: str, *, solver: bool) -> str | None:
-    """Import one handler in a process of its own; return what went wrong, None where nothing did.
+    """Import one handler in a process of its own; return what went wrong, None if nothing did.
 
     Only the function's folder, its layers and the standard library are on the path.
     """
@@ -46,14 +46,14 @@ def problem(root: Path, folder: str, *, solver: bool) -> str | None:
 
 def main(root: Path) -> int:
     """Import all handlers; return 1 where one cannot be imported, or where there is none."""
-    found = list(functions(sources(root)))
-    print(f"{platform.machine()}, Python {platform.python_version()}: {len(found)} handlers")
+    handlers = list(functions(sources(root)))
+    print(f"{platform.machine()}, Python {platform.python_version()}: {len(handlers)} handlers")
     failed = 0
-    for folder, solver in found:
+    for folder, solver in handlers:
         what = problem(root, folder, solver=solver)
         failed += what is not None
         print(f"{folder}: {what or 'imported'}")
-    return 1 if failed or not found else 0
+    return 1 if failed or not handlers else 0
 
 
 if __name__ == "__main__":

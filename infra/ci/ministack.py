@@ -19,7 +19,7 @@ _START_TIMEOUT_S = 30.0  # s
 
 @contextmanager
 def serving() -> Iterator[str]:
-    """Run the server within the block and yield its address; raises RuntimeError where it does not answer."""
+    """Run the server within the block and yield its address; raises RuntimeError if it does not answer."""
     port = _free_port()
     environment = {**os.environ, "GATEWAY_PORT": str(port), "MINISTACK_PORT": str(port)}
     environment.pop("PYTHONPATH", None)

@@ -54,12 +54,12 @@ def findings(text: str) -> Iterator[tuple[int, str]]:
 
 def document_problems(path: str, text: str) -> list[str]:
     """Describe the findings of a document that has more than it may have."""
-    found = list(findings(text))
+    hits = list(findings(text))
     allowed = ALLOWED.get(path, MAX_FINDINGS)
-    if len(found) <= allowed:
+    if len(hits) <= allowed:
         return []
-    where = "".join(f"\n  {path}:{number}: {words}" for number, words in found)
-    return [f"{path}: {len(found)} discouraged words or long cells, at most {allowed} allowed{where}"]
+    where = "".join(f"\n  {path}:{number}: {words}" for number, words in hits)
+    return [f"{path}: {len(hits)} discouraged words or long cells, at most {allowed} allowed{where}"]
 
 
 def docstrings(tree: ast.Module) -> Iterator[str]:

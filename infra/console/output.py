@@ -60,7 +60,7 @@ class Output:
 def confirm(question: str, *, yes: bool) -> None:
     """Ask a person before something that cannot be taken back; ends the command at `no`.
 
-    A program, whose standard input is no terminal, is not asked.
+    Programs, whose standard input is not a terminal, are not asked.
     """
     if not yes and sys.stdin.isatty():
         typer.confirm(question, abort=True, err=True)

@@ -1,4 +1,4 @@
-"""Progress of a loop on standard error, with the time left; nothing where that is no terminal."""
+"""Progress of a loop on standard error, with the time left; nothing if that is not a terminal."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 Item = TypeVar("Item")
 Total = int | Callable[[], int] | None
-"""Number of items, or how to count them, which is done for a terminal alone; None: nobody knows."""
+"""Number of items, or how to count them, which is done only for a terminal; None: unknown."""
 
 
 class Track(Protocol):

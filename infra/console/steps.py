@@ -1,7 +1,7 @@
 """Steps of a long piece of work, each announced with the time that is left.
 
 What steps print themselves (compilers, the SAM CLI) would tear a bar apart; a line before each step survives
-it. The time left is that of the former run of the same steps, kept in `.build/durations.json`.
+it. The time left is that of the previous run of the same steps, kept in `.build/durations.json`.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ def announce(
     say, clock, path
         Output, seconds, and the file of the durations; for tests.
     """
-    former = _read(path).get(work, {})
+    previous = _read(path).get(work, {})
     texts = [text(step) for step in steps]
     for number, step in enumerate(steps):
-        expected = [former.get(known) for known in texts[number:]]
+        expected = [previous.get(each) for each in texts[number:]]
         say(f"{number + 1}/{len(texts)} {texts[number]}{_describe_time_left(expected)}")
         begun = clock()
         yield step
-        former[texts[number]] = round(clock() - begun, 1)
-        _write(path, work, {known: former[known] for known in texts if known in former})
+        previous[texts[number]] = round(clock() - begun, 1)
+        _write(path, work, {each: previous[each] for each in texts if each in previous})
 
 
 def format_duration(seconds: float) -> str:
@@ -64,21 +64,23 @@ def format_duration(seconds: float) -> str:
 
 def _describe_time_left(expected: Sequence[float | None]) -> str:
     """Describe the time left, of which a step that never ran makes a lower bound."""
-    known = [seconds for seconds in expected if seconds is not None]
-    if not known:
+    durations = [seconds for seconds in expected if seconds is not None]
+    if not durations:
         return ""
-    return f" ({'' if len(known) == len(expected) else 'more than '}{format_duration(sum(known))} left)"
+    return (
+        f" ({'' if len(durations) == len(expected) else 'more than '}{format_duration(sum(durations))} left)"
+    )
 
 
 def _read(path: Path) -> dict[str, dict[str, float]]:
     """Read the durations; what is absent or damaged is left out."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        record = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
     return {
         work: {text: seconds for text, seconds in steps.items() if isinstance(seconds, int | float)}
-        for work, steps in (found.items() if isinstance(found, dict) else ())
+        for work, steps in (record.items() if isinstance(record, dict) else ())
         if isinstance(steps, dict)
     }
 

@@ -45,8 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--dirty", action="store_true", help="deploy although the checkout differs from its commit"
     )
     parser.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help="of the template")
-    asked = parser.parse_args(arguments)
-    pairs = [parameter.partition("=") for parameter in asked.parameters]
+    options = parser.parse_args(arguments)
+    pairs = [parameter.partition("=") for parameter in options.parameters]
     if not all(equals for _, equals, _ in pairs):
         parser.error("a parameter is written NAME=VALUE")
     parameters = {name: value for name, _, value in pairs}
@@ -58,23 +58,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ValueError as error:
         parser.error(str(error))
     domain = parameters.get("DomainName")
-    target = Target(asked.stack, asked.region, parameters, f"https://{domain}" if domain else None)
-    if asked.plan:
+    target = Target(options.stack, options.region, parameters, f"https://{domain}" if domain else None)
+    if options.plan:
         print("\n".join(plan(target)))
         return 0
     try:
-        if asked.back:
+        if options.back:
             go_back(target)
-        elif asked.stop or asked.resume:
-            switch(target, enabled=asked.resume)
-        elif asked.rotate:
+        elif options.stop or options.resume:
+            switch(target, enabled=options.resume)
+        elif options.rotate:
             aws.rotate(boto3.client("ssm", target.region), target.stack)
-        elif asked.rotate_edge:
+        elif options.rotate_edge:
             version = aws.rotate_edge(boto3.client("ssm", target.region), target.stack)
             cloudformation = boto3.client("cloudformation", target.region)
             aws.set_parameter(cloudformation, target.stack, "EdgeSecretVersion", str(version))
         else:
-            if not asked.dirty:
+            if not options.dirty:
                 check_clean()
             deploy(target)
     except CheckoutError as error:
@@ -111,7 +111,7 @@ def switch(target: Target, *, enabled: bool) -> None:
     changed = aws.switch(boto3.client("cloudfront"), made["DistributionId"], enabled=enabled)
     print(f"The distribution is {'being ' if changed else ''}{state}{'' if changed else ' already'}.")
     if not enabled:
-        print(f"{made['ApiUrl']} still answers: deploy with RequestRate=1 to stop it too.")
+        print(f"{made['ApiUrl']} still responds: deploy with RequestRate=1 to stop it too.")
 
 
 def plan(target: Target) -> list[str]:

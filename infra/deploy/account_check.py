@@ -1,4 +1,4 @@
-"""Check of an account: whether it can hold the stack, found out before anything is made in it.
+"""Check of an account: whether it can host the stack, before anything is created.
 
 Every problem is one sentence that says what to do. Nothing here writes.
 """
@@ -80,12 +80,14 @@ class Account:
 def problems(target: Target, account: Account) -> Iterator[str]:
     """Find what would make the deployment fail."""
     stack = aws.describe(account.cloudformation, target.stack)
-    kept = dict(stack.parameters) if stack else {}
+    parameters = dict(stack.parameters) if stack else {}
     declared = parse(ROOT / "template.yaml")["Parameters"]
-    values = {n: str(p.get("Default", "")) for n, p in declared.items()} | kept | dict(target.parameters)
+    values = (
+        {n: str(p.get("Default", "")) for n, p in declared.items()} | parameters | dict(target.parameters)
+    )
     if stack is not None:
         yield from _status(target.stack, stack.status)
-    yield from _concurrency(account.lambda_, values, kept)
+    yield from _concurrency(account.lambda_, values, parameters)
     if not target.exists:
         yield from _verification(account.cloudfront)
     if values["DomainName"]:
@@ -120,13 +122,13 @@ def _status(name: str, status: str) -> Iterator[str]:
 
 def _concurrency(lambda_: Any, values: Mapping[str, str], kept: Mapping[str, str]) -> Iterator[str]:
     limit = lambda_.get_account_settings()["AccountLimit"]
-    wanted = sum(functions * int(values[name]) for name, functions in RESERVED.items())
+    reserved = sum(functions * int(values[name]) for name, functions in RESERVED.items())
     own = sum(functions * int(kept.get(name, 0)) for name, functions in RESERVED.items())
-    left = int(limit["UnreservedConcurrentExecutions"]) + own - wanted
-    if wanted and left < MIN_UNRESERVED:
+    left = int(limit["UnreservedConcurrentExecutions"]) + own - reserved
+    if reserved and left < MIN_UNRESERVED:
         yield (
             f"Lambda allows this account {limit['ConcurrentExecutions']} concurrent executions; with "
-            f"{wanted} reserved {left} would be left, and {MIN_UNRESERVED} must be: ask Service Quotas for "
+            f"{reserved} reserved {left} would be left, and {MIN_UNRESERVED} must be: ask Service Quotas for "
             f"1,000 (L-B99A9384), or add {_UNRESERVED}."
         )
 
@@ -172,18 +174,18 @@ def _certificate(acm: Any, domain: str, arn: str) -> Iterator[str]:
         return
     if arn.split(":")[2:4] != ["acm", "us-east-1"]:
         yield (
-            f"CertificateArn is {arn}: CloudFront takes certificates of us-east-1 alone, so request one for "
+            f"CertificateArn is {arn}: CloudFront takes only certificates of us-east-1, so request one for "
             f"{domain} there."
         )
         return
     try:
-        found = acm.describe_certificate(CertificateArn=arn)["Certificate"]
+        certificate = acm.describe_certificate(CertificateArn=arn)["Certificate"]
     except ClientError as error:
         yield f"CertificateArn cannot be read ({code(error)}): give the ARN of a certificate of this account."
         return
-    if found["Status"] != "ISSUED":
-        yield f"The certificate is {found['Status']}: complete its validation first."
-    names = {found["DomainName"], *found.get("SubjectAlternativeNames", ())}
+    if certificate["Status"] != "ISSUED":
+        yield f"The certificate is {certificate['Status']}: complete its validation first."
+    names = {certificate["DomainName"], *certificate.get("SubjectAlternativeNames", ())}
     if not names & {domain, "*." + domain.partition(".")[2]}:
         yield f"The certificate is for {', '.join(sorted(names))}: request one that names {domain}."
 
@@ -198,4 +200,4 @@ def _zone(route53: Any, domain: str, zone: str) -> Iterator[str]:
         yield f"HostedZoneId cannot be read ({code(error)}): give the id of a public zone of this account."
         return
     if domain != name and not domain.endswith(f".{name}"):
-        yield f"The hosted zone is {name}, which does not hold {domain}: give the zone of that domain."
+        yield f"The hosted zone is {name}, which does not contain {domain}: pass the zone of that domain."

@@ -35,24 +35,24 @@ class Stack:
 
 
 def describe(cloudformation: Any, stack: str) -> Stack | None:
-    """Read the stack, None where there is none."""
+    """Read the stack, None if there is none."""
     try:
-        (found,) = cloudformation.describe_stacks(StackName=stack)["Stacks"]
+        (description,) = cloudformation.describe_stacks(StackName=stack)["Stacks"]
     except ClientError as error:
         if error.response["Error"]["Code"] == "ValidationError":
             return None
         raise
     return Stack(
-        found["StackStatus"],
-        {p["ParameterKey"]: p["ParameterValue"] for p in found.get("Parameters", ())},
-        {o["OutputKey"]: o["OutputValue"] for o in found.get("Outputs", ())},
+        description["StackStatus"],
+        {p["ParameterKey"]: p["ParameterValue"] for p in description.get("Parameters", ())},
+        {o["OutputKey"]: o["OutputValue"] for o in description.get("Outputs", ())},
     )
 
 
 def missing_secrets(ssm: Any, stack: str) -> list[str]:
     """List the secrets that the stack does not have yet."""
-    found = ssm.get_parameters(Names=[f"/calibdb/{stack}/{name}" for name in SECRETS])
-    there = {p["Name"].rpartition("/")[2] for p in found["Parameters"]}
+    response = ssm.get_parameters(Names=[f"/calibdb/{stack}/{name}" for name in SECRETS])
+    there = {p["Name"].rpartition("/")[2] for p in response["Parameters"]}
     return [name for name in SECRETS if name not in there]
 
 
@@ -91,14 +91,14 @@ def rotate_edge(ssm: Any, stack: str) -> int:
 
 def edge_secret_version(ssm: Any, stack: str) -> int:
     """Read the version of EDGE_SECRET, a whole number from 1."""
-    found = ssm.get_parameter(Name=f"/calibdb/{stack}/{_READ_BY_CLOUDFORMATION}")
-    return int(found["Parameter"]["Version"])
+    response = ssm.get_parameter(Name=f"/calibdb/{stack}/{_READ_BY_CLOUDFORMATION}")
+    return int(response["Parameter"]["Version"])
 
 
 def set_parameter(cloudformation: Any, stack: str, name: str, value: str) -> None:
     """Change one parameter of the stack and wait until that is done."""
     described = describe(cloudformation, stack)
-    kept = described.parameters if described else {}
+    parameters = described.parameters if described else {}
     cloudformation.update_stack(
         StackName=stack,
         UsePreviousTemplate=True,
@@ -107,7 +107,7 @@ def set_parameter(cloudformation: Any, stack: str, name: str, value: str) -> Non
             {"ParameterKey": key, "ParameterValue": value}
             if key == name
             else {"ParameterKey": key, "UsePreviousValue": True}
-            for key in kept
+            for key in parameters
         ],
     )
     cloudformation.get_waiter("stack_update_complete").wait(StackName=stack)
@@ -120,8 +120,8 @@ def _rotate(ssm: Any, stack: str, name: str) -> list[str]:
 
 
 def _read(ssm: Any, stack: str, name: str) -> list[str]:
-    found = ssm.get_parameter(Name=f"/calibdb/{stack}/{name}", WithDecryption=True)
-    value: str = found["Parameter"]["Value"]
+    response = ssm.get_parameter(Name=f"/calibdb/{stack}/{name}", WithDecryption=True)
+    value: str = response["Parameter"]["Value"]
     return value.split(",")
 
 
@@ -142,14 +142,14 @@ def rotate_keys(keys: list[str], new: str) -> list[str]:
 
 def outputs(cloudformation: Any, stack: str) -> dict[str, str]:
     """Read the stack's outputs by name."""
-    found = describe(cloudformation, stack)
-    return dict(found.outputs) if found else {}
+    description = describe(cloudformation, stack)
+    return dict(description.outputs) if description else {}
 
 
 def physical_id(cloudformation: Any, stack: str, name: str) -> str:
     """Read the name that AWS gave a resource of the stack."""
-    found = cloudformation.describe_stack_resource(StackName=stack, LogicalResourceId=name)
-    return str(found["StackResourceDetail"]["PhysicalResourceId"])
+    response = cloudformation.describe_stack_resource(StackName=stack, LogicalResourceId=name)
+    return str(response["StackResourceDetail"]["PhysicalResourceId"])
 
 
 def releases(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, str]:
@@ -167,12 +167,12 @@ def releases(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, str]:
     aliased = {
         r["PhysicalResourceId"].split(":")[-2] for r in resources if r["ResourceType"] == "AWS::Lambda::Alias"
     }
-    found = {}
+    result = {}
     for name in names:
         qualifier = {"Qualifier": "live"} if name in aliased else {}
         configuration = lambda_.get_function_configuration(FunctionName=name, **qualifier)
-        found[name] = configuration.get("Environment", {}).get("Variables", {}).get("RELEASE", "")
-    return found
+        result[name] = configuration.get("Environment", {}).get("Variables", {}).get("RELEASE", "")
+    return result
 
 
 def step_back(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, tuple[str, str]]:
@@ -244,7 +244,7 @@ def protect(cloudformation: Any, dynamodb: Any, stack: str) -> None:
 def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:
     """Upload the files in their order; return how many.
 
-    A versioned file that is there stays as it is. Raises DeployError where its content is another.
+    A versioned file that is there stays as it is. Raises DeployError if its content is another.
     """
     number = 0
     for number, file in enumerate(files, 1):  # noqa: B007 - how many there were
@@ -272,12 +272,12 @@ def _is_published(s3: Any, bucket: str, file: Upload) -> bool:
 
 
 def settings(s3: Any, bucket: str) -> Mapping[str, str] | None:
-    """Read the deployed `/config.json`, None where there is none."""
+    """Read the deployed `/config.json`, None if there is none."""
     listed = s3.list_objects_v2(Bucket=bucket, Prefix="config.json", MaxKeys=1)
     if not listed.get("KeyCount"):
         return None
-    found: Mapping[str, str] = json.loads(s3.get_object(Bucket=bucket, Key="config.json")["Body"].read())
-    return found
+    result: Mapping[str, str] = json.loads(s3.get_object(Bucket=bucket, Key="config.json")["Body"].read())
+    return result
 
 
 def switch(cloudfront: Any, distribution: str, *, enabled: bool) -> bool:

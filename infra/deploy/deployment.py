@@ -1,4 +1,4 @@
-"""Deployment: does the steps, one after the other."""
+"""Deployment, step by step."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def deploy(target: Target, template: str | None = None, leave_out: Collection[st
     Parameters
     ----------
     target
-        Where to; what is there already is found out.
+        Stack and region of the deployment.
     template
         Another complete one than `template.yaml`.
     leave_out
@@ -39,8 +39,8 @@ def deploy(target: Target, template: str | None = None, leave_out: Collection[st
     written = (ROOT / "template.yaml").read_text(encoding="utf-8")
     source = complete_template(written) if template is None else template
     target = find_out(target)
-    wanted = [step for step in steps(target) if step.kind not in leave_out]
-    for step in announce(f"deploy {target.stack}", wanted, lambda step: step.text):
+    chosen = [step for step in steps(target) if step.kind not in leave_out]
+    for step in announce(f"deploy {target.stack}", chosen, lambda step: step.text):
         _do(step, target, source)
 
 
@@ -58,8 +58,8 @@ def _do(step: Step, target: Target, source: str) -> None:
     region, stack = target.region, target.stack
     match step.kind:
         case "account":
-            if found := list(account_check.problems(target, account_check.Account.of(region))):
-                raise DeployError("\n".join(found))
+            if messages := list(account_check.problems(target, account_check.Account.of(region))):
+                raise DeployError("\n".join(messages))
         case "build" | "run":
             parameters = _fill_in(step.parameters, target)
             if parameters:
@@ -76,14 +76,14 @@ def _do(step: Step, target: Target, source: str) -> None:
             described = aws.describe(boto3.client("cloudformation", region), stack)
             if described is None:
                 raise DeployError(f"there is no stack {stack}")
-            made, given = described.outputs, described.parameters
+            made, stack_parameters = described.outputs, described.parameters
             s3, bucket = boto3.client("s3", region), made["WebBucketName"]
             token = page_token.current_token(made, region, aws.settings(s3, bucket))
             if made["Canary"] == "on":
                 page_token.give_canary(made, region, boto3.client("ssm", region), stack)
-            settings = public_settings("/v1", token, given)
-            contact = made.get("SecurityContact") or given.get("OperatorContact")
-            options = Options(made["SiteUrl"], contacts(given))
+            settings = public_settings("/v1", token, stack_parameters)
+            contact = made.get("SecurityContact") or stack_parameters.get("OperatorContact")
+            options = Options(made["SiteUrl"], contacts(stack_parameters))
             files = uploads(ROOT / "web", settings, contact, datetime.now(UTC), options)
             print(f"   {aws.upload(s3, bucket, files)} files")
         case "invalidate":
@@ -96,13 +96,13 @@ def _do(step: Step, target: Target, source: str) -> None:
             versions, artifacts = prune(clients, stack, datetime.now(UTC))
             print(f"   {versions} versions, {artifacts} artifacts")
         case "smoke":
-            if found := list(_smoke(target, source)):
+            if messages := list(_smoke(target, source)):
                 advice = ["Return to the release before: make deploy ARGS=--back"] if target.exists else []
-                raise DeployError("\n".join([*found, *advice]))
+                raise DeployError("\n".join([*messages, *advice]))
 
 
 def release(target: Target, source: str) -> str:
-    """Digest of what is deployed; raises KeyError where the address of the site is needed and not known."""
+    """Digest of what is deployed; raises KeyError if the address of the site is needed and not known."""
     stack = aws.describe(boto3.client("cloudformation", target.region), target.stack)
     values = {**(stack.parameters if stack else {}), **target.effective}
     if stack and target.site is None and (url := stack.outputs.get("SiteUrl")):
@@ -147,12 +147,12 @@ def _fill_in(parameters: Mapping[str, str], target: Target) -> dict[str, str]:
         values["{EdgeSecretVersion}"] = str(version)
     filled = dict(parameters)
     for place, value in values.items():
-        filled = {name: given.replace(place, value) for name, given in filled.items()}
+        filled = {name: content.replace(place, value) for name, content in filled.items()}
     return filled
 
 
 def _different(parameters: Mapping[str, str], target: Target) -> list[str]:
-    """Names of parameters whose values the stack has not taken as they were given."""
+    """Names of parameters whose values differ in the stack."""
     if not parameters:
         return []
     stack = aws.describe(boto3.client("cloudformation", target.region), target.stack)

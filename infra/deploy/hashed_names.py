@@ -31,7 +31,7 @@ def rename(files: Mapping[str, bytes], digest: str) -> dict[str, bytes]:
     files
         Key -> content.
     digest
-        Of the contents of `hashed(files)`.
+        Digest of the contents of `hashed(files)`.
     """
     own = hashed(files)
     names = {key: _name(key, digest) for key in own}

@@ -1,4 +1,4 @@
-"""CloudFormation's intrinsic functions, given the values that they have locally."""
+"""CloudFormation's intrinsic functions, resolved to local values."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def text(value: Any) -> str:
 
 @dataclass(frozen=True)
 class Resolver:
-    """Replaces intrinsic functions by the values they have locally."""
+    """Replaces intrinsic functions by their local values."""
 
     parameters: Mapping[str, Any]
     resources: Mapping[str, Any]
@@ -92,9 +92,9 @@ class Resolver:
         return {key: self(element) for key, element in value.items()}
 
     def _ref(self, name: str) -> Any:
-        for known in (self.parameters, self.pseudo):
-            if name in known:
-                return known[name]
+        for values in (self.parameters, self.pseudo):
+            if name in values:
+                return values[name]
         if name not in self.resources:
             raise TemplateError(f"!Ref {name} names nothing in the template")
         # A function's name is its logical id, so that a log line leads back to the template; bucket and table

@@ -82,8 +82,8 @@ def build() -> None:
     node = shutil.which("node") or "node"
     # `make` sets PYTHONPATH to the layers' sources, which the build must not see.
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    wanted = [("service", "build-ServiceLayer"), ("solver", "build-SolverLayer")]
-    for name, target in announce("layers", wanted, lambda step: f"install and compile the {step[0]} layer"):
+    targets = [("service", "build-ServiceLayer"), ("solver", "build-SolverLayer")]
+    for name, target in announce("layers", targets, lambda step: f"install and compile the {step[0]} layer"):
         command = [
             *("make", "--silent", "-C", str(ROOT / "layers" / name), target),
             f"ARTIFACTS_DIR={BUILT / name}",
@@ -107,10 +107,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     functions = BuiltLayer.of(ROOT / "functions").megabytes
     for name, layer in layers.items():
         print(f"{name:8} {layer.megabytes:6.1f} MB, {100 * layer.compiled:.0f} % compiled")
-    found = list(problems(layers["service"], layers["solver"], functions))
-    for problem in found:
+    messages = list(problems(layers["service"], layers["solver"], functions))
+    for problem in messages:
         print(f"calibDB: {problem}", file=sys.stderr)
-    return 1 if found else 0
+    return 1 if messages else 0
 
 
 if __name__ == "__main__":

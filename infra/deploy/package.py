@@ -33,7 +33,7 @@ FRAGMENTS = (
         )
     ),
 )
-UNRELEASED = "source"  # the release of a template that nobody packaged
+UNRELEASED = "source"  # the release of an unpackaged template
 # What a release consists of besides its template and parameters: code as it is uploaded
 _CODE = (ROOT / ".build" / "layers", ROOT / "functions")
 _RELEASE_DIGITS = 16
@@ -102,14 +102,14 @@ def release_digest(complete: str, parameters: Mapping[str, str], code: Iterable[
 
 
 def _excluded_folders(folder: Path) -> tuple[str, ...]:
-    """Names of folders that are no part of the code; in the layers, compiled modules are."""
+    """Names of folders that are not part of the code; in the layers, compiled modules are."""
     return _UNCOUNTED if folder.name == "functions" else ()
 
 
 def _of_functions(document: Mapping[str, Any]) -> list[Any]:
     functions = [r["Properties"] for r in document["Resources"].values() if r["Type"] == _FUNCTION_TYPE]
     everywhere = document.get("Globals", {}).get("Function", {})
-    # How calls move to a release is no part of it.
+    # How calls move to a release is not part of it.
     return [{k: v for k, v in f.items() if k != "DeploymentPreference"} for f in (everywhere, *functions)]
 
 
@@ -150,9 +150,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Write the complete template to the file named, for programs that check it."""
     parser = argparse.ArgumentParser(prog="python -m infra.deploy.package", description=main.__doc__)
     parser.add_argument("file", type=Path)
-    asked = parser.parse_args(arguments)
-    asked.file.parent.mkdir(parents=True, exist_ok=True)
-    asked.file.write_text(complete_template((ROOT / "template.yaml").read_text(encoding="utf-8")), "utf-8")
+    options = parser.parse_args(arguments)
+    options.file.parent.mkdir(parents=True, exist_ok=True)
+    options.file.write_text(complete_template((ROOT / "template.yaml").read_text(encoding="utf-8")), "utf-8")
     return 0
 
 

@@ -25,13 +25,13 @@ def current_token(made: Mapping[str, str], region: str, settings: Mapping[str, s
     made
         Outputs of the stack.
     settings
-        The deployed `/config.json`, None where there is none.
+        The deployed `/config.json`, None if there is none.
     """
     return admit(_tokens(made, region), (settings or {}).get("token", ""), _origins(made))
 
 
 def give_canary(made: Mapping[str, str], region: str, ssm: Any, stack: str) -> None:
-    """See to it that the canary has a token, in a secure parameter that it alone reads.
+    """Give the canary a token, in a secure parameter that only it reads.
 
     Parameters
     ----------
@@ -41,10 +41,10 @@ def give_canary(made: Mapping[str, str], region: str, ssm: Any, stack: str) -> N
         Client of the parameter store.
     """
     name = f"/calibdb/{stack}/{_CANARY_PARAMETER}"
-    found = ssm.get_parameters(Names=[name], WithDecryption=True)["Parameters"]
-    known = found[0]["Value"] if found else ""
-    token = admit(_tokens(made, region), known, _origins(made), _CANARY_PLAN)
-    if token != known:
+    parameters = ssm.get_parameters(Names=[name], WithDecryption=True)["Parameters"]
+    current = parameters[0]["Value"] if parameters else ""
+    token = admit(_tokens(made, region), current, _origins(made), _CANARY_PLAN)
+    if token != current:
         ssm.put_parameter(Name=name, Value=token, Type="SecureString", Overwrite=True)
 
 

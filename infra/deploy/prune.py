@@ -1,4 +1,4 @@
-"""Removal of what former deployments left: versions of functions, and artifacts that no template names."""
+"""Removal of old versions of functions, and of artifacts that no template names."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MAX_OBJECTS_PER_DELETE = 1000
 
 
 def prune(clients: Mapping[str, Any], stack: str, now: datetime) -> tuple[int, int]:
-    """Remove former versions and artifacts; return how many of each.
+    """Remove old versions and artifacts; return how many of each.
 
     `clients`: of `cloudformation`, `lambda` and `s3`.
     """
@@ -22,8 +22,8 @@ def prune(clients: Mapping[str, Any], stack: str, now: datetime) -> tuple[int, i
     versions = sum(
         _prune_versions(clients["lambda"], function) for function in _functions(cloudformation, stack)
     )
-    found = cloudformation.describe_stacks(StackName=_MANAGED)["Stacks"][0]["Outputs"]
-    bucket = next(output["OutputValue"] for output in found if output["OutputKey"] == "SourceBucket")
+    outputs = cloudformation.describe_stacks(StackName=_MANAGED)["Stacks"][0]["Outputs"]
+    bucket = next(output["OutputValue"] for output in outputs if output["OutputKey"] == "SourceBucket")
     return versions, _prune_artifacts(cloudformation, clients["s3"], stack, bucket, now)
 
 
@@ -58,10 +58,10 @@ def _prune_artifacts(cloudformation: Any, s3: Any, stack: str, bucket: str, now:
     template = json.dumps(cloudformation.get_template(StackName=stack)["TemplateBody"], default=str)
     oldest = now - timedelta(days=MAX_ARTIFACT_AGE_DAYS)
     names = [
-        found["Key"]
+        item["Key"]
         for page in s3.get_paginator("list_objects_v2").paginate(Bucket=bucket, Prefix=f"{stack}/")
-        for found in page.get("Contents", ())
-        if found["LastModified"] < oldest and found["Key"] not in template
+        for item in page.get("Contents", ())
+        if item["LastModified"] < oldest and item["Key"] not in template
     ]
     for start in range(0, len(names), _MAX_OBJECTS_PER_DELETE):
         batch = [{"Key": name} for name in names[start : start + _MAX_OBJECTS_PER_DELETE]]

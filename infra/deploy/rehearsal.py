@@ -30,9 +30,9 @@ UNSUPPORTED = (
     *("Budget", "ServerErrorAlarm", "TableThrottleAlarm", "EdgeBytesAlarm"),
     *("CutoffAlarm", "CutoffPermission"),
 )
-# Nobody delivers the site there, and its functions run on AWS's processors.
+# The emulator does not deliver the site, and its functions run on AWS's processors.
 _ONLY_ON_AWS = ("account", "smoke")
-# A change in a layer alone
+# A change only in a layer
 _CHANGED = ROOT / ".build" / "layers" / "service" / "python" / "calibdb" / "rehearsed.py"
 
 
@@ -65,32 +65,32 @@ def main() -> int:
             return 1
         finally:
             _CHANGED.unlink(missing_ok=True)
-        found = [*problems(), *_find_unpublished(first, second, third)]
+        messages = [*problems(), *_find_unpublished(first, second, third)]
         if _settings() != settings:
-            found.append("the second deployment gave the pages another token")
+            messages.append("the second deployment gave the pages another token")
     print(f"left out: {', '.join((*UNSUPPORTED, *_ONLY_ON_AWS))}")
-    for problem in found:
+    for problem in messages:
         print(f"calibDB: {problem}", file=sys.stderr)
-    return 1 if found else 0
+    return 1 if messages else 0
 
 
 def _live() -> dict[str, tuple[str, str]]:
     """Read version and release that each alias points to, by the function's name."""
     cloudformation, lambda_ = boto3.client("cloudformation"), boto3.client("lambda")
-    found = {}
+    versions = {}
     for name, release in aws.releases(cloudformation, lambda_, REHEARSAL.stack).items():
         try:
             version = lambda_.get_alias(FunctionName=name, Name="live")["FunctionVersion"]
         except lambda_.exceptions.ResourceNotFoundException:
             version = "$LATEST"
-        found[name] = version, release
-    return found
+        versions[name] = version, release
+    return versions
 
 
 def _find_unpublished(
     first: dict[str, tuple[str, str]], second: dict[str, tuple[str, str]], third: dict[str, tuple[str, str]]
 ) -> Iterator[str]:
-    """Find the functions that a change in a layer alone did not reach, or that nothing new published."""
+    """Find functions that a change in a layer did not reach, or that were published without a change."""
     for name, (version, release) in second.items():
         if release == first[name][1]:
             yield f"{name}: the alias kept the release {release} when a layer changed"
@@ -124,8 +124,8 @@ def problems() -> Iterator[str]:
         yield f"the stack is {stack['StackStatus']}"
     made = aws.outputs(cloudformation, REHEARSAL.stack)
     parameters = {p["ParameterKey"]: p["ParameterValue"] for p in stack["Parameters"]}
-    asked = {**_AWKWARD_VALUES, "AlarmEmail": ""}
-    if different := [name for name, value in asked.items() if parameters[name] != value]:
+    values = {**_AWKWARD_VALUES, "AlarmEmail": ""}
+    if different := [name for name, value in values.items() if parameters[name] != value]:
         yield f"the stack has other values than asked for: {', '.join(different)}"
     if parameters["GuidanceUrl"] != f"{made['SiteUrl']}/calibrate/":
         yield f"lookups are sent to {parameters['GuidanceUrl']}"

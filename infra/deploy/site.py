@@ -56,11 +56,11 @@ def uploads(
     web
         The client, with `vendor/`.
     settings
-        What `/config.json` says: `api`, `token`, `operator`.
+        Content of `/config.json`: `api`, `token`, `operator`.
     contact, now
-        Where to report a vulnerability, and the time; without both there is no `security.txt`.
+        Contact for vulnerabilities, and the time; without both there is no `security.txt`.
     options
-        What the pages say about the deployment. Without an origin, no `robots.txt` and no sitemap.
+        Facts about the deployment for the pages. Without an origin, no `robots.txt` and no sitemap.
     """
     files = {
         path.relative_to(web).as_posix(): path.read_bytes()
@@ -97,7 +97,7 @@ def uploads(
 
 
 def _upload(key: str, content: bytes, vendor: str, named: str) -> Upload:
-    kept = key.startswith(_VENDOR) or f"-{named}." in key
+    is_immutable = key.startswith(_VENDOR) or f"-{named}." in key
     if key.startswith(_VENDOR):
         key = vendor + key.removeprefix(_VENDOR)
     elif key.endswith(_REFERENCING_SUFFIXES) and not VERSIONED.match(key):
@@ -108,7 +108,7 @@ def _upload(key: str, content: bytes, vendor: str, named: str) -> Upload:
         key=key,
         content=gzip.compress(content, mtime=0) if large else content,
         content_type=media_type(key),
-        cache_control=FOREVER if kept or versioned else FRESH,
+        cache_control=FOREVER if is_immutable or versioned else FRESH,
         content_encoding="gzip" if large else None,
         is_versioned=versioned,
     )

@@ -41,9 +41,9 @@ class Site:
     Attributes
     ----------
     url
-        Of the site, without slash.
+        Address of the site, without a slash at the end.
     distribution
-        Domain name of its CloudFront distribution; None where there is none.
+        Domain name of its CloudFront distribution; None if there is none.
     """
 
     url: str
@@ -163,13 +163,13 @@ def preflight_problems(ask: Ask, path: str) -> Iterator[str]:
     heard = ask("OPTIONS", path, _PREFLIGHT, None)
     if not HTTPStatus.OK <= heard.status < HTTPStatus.MULTIPLE_CHOICES:
         yield f"OPTIONS {path}: {heard.status}, so that browsers refuse pages of other origins"
-    for header, wanted in (
+    for header, value in (
         ("access-control-allow-origin", "*"),
         ("access-control-allow-methods", "POST"),
         ("access-control-allow-headers", "authorization"),
     ):
-        if wanted not in heard.headers.get(header, "").replace(" ", "").split(","):
-            yield f"OPTIONS {path}: no {wanted} in {header}"
+        if value not in heard.headers.get(header, "").replace(" ", "").split(","):
+            yield f"OPTIONS {path}: no {value} in {header}"
 
 
 def _redirects(ask: Ask) -> Iterator[str]:
@@ -179,7 +179,7 @@ def _redirects(ask: Ask) -> Iterator[str]:
 
 
 def _page(ask: Ask, site: Site, patience_s: float) -> Iterator[str]:
-    """Ask as the site's own pages do."""
+    """Send a request like the site's own pages."""
     config = ask("GET", "/config.json", {}, None)
     settings = json.loads(config.body or b"{}") if config.status == HTTPStatus.OK else {}
     token = str(settings.get("token", ""))

@@ -31,7 +31,7 @@ class _Line(load_test.Line):
 
 
 def problems(site: smoke.Site, token: str, remove: Any) -> Iterator[str]:
-    """Find why a capture with the pages' token fails; `remove` is told the id of its calibration."""
+    """Find why a capture with the pages' token fails; `remove` receives the id of its calibration."""
     line = _Line(site.url, random.Random(_SEED), faults=0.0)  # noqa: S311
     line.via = site.distribution
     try:
@@ -41,9 +41,9 @@ def problems(site: smoke.Site, token: str, remove: Any) -> Iterator[str]:
         return
     identity = str(done.calibration_id)
     try:
-        found = line.call("GET", f"/v1/calibrations/{identity}", token)
-        if found.get("id") != identity:
-            yield f"GET /v1/calibrations/{identity}: {found.get('id')}"
+        response = line.call("GET", f"/v1/calibrations/{identity}", token)
+        if response.get("id") != identity:
+            yield f"GET /v1/calibrations/{identity}: {response.get('id')}"
     except (load_test.LoadError, OSError, http.client.HTTPException) as error:
         yield str(error)
     finally:

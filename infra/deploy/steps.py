@@ -13,7 +13,7 @@ from infra.deploy.package import ROOT, TEMPLATE
 _SAM = ".build/sam/bin/sam"  # `make deploy` installs it
 PARAMETERS = ROOT / ".build" / "parameters.yaml"  # written before each command that reads it
 _FIREWALL_REGION = "us-east-1"  # the only one in which a web ACL for CloudFront can be made
-ROLLOUT = "Canary10Percent5Minutes"  # unless told otherwise
+ROLLOUT = "Canary10Percent5Minutes"  # default
 Kind = Literal[
     "account", "build", "run", "package", "secrets", "upload", "invalidate", "protect", "prune", "smoke"
 ]
@@ -28,7 +28,7 @@ class Target:
     stack, region
         Name and place of the CloudFormation stack.
     parameters
-        Of the template, over their defaults.
+        Parameters of the template that replace defaults.
     site
         Address of the site without slash; None where CloudFront makes one up, at the first deployment.
     exists
@@ -43,14 +43,14 @@ class Target:
 
     @property
     def effective(self) -> dict[str, str]:
-        """The parameters, and those that each deployment sets anew.
+        """The parameters, and those that each deployment sets.
 
-        CloudFormation keeps the value of a parameter that is not named. `Rollout` is one deployment's alone.
+        CloudFormation keeps the value of a parameter that is not named. `Rollout` applies to one deployment.
         """
-        known = {"GuidanceUrl": f"{self.site}/calibrate/"} if self.site else {}
+        defaults = {"GuidanceUrl": f"{self.site}/calibrate/"} if self.site else {}
         if self.region != _FIREWALL_REGION:
-            known["WafRate"] = "0"
-        return {**known, "EdgeSecretVersion": "{EdgeSecretVersion}", "Rollout": ROLLOUT, **self.parameters}
+            defaults["WafRate"] = "0"
+        return {**defaults, "EdgeSecretVersion": "{EdgeSecretVersion}", "Rollout": ROLLOUT, **self.parameters}
 
 
 @dataclass(frozen=True)
@@ -64,8 +64,8 @@ class Step:
 
 
 def steps(target: Target) -> Iterator[Step]:
-    """Yield the steps; each can be done again, so a deployment that broke off is started anew."""
-    yield Step("account", "ask the account whether it can hold the stack; nothing is made yet")
+    """Yield the steps; each is idempotent, so an interrupted deployment is restarted."""
+    yield Step("account", "check that the account can host the stack; nothing is created yet")
     yield Step("build", "build both layers for arm64 and check their sizes", ("make", "layers"))
     yield Step("package", "name the release, and write its template")
     place = str(TEMPLATE.relative_to(ROOT))
@@ -91,7 +91,7 @@ def steps(target: Target) -> Iterator[Step]:
     yield Step("upload", "upload web/, what pages load before the pages, and a token for them")
     yield Step("invalidate", "have the edge forget what it kept")
     yield Step("protect", "protect stack and table from deletion")
-    yield Step("prune", "remove versions and artifacts of former deployments")
+    yield Step("prune", "remove versions and artifacts of earlier deployments")
     yield Step("smoke", "ask the site and the API whether they do what they must")
 
 

@@ -23,7 +23,7 @@ MAX_EDGE_USD = 1.50
 
 
 def hit_rate(lookups: float, locations: int) -> float:
-    """Compute the share of so many lookups per month that the edge answers from its caches."""
+    """Compute the share of so many lookups per month that the edge has cached."""
     share = np.multiply.outer(np.multiply.outer(_zipf(CAMERAS), _zipf(ALIASES)), _zipf(locations))
     expected = share * (lookups / MONTH_S * TTL_S)
     return float((share * expected / (1 + expected)).sum())
@@ -38,27 +38,27 @@ def lookups_for(rate: float, locations: int) -> float:
     return high
 
 
-def price(asked: float, cached: float, rate: float = HIT_RATE) -> float:
+def price(forwarded_price: float, cached: float, rate: float = HIT_RATE) -> float:
     """Price a million lookups, USD.
 
     Parameters
     ----------
-    asked, cached
+    forwarded_price, cached
         Price of a million that CloudFront forwards to the function, and that it answers from its cache.
     rate
         Share of the latter.
     """
-    return (1 - rate) * asked + rate * cached
+    return (1 - rate) * forwarded_price + rate * cached
 
 
-def report(asked: float, cached: float, locations: int) -> Iterator[str]:
+def report(forwarded_price: float, cached: float, locations: int) -> Iterator[str]:
     """Yield price and hit rate line by line; parameters as of `price`."""
-    usd = price(asked, cached)
+    usd = price(forwarded_price, cached)
     yield f"a million lookups at the edge, {HIT_RATE:.0%} cached: {usd:.2f} USD, at most {MAX_EDGE_USD:.2f}"
     yield f"  modelled: {CAMERAS:,} cameras of {ALIASES} aliases by Zipf's law, {locations} locations:"
     for lookups in (1e6, 1e7, 1e8, 1e9):
         rate = hit_rate(lookups, locations)
-        usd = price(asked, cached, rate)
+        usd = price(forwarded_price, cached, rate)
         yield f"  {lookups:>13,.0f} lookups per month: {rate:5.1%} cached, {usd:.2f} USD per million"
     yield f"  {HIT_RATE:.0%} from {lookups_for(HIT_RATE, locations):,.0f} lookups per month"
 

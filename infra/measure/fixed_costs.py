@@ -1,4 +1,4 @@
-"""Costs of a deployment that nobody uses, counted in the template."""
+"""Costs of an idle deployment, counted in the template."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ def fixed_costs(prices: Mapping[str, Any]) -> list[FixedCost]:
 
 
 def places(*names: str) -> tuple[str, ...]:
-    """Find file and line of resources; raises KeyError where there is no such resource."""
-    known = {
+    """Find file and line of resources; raises KeyError if there is no such resource."""
+    resources = {
         match["name"]: f"{file}:{number}"
         for file in TEMPLATES
         for number, line in enumerate((ROOT / file).read_text(encoding="utf-8").splitlines(), 1)
         if (match := re.fullmatch(r"  (?P<name>\w+):", line))
     }
-    return tuple(known[name] for name in names)
+    return tuple(resources[name] for name in names)
 
 
 def custom_metrics() -> list[str]:

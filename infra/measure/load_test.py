@@ -4,7 +4,7 @@
 
 Each client opens sessions, submits views of a camera that does not exist, and looks it up. Some requests are
 cut off half way, sent without waiting for an answer, or sent twice at once; like a page that lost its
-network, the client then asks again. What it was told is returned, to be compared with what was kept.
+network, the client then asks again. It returns the acknowledgements, to be compared with stored data.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ View = tuple[int, list[int], list[list[float]]]  # index, ids, points
 
 @dataclass
 class CaptureRecord:
-    """The views and the calibration of one capture that a client was told were stored."""
+    """The views and the calibration of one capture that the server acknowledged."""
 
     views: list[View] = field(default_factory=list)
     calibration_id: str | None = None
@@ -69,7 +69,7 @@ class Outcome:
         faults = ", ".join(f"{n} {name}" for name, n in sorted(self.counts.items()) if name != "requests")
         yield f"{len(self.heard)} captures in {self.seconds:.0f} s"
         yield f"{self.counts['requests']} requests, of these {faults or 'all on a good line'}"
-        yield f"answers after {self.percentile(0.5):.0f} ms (median), {self.percentile(0.95):.0f} ms (95 %)"
+        yield f"responses after {self.percentile(0.5):.0f} ms (median), {self.percentile(0.95):.0f} ms (95 %)"
 
 
 class LoadError(RuntimeError):
@@ -87,7 +87,7 @@ class Line:
     latencies: list[float] = field(default_factory=list)
 
     def call(self, method: str, path: str, credential: str, body: object = None) -> Any:
-        """Ask until there is an answer; raises LoadError where it is not one of success."""
+        """Ask until there is an answer; raises LoadError if it is not one of success."""
         self.counts["requests"] += 1
         content = json.dumps(body).encode() if body is not None else b""
         if self.rng.random() < self.faults:
@@ -172,7 +172,7 @@ def drive(
     Raises
     ------
     LoadError
-        If an answer is not one of success, or a session holds other views than were acknowledged.
+        If a response is an error, or a session has other views than were acknowledged.
     """
     lines = [Line(url, random.Random(f"{seed}/{n}"), faults) for n in range(clients)]  # noqa: S311
 
@@ -228,7 +228,7 @@ def capture(line: Line, token: str, seed: int, camera: str, finish: bool) -> Cap
         raise LoadError(f"a capture of {camera} did not converge: {state['views']}")
     state = line.call("GET", "/v1/session", session)
     if [(v["index"], v["points"]) for v in state["views"]] != [(n, len(ids)) for n, ids, _ in heard.views]:
-        raise LoadError(f"a capture of {camera} holds other views than were acknowledged: {state['views']}")
+        raise LoadError(f"a capture of {camera} has other views than were acknowledged: {state['views']}")
     return heard
 
 
@@ -259,15 +259,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--clients", type=int, default=64)
     parser.add_argument("--cameras", type=int, default=16)
     parser.add_argument("--faults", type=float, default=FAULT_RATE, help="share of requests that fail (0.2)")
-    asked = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     try:
         outcome = drive(
-            asked.url.rstrip("/"),
-            asked.token,
-            asked.sessions,
-            asked.clients,
-            cameras=asked.cameras,
-            faults=asked.faults,
+            options.url.rstrip("/"),
+            options.token,
+            options.sessions,
+            options.clients,
+            cameras=options.cameras,
+            faults=options.faults,
         )
     except (LoadError, OSError) as error:
         print(f"calibDB: {error}", file=sys.stderr)

@@ -22,15 +22,15 @@ class Usage:
     requests, sent
         Through the gateway; bytes of their answers.
     invocations, seconds, gb_seconds
-        Of all functions; the processor's time that they take here without storage, and what is billed for it.
+        Sums of all functions: invocations, processor time here without storage, and billed GB-seconds.
     memory, solver_memory
-        Of all invocations together, GB: of functions without and with the solver.
+        Memory of all invocations, GB: of functions without and with the solver.
     reads, writes
         DynamoDB's units.
     puts, gets, kept
         S3's requests; bytes of what lasts.
     waits
-        Of each service, which the functions wait for.
+        Waiting time by service.
     """
 
     requests: int = 0
@@ -96,8 +96,8 @@ def price_at_edge(parts: Mapping[str, float], sent: float, prices: Mapping[str, 
 
     What it fetches from AWS is not paid for as transfer; what it sends is.
     """
-    known = 1e6 * prices["cloudfront_request"] + sent / _GB * prices["cloudfront_gb"]
-    return sum(parts.values()) - parts["transfer"] + known, known
+    hit_price = 1e6 * prices["cloudfront_request"] + sent / _GB * prices["cloudfront_gb"]
+    return sum(parts.values()) - parts["transfer"] + hit_price, hit_price
 
 
 def read_units(answer: int, *, consistent: bool) -> float:

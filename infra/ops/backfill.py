@@ -46,19 +46,19 @@ def backfill(context: OpsContext, after: str = "", *, dry_run: bool = False) -> 
             context.echo(f"{_describe(request)}: would be checked")
         return BackfillResult(len(requests), 0, 0)
     for request in context.track(requests, "consensuses", len(requests)):
-        found = _refit(context, request)
-        failed += found is None
-        changed += found or 0
-        context.echo(f"{_describe(request)}: {'failed' if found is None else f'{found} changed'}")
+        count = _refit(context, request)
+        failed += count is None
+        changed += count or 0
+        context.echo(f"{_describe(request)}: {'failed' if count is None else f'{count} changed'}")
     return BackfillResult(len(requests), changed, failed)
 
 
 def _all_requests(context: OpsContext, after: str) -> Iterator[RefitRequest]:
     """Yield one request for each mode of each camera."""
     names = context.track(context.objects.names(CALIBRATIONS_PREFIX), "listing")
-    wanted = (name for name in names if not after or name.split("/")[1] > after)
+    chosen = (name for name in names if not after or name.split("/")[1] > after)
     done: RefitRequest | None = None
-    for batch in _batches(wanted):
+    for batch in _batches(chosen):
         for request in _requests(batch):
             if request != done:  # on the border of two batches
                 done = request
@@ -70,11 +70,11 @@ def _describe(request: RefitRequest) -> str:
 
 
 def _refit(context: OpsContext, request: RefitRequest) -> int | None:
-    """Ask for one mode, model by model; return how many consensuses changed, None where it failed."""
+    """Ask for one mode, model by model; return how many consensuses changed, None if it failed."""
     before = {
-        known.distortion_model: known.basis
-        for known in context.store.consensuses.of(request.camera)
-        if (known.img_size, known.zoom) == (request.img_size, request.zoom)
+        consensus.distortion_model: consensus.basis
+        for consensus in context.store.consensuses.of(request.camera)
+        if (consensus.img_size, consensus.zoom) == (request.img_size, request.zoom)
     }
     changed = 0
     try:
@@ -89,8 +89,8 @@ def _refit(context: OpsContext, request: RefitRequest) -> int | None:
 
 
 def _requests(names: Iterable[str]) -> Iterator[RefitRequest]:
-    asked = {"Items": [{"Key": name} for name in names]}
-    yield from BackfillAnswer.model_validate(handler(asked, None)).requests
+    items = {"Items": [{"Key": name} for name in names]}
+    yield from BackfillAnswer.model_validate(handler(items, None)).requests
 
 
 def _batches(names: Iterable[str]) -> Iterator[list[str]]:

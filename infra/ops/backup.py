@@ -58,14 +58,14 @@ def restore_backup(folder: Path, file: Path) -> Path | None:
             if not all((Path(place) / part).exists() for part in _PARTS):
                 raise OpsError(f"{file} is not a backup of calibDB")
             before = [each for each in folder.iterdir() if each.name not in ("lock", Path(place).name)]
-            kept = None
+            previous = None
             if before:
-                kept = folder / f"before-restore-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}"
-                kept.mkdir()
+                previous = folder / f"before-restore-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}"
+                previous.mkdir()
                 for each in before:
-                    each.replace(kept / each.name)
+                    each.replace(previous / each.name)
             for part in _PARTS:
                 (Path(place) / part).replace(folder / part)
     finally:
         os.close(lock)
-    return kept
+    return previous

@@ -14,7 +14,7 @@ from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 
 @dataclass(frozen=True)
 class BundleResult:
-    """Numbers and sizes of what was written."""
+    """Counts and sizes of the written file."""
 
     cameras: dict[str, int]  # bytes of each, by its label
     calibrations: int
@@ -40,10 +40,10 @@ def bundle(context: OpsContext, path: Path, max_cameras: int) -> BundleResult:
 
 def _names(context: OpsContext) -> dict[str, set[Name]]:
     """Collect labels and platforms with which each camera was calibrated."""
-    found: defaultdict[str, set[Name]] = defaultdict(set)
+    names_by_camera: defaultdict[str, set[Name]] = defaultdict(set)
     total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
     for document, withdrawn in context.track(context.store.calibrations.everything(), "calibrations", total):
         if not withdrawn:
             key = current_key(document.camera_key, document.camera, document.platform)
-            found[key] |= names_of(document.camera, document.platform)
-    return found
+            names_by_camera[key] |= names_of(document.camera, document.platform)
+    return names_by_camera

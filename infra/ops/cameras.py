@@ -56,15 +56,15 @@ class CameraDetail:
             "platform": self.platform,
             "modes": [
                 {
-                    "img_size": known.mode.img_size,
-                    "zoom": known.mode.zoom,
+                    "img_size": mode.mode.img_size,
+                    "zoom": mode.mode.zoom,
                     "consensuses": [
                         c.model_dump(mode="json", exclude={"layout", "basis", "pooled"})
-                        for c in known.consensuses
+                        for c in mode.consensuses
                     ],
-                    "calibrations": [calibration_record(*one) for one in known.calibrations],
+                    "calibrations": [calibration_record(*one) for one in mode.calibrations],
                 }
-                for known in self.modes
+                for mode in self.modes
             ],
         }
 
@@ -90,13 +90,13 @@ def detail(context: OpsContext, camera_key: str) -> CameraDetail:
     OpsError
         If no calibration of the camera is stored.
     """
-    found = list(read_calibrations(context, camera_key))
-    if not found:
+    stored = list(read_calibrations(context, camera_key))
+    if not stored:
         raise OpsError(f"nothing is known of a camera {camera_key}")
     modes: dict[StreamMode, list[tuple[CalibrationDocument, bool]]] = {}
-    for document, withdrawn in found:
+    for document, withdrawn in stored:
         modes.setdefault(reindex.mode_of(document), []).append((document, withdrawn))
-    newest = max((document for document, _ in found), key=lambda document: document.time)
+    newest = max((document for document, _ in stored), key=lambda document: document.time)
     return CameraDetail(
         # Stored before labels were cleaned, it may hold what a terminal would obey.
         visible(newest.camera),
@@ -117,13 +117,13 @@ def read_calibrations(context: OpsContext, camera_key: str) -> Iterator[tuple[Ca
     keys = {camera_key, *(document.camera_key for document, _ in under_key.values())}
     ids = {calibration_id for key in keys for calibration_id in _indexed_ids(context, key)}
     folders = {calibration_id.rpartition("-")[0] for calibration_id in ids} - {camera_key}
-    found = under_key | {
-        calibration_id: known
+    documents = under_key | {
+        calibration_id: stored
         for folder in folders
-        for calibration_id, known in _stored_under(context, folder)
-        if known[0].camera_key in keys
+        for calibration_id, stored in _stored_under(context, folder)
+        if stored[0].camera_key in keys
     }
-    yield from (found[one] for one in sorted(found, key=lambda one: one.rpartition("-")[2]))
+    yield from (documents[one] for one in sorted(documents, key=lambda one: one.rpartition("-")[2]))
 
 
 def _stored_under(
@@ -152,20 +152,20 @@ def title(mode: StreamMode) -> str:
 
 def describe_consensus(consensus: ConsensusDocument) -> str:
     """Describe a consensus in a line: how many agree, or why nothing is reliable."""
-    known = consensus.calibration
+    calibration = consensus.calibration
     what = "reliable" if consensus.reliable else f"not reliable ({consensus.reason})"
     line = f"{consensus.distortion_model}: {what}"
-    if known is not None:
+    if calibration is not None:
         line += (
-            f"; {known.calibrations} of {consensus.total} agree, "
-            f"{known.contributors} contributor{'' if known.contributors == 1 else 's'}, "
-            f"fx {known.camera_matrix[0][0]:.1f}, rms {known.avg_reprojection_error:.2f} px"
+            f"; {calibration.calibrations} of {consensus.total} agree, "
+            f"{calibration.contributors} contributor{'' if calibration.contributors == 1 else 's'}, "
+            f"fx {calibration.camera_matrix[0][0]:.1f}, rms {calibration.avg_reprojection_error:.2f} px"
         )
     return line
 
 
 def calibration_record(document: CalibrationDocument, withdrawn: bool) -> dict[str, Any]:
-    """Select what a listing tells of a calibration, as plain values."""
+    """Select what a listing shows of a calibration, as plain values."""
     fit = document.fits[document.distortion_model]
     return {
         "id": document.id,
@@ -181,15 +181,15 @@ def calibration_record(document: CalibrationDocument, withdrawn: bool) -> dict[s
 
 def calibration_row(document: CalibrationDocument, withdrawn: bool) -> tuple[object, ...]:
     """Select the cells of a table: id, time, contributor, model, views, fx, rms, whether withdrawn."""
-    told = calibration_record(document, withdrawn)
+    record = calibration_record(document, withdrawn)
     return (
-        told["id"],
-        format_time(told["time"]),
-        told["contributor"][:12],
-        told["distortion_model"],
-        told["views"],
-        f"{told['fx']:.1f}",
-        f"{told['rms']:.2f}",
+        record["id"],
+        format_time(record["time"]),
+        record["contributor"][:12],
+        record["distortion_model"],
+        record["views"],
+        f"{record['fx']:.1f}",
+        f"{record['rms']:.2f}",
         "withdrawn" if withdrawn else "",
     )
 
@@ -201,9 +201,9 @@ def format_time(seconds: int) -> str:
 
 def describe_calibration(document: CalibrationDocument, withdrawn: bool) -> str:
     """Describe a calibration in a line."""
-    told = calibration_record(document, withdrawn)
+    record = calibration_record(document, withdrawn)
     return (
-        f"{told['id']}  {format_time(told['time'])}  contributor {told['contributor'][:12]}  "
-        f"{told['distortion_model']}  fx {told['fx']:.1f}  rms {told['rms']:.2f} px"
+        f"{record['id']}  {format_time(record['time'])}  contributor {record['contributor'][:12]}  "
+        f"{record['distortion_model']}  fx {record['fx']:.1f}  rms {record['rms']:.2f} px"
         f"{'  withdrawn' if withdrawn else ''}"
     )

@@ -31,7 +31,7 @@ contributor agreed to. Measurements that were given without a licence are not in
 PRIVATE = """calibDB: calibrations of cameras, and the keypoints that they were computed from
 
 NOT TO BE GIVEN AWAY: this copy also holds measurements that their contributors gave without a licence. It is
-for whoever runs the service, to load it into another stack. rigs.jsonl has one finished rig a line.
+for the operator, to load it into another stack. rigs.jsonl has one finished rig a line.
 """
 
 CONTENTS = """
@@ -40,7 +40,7 @@ votes.jsonl           one check of a camera's calibrations on fresh views a line
 calibrations.parquet  one row a calibration: camera, matrix, distortion, error
 keypoints.parquet     one row a corner: calibration, view, id on the board, x, y (px)
 
-`contributor` tells contributors of this dump apart and nothing else: other dumps name them otherwise; and so
+`contributor` only distinguishes contributors of this dump: other dumps name them otherwise; and so
 does `source`, where they were, by which they are counted.
 """
 
@@ -85,9 +85,9 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
     """Write all that may be given away to a new folder; return how many calibrations and votes.
 
     Withdrawn calibrations are left out, and what was given without a licence. Contributors are named by a
-    hash whose key is thrown away. `private`: with what was given without a licence, for the operator alone.
+    hash whose key is thrown away. `private`: with contributions without a licence, for the operator only.
 
-    Raises OpsError where the folder is there already.
+    Raises OpsError if the folder is there already.
     """
     if folder.exists():
         raise OpsError(f"{folder} is there already; a dump needs a folder of its own")

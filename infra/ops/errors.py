@@ -4,4 +4,4 @@ from __future__ import annotations
 
 
 class OpsError(ValueError):
-    """A command cannot be executed; the message tells the operator why."""
+    """A command cannot be executed; the message states the reason."""

@@ -63,13 +63,13 @@ def import_file(
     *,
     dry_run: bool = False,
 ) -> str:
-    """Store what a file holds, and say what it was; with `dry_run`, only say it.
+    """Store the content of a file and describe it; with `dry_run`, only describe it.
 
-    With keypoints of a board it is a calibration like any other: fitted anew, pooled, audited. Without, it is
-    a first guess for a capture, and no lookup ever answers with it. The same file twice is one calibration;
+    With keypoints of a board it is a calibration like any other: refitted, pooled, audited. Without, it is
+    a first guess for a capture, which lookups never return. The same file twice is one calibration;
     another file of the same keypoints is refused.
 
-    Raises OpsError where the file, or what it holds, cannot be used; nothing is stored then.
+    Raises OpsError if the file or its content cannot be used; then nothing is stored.
     """
     if model and model not in models.NAMES:
         raise OpsError(f"there is no distortion model {model!r}")
@@ -86,9 +86,9 @@ def import_file(
     taken = fingerprint(document)
     mode = reindex.mode_of(document)
     counted = context.store.calibrations.newest(mode, context.settings.thresholds.max_calibrations)
-    for known in context.store.calibrations.read([c.id for c in counted]):
-        if known.id != document.id and fingerprint(known) == taken:
-            raise OpsError(f"these keypoints are known already: calibration {known.id}")
+    for stored in context.store.calibrations.read([c.id for c in counted]):
+        if stored.id != document.id and fingerprint(stored) == taken:
+            raise OpsError(f"these keypoints are known already: calibration {stored.id}")
     if not dry_run:
         context.store.calibrations.publish(document)
         reindex.refit(context, mode)
@@ -118,19 +118,19 @@ def _document(
     if len(views) < MIN_VIEWS:
         raise OpsError(f"{path} has {len(views)} views, a calibration needs {MIN_VIEWS}")
     try:
-        found = grid(views)
+        layout = grid(views)
         board = calibsolver.Board(
-            found.squares,
+            layout.squares,
             dictionary="DICT_4X4_50"
-            if found.squares[0] * found.squares[1] <= _MAX_SMALL_CORNERS
+            if layout.squares[0] * layout.squares[1] <= _MAX_SMALL_CORNERS
             else _LARGE_DICTIONARY,
         )
-        ours = [board.view(ids, view.image_points) for ids, view in zip(found.ids, views, strict=True)]
+        ours = [board.view(ids, view.image_points) for ids, view in zip(layout.ids, views, strict=True)]
         chosen = model or suggest_model(ours, size).model
         calibration = fit(ours, size, model=chosen, board_shape=True)
-        kept = [i for i in range(len(ours)) if calibration.cut_views.get(i) != "degenerate"]
-        if len(kept) < MIN_VIEWS:
-            raise OpsError(f"{path} has {len(kept)} usable views, a calibration needs {MIN_VIEWS}")
+        indices = [i for i in range(len(ours)) if calibration.cut_views.get(i) != "degenerate"]
+        if len(indices) < MIN_VIEWS:
+            raise OpsError(f"{path} has {len(indices)} usable views, a calibration needs {MIN_VIEWS}")
     except CalibrationError as error:
         raise OpsError(f"{path}: {error}") from error
     key = identify(reported.camera, reported.platform).key
@@ -149,13 +149,13 @@ def _document(
             target_error=0.3 * size[0] / 1280,
             track=Track(),
             views=tuple(
-                _view(i, found.ids[i], ours[i]).model_copy(update={"rms": float(calibration.view_errors[i])})
-                for i in kept
+                _view(i, layout.ids[i], ours[i]).model_copy(update={"rms": float(calibration.view_errors[i])})
+                for i in indices
             ),
             set_aside=tuple(
-                _view(i, found.ids[i], ours[i]).model_copy(update={"set_aside": _DEGENERATE})
+                _view(i, layout.ids[i], ours[i]).model_copy(update={"set_aside": _DEGENERATE})
                 for i in range(len(ours))
-                if i not in kept
+                if i not in indices
             ),
             fits={
                 chosen: FitRecord.model_validate(record_covered(calibration, Coverage.of(calibration, ours)))
@@ -188,7 +188,7 @@ def _guess(
 ) -> str:
     camera = read.camera
     if camera is None:
-        raise OpsError(f"{path} holds neither a camera nor keypoints")
+        raise OpsError(f"{path} contains neither a camera nor keypoints")
     try:
         record = FitRecord.model_validate(_record(camera))
     except ValidationError as error:
@@ -207,7 +207,7 @@ def _guess(
     fx, fy = (camera.matrix[i, i] for i in range(2))
     size = f"{camera.img_size[0]} x {camera.img_size[1]}"
     said = f"a first guess: {camera.model}, {size}, fx {fx:.6g}, fy {fy:.6g}"
-    said += ", without keypoints; no lookup answers with it"
+    said += ", without keypoints; lookups never return it"
     if len(read.cameras) > 1:
         said += f"; camera {number} ({read.cameras[number]}) of {len(read.cameras)} in the file: "
         said += f"--camera-number takes another, 0 to {len(read.cameras) - 1}"

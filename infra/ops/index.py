@@ -27,7 +27,7 @@ class Index:
 
     def remove(self, keys: Iterable[Key]) -> int:
         """Remove the items under these keys; return the number of keys."""
-        wanted = sorted(set(keys))
+        unique = sorted(set(keys))
         with ThreadPoolExecutor(READERS) as workers:
-            list(workers.map(lambda key: self._table.delete(*key), wanted))
-        return len(wanted)
+            list(workers.map(lambda key: self._table.delete(*key), unique))
+        return len(unique)

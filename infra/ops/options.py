@@ -24,7 +24,7 @@ def parse_size(text: str | Size) -> Size:
         return text
     width, _, height = text.partition("x")
     if not (width.isdecimal() and height.isdecimal()):
-        raise typer.BadParameter(f"{text} is no size such as 1280x720")
+        raise typer.BadParameter(f"{text} is not a size such as 1280x720")
     return Size(int(width), int(height))
 
 
@@ -43,5 +43,5 @@ def complete_model(start: str) -> list[str]:
 
 
 def complete_reason(start: str) -> list[str]:
-    """List the reasons of a withdrawal that the API tells."""
+    """List the reasons of a withdrawal that the API returns."""
     return [reason for reason in ("wrong", "abuse", "privacy") if reason.startswith(start)]

@@ -17,7 +17,7 @@ from infra.ops.context import OpsContext
 
 _MARKERS = ("●", "x", "+", "◇", "▵")
 _HEIGHT = 18  # lines of a terminal
-_MAX_GROUPS = len(_MARKERS)  # drawn apart; the others stand alone
+_MAX_GROUPS = len(_MARKERS)  # with their own marker; the others have none
 
 
 @dataclass(frozen=True)
@@ -29,37 +29,37 @@ class Point:
     difference: float
 
 
-def points_by_group(context: OpsContext, known: Mode) -> dict[str, list[Point]]:
+def points_by_group(context: OpsContext, mode: Mode) -> dict[str, list[Point]]:
     """Divide the calibrations of a mode into the members of the consensus and the other groups.
 
     The model is that of most calibrations; the others, and withdrawn ones, are left out. The reference is the
     consensus, or, where there is none, the newest calibration.
     """
-    counted = [document for document, withdrawn in known.calibrations if not withdrawn]
+    counted = [document for document, withdrawn in mode.calibrations if not withdrawn]
     if not counted:
         return {}
     model = Counter(document.distortion_model for document in counted).most_common(1)[0][0]
-    consensus = next((c for c in known.consensuses if c.distortion_model == model), None)
+    consensus = next((c for c in mode.consensuses if c.distortion_model == model), None)
     pooled = consensus.calibration if consensus is not None else None
     drawn = [document for document in counted if model in document.fits]
     record = pooled.model_dump() if pooled is not None else drawn[-1].fits[model].model_dump()
     reference = Camera.from_record(record)
     names = _names_of_groups(context, consensus)
-    found: dict[str, list[Point]] = {name: [] for name in dict.fromkeys(names.values())}
+    by_group: dict[str, list[Point]] = {name: [] for name in dict.fromkeys(names.values())}
     for document in drawn:
-        found.setdefault(names.get(document.id, "alone"), []).append(_point(document, model, reference))
-    return {name: points for name, points in found.items() if points}
+        by_group.setdefault(names.get(document.id, "alone"), []).append(_point(document, model, reference))
+    return {name: points for name, points in by_group.items() if points}
 
 
-def draw(context: OpsContext, known: Mode, width: int) -> str:
+def draw(context: OpsContext, mode: Mode, width: int) -> str:
     """Draw focal lengths against differences from the consensus, as lines of text."""
     plotext.clear_figure()
     plotext.theme("clear")
     plotext.plotsize(width, _HEIGHT)
-    plotext.title(title(known.mode))
+    plotext.title(title(mode.mode))
     plotext.xlabel("fx (px)")
     plotext.ylabel("difference from the consensus (px rms)")
-    groups = points_by_group(context, known)
+    groups = points_by_group(context, mode)
     for (name, points), marker in zip(groups.items(), _cycle(len(groups)), strict=True):
         finite = [point for point in points if math.isfinite(point.difference)]
         plotext.scatter(

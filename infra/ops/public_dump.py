@@ -15,7 +15,7 @@ from infra.ops.errors import OpsError
 def publish_dump(context: OpsContext) -> Dump:
     """Write a dump to the site, as its function does every week, and return it.
 
-    Raises OpsError where there is no bucket of a site, or another writer was faster.
+    Raises OpsError if there is no bucket of a site, or another writer was faster.
     """
     dumps = dumps_of(context)
     if dumps is None:
@@ -43,7 +43,7 @@ def publish_dump(context: OpsContext) -> Dump:
 def replace_dumps(context: OpsContext) -> int:
     """Remove every public dump, and write a new one where there was one; return how many objects are gone.
 
-    For what somebody wants forgotten: it is in the dumps that were written before.
+    For contributions to be forgotten, which earlier dumps contain.
     """
     dumps = dumps_of(context)
     if dumps is None:
@@ -53,7 +53,7 @@ def replace_dumps(context: OpsContext) -> int:
     names = [name for name in dumps.names() if name != STATISTICS]
     if not names:
         return 0
-    # First what names the others, so that nobody is led to what is gone.
+    # First the file that names the others, so that it never leads to missing ones.
     dumps.purge([LATEST])
     removed = dumps.purge(names)
     publish_dump(context)
@@ -61,6 +61,6 @@ def replace_dumps(context: OpsContext) -> int:
 
 
 def dumps_of(context: OpsContext) -> Dumps | None:
-    """Return the store of the site's dumps, None where no site is named."""
+    """Return the store of the site's dumps, None if no site is named."""
     site = context.storage.site
     return None if site is None else Dumps(context.objects, site)

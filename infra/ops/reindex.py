@@ -31,7 +31,7 @@ from calibdb.store.ports import Item
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.index import Key
 
-# What a computation writes; everything else beside a camera follows from single objects.
+# What a computation writes; all other items of a camera follow from single objects.
 _COMPUTED = ("CONSENSUS", "GROUPS")
 
 
@@ -84,7 +84,7 @@ def reindex(
 
     Safe to run on a table in use, and again: lookups go on, with the old answers until the new ones are
     there. What is published while it runs is indexed by its own submit. Counters of use are not in the bucket
-    and stay as they are, or begin anew.
+    and stay as they are, or restart.
 
     Parameters
     ----------
@@ -116,18 +116,18 @@ def reindex(
     priors = Priors(table, context.objects)
     for prior in priors.all():
         priors.index(prior)
-    computed = {(known.pk, known.text) for known in modes}
+    computed = {(item.pk, item.text) for item in modes}
     stale = {key for key in indexed if key not in recorder.written and _computed_of(key) not in computed}
     if not dry_run:
         context.index.remove(stale)
     consensuses = failed = 0
     wanted_modes = [] if dry_run else list(modes if only is None else (m for m in only if m in modes))
-    for wanted in context.track(wanted_modes, "consensuses", len(wanted_modes)):
-        found = refit(context, wanted)
-        failed += found is None
-        consensuses += found or 0
-        count = modes[wanted]
-        context.echo(f"{wanted.camera_key} {wanted.text}: {count} calibration{'' if count == 1 else 's'}")
+    for request in context.track(wanted_modes, "consensuses", len(wanted_modes)):
+        refitted = refit(context, request)
+        failed += refitted is None
+        consensuses += refitted or 0
+        count = modes[request]
+        context.echo(f"{request.camera_key} {request.text}: {count} calibration{'' if count == 1 else 's'}")
     return ReindexResult(
         calibrations=sum(modes.values()),
         published=published,
@@ -160,21 +160,21 @@ def publish_finished(context: OpsContext, *, dry_run: bool = False) -> int:
     return published
 
 
-def refit(context: OpsContext, wanted: StreamMode) -> int | None:
-    """Have the consensus of every model computed; return of how many there is one, None where it failed."""
+def refit(context: OpsContext, mode: StreamMode) -> int | None:
+    """Have the consensus of every model computed; return of how many there is one, None if it failed."""
     request = RefitRequest(
-        camera=wanted.camera_key,
-        img_size=wanted.img_size,
-        zoom=wanted.zoom,
+        camera=mode.camera_key,
+        img_size=mode.img_size,
+        zoom=mode.zoom,
     )
     try:
         answer = context.store.refit.now(request)
     except UnavailableError as error:
-        context.echo(f"{wanted.camera_key} {wanted.text}: {error.detail}")
+        context.echo(f"{mode.camera_key} {mode.text}: {error.detail}")
         return None
     # A computation with nothing new leaves this as it is, and here it may have been lost.
-    well_known_ids.refresh_well_known(context.store, wanted.camera_key, context.settings.thresholds)
-    return sum(1 for found in answer.models.values() if found is not None)
+    well_known_ids.refresh_well_known(context.store, mode.camera_key, context.settings.thresholds)
+    return sum(1 for consensus in answer.models.values() if consensus is not None)
 
 
 def mode_of(document: CalibrationDocument) -> StreamMode:

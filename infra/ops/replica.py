@@ -42,15 +42,15 @@ class ReplicatedObjects(S3Objects):
 
     @functools.cached_property
     def replica(self) -> S3Objects | None:
-        """Bucket that S3 replicates to, None where it replicates to none."""
+        """Bucket that S3 replicates to, None if it replicates to none."""
         with available():
             try:
-                found = self._client().get_bucket_replication(Bucket=self._source)
+                response = self._client().get_bucket_replication(Bucket=self._source)
             except ClientError as error:
                 if code(error) == "ReplicationConfigurationNotFoundError":
                     return None
                 raise
-            rules = found["ReplicationConfiguration"]["Rules"]
+            rules = response["ReplicationConfiguration"]["Rules"]
             bucket = rules[0]["Destination"]["Bucket"].rpartition(":")[2]
             region = (
                 self._client().get_bucket_location(Bucket=bucket)["LocationConstraint"] or _DEFAULT_REGION

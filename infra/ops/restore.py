@@ -25,10 +25,10 @@ def load(context: OpsContext, folder: Path, *, dry_run: bool = False) -> tuple[i
     Into a stack that is not empty: contributors of a dump are other ones than those known here. With
     `dry_run`, the files are only read.
 
-    Raises OpsError, and has stored nothing, where a line is no calibration or no vote.
+    Raises OpsError, and has stored nothing, if a line is neither a calibration nor a vote.
     """
     if not (folder / CALIBRATIONS).is_file():
-        raise OpsError(f"{folder} holds no {CALIBRATIONS}: it is not the folder of a dump")
+        raise OpsError(f"{folder} lacks {CALIBRATIONS}: it is not the folder of a dump")
     # Every line is read once before the first is stored.
     calibrations = sum(1 for _ in context.track(_calibrations(folder), "reading calibrations"))
     votes = sum(1 for _ in context.track(_votes(folder), "reading votes"))

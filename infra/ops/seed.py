@@ -19,7 +19,7 @@ from infra.ops.errors import OpsError
 
 # Ratio of focal lengths beyond which rows are of several lenses or modes under one name: no guess at all.
 _MAX_FOCAL_RATIO = 1.1
-# Nobody knows how good they are: of the image's width, about what a guess without any knowledge misses by.
+# Their quality is unknown: share of the image's width, about the error of an uninformed guess.
 UNKNOWN_ERROR = 0.05
 
 
@@ -64,9 +64,9 @@ def seed(
     path
         The file.
     camera, platform
-        What the browser would say, made of columns: `{brand} {model}`.
+        Label and platform of a browser, made of columns: `{brand} {model}`.
     model
-        Of rows that name none.
+        Model of rows without one.
     source
         Kept with every guess.
     dry_run
@@ -116,10 +116,10 @@ def _fields(path: Path, labels: tuple[str, str]) -> Iterator[tuple[int, dict[str
         missing = {"w", "h", "fx", "fy", "cx", "cy"} - set(reader.fieldnames or ())
         if missing:
             raise OpsError(f"{path} has no column {', '.join(sorted(missing))}")
-        known = dict.fromkeys(reader.fieldnames or (), "")
+        columns = dict.fromkeys(reader.fieldnames or (), "")
         for label in labels:
             try:
-                label.format_map(known)
+                label.format_map(columns)
             except (KeyError, ValueError, IndexError) as error:
                 raise OpsError(f"{label!r} cannot be made of the columns of {path}: {error}") from error
         for row in reader:

@@ -19,7 +19,7 @@ _SECRET_BYTES = 24
 def create(context: OpsContext, origins: Sequence[str], plan: str) -> str:
     """Store a new token and return it. Only its hash is stored, so it cannot be shown again.
 
-    Raises OpsError where an origin is none, or the plan is not known.
+    Raises OpsError if an origin is none, or the plan is not known.
     """
     for origin in origins:
         _check(origin)
@@ -38,7 +38,7 @@ def list_all(context: OpsContext) -> list[ApiToken]:
 
 
 def describe(token: ApiToken) -> tuple[str, str, str, str, str]:
-    """Describe a token in words: id, day, plan, who made it, origins."""
+    """Describe a token: id, day, plan, creator, origins."""
     day = time.strftime("%Y-%m-%d", time.gmtime(token.created))
     made_by = "operator" if token.management_sha256 is None else "itself"
     origins = [*token.origins, *(f"{origin} (pending)" for origin in token.pending)]
@@ -51,7 +51,7 @@ def use(context: OpsContext, token_id: str) -> TokenUse:
 
 
 def get(context: OpsContext, token_id: str) -> ApiToken:
-    """Read a token; raises OpsError where there is none."""
+    """Read a token; raises OpsError if there is none."""
     token = context.store.tokens.get(token_id)
     if token is None:
         raise OpsError(f"there is no token {token_id}")

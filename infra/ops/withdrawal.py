@@ -20,7 +20,7 @@ from infra.ops.public_dump import replace_dumps
 
 _MIN_DIGITS = 12  # hex digits of a contributor that name one
 _HASH_DIGITS = 12  # at the end of a calibration's id; earlier ids have another time before them
-_MAX_VERSIONS = 1_000  # of a session that was started anew
+_MAX_VERSIONS = 1_000  # of a restarted session
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class ForgetResult:
 def withdraw(context: OpsContext, calibration_id: str, reason: str) -> bool:
     """Exclude a calibration from all consensuses, and recompute its own.
 
-    The calibration stays, a tombstone beside it. False when it was withdrawn before.
+    The calibration stays, with a tombstone next to it. False if it was withdrawn before.
     """
     document = get(context, calibration_id)
     done = context.store.calibrations.withdraw(document, reason, context.now)
@@ -45,7 +45,7 @@ def withdraw(context: OpsContext, calibration_id: str, reason: str) -> bool:
 
 
 def get_withdrawn(context: OpsContext, calibration_id: str) -> tuple[CalibrationDocument, str]:
-    """Read a withdrawn calibration and the name of its tombstone; raises OpsError where it is not one."""
+    """Read a withdrawn calibration and the name of its tombstone; raises OpsError if it is not one."""
     document = get(context, calibration_id)
     tombstone = tombstone_object(calibration_id)
     if tombstone is None or context.objects.get(tombstone) is None:
@@ -58,7 +58,7 @@ def restore(context: OpsContext, calibration_id: str) -> None:
     document, tombstone = get_withdrawn(context, calibration_id)
     context.objects.purge_all_versions([tombstone])
     mode = reindex.mode_of(document)
-    # Its item is marked, and nothing unmarks an item: it is made anew.
+    # Its item is marked, and marks are permanent: a new item is made.
     context.index.remove([(mode.pk, f"CALIBRATION#{mode.text}#{calibration_id}")])
     context.store.calibrations.index(document)
     _refit(context, mode)
@@ -68,10 +68,10 @@ def find_contributor(context: OpsContext, start: str) -> str:
     """Find the contributor whose id begins with `start`; raises OpsError if there is not exactly one."""
     if len(start) < _MIN_DIGITS:
         raise OpsError(f"give at least {_MIN_DIGITS} digits of the contributor's id")
-    found = {one for one in _contributors(context) if one.startswith(start.lower())}
-    if len(found) != 1:
-        raise OpsError(f"{len(found) or 'no'} contributors begin with {start}")
-    return found.pop()
+    matches = {one for one in _contributors(context) if one.startswith(start.lower())}
+    if len(matches) != 1:
+        raise OpsError(f"{len(matches) or 'no'} contributors begin with {start}")
+    return matches.pop()
 
 
 def find_contributors_at(context: OpsContext, address: str, token_id: str | None) -> set[str]:
@@ -80,29 +80,31 @@ def find_contributors_at(context: OpsContext, address: str, token_id: str | None
     Addresses are not stored. They are matched by computing the keyed hash again, also with revoked tokens.
     """
     tokens = [token_id] if token_id else context.store.tokens.ids()
-    known = set(_contributors(context))
-    return {contributor(context.settings.contributor_secret, address, token) for token in tokens} & known
+    contributors = set(_contributors(context))
+    return {
+        contributor(context.settings.contributor_secret, address, token) for token in tokens
+    } & contributors
 
 
 def find_contributors_by_receipt(context: OpsContext, receipt: str) -> set[str]:
     """Find the contributors of the calibration, or of the session, of which this is the session id.
 
-    Raises OpsError where it was not signed by a key that is known, or nothing is left of its session.
+    Raises OpsError if it was not signed by a key that is known, or nothing is left of its session.
     """
     sid = SessionIds(context.settings.session_secrets, lambda: context.now).sid_of(receipt.strip())
     if sid is None:
         raise OpsError("no key of SESSION_SECRETS has signed this receipt: it is forged, or the key is gone")
     hashes = {calibration_name(sid, version)[-_HASH_DIGITS:] for version in range(1, _MAX_VERSIONS + 1)}
-    found = {
+    contributors = {
         document.contributor
         for document in context.store.calibrations.all()
         if document.id[-_HASH_DIGITS:] in hashes
     }
     sessions = (one for one in context.store.sessions.all() if one.session == sid)
-    found |= {who for session in sessions for who in _contributors_of(session)}
-    if not found:
+    contributors |= {who for session in sessions for who in _contributors_of(session)}
+    if not contributors:
         raise OpsError("nothing is left of the session of this receipt")
-    return found
+    return contributors
 
 
 def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False) -> ForgetResult:
@@ -185,7 +187,7 @@ def _contributors_of(session: SessionDocument) -> set[str]:
 
 
 def get(context: OpsContext, calibration_id: str) -> CalibrationDocument:
-    """Read a calibration; raises OpsError where there is none."""
+    """Read a calibration; raises OpsError if there is none."""
     document = context.store.calibrations.get(calibration_id)
     if document is None:
         raise OpsError(f"there is no calibration {calibration_id}")

@@ -22,7 +22,7 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)  # of every entry, so that equal layers make equa
 def build() -> list[Path]:
     """Build every artifact of the checkout, whose cleanness the caller has checked; return their paths.
 
-    Raises CalledProcessError where a command fails.
+    Raises CalledProcessError if a command fails.
     """
     shutil.rmtree(RELEASE, ignore_errors=True)
     RELEASE.mkdir(parents=True)

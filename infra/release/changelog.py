@@ -13,7 +13,7 @@ class ChangelogError(ValueError):
 
 
 def notes(changelog: str, version: str) -> str:
-    """Extract the entries of a version; raises ChangelogError where there are none."""
+    """Extract the entries of a version; raises ChangelogError if there are none."""
     for match in _SECTION.finditer(changelog):
         if match["version"] == version:
             text = re.split(r"^## ", changelog[match.end() :], maxsplit=1, flags=re.MULTILINE)[0].strip()
@@ -31,11 +31,11 @@ def is_released(changelog: str, version: str) -> bool:
 
 
 def with_release(changelog: str, version: str, day: str) -> str:
-    """Move the unreleased entries under the version; raises ChangelogError where there are none."""
+    """Move the unreleased entries under the version; raises ChangelogError if there are none."""
     if any(match["version"] == version for match in _SECTION.finditer(changelog)):
         raise ChangelogError(f"CHANGELOG.md has {version} already")
-    before, found, after = changelog.partition(_UNRELEASED)
+    before, heading, after = changelog.partition(_UNRELEASED)
     entries = re.split(r"^## ", after, maxsplit=1, flags=re.MULTILINE)[0].strip()
-    if not found or not entries:
+    if not heading or not entries:
         raise ChangelogError("CHANGELOG.md has no entries under `## Unreleased`")
     return f"{before}{_UNRELEASED}\n## {version} - {day}\n{after}"

@@ -9,7 +9,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 #: the one place of the version; the OpenAPI document and the packed SDK follow it
 VERSION_FILE = Path("layers/service/calibdb/__init__.py")
-#: modules whose wheels carry it, too; a wheel is built of its own folder alone
+#: modules whose wheels also carry it; a wheel is built only of its own folder
 WHEEL_FILES = (
     Path("clients/python/calibdb_client/__init__.py"),
     Path("layers/solver/calibsolver/__init__.py"),
@@ -26,14 +26,14 @@ def version(root: Path = ROOT) -> str:
     """Read the version of the checkout."""
     match = _VERSION.search((root / VERSION_FILE).read_text(encoding="utf-8"))
     if match is None:
-        raise CheckoutError(f"{VERSION_FILE} holds no version such as 1.2.3")
+        raise CheckoutError(f"{VERSION_FILE} contains no version such as 1.2.3")
     return match[1]
 
 
 def set_version(fresh: str, root: Path = ROOT) -> None:
-    """Write another version; raises CheckoutError where it is not higher than the present one."""
+    """Write another version; raises CheckoutError if it is not higher than the present one."""
     if not re.fullmatch(r"\d+\.\d+\.\d+", fresh):
-        raise CheckoutError(f"{fresh} is no version such as 1.2.3")
+        raise CheckoutError(f"{fresh} is not a version such as 1.2.3")
     if _parts(fresh) <= _parts(version(root)):
         raise CheckoutError(f"{fresh} is not higher than {version(root)}")
     for path in (root / file for file in (VERSION_FILE, *WHEEL_FILES)):
@@ -41,7 +41,7 @@ def set_version(fresh: str, root: Path = ROOT) -> None:
 
 
 def check_clean(root: Path = ROOT) -> None:
-    """Raise CheckoutError where a file differs from the commit, or is not in it.
+    """Raise CheckoutError if a file differs from the commit, or is not in it.
 
     What git ignores (environments, builds) does not count; nothing of it is in an artifact.
     """
@@ -53,7 +53,7 @@ def check_clean(root: Path = ROOT) -> None:
 
 
 def check_tag(tag: str, root: Path = ROOT) -> None:
-    """Raise CheckoutError where the tag is not of this version or not on this commit."""
+    """Raise CheckoutError if the tag is not of this version or not on this commit."""
     if tag != f"v{version(root)}":
         raise CheckoutError(f"the tag {tag} is not v{version(root)}, the version in {VERSION_FILE}")
     if commit(root, tag) != commit(root, "HEAD"):

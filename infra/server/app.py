@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import importlib
 import logging
+import re
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -18,13 +19,17 @@ from starlette.routing import Match, Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from calibdb.http.application import IN_THREAD, application, with_default_headers
-from infra.server.loopback import is_loopback
 
 FUNCTIONS = (
     *("lookup", "health", "auth", "session", "next_pose", "submit", "rig", "cameras", "export", "checks"),
     "tokens",
 )
 MAX_BODY_BYTES = 6 * 1024 * 1024
+ORIGINS = ("http://127.0.0.1:*", "http://localhost:*", "http://[::1]:*")
+"""Origins of pages of this machine, at any port."""
+_LOOPBACK = re.compile(
+    r"(?:127(?:\.[0-9]{1,3}){3}|localhost|(?:[a-z0-9-]{1,63}\.)+localhost|\[::1\])(?::[0-9]{1,5})?"
+)
 BODY_TIMEOUT_S = 30.0
 RESPONSE_TIMEOUT_S = 30.0
 _API_PREFIXES = ("/v1/", "/healthz", "/badge/", "/known/")
@@ -60,6 +65,11 @@ class Public:
         return is_loopback(host) or (self.url is not None and host.lower() == urlsplit(self.url).netloc)
 
 
+def is_loopback(host: str) -> bool:
+    """True if a Host header names this machine; a name that leads here by DNS rebinding does not."""
+    return _LOOPBACK.fullmatch(host.strip().lower()) is not None
+
+
 class App:
     """The application.
 
@@ -70,7 +80,7 @@ class App:
     workers
         Threads of the API's endpoints.
     public
-        Who may reach the server.
+        Public address and trusted proxies; None: a private server.
     """
 
     def __init__(

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import ctypes
 import gc
 import ipaddress
 import logging
 import os
+import platform
 import signal
 import sys
 import threading
@@ -18,19 +20,21 @@ from types import FrameType
 from urllib.parse import urlsplit
 
 from calibdb.service import Service
-from infra.server.app import Public
+from infra.server.app import Public, is_loopback
 from infra.server.folder import Folder, FolderError
-from infra.server.loopback import is_loopback
 from infra.server.secrets import SecretsError
 from infra.server.server import DEVELOPMENT_TOKEN, STOP_TIMEOUT_S, PortInUseError, Server, bind, http_server
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_M_ARENA_MAX = -8  # glibc's malloc.h; by default each thread has memory of its own, which only grows
 _RESTART_PAUSE_S = 0.5  # before a process that ended is started again
 _log = logging.getLogger("infra.server")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the server; return the exit status."""
+    if platform.libc_ver()[0] == "glibc":
+        ctypes.CDLL(None).mallopt(_M_ARENA_MAX, 1)
     logging.basicConfig(format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
     logging.getLogger("infra").setLevel(logging.INFO)
     options = _parser().parse_args(arguments)

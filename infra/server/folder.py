@@ -90,20 +90,20 @@ class Folder:
 
     def _open(self, path: Path, clock: Any, *, new_secrets: bool, as_worker: bool) -> None:
         file, secret_file = path / FILE_NAME, path / "secrets.json"
-        known = file.exists()
-        if not known and (path / _JOURNAL).exists():
+        exists = file.exists()
+        if not exists and (path / _JOURNAL).exists():
             raise FolderError(
                 f"{path} was written by a version before 0.1.0. Write its captures to files with that "
                 "version, `calibdb-ops dump --private FILES`, and load them here, `calibdb-ops load FILES`"
             )
-        if secret_file.exists() and (not known or (file.exists() and file.stat().st_size == 0)):
+        if secret_file.exists() and (not exists or (file.exists() and file.stat().st_size == 0)):
             raise FolderError(
                 f"{file} is missing or empty, but {secret_file.name} is there: "
                 f"{_RESTORE.format(folder=path)}, or move the whole folder away to start empty"
             )
         if new_secrets and secret_file.exists() and not as_worker:
             secret_file.replace(secret_file.with_suffix(".old"))
-        self.secrets = secrets.load(secret_file, known=known and not new_secrets)
+        self.secrets = secrets.load(secret_file, known=exists and not new_secrets)
         try:
             if not as_worker and file.exists():
                 self._check(file)
@@ -120,26 +120,26 @@ class Folder:
         folder = file.parent
         lost = write_ahead_log.lost_commits(file.with_name(f"{file.name}-wal"))
         if lost:
-            kept = _copy_aside(file)
+            copy = _copy_aside(file)
             self.damage.append(
                 f"the log of {file} was damaged: {lost} of the last writes are lost. The damaged files are "
-                f"in {kept.name}. {_REPAIR.format(folder=folder)}"
+                f"in {copy.name}. {_REPAIR.format(folder=folder)}"
             )
         with closing(sqlite3.connect(file, timeout=10, isolation_level=None)) as connection:
             version = connection.execute("PRAGMA user_version").fetchone()[0]
             try:
-                found = [row[0] for row in connection.execute("PRAGMA quick_check(3)")]
+                messages = [row[0] for row in connection.execute("PRAGMA quick_check(3)")]
             except sqlite3.DatabaseError as error:
-                found = [str(error)]
-            if found != ["ok"]:
-                raise FolderError(f"{file} is damaged ({found[0]}): {_RESTORE.format(folder=folder)}")
+                messages = [str(error)]
+            if messages != ["ok"]:
+                raise FolderError(f"{file} is damaged ({messages[0]}): {_RESTORE.format(folder=folder)}")
             if version != 1:
                 return  # empty, or refused by the adapter
             items = list(_damaged_items(connection))
             objects = list(_damaged_objects(connection, folder))
             if not items and not objects:
                 return
-            kept = _copy_aside(file)
+            copy = _copy_aside(file)
             connection.execute("BEGIN IMMEDIATE")
             connection.executemany("DELETE FROM items WHERE pk = ? AND sk = ?", items)
             connection.executemany("DELETE FROM objects WHERE rowid = ?", [(row,) for row, _ in objects])
@@ -147,7 +147,7 @@ class Folder:
         names = ", ".join([" ".join(map(str, key)) for key in items[:2]] + [name for _, name in objects[:3]])
         self.damage.append(
             f"{file}: {len(items)} items and {len(objects)} objects are damaged and were removed ({names}). "
-            f"The damaged file is in {kept.name}. {_REPAIR.format(folder=folder)}"
+            f"The damaged file is in {copy.name}. {_REPAIR.format(folder=folder)}"
         )
 
     def close(self) -> None:
@@ -176,13 +176,13 @@ def _lock(path: Path, timeout_s: float) -> int | None:
 
 def _copy_aside(file: Path) -> Path:
     """Copy the database and its log to a new folder next to them."""
-    kept = file.with_name(f"damaged-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}-{os.getpid()}")
-    kept.mkdir()
+    copy = file.with_name(f"damaged-{time.strftime('%Y%m%dT%H%M%SZ', time.gmtime())}-{os.getpid()}")
+    copy.mkdir()
     for suffix in ("", "-wal"):
         source = file.with_name(file.name + suffix)
         if source.exists():
-            shutil.copy2(source, kept)
-    return kept
+            shutil.copy2(source, copy)
+    return copy
 
 
 def _damaged_items(connection: sqlite3.Connection) -> Iterator[tuple[Any, Any]]:

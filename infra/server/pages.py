@@ -73,14 +73,14 @@ class Pages:
         except (site.SiteError, SdkError) as error:
             await PlainTextResponse(str(error), 500)(scope, receive, send)
             return
-        found = self._find(key) if content is None else _file(key, content)
-        if isinstance(found, _File):
-            await _send(found, scope, send)
+        page = self._find(key) if content is None else _file(key, content)
+        if isinstance(page, _File):
+            await _send(page, scope, send)
             return
-        if found is not None:
+        if page is not None:
             query = scope["query_string"].decode("latin-1")
-            found.headers["location"] += query and f"?{query}"
-        await (found or self._missing(key))(scope, receive, send)
+            page.headers["location"] += query and f"?{query}"
+        await (page or self._missing(key))(scope, receive, send)
 
     def warm(self) -> None:
         """Make the pages now."""
@@ -108,19 +108,19 @@ class Pages:
             return None
         status = path.stat()
         state = status.st_mtime_ns, status.st_size
-        known = self._files.get(made)
-        if known is not None and known[0] == state:
-            return known[1]
+        file = self._files.get(made)
+        if file is not None and file[0] == state:
+            return file[1]
         compressed = path.with_name(f"{path.name}.gz")
         return self._file(
             made, state, path.read_bytes(), compressed.read_bytes() if compressed.is_file() else None
         )
 
     def _file(self, key: str, state: object, content: bytes, compressed: bytes | None) -> _File:
-        known = self._files.get(key)
-        if known is None or known[0] is not state:
-            known = self._files[key] = state, _file(key, content, compressed)
-        return known[1]
+        file = self._files.get(key)
+        if file is None or file[0] is not state:
+            file = self._files[key] = state, _file(key, content, compressed)
+        return file[1]
 
     def _missing(self, key: str) -> Response:
         """Return the page of what is missing, as at the edge; files do without."""
@@ -151,8 +151,10 @@ async def _send(file: _File, scope: Scope, send: Send) -> None:
     content, own = file.content, file.headers
     for name, value in scope["headers"]:
         if name == b"if-none-match" and file.tag in value:
-            kept = [header for header in own if header[0] not in (b"content-length", b"content-type")]
-            await send({"type": "http.response.start", "status": 304, "headers": kept})
+            headers_to_send = [
+                header for header in own if header[0] not in (b"content-length", b"content-type")
+            ]
+            await send({"type": "http.response.start", "status": 304, "headers": headers_to_send})
             await send({"type": "http.response.body", "body": b""})
             return
         if name == b"accept-encoding" and file.compressed is not None and b"gzip" in value:
@@ -176,11 +178,11 @@ class PublicObjects:
         if scope["method"] not in ("GET", "HEAD"):
             return Response(status_code=405, headers={"allow": "GET, HEAD"})
         name = scope["path"].removeprefix("/")
-        found = self._objects.get_version(name)
+        version = self._objects.get_version(name)
         described = FOR_EVERYONE | {"x-content-type-options": "nosniff"}
-        if found is None:
+        if version is None:
             return Response(status_code=404, headers=described | {"cache-control": "public, max-age=10"})
-        content, tag = found
+        content, tag = version
         kind, cache_control = self._objects.headers(name)
         described |= {"etag": f'"{tag}"', "cache-control": cache_control or "no-cache"}
         if Headers(scope=scope).get("if-none-match") == f'"{tag}"':

@@ -12,7 +12,7 @@ from pathlib import Path
 _SECRET = re.compile("[0-9a-f]{64}")
 _WAY_ON = (
     "put back a copy of it, or start once with NEW_SECRETS=1 to have new ones made; then captures that run "
-    "end, and contributors count anew"
+    "end, and contributors are counted again"
 )
 
 
@@ -59,11 +59,11 @@ def load(path: Path, *, known: bool = False) -> Secrets:
         draft.replace(path)
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        found = Secrets(content["session"], content["contributor"])
+        loaded = Secrets(content["session"], content["contributor"])
     except OSError as error:
         raise SecretsError(f"{path} cannot be read ({error.strerror}): {_WAY_ON}") from error
     except (ValueError, KeyError, TypeError) as error:
-        raise SecretsError(f"{path} is damaged (it holds no two secrets): {_WAY_ON}") from error
-    if not all(isinstance(secret, str) and _SECRET.fullmatch(secret) for secret in asdict(found).values()):
+        raise SecretsError(f"{path} is damaged (it lacks two secrets): {_WAY_ON}") from error
+    if not all(isinstance(secret, str) and _SECRET.fullmatch(secret) for secret in asdict(loaded).values()):
         raise SecretsError(f"{path} is damaged (a secret is not 64 hex digits): {_WAY_ON}")
-    return found
+    return loaded

@@ -25,9 +25,8 @@ from calibdb.store.ports import Jobs, Storage
 from calibdb.store.sqlite import SqliteJobs, SqliteObjects, SqliteTable
 from calibdb.store.storage import opened
 from infra.server import jobs
-from infra.server.app import App, Public
+from infra.server.app import ORIGINS, App, Public
 from infra.server.folder import KEYPOINTS, SITE, Folder
-from infra.server.loopback import ORIGINS
 from infra.server.pages import Pages, PublicObjects
 from infra.server.protocol import TimedProtocol
 from infra.web_build.root_files import contacts, public_settings
@@ -48,7 +47,7 @@ LIFETIMES = {
     (SITE, "dumps/2"): 35 * _DAY_S,
 }
 # Variables of this process, and the parameters of the template that they set on AWS.
-PARAMETERS = {
+OPERATOR_PARAMETERS = {
     "OPERATOR_NAME": "OperatorName",
     "OPERATOR_CONTACT": "OperatorContact",
     "IMPRINT": "Imprint",
@@ -69,9 +68,9 @@ class Server:
     environment
         Variables of the functions, over the server's own.
     port, host
-        Where `serve` listens; port 0: any free one.
+        Address of `serve`; port 0: any free one.
     public
-        Who may reach it.
+        Public address and trusted proxies; None: a private server.
     web
         The static client.
     clock
@@ -136,9 +135,9 @@ class Server:
         self.storage = stack.enter_context(opened_for_functions(folder, self.jobs, self.environment))
         self.token = self._admit_token()
         """Token of the site's own pages."""
-        self._parameters = {name: os.environ[v] for v, name in PARAMETERS.items() if os.environ.get(v)}
-        options = Options(self.url, contacts(self._parameters))
-        settings = public_settings("/v1", self.token, self._parameters)
+        named = {name: os.environ.get(variable, "") for variable, name in OPERATOR_PARAMETERS.items()}
+        options = Options(self.url, contacts(named))
+        settings = public_settings("/v1", self.token, named)
         self.pages = Pages(self.web, settings, options)
         threads = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
         stack.callback(threads.shutdown, wait=self.data is None or not is_worker, cancel_futures=True)
@@ -162,8 +161,8 @@ class Server:
             token = ApiToken(token_id, secret_hash(secret), ORIGINS, plan="development", created=now)
             stored = tokens.get(token_id)
             if stored is None or stored.origins != ORIGINS:
-                known = {each.id: each for each in tokens.all()}.get(token_id, token)
-                tokens.change(replace(known, origins=ORIGINS))
+                stored_token = {each.id: each for each in tokens.all()}.get(token_id, token)
+                tokens.change(replace(stored_token, origins=ORIGINS))
             return DEVELOPMENT_TOKEN
         # Derived from a secret of the folder, so that every process and every start has the same one.
         digest = secret_hash(f"{self.folder.secrets.session}\0page\0{self.public.url}")
@@ -281,7 +280,7 @@ def bind(host: str, port: int) -> socket.socket:
 
 def variables(folder: Folder, url: str, *, is_public: bool = False) -> dict[str, str]:
     """Return the environment of the functions over a folder."""
-    found = {
+    environment = {
         "TABLE_NAME": "items",
         "BUCKET_NAME": KEYPOINTS,
         "WEB_BUCKET_NAME": "",
@@ -296,9 +295,9 @@ def variables(folder: Folder, url: str, *, is_public: bool = False) -> dict[str,
     }
     if not is_public:
         # On your own machine everyone is one contributor, and every capture and check counts.
-        found["THRESHOLDS"] = "MIN_CONTRIBUTORS=1,CONTRIBUTOR_PERIOD=0"
+        environment["THRESHOLDS"] = "MIN_CONTRIBUTORS=1,CONTRIBUTOR_PERIOD=0"
     names = ("THRESHOLDS", "NEW_TOKENS", "PLAN_FACTORS", "PROCESSOR_FACTOR")
-    return found | {name: os.environ[name] for name in names if os.environ.get(name)}
+    return environment | {name: os.environ[name] for name in names if os.environ.get(name)}
 
 
 @contextmanager

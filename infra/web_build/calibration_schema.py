@@ -19,7 +19,7 @@ def text() -> str:
     _, schema = models_json_schema(
         [(model, "validation") for model in models], ref_template="#/$defs/{model}"
     )
-    lookup, reported, given = (schema["$defs"].pop(model.__name__) for model in models)
+    lookup, reported, stored = (schema["$defs"].pop(model.__name__) for model in models)
     document = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": f"/{CALIBRATION_SCHEMA_KEY}",
@@ -28,7 +28,7 @@ def text() -> str:
         "as the Python client saves it. Only what makes a camera is required.",
         "type": "object",
         "properties": lookup["properties"] | reported["properties"],
-        "required": given["required"],
+        "required": stored["required"],
         "$defs": schema["$defs"],
     }
     return json.dumps(document, indent=1, ensure_ascii=False) + "\n"

@@ -48,7 +48,7 @@ def text() -> str:
         table = bits(name)
         for count in (50, 100, 250):
             if key[0].isdigit() and not np.array_equal(bits(f"DICT_{key}_{count}"), table[:count]):
-                raise ValueError(f"DICT_{key}_{count} is no prefix of {name}")
+                raise ValueError(f"DICT_{key}_{count} is not a prefix of {name}")
         packed = base64.b64encode(np.packbits(table.astype(np.uint8).ravel()).tobytes()).decode()
         lines.append(f'  "{key}": {{ side: {side}, count: {len(table)}, bits: "{packed}" }},')
     lines.append("};")

@@ -16,7 +16,7 @@ DUMP_SCHEMA_KEY = "data/schema.json"
 def text() -> str:
     """Return the file's content."""
     models = (Dump, Statistics, CalibrationDocument, VoteDocument)
-    _, found = models_json_schema(
+    _, definitions = models_json_schema(
         [(model, "serialization") for model in models], ref_template="#/$defs/{model}"
     )
     document: dict[str, Any] = {
@@ -25,6 +25,6 @@ def text() -> str:
         "description": "Of /dumps/latest.json. $defs also has Statistics, of /dumps/statistics.json, and the "
         "documents in the files, one a line: CalibrationDocument and VoteDocument.",
         "$ref": "#/$defs/Dump",
-        "$defs": found["$defs"],
+        "$defs": definitions["$defs"],
     }
     return json.dumps(document, indent=1, ensure_ascii=False) + "\n"

@@ -48,7 +48,7 @@ def calls() -> Iterator[Call]:
 
 
 def learn(values: dict[str, str], name: str, answer: Any) -> None:
-    """Note what an answer gives to the placeholders of later examples."""
+    """Store values of a response for the placeholders of later examples."""
     match name:
         case "createToken":
             values["MANAGEMENT_TOKEN"] = answer["management_token"]

@@ -15,11 +15,11 @@ import { LANGUAGES } from "../../web/lib/i18n.js";
 
 /** Groups and links of the navigation: [message, page] or [message, [[message, page], …]]. */
 const NAVIGATION = [
-  ["common.calibrate", [["common.webcam", "calibrate/"], ["common.photos_video", "photos/"], ["common.import_file", "import/"]]],
+  ["common.calibrate", [["common.webcam", "calibrate/"], ["common.photos_video", "photos/"], ["common.import_file", "import/"], ["common.board", "board/"]]],
   ["common.cameras", "cameras/"],
+  ["common.mine", "mine/"],
   ["common.docs", "docs/"],
   ["common.examples", "examples/"],
-  ["common.board", "board/"],
 ];
 const FOOTER = [
   ["common.docs", "docs/"], ["common.api", "docs/api/"], ["common.developers", "developers/"], ["common.data", "data/"], ["common.privacy", "privacy/"], ["common.terms", "terms/"],

@@ -45,7 +45,7 @@ _PHOTO = frozenset(
     {"blackmagic", "canon", "fujifilm", "nikon", "olympus", "panasonic", "pentax", "red", "sigma", "sony"}
 )
 _MODES = ("superview", "super", "linear", "narrow", "medium", "wide")
-_MAX_RMS = 3.0  # px; profiles above it are no measurement of a lens
+_MAX_RMS = 3.0  # px; profiles above it do not measure a lens
 _MAX_ANGLE, _STEP = 1.5, 0.002  # rad off the axis, up to which an edge is looked for
 _MAX_STATED = 2.9  # rad: edges beyond are extrapolated by the polynomial
 _DEFAULT_SIGMA, _DEFAULT_COUNT = 0.16, 4  # relative deviation of one contributor's profile, and its weight

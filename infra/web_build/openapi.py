@@ -27,18 +27,18 @@ EXAMPLES_PATH = Path(__file__).with_name("examples.json")
 """Answers to the examples of `operation_texts`, written by `infra.web_build.recorded_examples`."""
 OPENAPI_KEY = "openapi.json"
 RATE_LIMITED = ("RateLimit-Policy", "RateLimit")
-"""Headers of every answer under a plan that has limits."""
+"""Headers of every response under a plan with limits."""
 _REFERENCE = "#/components/schemas/{model}"
 
 
 def document() -> Node:
     """Return the OpenAPI 3.1 document."""
     requests, answers = _models(OPERATIONS)
-    wanted: list[tuple[type[BaseModel], JsonSchemaMode]] = [
+    models_and_modes: list[tuple[type[BaseModel], JsonSchemaMode]] = [
         *((model, "validation") for model in requests),
         *((model, "serialization") for model in answers),
     ]
-    names, definitions = models_json_schema(wanted, ref_template=_REFERENCE)
+    names, definitions = models_json_schema(models_and_modes, ref_template=_REFERENCE)
     describe_fields(definitions["$defs"])
     examples = json.loads(EXAMPLES_PATH.read_text(encoding="utf-8"))
     paths: dict[str, Node] = {}
@@ -78,8 +78,8 @@ def _models(operations: Sequence[Operation]) -> tuple[list[type[BaseModel]], lis
 
 def _operation(operation: Operation, names: Any, example: Any) -> Node:
     def reference(model: type[BaseModel], mode: JsonSchemaMode) -> Node:
-        found: Node = names[(model, mode)]
-        return found
+        node: Node = names[(model, mode)]
+        return node
 
     limited = RATE_LIMITED if set(operation.credentials) & {"apiToken", "sessionId"} else ()
 

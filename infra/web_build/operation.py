@@ -1,4 +1,4 @@
-"""One call of the API: its contents, and the problems that calls answer with."""
+"""One call of the API: its contents, and its problems."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ class Content:
     description: str
     model: type[BaseModel] | None = None
     pictures: tuple[str, ...] = ()
-    headers: tuple[str, ...] = ()  # that every such answer carries
-    sometimes: tuple[str, ...] = ()  # that some carry
+    headers: tuple[str, ...] = ()  # of every such response
+    sometimes: tuple[str, ...] = ()  # of some responses
     media_type: str = JSON
     other: type[BaseModel] | None = None  # model that it may be instead
 

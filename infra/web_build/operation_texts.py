@@ -49,7 +49,7 @@ class OperationText:
     tag
         Its group, one of `TAGS`.
     description
-        What it does, in a paragraph or two.
+        Effect of the call, in a paragraph or two.
     body, query, path, accept
         Example of a request: body, query parameters, path parameters, media type.
     """

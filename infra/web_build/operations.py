@@ -1,4 +1,4 @@
-"""The calls of the API: what each takes, answers and refuses. `infra.web_build.openapi` writes them down."""
+"""The calls of the API: requests, responses and problems, for `infra.web_build.openapi`."""
 
 from __future__ import annotations
 

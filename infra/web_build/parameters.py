@@ -48,15 +48,15 @@ def query_of(
         Fields that a query cannot write.
     """
     nodes = model.model_json_schema(by_alias=False)["properties"]
-    found = []
+    parameters = []
     for name, info in model.model_fields.items():
         if name in body_only:
             continue
         aliases = [alias for alias in _aliases(info) if alias in deprecated]
         node = query(name, _as_text(nodes[name]), (descriptions or {}).get(name) or info.description or "")
-        found.append(node | ({"required": True} if info.is_required() and not aliases else {}))
-        found += [query(alias, node["schema"], _DEPRECATED) | {"deprecated": True} for alias in aliases]
-    return tuple(found)
+        parameters.append(node | ({"required": True} if info.is_required() and not aliases else {}))
+        parameters += [query(alias, node["schema"], _DEPRECATED) | {"deprecated": True} for alias in aliases]
+    return tuple(parameters)
 
 
 def _aliases(info: FieldInfo) -> list[str]:
@@ -70,17 +70,17 @@ def _as_text(node: Node) -> Node:
     A flag is 0, 1, false or true. Two numbers are a size, as in 1280x720; of other lists commas separate the
     numbers.
     """
-    found = next((choice for choice in node.get("anyOf", ()) if choice.get("type") != "null"), {}) | node
-    if found["type"] == "boolean":
+    merged = next((choice for choice in node.get("anyOf", ()) if choice.get("type") != "null"), {}) | node
+    if merged["type"] == "boolean":
         return SWITCH
-    if found["type"] == "array":
-        count = len(found.get("prefixItems", ()))
+    if merged["type"] == "array":
+        count = len(merged.get("prefixItems", ()))
         if count == 2:
             return _SIZE_PARAMETER
         number = "[0-9]+"
         pattern = ",".join([number] * count) if count else f"{number}(,{number})*"
-        return {"type": "string", "pattern": f"^{pattern}$", "examples": found["examples"]}
-    default = found.get("default")
+        return {"type": "string", "pattern": f"^{pattern}$", "examples": merged["examples"]}
+    default = merged.get("default")
     if isinstance(default, float) and default.is_integer():
-        found["default"] = int(default)
-    return {key: found[key] for key in _KEYWORDS if found.get(key) is not None}
+        merged["default"] = int(default)
+    return {key: merged[key] for key in _KEYWORDS if merged.get(key) is not None}

@@ -2,7 +2,7 @@
 
     python -m infra.web_build.precache_manifest > shell.json
 
-The local stack answers `/shell.json` itself; a deployment uploads the file beside the pages.
+The local stack answers `/shell.json` itself; a deployment uploads the file with the pages.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import TypedDict
 from infra.web_build import site
 
 WEB = Path(__file__).parents[2] / "web"
-# Fetched when a page needs them, not with the first visit: 3 MB, or a script not everybody reads.
+# Fetched when a page needs them, not with the first visit: 3 MB, or a rarely used script.
 LAZY = re.compile(r"vendor(-[0-9a-f]+)?/(opencv/|font/geologica-cyrillic)")
 SUFFIXES = (".html", ".js", ".css", ".svg", ".json", ".woff2", ".wasm")
 # Sources of texts that pages contain, and what is for developers: of no use without a network, 3 MB.

@@ -1,6 +1,6 @@
 """Answers of the service to the examples of `operation_texts`: `python -m infra.web_build.recorded_examples`.
 
-A stack in memory is told five calibrations of one synthetic camera; then every example of `example_calls` is
+A stack in memory gets five calibrations of one synthetic camera; then every example of `example_calls` is
 sent to it. `examples.json` has what it answers; the OpenAPI document and the reference take it from there.
 """
 
@@ -154,7 +154,7 @@ def _poses() -> tuple[TargetPose, ...]:
 
 
 def examples() -> dict[str, Any]:
-    """Return the answers by operation, None where there is no body."""
+    """Return the answers by operation, None if there is no body."""
     answers: dict[str, Any] = {}
     values: dict[str, str] = {}
     with Server(environment={"NEW_TOKENS": "100"}) as stack:
@@ -174,7 +174,7 @@ def text() -> str:
 
 
 def _shorten(node: Any) -> Any:
-    """Cut long lists, and round numbers, to what somebody reads."""
+    """Cut long lists, and round numbers, for readers."""
     if isinstance(node, dict):
         return {key: _shorten(value) for key, value in node.items()}
     if isinstance(node, list):

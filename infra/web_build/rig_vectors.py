@@ -71,17 +71,17 @@ def pairs() -> list[dict[str, Any]]:
 
 def pair_record(left: Camera, right: Camera, pose: Sequence[float]) -> dict[str, Any]:
     """Rectify a pair; `pose` is rvec|tvec, left camera -> right camera."""
-    found = rectify(left, right, RigidMotion.of_vector(np.asarray(pose)))
+    rectification = rectify(left, right, RigidMotion.of_vector(np.asarray(pose)))
     return {
         "left": _record(left),
         "right": _record(right),
         "pose": {"rvec": list(pose[:3]), "tvec": list(pose[3:])},
-        "R1": found.r1.tolist(),
-        "R2": found.r2.tolist(),
-        "P1": found.p1.tolist(),
-        "P2": found.p2.tolist(),
-        "Q": found.q.tolist(),
-        "isVertical": found.is_vertical,
+        "R1": rectification.r1.tolist(),
+        "R2": rectification.r2.tolist(),
+        "P1": rectification.p1.tolist(),
+        "P2": rectification.p2.tolist(),
+        "Q": rectification.q.tolist(),
+        "isVertical": rectification.is_vertical,
     }
 
 
@@ -108,8 +108,8 @@ def _real() -> tuple[Camera, Camera, list[float]]:
         sides.append({view["file"][-6:-4]: View(board, np.array(view["img"])) for view in data["views"]})
     numbers = sorted(set(sides[0]) & set(sides[1]))
     moments = [{i: side[number] for i, side in enumerate(sides)} for number in numbers]
-    found = rig.fit(moments, [(REAL_SIZE, "rectilinear")] * 2)
-    return found.cameras[0], found.cameras[1], found.poses[1].tolist()
+    calibration = rig.fit(moments, [(REAL_SIZE, "rectilinear")] * 2)
+    return calibration.cameras[0], calibration.cameras[1], calibration.poses[1].tolist()
 
 
 if __name__ == "__main__":

@@ -44,7 +44,7 @@ def sitemap(site: str, files: Iterable[str]) -> bytes:
 
 
 def is_page(name: str) -> bool:
-    """Tell whether a file of the site is a page."""
+    """True if a file of the site is a page."""
     return (name == "index.html" or name.endswith("/index.html")) and not name.startswith("vendor")
 
 
@@ -80,8 +80,8 @@ def root_file(key: str, web: Path, options: Options, settings: Mapping[str, Any]
 def public_settings(api: str, token: str, parameters: Mapping[str, str] | None = None) -> dict[str, Any]:
     """Content of `/config.json`, which a deployment writes; `parameters`: of the deployment."""
     settings: dict[str, Any] = {"api": api, "token": token}
-    found = operator(parameters or {})
-    return settings | ({"operator": found} if found else {})
+    contact = operator(parameters or {})
+    return settings | ({"operator": contact} if contact else {})
 
 
 def operator(parameters: Mapping[str, str]) -> dict[str, str]:
@@ -92,8 +92,10 @@ def operator(parameters: Mapping[str, str]) -> dict[str, str]:
 
 def contacts(parameters: Mapping[str, str]) -> dict[str, str]:
     """Return the addresses that every page's footer names: `contact`, `imprint`."""
-    found = operator(parameters)
-    imprint = found.get("imprint", "")
-    addresses = {"contact": found.get("contact", "")}
-    addresses["imprint"] = imprint if imprint.startswith("https://") else "/privacy/#imprint" if found else ""
+    contact = operator(parameters)
+    imprint = contact.get("imprint", "")
+    addresses = {"contact": contact.get("contact", "")}
+    addresses["imprint"] = (
+        imprint if imprint.startswith("https://") else "/privacy/#imprint" if contact else ""
+    )
     return {name: address for name, address in addresses.items() if address}

@@ -115,14 +115,14 @@ def _move_module(name: str, content: bytes) -> bytes:
 
 @lru_cache(maxsize=4)
 def _files(sources: tuple[tuple[str, bytes], ...]) -> Mapping[str, bytes]:
-    known = dict(sources)
-    version = _version(known)
+    files = dict(sources)
+    version = _version(files)
     at = f"{SDK_FOLDER}{version}/"
-    facts = json.dumps({"version": version, "files": integrity(known)}, indent=1).encode() + b"\n"
+    facts = json.dumps({"version": version, "files": integrity(files)}, indent=1).encode() + b"\n"
     modules = {
-        f"{at}{name}": _move_module(name, content) for name, content in known.items() if name.endswith(".js")
+        f"{at}{name}": _move_module(name, content) for name, content in files.items() if name.endswith(".js")
     }
-    packed = _package(known, version)
+    packed = _package(files, version)
     newest = {
         f"{SDK_FOLDER}{name}": content for name, content in (("integrity.json", facts), (_ARCHIVE, packed))
     }
@@ -131,9 +131,9 @@ def _files(sources: tuple[tuple[str, bytes], ...]) -> Mapping[str, bytes]:
 
 def _package(sources: Mapping[str, bytes], version: str) -> bytes:
     """Pack what npm installs, as `npm pack` does; what was packed before is taken from `.build`."""
-    kept = ROOT / ".build" / "sdk" / f"{version}-{_digest(sources)}.tgz"
-    if kept.is_file():
-        return kept.read_bytes()
+    cache_file = ROOT / ".build" / "sdk" / f"{version}-{_digest(sources)}.tgz"
+    if cache_file.is_file():
+        return cache_file.read_bytes()
     described = json.loads(sources["package.json"]) | {"version": version, "scripts": {}}
     contents = {
         **sources,
@@ -148,10 +148,10 @@ def _package(sources: Mapping[str, bytes], version: str) -> bytes:
             entry.size = len(content)
             archive.addfile(entry, io.BytesIO(content))
     content = gzip.compress(packed.getvalue(), mtime=0)
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:
+    cache_file.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile(dir=cache_file.parent, delete=False) as file:
         file.write(content)
-    Path(file.name).replace(kept)
+    Path(file.name).replace(cache_file)
     return content
 
 

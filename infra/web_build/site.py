@@ -8,7 +8,7 @@ lose their comments and indentation.
 
     python -m infra.web_build.site .build/web     # the whole site, as files
 
-The local stack makes them anew when one of their sources changed.
+The server rebuilds them when one of their sources changed.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ Generator = Callable[[Path], Mapping[str, str]]
 
 
 def _generators() -> tuple[Generator, ...]:
-    """Those of pages that are not written by hand. Loaded here: whoever has the pages already needs none."""
+    """Those of pages that are not written by hand. Loaded here, because built pages need none."""
     from infra.web_build.docs import build
     from infra.web_build.docs.example_pages import example_pages
 
@@ -78,7 +78,7 @@ class Options:
 def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, bytes]:
     """Make all files that are made, or take those made of the same sources before: key → content.
 
-    A folder without message catalogs is no client of ours; nothing is made of it.
+    A folder without message catalogues is not our client; nothing is built from it.
 
     Raises
     ------
@@ -185,13 +185,13 @@ def _make_files(web: Path, settings_text: str, state: str) -> Mapping[str, bytes
 
 def _remember(name: str, make: Callable[[], dict[str, str]]) -> dict[str, str]:
     """Return the texts that a process kept under this name, or make and keep them."""
-    kept = _CACHE / f"{hashlib.sha256(name.encode()).hexdigest()[:24]}.json"
+    cache_file = _CACHE / f"{hashlib.sha256(name.encode()).hexdigest()[:24]}.json"
     try:
-        found: dict[str, str] = json.loads(kept.read_text(encoding="utf-8"))
+        pages: dict[str, str] = json.loads(cache_file.read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        found = make()
-        _keep(kept, found)
-    return found
+        pages = make()
+        _keep(cache_file, pages)
+    return pages
 
 
 def _build(web: Path, settings_text: str) -> dict[str, str]:
@@ -239,8 +239,8 @@ def _keep(place: Path, made: Mapping[str, str]) -> None:
     with tempfile.NamedTemporaryFile("w", dir=place.parent, delete=False, encoding="utf-8") as file:
         json.dump(made, file)
     Path(file.name).replace(place)
-    kept = sorted(place.parent.glob("*.json"), key=_age, reverse=True)
-    for old in kept[_MAX_CACHED:]:
+    cache_files = sorted(place.parent.glob("*.json"), key=_age, reverse=True)
+    for old in cache_files[_MAX_CACHED:]:
         old.unlink(missing_ok=True)
 
 

@@ -25,7 +25,7 @@ _POLICY = {
     "object-src": "'none'",
 }
 # What pages of other origins load: a module is always requested with CORS, and the SDK reads the settings.
-_SHARED = ("sdk/", "webxr/", "vendor/webxr/", "openapi.json", "config.json")
+_CROSS_ORIGIN = ("sdk/", "webxr/", "vendor/webxr/", "openapi.json", "config.json")
 # What the machine's own tables may lack or call otherwise; a browser is particular about these.
 _TYPES = {
     ".js": "text/javascript",
@@ -50,7 +50,7 @@ def headers(key: str) -> dict[str, str]:
         "cross-origin-opener-policy": "same-origin",
         "referrer-policy": "strict-origin-when-cross-origin",
         "x-content-type-options": "nosniff",
-    } | (FOR_EVERYONE if key.startswith(_SHARED) else {})
+    } | (FOR_EVERYONE if key.startswith(_CROSS_ORIGIN) else {})
 
 
 def media_type(key: str) -> str:

@@ -25,16 +25,16 @@ _HEAD = """\
 def vendors(text: str) -> Iterator[tuple[str, str]]:
     """Yield id and name of every vendor in a `usb.ids` file."""
     for line in text.splitlines():
-        if found := _VENDOR_LINE.fullmatch(line.rstrip()):
-            yield found[1], found[2]
+        if match := _VENDOR_LINE.fullmatch(line.rstrip()):
+            yield match[1], match[2]
 
 
 def table(text: str) -> str:
-    """Return the table for a `usb.ids` file; raises ValueError where that names no version or no vendor."""
+    """Return the table for a `usb.ids` file; raises ValueError if that names no version or no vendor."""
     version = _VERSION_LINE.search(text)
     lines = [f"{vendor_id} {name}\n" for vendor_id, name in sorted(vendors(text))]
     if version is None or not lines:
-        raise ValueError("this is no usb.ids file: it has no version, or no vendors")
+        raise ValueError("not a usb.ids file: it has no version, or no vendors")
     return _HEAD.format(version=version[1]) + "".join(lines)
 
 

@@ -27,7 +27,7 @@ READ = {
     "board": ("/board/", "#papers a"),
     "photos": ("/photos/", "#board:not(:empty)"),
     "import": ("/import/", "#model option"),
-    "cameras": ("/cameras/", "#found li"),
+    "cameras": ("/cameras/", "#found tr"),
     "camera": ("/cameras/?key=c2.specimen", "#camera-name"),
     "result": ("/result/?id=x", "#verdict"),
     "ar": ("/ar/", "h1:not(:empty)"),
@@ -193,6 +193,7 @@ def test_a_result_without_some_views(page: Page) -> None:
     less["report"]["views"] = [view for view in less["report"]["views"] if view["index"] not in {4, 5}]
     answer(page, "**/v1/calibrations/*?without=*", lambda: less | {"id": None})
     page.goto("/result/?id=x")
+    page.locator("#tab-views").click()
     page.locator("#leave-these").click()
     page.locator(".trial").wait_for()
     picture(page, "shot-result-without", SIZES, full=True)

@@ -9,7 +9,7 @@ from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.captures import capture, listed
 from tests.helpers.browser.pictures import SCHEMES, picture
-from tests.helpers.browser.specimens import answer, camera, cameras, result
+from tests.helpers.browser.specimens import answer, camera, cameras, result, result_of_camera
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import address
 
@@ -20,11 +20,13 @@ def test_what_is_known_is_drawn(page: Page) -> None:
     answer(page, "**/v1/cameras?*", cameras)
     answer(page, "**/v1/cameras/*", camera)
     page.goto("/cameras/")
-    page.locator("#found li").first.wait_for()
-    expect(page.locator("#found > li")).to_have_count(6)
-    expect(page.locator("#found > li", has_text="simulated camera, for practice")).to_have_count(1)
-    expect(page.locator("#found > li").first).to_contain_text("Linux · USB 046d:082d")
-    expect(page.locator("#found > li", has_text="2 of 5 calibrations")).to_have_count(6)
+    page.locator("#found tr").first.wait_for()
+    expect(page.locator("#found > tr")).to_have_count(6)
+    expect(page.locator("#found > tr", has_text="simulated camera, for practice")).to_have_count(1)
+    expect(page.locator("#found > tr").first).to_contain_text("Linux · USB 046d:082d")
+    expect(page.locator("#found > tr", has_text="2 of 5 calibrations")).to_have_count(6)
+    expect(page.locator("#found > tr").first).to_contain_text("66°")
+    expect(page.locator("#found .ring").first.locator(".there")).to_have_count(5)
     expect(page.locator("#more")).to_be_visible()
     for scheme in SCHEMES:
         page.emulate_media(color_scheme=scheme)
@@ -35,14 +37,12 @@ def test_what_is_known_is_drawn(page: Page) -> None:
     expect(page.locator(".reliability").last).to_contain_text("2 of 5 calibrations")
     page.locator(".mode > summary").last.click()
     page.locator(".mode").last.get_by_text("Too few calibrations yet.").wait_for()
-    assert page.locator(".agrees").count() == 2 * (9 + 2)
+    assert page.locator(".agrees").count() == 2 * 9, "two calibrations are read from the table"
     assert page.locator("path.cut").count() == 2 * 2, "what does not agree is crossed"
     expect(page.locator(".plot a").first).to_have_attribute("href", re.compile(r"result/\?id=m\d"))
     expect(page.locator("td.std").first, "how far the calibrations differ").to_contain_text("± 2.5")
     captions = page.locator("figcaption").all_text_contents()
-    assert ["consensus" in caption for caption in captions] == [True, True, False, False], (
-        "where there is none, none is named"
-    )
+    assert [caption for caption in captions if "consensus" in caption] == captions[-2:]
     for scheme in SCHEMES:
         page.emulate_media(color_scheme=scheme)
         picture(page, f"camera-{scheme}", ["desk", "hand"] if scheme == "light" else ["hand"], full=True)
@@ -129,10 +129,18 @@ def test_two_calibrations_are_compared(page: Page) -> None:
     picture(page, "camera-compared", ["hand"], full=True)
 
 
-def test_own_calibrations_are_listed_here_alone_until_they_are_removed(page: Page) -> None:
-    answer(page, "**/v1/cameras?*", cameras)
-    page.goto("/cameras/")
-    expect(page.locator("#own")).to_be_hidden()
+def test_own_calibrations_are_listed_compared_and_removed(page: Page) -> None:
+    def other() -> dict[str, Any]:
+        found = result()
+        (fx, *first), second, third = found["camera_matrix"]
+        return found | {"camera_matrix": [[fx * 1.01, *first], second, third]}
+
+    answer(page, "**/v1/cameras/*", camera)
+    answer(page, "**/v1/calibrations/a", result_of_camera)
+    answer(page, "**/v1/calibrations/b", other)
+    page.goto("/")
+    page.get_by_role("link", name="Mine").click()
+    expect(page.locator(".nothing")).to_contain_text("Nothing here yet")
     page.evaluate(
         """() => import("/lib/own-calibrations.js").then(({ keepOwn }) => ["a", "b"].forEach((id) => keepOwn({
           id, camera: `Own ${id} (1234:0001)`, img_size: [640, 480], time: 1767225600, level: "good", rms: 1,
@@ -141,9 +149,16 @@ def test_own_calibrations_are_listed_here_alone_until_they_are_removed(page: Pag
     page.reload()
     expect(page.locator("#own li")).to_have_count(2)
     expect(page.locator("#own li").first).to_contain_text("Own b 640\u00a0×\u00a0480")
-    expect(page.locator("#own li a").first).to_have_attribute("href", "../result/?id=b")
+    expect(page.locator("#own li a").first).to_have_attribute("href", re.compile(r"/result/\?id=b$"))
+    page.locator("#tick-a").check()
+    page.locator("#with-consensus").click()
+    expect(page.locator(".comparison thead")).to_contain_text("Consensus")
+    page.locator("#tick-b").check()
+    expect(page.locator(".comparison figcaption")).to_contain_text("How far apart the two show a point")
+    expect(page.locator(".comparison tbody tr").first).to_contain_text("σ")
+    picture(page, "mine-compared", ["desk", "hand"], full=True)
     page.locator("#own li button").first.click()
     expect(page.locator("#own li")).to_have_count(1)
     page.locator("#own li button").click()
-    expect(page.locator("#own")).to_be_hidden()
+    expect(page.locator(".nothing")).to_be_visible()
     assert page.evaluate("localStorage.getItem('calibdb.own')") is None

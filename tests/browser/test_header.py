@@ -33,11 +33,12 @@ def test_a_german_visitor_is_led_to_german_and_keeps_query_and_choice(visit: Vis
     page.goto("/cameras/?query=c920#top")
     page.locator("h1", has_text="Kameras").first.wait_for()
     assert address(page).endswith("/de/cameras/?query=c920#top")
+    page.locator("nav summary", has_text="Kalibrieren").click()
     page.locator("nav a", has_text="Tafel").click()
     page.wait_for_url("**/de/board/")
     # English, chosen, stays: here, and wherever an address says no language.
     page.locator("#language").select_option("en")
-    page.locator("nav a", has_text="Board").wait_for()
+    page.locator("nav summary", has_text="Calibrate").wait_for()
     assert "/de/" not in address(page)
     page.goto("/cameras/")
     page.locator("h1", has_text="Cameras").first.wait_for()

@@ -90,6 +90,11 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
     )
     assert abs(ours / theirs - 1) < 0.003, "every view counts; the shape of the board moves it by some"
     assert calibration["platform"] == "photographs"
+    assert "/result/?id=" in page.url
+    page.go_back()
+    expect(page.locator("#views .taken").first).to_be_visible()
+    page.go_forward()
+    expect(page.locator("#verdict")).to_be_visible()
     picture(page, f"import-{form}-done", PASSING, full=True)
     for request in sent:
         if request.post_data is not None:
@@ -109,7 +114,7 @@ def test_poor_result_is_shown_with_its_verdict(page: Page, tmp_path: Path) -> No
     calibrate_views(page, tmp_path, 4)
     page.locator("#verdict", has_text="Poor").wait_for()
     expect(page.locator(".errors")).to_contain_text("Where the board was")
-    expect(page.locator(".errors")).to_contain_text("At a distance of 1 m")
+    expect(page.locator(".meaning")).to_contain_text("At a distance of")
     expect(page.locator(".reasons li").first).not_to_be_empty()
     expect(page.locator("#json")).not_to_be_empty()
 

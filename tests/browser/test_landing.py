@@ -2,7 +2,7 @@
 
 from playwright.sync_api import Page, expect
 
-from tests.helpers.browser.pictures import violations
+from tests.helpers.browser.pictures import SIZES, violations
 from tests.helpers.browser.scenes import CAMERA
 from tests.helpers.browser.specimens import answer, cameras, result
 
@@ -15,6 +15,10 @@ def test_a_lookup_answers_with_a_card_beside_the_counts_of_the_database(page: Pa
     answer(page, "**/v1/lookup", lambda: result() | {"calibrations": 7, "reliable": True})
     answer(page, "**/v1/cameras?*", cameras)
     page.goto("/")
+    assert len(page.locator("main").inner_text().split()) <= 300
+    page.set_viewport_size(SIZES["desk"])
+    search = page.get_by_role("searchbox", name="Is your camera in the database?")
+    assert (search.bounding_box() or {})["y"] < 850
     still = page.evaluate(DRAWN)
     page.locator("#look").click()
     page.locator(".answer h3", has_text="HD Pro Webcam C920 (046d:082d) is ready to use").wait_for()
@@ -26,6 +30,9 @@ def test_a_lookup_answers_with_a_card_beside_the_counts_of_the_database(page: Pa
     assert page.evaluate(DRAWN) == still, "nothing moves for who asks for that"
     page.locator("#loop-toggle").click()
     page.wait_for_function(f"(before) => {DRAWN} !== before", arg=still)
+    search.fill("c920")
+    search.press("Enter")
+    page.wait_for_url("**/cameras/?query=c920")
 
 
 def test_an_unknown_camera_has_an_estimate_beside_the_way_to_calibrate_it(page: Page) -> None:

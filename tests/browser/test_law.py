@@ -86,7 +86,7 @@ def test_terms_name_the_text_that_is_agreed_to(page: Page) -> None:
 
 def test_data_page_shows_figures_and_files(page: Page) -> None:
     page.goto("/data/")
-    expect(page.locator("#status")).to_contain_text("No figures have been made yet")
+    expect(page.locator("#status")).to_contain_text("Statistics appear after the first weekly run")
     expect(page.locator("#no-dump")).to_be_visible()
     answer(page, "/dumps/statistics.json", STATISTICS)
     answer(page, "/dumps/latest.json", DUMP)

@@ -61,7 +61,7 @@ FRAMES = """() => new Promise((resolve) => {
 
 def published_corners(page: Page, api: httpx.Client) -> list[Any]:
     """Return the first corner of each view of the calibration that the page shows."""
-    page.locator(".views li").first.wait_for()
+    page.locator(".views li").first.wait_for(state="attached")
     answer = api.get(f"/calibrations/{address(page).split('id=')[1]}", params={"format": "photonvision"})
     return [view["locationInImageSpace"][0] for view in answer.raise_for_status().json()["observations"]]
 
@@ -80,6 +80,10 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     page.locator("#undo:enabled").wait_for()
     page.locator("#overlay[src^='blob:']:not([hidden])").wait_for(state="attached")
     page.evaluate(HIDE_WITH_TARGET)
+    taken = views(page)
+    expect(page.locator("#film .taken img")).to_have_count(taken)
+    expect(page.locator("#film .next polygon")).to_have_count(1)
+    expect(page.locator("#film > i")).to_have_count(5)
     picture(page, "capture-during", PASSING)
     page.evaluate(HIDE, False)
     page.locator("#finish").click()  # from four views it can be ended by hand
@@ -107,6 +111,8 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
 
     # It goes on without one of its views, and keeps the others.
     before = published_corners(page, api)
+    page.locator("#tab-views").click()
+    assert page.locator(".views image").count() == len(before), "each view with its picture"
     page.locator("#view-1-out").click()
     page.locator(".trial").wait_for()
     page.locator(".views").scroll_into_view_if_needed()
@@ -183,12 +189,12 @@ def test_once_more_is_one_press_after_another_camera_than_was_asked_for(page: Pa
     page.route("**/v1/calibrations/*", lambda route: held.append(route))
     page.goto(f"{VIRTUAL}&camera=C920")
     hear(page, "another", r"Expected: C920.* Open now: calibDB virtual camera")
-    page.locator("#once-more").focus()
+    page.locator("#download").focus()
     until(page, lambda: held)
     held[0].continue_()
     page.unroute("**/v1/calibrations/*")
     done(page)
-    expect(page.locator("#once-more:focus"), "the report leaves the focus where it is").to_have_count(1)
+    expect(page.locator("#download:focus"), "the report leaves the focus where it is").to_have_count(1)
     expect(page.locator("#practice")).to_contain_text("Practice run")
     expect(page.locator("#practice")).to_be_visible()
     expect(page.locator("#done .another")).to_contain_text("Expected: C920")
@@ -197,6 +203,7 @@ def test_once_more_is_one_press_after_another_camera_than_was_asked_for(page: Pa
     picture(page, "capture-done-another", ["hand"])
     assert "/result/?id=" in address(page)
     begun = sessions(page)
+    page.locator(".more > summary").click()
     page.locator("#once-more").click()
     until(page, lambda: begun)
     page.locator("#controls:not([hidden])").wait_for()

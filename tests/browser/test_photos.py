@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -97,7 +98,20 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page, series: Seri
     assert (calibration["camera"], calibration["platform"]) == (NAME, "photographs")
     expect(page.locator(".views .source").first).to_contain_text(".jpg")
     page.locator(".compare canvas").nth(1).wait_for()
+    assert "/result/?id=" in page.url
+    expect(page).to_have_title(re.compile(f"{NAME} .*: (Good|Fair) · calibDB"))
+    expect(page.locator("#form")).to_be_hidden()
+    expect(page.locator(".views image").first).to_have_attribute("href", re.compile("^data:image/jpeg"))
     picture(page, "photos-done", PASSING, full=True)
+    page.go_back()
+    assert page.url.endswith(series.page)
+    expect(page.locator("#pictures .taken").first).to_be_visible()
+    expect(page.locator("#verdict")).to_be_hidden()
+    expect(page).to_have_title("Calibrate from photos · calibDB")
+    page.go_forward()
+    expect(page.locator("#verdict")).to_be_visible()
+    page.reload()
+    expect(page.locator("#result-name")).to_contain_text(NAME)
     for request in sent:
         body = request.post_data
         if request.url.startswith("blob:") or body is None:

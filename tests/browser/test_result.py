@@ -19,6 +19,7 @@ from tests.helpers.browser.waiting import until
 
 from .conftest import TOKEN
 
+MAX_HEIGHTS = {"desk": 1800, "hand": 2800}  # px, of a result whichever tab is open
 KEY = {"camera": "Result Test Camera (1234:0001)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 
 
@@ -39,17 +40,38 @@ def test_a_result_with_its_report(page: Page) -> None:
     expect(page).to_have_title("Example Camera 1280\u00a0×\u00a0720: Fair · calibDB")
     assert page.locator("#result-name").text_content() == "Example Camera 1280\u00a0×\u00a0720"
     # One statistic, wherever the error is spoken of.
-    for place in (".card .lead", "#result-error + figure figcaption"):
-        expect(page.locator(place)).to_contain_text("Typical error 0.23\u00a0px")
-        expect(page.locator(place)).to_contain_text("at most 0.41\u00a0px")
+    said = "Typical error 0.23\u00a0px, at most 0.41\u00a0px"
+    expect(page.locator(".card .lead")).to_contain_text(said)
+    expect(page.locator("svg.heat")).to_have_attribute("aria-label", re.compile(said, re.IGNORECASE))
+    expect(page.locator(".meaning")).to_contain_text("About a quarter of a pixel.")
+    page.locator("#distance").select_option("10")
+    expect(page.locator(".meaning output")).to_have_text("that is 2.3\u00a0mm, or 0.013°.")
     expect(page.locator(".facts")).to_contain_text("12 views · ChArUco 9\u00a0×\u00a06 · Jan 1, 2026")
     expect(page.locator("#agreement")).to_contain_text("Ready to use: 9 calibrations agree.")
     assert page.locator("svg.heat path.heat-5").get_attribute("d")
     expect(page.locator(".compare canvas"), "a picture before any number").to_have_count(2)
     order = page.locator("h2").evaluate_all("all => all.map((each) => each.id)")
-    assert order[:4] == ["result-straight", "result-numbers", "result-figures", "result-views"]
+    assert order == ["result-error", "result-coverage", "result-poses"]
     page.locator("svg.heat").first.hover()
-    expect(page.locator(".reading")).to_contain_text("px", use_inner_text=True)
+    expect(page.locator(".tile figcaption").first).to_contain_text("At x = ")
+    expect(page.locator(".scene .board")).to_have_count(12)
+    heights = {size: [] for size in MAX_HEIGHTS}
+    for size in MAX_HEIGHTS:
+        page.set_viewport_size(SIZES[size])
+        for tab in page.get_by_role("tab").all():
+            tab.click()
+            heights[size].append(page.evaluate("document.documentElement.scrollHeight"))
+    print(heights)
+    assert all(max(heights[size]) <= most for size, most in MAX_HEIGHTS.items())
+    page.get_by_role("tab", name="Numbers").focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.get_by_role("tab", name="Lens")).to_be_focused()
+    expect(page.locator(".distortion")).to_be_visible()
+    page.locator("#tab-views").click()
+    worst = page.locator(".views li strong").first
+    expect(worst, "the worst view first").to_have_text("View 5")
+    worst.hover()
+    expect(page.locator(".lit")).to_have_count(3)
     expect(page.locator(".views li")).to_have_count(12)
     expect(page.locator(".views .problem"), "the views to take again").to_have_count(3)
     left_out = page.locator(".views li", has_text="Excluded: it contradicts the others")
@@ -72,7 +94,7 @@ def test_nothing_moves_while_a_result_and_a_list_arrive(page: Page, width: int) 
     answer(page, "**/v1/calibrations/*", result_of_camera)
     answer(page, "**/v1/cameras/*", camera)
     answer(page, "**/v1/cameras?*", cameras)
-    for path, there in {"/result/?id=x": "#agreement a", "/cameras/": "#found li"}.items():
+    for path, there in {"/result/?id=x": "#agreement a", "/cameras/": "#found tr"}.items():
         page.goto(path)
         page.locator(there).first.wait_for()
         shift = page.evaluate(SHIFT)
@@ -80,11 +102,13 @@ def test_nothing_moves_while_a_result_and_a_list_arrive(page: Page, width: int) 
         assert shift < 0.02, path
 
 
-SHOWN_TWICE = """async ([{ report, board, camera_key, ...calibration }]) => {
+SHOWN_TWICE = """async () => {
   const { ResultView } = await import("/lib/result/view.js");
+  const { load } = await import("/lib/result/source.js");
+  const { calibration, report } = await load("x");
   const view = new ResultView(document.getElementById("result"));
   const result = { calibration, report: null, origin: "practice", explain: String };
-  const parts = ".intrinsics :is(th, td), .card > *, #result-numbers, #result-figures";
+  const parts = ".intrinsics :is(th, td), .card > *, .tile, #result-numbers";
   const places = () => [...document.querySelectorAll(parts)].map((each) => {
     const { x, y, width } = each.getBoundingClientRect();
     return [x, y, width].map(Math.round);
@@ -100,11 +124,12 @@ SHOWN_TWICE = """async ([{ report, board, camera_key, ...calibration }]) => {
 
 
 def test_error_bars_that_arrive_later_move_no_number(page: Page) -> None:
+    answer(page, "**/v1/calibrations/*", result)
     page.goto("/result/")
     page.locator("#waiting a").first.wait_for()
     for size in SIZES["desk"], {"width": 800, "height": 600}, SIZES["hand"]:
         page.set_viewport_size(size)
-        (before, nothing), (after, numbers) = page.evaluate(SHOWN_TWICE, [result()])
+        (before, nothing), (after, numbers) = page.evaluate(SHOWN_TWICE)
         assert before == after, size
         assert nothing == [], "no number is read that is rewritten a moment later"
         assert numbers[:2] == ["977.73\u00a0px", "±\u00a00.56\u00a0px"]
@@ -134,6 +159,7 @@ def test_what_stands_in_the_card_is_at_hand(page: Page, context: BrowserContext)
     page.locator("#copy-link", has_text="Kopiert").wait_for()
     copied = "navigator.clipboard.readText()"
     assert str(page.evaluate(copied)).endswith(f"/result/?id={result()['id']}")
+    page.locator("#tab-numbers").click()
     page.locator("#copy-numpy").click()
     page.locator("#copy-numpy", has_text="Kopiert").wait_for()
     names: dict[str, Any] = {"np": np}
@@ -172,6 +198,7 @@ def test_what_it_is_without_a_view_is_shown_and_saved(
     path = f"/calibrations/{state['calibration_id']}"
     less = api.get(path, params={"without": "0"}).json()
     page.goto(f"/result/?id={state['calibration_id']}")
+    page.locator("#tab-views").click()
     page.locator("#view-0-out").click()
     page.locator(".trial", has_text="without view 1").wait_for()
     expect(page.locator("#view-0-out:focus")).to_have_text("Include")
@@ -214,10 +241,10 @@ def test_every_format_is_saved_or_says_why_not(
         assert not (page.locator("#format-about").text_content() or "").startswith("formats.")
         before = len(kept)
         page.locator("#download").click()
-        page.locator(".saved", has_text=re.compile("Saved as|There is no such file")).wait_for()
+        page.locator(".saved", has_text=re.compile("Saved as|This file does not exist")).wait_for()
         said[form] = page.locator(".saved").text_content() or ""
         print(form, said[form])
-        if "There is no such file" in said[form]:
+        if "This file does not exist" in said[form]:
             continue
         until(page, lambda n=before: len(kept) > n)
         assert len(kept) == before + 1, "what is said to be saved is"

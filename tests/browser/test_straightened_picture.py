@@ -48,10 +48,10 @@ def test_a_picture_is_straightened_on_this_device(page: Page, photograph: Path) 
     sent: list[str] = []
     page.on("request", lambda request: sent.append(request.url))
     page.locator("#trial-picture").set_input_files(photograph)
-    page.get_by_text("This is a regular grid").wait_for(state="detached")
+    page.get_by_text("A square grid as your lens").wait_for(state="detached")
     page.locator(".compare canvas").nth(1).wait_for()
-    page.locator("input[type=range]").fill("20")
-    assert page.locator(".compare").evaluate("stage => stage.style.getPropertyValue('--cut')") == "20%"
+    page.locator(".compare input").fill("20")
+    assert page.locator(".compare").evaluate("stage => stage.style.getPropertyValue('--cut')") == "0.2"
     assert [url for url in sent if not url.startswith("blob:")] == []
     picture(page, "result-straightened", ["hand"], full=True)
 

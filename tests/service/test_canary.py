@@ -11,6 +11,7 @@ import pytest
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
+from calibdb.http import canary_capture
 from infra.deploy import page_token
 from infra.server.server import DEVELOPMENT_TOKEN, Server
 from tests.helpers.service.published import store
@@ -86,7 +87,7 @@ def test_canary_that_measures_wrongly_fails(
     canary: ModuleType, site: tuple[Server, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert site
-    monkeypatch.setattr(canary, "_MAX_FOCAL_ERROR", 1e-9)
+    monkeypatch.setattr(canary_capture, "_MAX_FOCAL_ERROR", 1e-9)
     with pytest.raises(canary.CanaryError, match=r"^result: fx"):
         canary.handler({}, None)
 

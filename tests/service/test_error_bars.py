@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from calibdb.compute.view_checks import examine
 from calibdb.lookup.relation import relate
 from calibdb.schema import Calibration, CheckRequest, FitRecord
 from calibsolver import Board, View, fit
 from calibsolver import Calibration as Fitted
 from calibsolver.arrays import symmetric_inverse
 from calibsolver.quality.rivals import with_rivals
-from functions.checks.app import examine
 from tests.helpers.service.client import CAMERA, Client
 from tests.helpers.solver import hands, populations, synthetic
 

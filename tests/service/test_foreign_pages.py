@@ -10,7 +10,7 @@ from http.client import HTTPConnection
 import httpx
 import pytest
 
-from infra.server.loopback import is_loopback
+from infra.server.app import is_loopback
 from infra.server.protocol import TimedProtocol
 from infra.server.server import Server
 from tests.helpers.service.client import TOKEN

@@ -82,7 +82,7 @@ def test_part_that_fails_is_named_and_nothing_of_why(
 ) -> None:
     stack, url = site
     if part == "solver":
-        monkeypatch.setattr("calibsolver.fit", fail)
+        monkeypatch.setattr("calibdb.compute.solver_check.fit", fail)
     elif part == "edge":
         monkeypatch.setattr("urllib.request.OpenerDirector.open", fail)
     else:

@@ -69,7 +69,11 @@ def capture_rigs(remote: Remote, heard: Acknowledged, seed: int) -> None:
                 moments.add(moment)
 
 
-def until_killed(work: Callable[[Remote, Acknowledged, int], None], url: str, *more: Any) -> None:
+def rotate(remote: Remote, token: dict[str, Any]) -> None:
+    rotate_until_cut_off(str(remote.http.base_url), token, used=True)
+
+
+def until_killed(work: Callable[..., None], url: str, *more: Any) -> None:
     with suppress(httpx.TransportError), Remote(url) as remote:
         work(remote, *more)
 
@@ -109,9 +113,7 @@ def test_nothing_acknowledged_is_lost(tmp_path: Path) -> None:
             seeds = range(10 * kill, 10 * kill + 2)
             running = [pool.submit(until_killed, capture, server.url, heard, seed) for seed in seeds]
             running += [pool.submit(until_killed, capture_rigs, server.url, heard, seed) for seed in seeds]
-            running += [
-                pool.submit(rotate_until_cut_off, server.url, token, used=True) for token in heard.tokens
-            ]
+            running += [pool.submit(until_killed, rotate, server.url, token) for token in heard.tokens]
             while heard.count() < LEAST:
                 time.sleep(0.01)
                 for each in running:

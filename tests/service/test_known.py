@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from calibdb.lookup.alias_filter import AliasFilter
+from calibdb.lookup.reports import AliasFilter
 from calibdb.store.aliases import (
     ALIAS_EXPIRY_S,
     ALIAS_RENEWAL_S,

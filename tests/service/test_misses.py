@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from calibdb.lookup.misses import MAX_CAMERAS, REPORT_S, MissCounter
+from calibdb.lookup.reports import MAX_CAMERAS, REPORT_S, MissCounter
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store

@@ -130,7 +130,7 @@ def test_malformed_file_stores_nothing(
     path = tmp_path / "broken.json"
     for content, reason in (
         ('{"cameraIntrinsics": {"data": [1, 2]}}', "resolution"),
-        ("{", "no JSON"),
+        ("{", "not JSON"),
     ):
         path.write_text(content)
         assert main(["import", str(path), *WHOSE]) == 1

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from functions.tokens import app as tokens
+from calibdb.service import Service
 from infra.server.app import Public
 from infra.server.command import main
 from infra.server.server import DEVELOPMENT_TOKEN, Server
@@ -74,7 +74,7 @@ def test_address_comes_from_trusted_proxies_only(
     server: Server, monkeypatch: pytest.MonkeyPatch, peer: str, forwarded: str, caller: str
 ) -> None:
     addresses: list[str] = []
-    monkeypatch.setattr(tokens, "source", lambda _, address: addresses.append(address) or address)
+    monkeypatch.setattr(Service, "source", lambda _, address: addresses.append(address) or address)
     headers = {**HOST, "content-type": "application/json", "x-forwarded-for": forwarded}
     request(server, "POST", "/v1/tokens", headers, body=b'{"origins": ["http://localhost"]}', client=peer)
     assert addresses == [caller]

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from calibdb import schema
+from calibdb.compute import refits
 from calibdb.errors import UnavailableError
 from calibdb.store import Store
 from calibsolver import consensus, deadline
@@ -276,7 +277,7 @@ def test_what_many_wait_for_is_computed_once(at_rest: Store, monkeypatch: pytest
     assert reads == [1]
     assert all(answer == answers[0] for answer in answers)
     # Who computes for longer than a caller waits is not joined by others.
-    monkeypatch.setattr(refit, "WAITS_S", (0.01,))
+    monkeypatch.setattr(refits, "WAITS_S", (0.01,))
     at_rest.calibrations.publish(calibration("Impatient", 1, views=3))
     at_rest.leases.take(mode, "somebody", int(time.time()), int(time.time()) + 60, "NOW#rectilinear")
     with pytest.raises(UnavailableError):

@@ -93,6 +93,16 @@ def test_pages_are_those_of_the_build(installed: Remote) -> None:
     assert installed.http.get("/sitemap.xml").text.count("<loc>") > 20
 
 
+def test_detector_is_compressed_at_build_time(installed: Remote) -> None:
+    path = "/vendor/opencv/opencv.wasm"
+    with installed.http.stream("GET", path) as answer:
+        assert answer.headers["content-encoding"] == "gzip"
+        assert int(answer.headers["content-length"]) < 1_500_000
+    plain = installed.http.get(path, headers={"accept-encoding": "identity"})
+    assert "content-encoding" not in plain.headers
+    assert len(plain.content) > 2_000_000, "more than a server compresses for a request"
+
+
 def test_operator_acts_on_the_data_folder(installed: Remote, scripts: Path, data: Path) -> None:
     assert installed.http.get("/healthz").status_code == 200
     for command in (

@@ -38,7 +38,6 @@ for name in guidance.GUIDES:
     guided = capture.Capture(Board(), (640, 480), guidance=name)
     assert len(guided.next_target([], guided.estimate([])).ids) == 40
 import calibdb_client
-from tests.helpers.service.in_process import request
 assert "site-packages" in calibsolver.__file__ and "site-packages" in calibdb_client.__file__
 """
 

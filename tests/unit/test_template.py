@@ -331,9 +331,8 @@ def test_who_waits_gives_up_after_whom_it_waits_for(source: dict) -> None:
     """Refit for its turn, its caller for refit, the function for its caller's answer, the gateway for all."""
     default = source["Globals"]["Function"]["Timeout"]
     refit = source["Resources"]["RefitFunction"]["Properties"]["Timeout"]
-    waits = re.search(
-        r"^WAITS_S = \(([\d., ]+)\)", (ROOT / "functions/refit/app.py").read_text(), re.MULTILINE
-    )
+    text = (ROOT / "layers/service/calibdb/compute/refits.py").read_text()
+    waits = re.search(r"^WAITS_S = \(([\d., ]+)\)", text, re.MULTILINE)
     assert waits is not None
     turn = sum(map(float, waits[1].split(",")))
     invoke = aws._INVOKE.read_timeout

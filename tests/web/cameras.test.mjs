@@ -4,6 +4,7 @@ import { spreadOf } from "../../web/cameras/spread.js";
 import { splitLabel, systemName } from "../../web/lib/camera-name.js";
 import { jsonText } from "../../web/lib/json-text.js";
 import { lensDifference } from "../../web/lib/lens-difference.js";
+import { widthOf } from "../../web/cameras/list.js";
 import { forgetOwn, keepOwn, ownCalibrations } from "../../web/lib/own-calibrations.js";
 import { agreementOf, followAgreement } from "../../web/lib/result/agreement.js";
 import { matrixText, valueText } from "../../web/lib/result/values.js";
@@ -108,4 +109,11 @@ test("own calibrations are kept once, the newest first, and forgotten one by one
   assert.equal(kept.size, 0);
   kept.set("calibdb.own", "{broken");
   assert.deepEqual(ownCalibrations(), []);
+});
+
+test("the width of view follows from the focal length and the model", () => {
+  const at = (fx, model) => widthOf({ fx, img_size: [1000, 500], models: [model] });
+  assert.ok(Math.abs(at(500, "rectilinear") - 90) < 1e-9);
+  assert.ok(Math.abs(at(1000 / Math.PI, "fisheye") - 180) < 1e-9);
+  assert.deepEqual([at(null, "rectilinear"), at(700, "omnidirectional")], [null, null]);
 });

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./messages.mjs";
 import { displacements } from "../../web/lib/result/numbers.js";
-import { above, valueAt } from "../../web/lib/contours.js";
+import { above, refined, valueAt } from "../../web/lib/contours.js";
 import { gridLines } from "../../web/lib/result/grid-picture.js";
 import { distortionPlot, errorPlot } from "../../web/lib/result/plots.js";
 
@@ -63,13 +63,13 @@ test("the error map's bands hold the places that have their values, and nothing 
   const [columns, rows] = [20, 12];
   const px = Array.from({ length: rows }, (_, row) => Array.from({ length: columns }, (_, column) => 0.1 + 0.01 * (row + column)));
   const lens = { ...calibration(800, "rectilinear", [0, 0, 0, 0, 0]), uncertainty: { rms: 0.26, max: 0.4 } };
-  const { svg, caption } = errorPlot(lens, { grid: [columns, rows], px });
+  const { svg, levels } = errorPlot(lens, { error_map: { grid: [columns, rows], px }, views: [] });
   const [area] = svg.all("svg");
   assert.equal(area.all("text").length, 0, "a number over a band of another colour would contradict it");
-  assert.match(caption, /0\.26\spx.*0\.40\spx/, "the statistic of the headline, and no other");
+  assert.match(svg.attributes["aria-label"], /0\.26\spx.*0\.40\spx/, "the statistic of the headline, and no other");
   const [left, top, width] = area.attributes.viewBox.split(" ").map(Number);
   const unit = width / SIZE[0]; // plot units a pixel
-  const bands = area.all("path").map(({ attributes }) => attributes.d.split("Z").filter(Boolean)
+  const bands = area.all("path").filter(({ attributes }) => attributes.class.startsWith("heat-")).map(({ attributes }) => attributes.d.split("Z").filter(Boolean)
     .map((part) => part.slice(1).split("L").map((pair) => pair.split(" ").map(Number))));
   assert.equal(bands.length, 8);
   const inside = (polygon, [u, v]) => polygon.reduce((crossings, [x, y], index) => {
@@ -80,7 +80,8 @@ test("the error map's bands hold the places that have their values, and nothing 
     const value = valueAt(px, SIZE, [u, v]);
     const place = [left + (u + 0.5) * unit, top + (v + 0.5) * unit];
     const highest = bands.findLastIndex((polygons) => polygons.some((polygon) => inside(polygon, place)));
-    assert.ok(Math.abs((value / 0.4) * 8 - highest - 0.5) < 0.55, `${value} px at ${u}, ${v} is drawn as band ${highest}`);
+    const slack = 0.1 * (levels[highest + 1] - levels[highest]);
+    assert.ok(value > levels[highest] - slack && value < levels[highest + 1] + slack, `${value} px at ${u}, ${v} is drawn as band ${highest}`);
   }
 });
 
@@ -97,8 +98,23 @@ test("values between centres are linear, and go on as they are to the edge", () 
   assert.ok(Math.abs(area - 200 * 100) < 1e-6, "the lowest band is the whole picture");
 });
 
+test("a finer map goes smoothly through the values that there are", () => {
+  const value = (u, v) => 0.1 + 0.002 * u * u + 0.001 * v;
+  const coarse = Array.from({ length: 15 }, (_, row) => Array.from({ length: 20 }, (_, column) => value(column - 10, row)));
+  const fine = refined(coarse, 4);
+  assert.deepEqual([fine.length, fine[0].length], [60, 80]);
+  for (let row = 8; row < 52; row++) {
+    for (let column = 8; column < 72; column++) {
+      const error = fine[row][column] - value((column + 0.5) / 4 - 10.5, (row + 0.5) / 4 - 0.5);
+      assert.ok(Math.abs(error) < 1e-3, `${row}, ${column}: ${error}`);
+    }
+  }
+  coarse[3][4] = null;
+  assert.ok(refined(coarse, 4).flat().filter((each) => each === null).length > 16);
+});
+
 test("the grid that is straightened shows the lens: straight lines of a pinhole, bent ones of a lens that bends", () => {
-  const bend = (lens) => Math.max(...gridLines(lens).map((line) => {
+  const bend = (lens) => Math.max(...gridLines(lens).map(({ seen: line }) => {
     const [[x, y], [p, q]] = [line[0], line[line.length - 1]];
     const length = Math.hypot(p - x, q - y);
     return Math.max(...line.map(([u, v]) => Math.abs((p - x) * (v - y) - (q - y) * (u - x)) / length));

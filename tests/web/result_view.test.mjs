@@ -5,6 +5,8 @@ import { returnAddress, withResult } from "../../web/lib/result/return-address.j
 import { viewIssue, coverage, digitsFor, digitsOf, fieldOfView, fileName, intrinsics, levelOf } from "../../web/lib/result/numbers.js";
 import { setLanguage } from "../../web/lib/i18n.js";
 import { boardSentence } from "../../web/lib/result/card.js";
+import { convexHull, hatching } from "../../web/lib/result/hull.js";
+import { errorInScene, errorInWords } from "../../web/lib/result/meaning.js";
 import { reasonTexts } from "../../web/lib/result/reasons.js";
 import "./messages.mjs";
 import { ticks } from "../../web/lib/svg.js";
@@ -55,6 +57,33 @@ test("without a report the predicted error decides, relative to the picture", ()
   assert.equal(at(9, 1280, { inside: 0.3, covered: 0.05 }), "poor", "too little of the picture");
 });
 
+test("an error means a part of a pixel, and a length and an angle at a distance", () => {
+  assert.deepEqual([0.05, 0.23, 0.9, 2.6, 0.001].map((px) => errorInWords(px)), [
+    "About a twentieth of a pixel.", "About a quarter of a pixel.", "About a pixel.", "About 3 pixels.", "A hundredth of a pixel or less."]);
+  const camera = { ...calibration, camera_matrix: [[1000, 0, 0], [0, 1000, 0], [0, 0, 1]] };
+  const { mm, degrees } = errorInScene(0.5, camera, 10);
+  assert.ok(Math.abs(mm - 5) < 1e-9 && Math.abs(degrees - 0.02864789) < 1e-6);
+  const wide = errorInScene(0.5, { ...camera, distortion_model: "omnidirectional", distortion_coefficients: [1, 0, 0, 0, 0] }, 10);
+  assert.ok(Math.abs(wide.mm - 10) < 1e-9, "by the focal length at the axis");
+});
+
+test("the convex hull is hatched around, not inside", () => {
+  const square = [[20, 20], [80, 20], [80, 60], [20, 60]];
+  const hull = convexHull([...square, [50, 40], [20, 30], [70, 20]]);
+  assert.deepEqual(new Set(hull.map(String)), new Set(square.map(String)));
+  const lines = hatching(hull, [100, 80], 7);
+  const isInside = ([x, y]) => x > 20 + 1e-6 && x < 80 - 1e-6 && y > 20 + 1e-6 && y < 60 - 1e-6;
+  for (const [from, to] of lines) {
+    for (const share of [0.01, 0.25, 0.5, 0.75, 0.99]) {
+      const point = from.map((value, axis) => value + share * (to[axis] - value));
+      assert.ok(!isInside(point) && point[0] >= -1e-9 && point[0] <= 100 + 1e-9 && point[1] >= -1e-9 && point[1] <= 80 + 1e-9, `${point}`);
+    }
+  }
+  const length = (all) => all.reduce((sum, [from, to]) => sum + Math.hypot(to[0] - from[0], to[1] - from[1]), 0);
+  const whole = length(hatching([], [100, 80], 1));
+  assert.ok(Math.abs(length(hatching(hull, [100, 80], 1)) / whole - (1 - (60 * 40) / (100 * 80))) < 0.02, "as much as lies outside");
+});
+
 test("axes are numbered roundly", () => {
   assert.deepEqual(ticks(1280, 5), [0, 400, 800, 1200]);
   assert.deepEqual(ticks(640, 4), [0, 200, 400, 600]);
@@ -81,7 +110,7 @@ test("results go back over HTTPS, to the visitor's own machine, and to origins t
 
 test("what is systematic is told with what to do about it, in each language", () => {
   const verdict = { level: "fair", reasons: [{ code: "uncertain", text: "" }] };
-  const told = (cause, model = null) => reasonTexts({ verdict, systematic: { inflation: 5, cause, text: "", model } }, [], "rectilinear").at(-1);
+  const told = (cause, model = null) => reasonTexts({ verdict, systematic: { inflation: 5, cause, text: "", model } }, [], calibration).at(-1);
   const expected = {
     en: [/^The board is not flat. Glue it to something rigid/, /Hold it still for longer/, /Switch autofocus off/, /Choose the fisheye model/],
     de: [/Kleben Sie sie auf etwas Steifes/, /Halten Sie länger still/, /Schalten Sie den Autofokus aus/, /Wählen Sie das Modell fisheye/],
@@ -100,12 +129,13 @@ test("a cause is told once, whether the verdict, the report or the capture names
   const systematic = { inflation: 1.7, cause: "board_bent", text: bent.text, model: null };
   const named = { verdict: { level: "fair", reasons: [bent] }, systematic };
   const notes = [bent, { code: "limit_reached", text: "" }];
-  assert.equal(reasonTexts(named, notes, "rectilinear").length, 2);
-  assert.equal(reasonTexts({ verdict: { level: "good", reasons: [] }, systematic }, [], "rectilinear").length, 1, "a good result too");
-  assert.equal(reasonTexts({ verdict: { level: "good", reasons: [] } }, [], "rectilinear").length, 0, "an older report has none");
-  assert.deepEqual(reasonTexts(null, [{ code: "of_tomorrow", text: "As the service says." }], "rectilinear"), ["As the service says."]);
+  assert.equal(reasonTexts(named, notes, calibration).length, 2);
+  assert.equal(reasonTexts({ verdict: { level: "good", reasons: [] }, systematic }, [], calibration).length, 1, "a good result too");
+  assert.equal(reasonTexts({ verdict: { level: "good", reasons: [] } }, [], calibration).length, 0, "an older report has none");
+  assert.match(reasonTexts(null, [{ code: "motion", text: "" }], { ...calibration, platform: "photographs" })[0], /Exclude the worst photos/);
+  assert.deepEqual(reasonTexts(null, [{ code: "of_tomorrow", text: "As the service says." }], calibration), ["As the service says."]);
   const simple = { verdict: { level: "fair", reasons: [{ code: "model_too_simple", text: "" }] } };
-  assert.match(reasonTexts(simple, [], "fisheye")[0], /Choose the rational or omnidirectional model/);
+  assert.match(reasonTexts(simple, [], { ...calibration, distortion_model: "fisheye" })[0], /Choose the rational or omnidirectional model/);
 });
 
 test("what is certain of the board's shape is said, and nothing where no printer stretches a board so", () => {

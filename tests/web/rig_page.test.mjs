@@ -10,7 +10,8 @@ import { JoinError, enter } from "../../web/rig/membership.js";
 import { BLIND, answer, isReady, observeFrame, remoteHold, requiredHold } from "../../web/rig/moments.js";
 import { Outbox } from "../../web/rig/outbox.js";
 import { hasPlateau, isAlone, isComplete, isFinishable, silentPositions } from "../../web/rig/progress.js";
-import { boardInRig, relationOf, sceneOf } from "../../web/rig/relations.js";
+import { boardInRig, relationOf } from "../../web/rig/relations.js";
+import { sceneOf } from "../../web/lib/scene-plot.js";
 import { boardPose, cameraPose, setupAt } from "../../web/rig/scene.js";
 import { labelOfHalf, placeOf } from "../../web/rig/streams.js";
 
@@ -188,8 +189,8 @@ test("a board seen by any camera of the rig is found where it is", () => {
   const { distance, distanceStd, angle } = relationOf(extrinsics[1]);
   assert.ok(Math.abs(distance - Math.hypot(...cameraPose(1).tvec)) < 1e-12 && distanceStd > 0.01 && distanceStd < 0.03);
   assert.ok(angle > 9 && angle < 11, "degrees");
-  const scene = sceneOf({ calibrations, extrinsics }, [found], DEFAULT_BOARD, 1);
-  assert.deepEqual(scene.bodies.map(({ kind }) => kind), ["board", "camera", "camera"]);
+  const scene = sceneOf(calibrations, extrinsics, [found], DEFAULT_BOARD, 1);
+  assert.deepEqual(scene.bodies.map(({ kind }) => kind), ["floor", "board", "camera", "camera", "axis", "axis", "axis"]);
   const back = composePoses(invertPose(board), board);
   assert.ok([...back.rvec, ...back.tvec].every((value) => Math.abs(value) < 1e-12));
 });

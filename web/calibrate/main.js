@@ -15,6 +15,7 @@ import { Captures, captureKey } from "./captures.js";
 import { connectControls } from "./controls.js";
 import { giveFeedback } from "./event-feedback.js";
 import { failureOf } from "./failure.js";
+import { Film } from "./film.js";
 import { Feedback } from "../lib/capture/feedback.js";
 import { showFirstSheet } from "./first-sheet.js";
 import { RESUME, captureQuery, resumeAt, showCaptureAddress, showResultAddress } from "./history.js";
@@ -42,6 +43,7 @@ const captureStore = openCaptureStore();
 const captures = new Captures(captureStore, {
   address: () => captureQuery(parameters), onUnsaved: () => dispatch({ type: "unsaved" }),
 });
+const film = new Film(parts.film, parts.video);
 const feedback = new Feedback();
 const announcer = new Announcer(parts.said);
 /** View of the result: loaded while the capture goes on. @type {import("./outcome.js").Outcome | null} */
@@ -61,6 +63,7 @@ let size = state.wanted.img_size ?? Sizes.USUAL;
 /** @param {import("./state.js").Event} event */
 function dispatch(event) {
   state = reduce(state, event);
+  film.follow(event, state);
   if (isLensDetected(state)) return void changeModel();
   // Before the page shows the result sheet, which takes the focus: the outcome needs the camera's last frame.
   if (state.phase === "done" && shown?.phase !== "done") {
@@ -71,6 +74,8 @@ function dispatch(event) {
   }
   else if (state.phase !== "done" && shown?.phase === "done") outcome?.clear();
   render(parts, state, shown);
+  const { capture: { session: views, aim }, link: { stored } } = state;
+  if (views !== shown?.capture.session || aim !== shown?.capture.aim || stored !== shown?.link.stored) film.render(state);
   if (shown?.ui.picture && shown.ui.picture !== state.ui.picture) URL.revokeObjectURL(shown.ui.picture);
   giveFeedback(event, state, shown, { feedback, announcer });
   shown = state;
@@ -212,7 +217,7 @@ async function prepareOutcome() {
   const { Outcome } = await import("./outcome.js");
   outcome ??= new Outcome(parts.result, parts.video, {
     returnTo: parameters.get("return_to"), asked: state.wanted.camera,
-    onAgain: () => capture(chosen), onWithout: continueWithout, onConsent: async (api) => session?.license(api),
+    onAgain: () => capture(chosen), onWithout: continueWithout, onConsent: async (api) => session?.license(api), photo: (index) => film.picture(index),
   });
 }
 

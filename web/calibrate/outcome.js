@@ -23,6 +23,7 @@ export class Outcome {
   #onAgain;
   #onWithout;
   #onConsent;
+  #photo;
   #consent = part("asked", HTMLElement);
   /** The last picture, and how it is taken again. @type {ReturnType<typeof still>} */
   #still = null;
@@ -36,10 +37,11 @@ export class Outcome {
   /**
    * @param {HTMLElement} place @param {HTMLVideoElement} video whose last picture is straightened
    * @param {{returnTo: string | null, asked: string | null, onAgain: () => void, onWithout: (indices: number[]) => void,
-   *   onConsent: (api: Api) => Promise<unknown>}} options
-   *   asked: the camera that the page was opened for; onWithout: go on, but without these views; onConsent: publish the measurements
+   *   onConsent: (api: Api) => Promise<unknown>, photo: (index: number) => string | null}} options
+   *   asked: the camera that the page was opened for; onWithout: go on, but without these views; onConsent: publish the measurements;
+   *   photo: picture of a view
    */
-  constructor(place, video, { returnTo, asked, onAgain, onWithout, onConsent }) {
+  constructor(place, video, { returnTo, asked, onAgain, onWithout, onConsent, photo }) {
     this.#view = new ResultView(place);
     this.#video = video;
     this.#returnTo = returnTo;
@@ -47,6 +49,7 @@ export class Outcome {
     this.#onAgain = onAgain;
     this.#onWithout = onWithout;
     this.#onConsent = onConsent;
+    this.#photo = photo;
   }
 
   /** @param {State} state of a capture that is done */
@@ -63,7 +66,7 @@ export class Outcome {
       calibration, report: null, picture: this.#still?.canvas ?? null, notes: advice,
       origin: practice ? "practice" : "added", ownCameraOffered: practice && this.#returnTo !== null && returnTo === null,
       again: { label: () => t("capture.once_more"), action: this.#onAgain },
-      goOn: this.#onWithout, explain, consent: this.#consent,
+      goOn: this.#onWithout, photo: this.#photo, explain, aside: this.#consent,
     };
     this.#complete.cancel();
     document.title = pageTitle(calibration, null);

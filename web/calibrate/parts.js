@@ -38,7 +38,7 @@ export function findParts() {
     cancel: part("cancel", HTMLButtonElement), again: part("again", HTMLButtonElement),
     other: part("other", HTMLButtonElement), failedVirtual: part("failed-virtual", HTMLButtonElement),
     openingText: html("opening-text"), failure: html("failure"), kept: html("kept"),
-    controls: html("controls"), progress: part("progress", HTMLProgressElement), counts: html("counts"), count: html("count"), countMore: html("count-more"),
+    controls: html("controls"), film: html("film"), counts: html("counts"), count: html("count"), countMore: html("count-more"),
     undo: part("undo", HTMLButtonElement), skip: part("skip", HTMLButtonElement), stop: part("stop", HTMLButtonElement),
     finish: part("finish", HTMLButtonElement),
     result: html("result"),

@@ -137,7 +137,6 @@ function renderCapture(parts, state, before) {
 
 /** @param {Parts} parts @param {State} state */
 function renderProgress(parts, state) {
-  parts.progress.value = state.capture.progress;
   for (const button of parts.models) show(button, statusText.suggestedModel(state));
   const [count, ...more] = statusText.counts(state);
   write(parts.count, count);

@@ -1,5 +1,5 @@
 // Plots of the agreement among the calibrations of one camera: focal lengths one after the other, principal points in the plane.
-import { language, number, t } from "../lib/i18n.js";
+import { dateText, number, t } from "../lib/i18n.js";
 import { make, short } from "../lib/svg.js";
 
 /**
@@ -70,8 +70,7 @@ function frame(across, names, up, label, x, y) {
  * @param {number} x @param {number} y @param {Member} member
  */
 function mark(x, y, { id, time, fx, in_group: agrees }) {
-  const date = new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(time * 1000));
-  const text = t("cameras.dot", { date, fx: number(fx, 1) });
+  const text = t("cameras.dot", { date: dateText(time), fx: number(fx, 1) });
   return make("a", { href: `../result/?${new URLSearchParams({ id })}`, tabindex: -1, "aria-label": text }, [
     make("title", {}, [text]), make("circle", { cx: short(x), cy: short(y), r: 16, class: "touch" }),
     agrees ? make("circle", { cx: short(x), cy: short(y), r: 3.4, class: "agrees" })

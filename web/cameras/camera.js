@@ -97,8 +97,7 @@ function modeView(page, mode, open, explain) {
     badgeView(page.key, mode.img_size, splitLabel(page.camera).name));
   const details = el("details", { class: "mode", open },
     el("summary", {}, el("h2", { id, class: "number" }, nameOf(mode)),
-      el("span", { class: `reliability number ${ready ? "known" : ""}` }, stateText({ reliable: ready, agreeing: mode.agreeing, required: mode.required })),
-      el("span", { class: "muted number tally" }, facts[0])), body);
+      el("span", { class: `reliability number ${ready ? "known" : ""}` }, stateText({ reliable: ready, agreeing: mode.agreeing, required: mode.required }))), body);
   // What nobody unfolds is not made.
   if (open) fill();
   else details.addEventListener("toggle", fill, { once: true });

@@ -1,48 +1,53 @@
-// Entries of lists of cameras: those of the database, and the calibrations that were made in this browser.
+// Rows of the table of cameras.
 import { el } from "../lib/dom.js";
 import { splitLabel } from "../lib/camera-name.js";
-import { number, rough, formatSize, t } from "../lib/i18n.js";
-import { forgetOwn, ownCalibrations } from "../lib/own-calibrations.js";
+import { dateText, number, t } from "../lib/i18n.js";
+import { make, short } from "../lib/svg.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { aboutText, stateText } from "./camera.js";
-import { dateText, nameOf } from "./members.js";
+import { nameOf } from "./members.js";
 
 /** @typedef {import("./source.js").Found} Found */
 
-/** @param {Found} found */
-export function cameraItem(found) {
+const RING = 7; // units: radius of a ring of calibrations
+const GAP = 0.12; // of a part of the ring that is left out between two
+
+/** A row of the table. @param {Found} found */
+export function cameraRow(found) {
   const { key, camera, sizes } = found;
   const about = [aboutText(found), ...(isVirtual(camera) ? [t("cameras.practice")] : [])];
   const newest = Math.max(0, ...sizes.map(({ calibration_time }) => calibration_time ?? 0));
-  const first = sizes.find(({ fx }) => fx !== null);
-  return el("li", {},
-    el("a", { href: `./?${new URLSearchParams({ key })}` }, el("strong", {}, splitLabel(camera).name), el("span", { class: "muted" }, about.join(" · "))),
-    el("ul", { class: "sizes number" }, ...sizes.map((size) =>
-      el("li", { class: size.reliable ? "known" : "" }, nameOf(size), " ", el("span", { class: "state" }, stateText(size))))),
-    el("span", { class: "count number muted" }, ...[
-      ...(first?.fx ? [`fx ${number(first.fx, 0)}\u00a0px`] : []), ...(newest ? [dateText(newest)] : []),
-    ].flatMap((text, index) => (index ? [el("br"), text] : [text]))));
+  const width = sizes.map(widthOf).find((angle) => angle !== null) ?? null;
+  return el("tr", {},
+    el("th", { scope: "row" }, el("a", { href: `./?${new URLSearchParams({ key })}` }, el("strong", {}, splitLabel(camera).name), el("span", { class: "muted" }, about.join(" · ")))),
+    el("td", { class: "number" }, ...(width === null ? ["–"] : [fan(width), `${number(width, 0)}°`])),
+    el("td", { class: "words" }, el("ul", { class: "sizes number" }, ...sizes.map((size) =>
+      el("li", { class: size.reliable ? "known" : "" }, ring(size), el("span", { class: "size" }, nameOf(size)), " ", el("span", { class: "state" }, stateText(size)))))),
+    el("td", { class: "number muted" }, newest ? dateText(newest) : "–"));
 }
 
-/** @param {HTMLElement} place filled with the calibrations made here, hidden where there is none */
-export function showOwn(place) {
-  const own = ownCalibrations();
-  place.hidden = own.length === 0;
-  if (place.hidden) return place.replaceChildren();
-  const forget = (/** @type {string | undefined} */ id) => () => {
-    forgetOwn(id);
-    showOwn(place);
-    (place.hidden ? document.getElementById("query") : place.querySelector("h2"))?.focus();
-  };
-  const button = (/** @type {string} */ label, /** @type {string} */ name, /** @type {() => void} */ action) => {
-    const made = el("button", { type: "button", class: "small", "aria-label": name }, label);
-    made.addEventListener("click", action);
-    return made;
-  };
-  place.replaceChildren(el("h2", { id: "own-title", tabindex: -1 }, t("cameras.own")), el("p", { class: "muted" }, t("cameras.own_text")),
-    el("ul", { class: "own" }, ...own.map(({ id, camera, img_size, time, level, rms }) => el("li", {},
-      el("a", { href: `../result/?${new URLSearchParams({ id })}` }, el("strong", {}, splitLabel(camera).name), ` ${formatSize(img_size)}`),
-      el("span", { class: "muted number" }, [t(`result.level_${level}`), `± ${rough(rms)}\u00a0px`, dateText(time)].join(" · ")),
-      button(t("cameras.forget"), t("cameras.forget_this", { camera: splitLabel(camera).name }), forget(id))))),
-    ...(own.length > 1 ? [button(t("cameras.forget_all"), t("cameras.forget_all"), forget(undefined))] : []));
+/**
+ * Horizontal field of view by the focal length alone, degrees; null where its model leaves it open.
+ * @param {Pick<import("./source.js").Size, "fx" | "img_size" | "models">} size
+ */
+export function widthOf({ fx, img_size: [width], models: [model] }) {
+  if (!fx || model === "omnidirectional") return null;
+  const radians = model === "fisheye" ? width / fx : 2 * Math.atan(width / 2 / fx);
+  return (radians * 180) / Math.PI;
+}
+
+/** Glyph of a field of view, up to a half circle. @param {number} degrees */
+function fan(degrees) {
+  const half = (Math.min(degrees, 180) * Math.PI) / 360;
+  const [x, y] = [12 * Math.sin(half), 13 - 12 * Math.cos(half)].map(short);
+  return make("svg", { viewBox: "0 0 24 14", class: "fan", "aria-hidden": "true" }, [make("path", { d: `M12 13L${12 - Number(x)} ${y}A12 12 0 0 1 ${12 + Number(x)} ${y}Z` })]);
+}
+
+/** Ring with a part for each calibration that is needed. @param {import("./source.js").Size} size */
+function ring({ agreeing, required }) {
+  const parts = Array.from({ length: required }, (_, index) => make("circle", {
+    cx: 10, cy: 10, r: RING, pathLength: required, class: index < agreeing ? "there" : "",
+    "stroke-dasharray": `${1 - GAP} ${required - 1 + GAP}`, "stroke-dashoffset": String(required / 4 - index - GAP / 2),
+  }));
+  return make("svg", { viewBox: "0 0 20 20", class: "ring", "aria-hidden": "true" }, parts);
 }

@@ -8,14 +8,14 @@ import { openPage } from "../lib/page.js";
 import { liveRegion } from "../lib/live-region.js";
 import { splitLabel } from "../lib/camera-name.js";
 import { cameraView } from "./camera.js";
-import { cameraItem, showOwn } from "./list.js";
+import { cameraRow } from "./list.js";
 import { camera, search } from "./source.js";
 
 /** @typedef {import("./source.js").Found} Found */
 
 const TYPING_PAUSE_MS = 250; // ms after the last key
 openPage();
-const [searching, status, list, one, own] = ["searching", "status", "found", "one", "own"].map((id) => part(id, HTMLElement));
+const [searching, status, list, one] = ["searching", "status", "found", "one"].map((id) => part(id, HTMLElement));
 const [input, state, more] = [part("query", HTMLInputElement), part("show", HTMLSelectElement), part("more", HTMLButtonElement)];
 const [tell, offers] = [liveRegion(status), liveRegion(part("first", HTMLElement))];
 /** @type {Found[]} */
@@ -28,7 +28,8 @@ let shown = null;
 let asked = 0;
 
 function showList() {
-  list.replaceChildren(...found.map(cameraItem));
+  list.replaceChildren(...found.map(cameraRow));
+  part("table", HTMLElement).hidden = found.length === 0;
   list.removeAttribute("aria-busy");
   more.hidden = next === null;
 }
@@ -46,7 +47,10 @@ function keepQuery() {
 /** Next steps where nothing was found. */
 function offer() {
   const nothing = found.length === 0 && next === null;
-  offers(() => (nothing ? [el("a", { class: "button primary", id: "calibrate-first", href: "../calibrate/" }, t("cameras.calibrate_yours"))] : []));
+  const link = (/** @type {string} */ page, /** @type {string} */ key, attributes = {}) => el("a", { class: "button", href: `../${page}/`, ...attributes }, t(key));
+  offers(() => (nothing ? [
+    link("calibrate", "cameras.calibrate_yours", { class: "button primary", id: "calibrate-first" }), link("photos", "cameras.from_photos"), link("import", "cameras.from_file"),
+  ] : []));
 }
 
 /** @param {{further?: boolean}} [options] */
@@ -129,7 +133,6 @@ more.addEventListener("click", () => look({ further: true }));
 onLanguage(() => {
   if (shown) return one.replaceChildren(cameraView(shown, explain));
   showList();
-  showOwn(own);
 });
 const parameters = new URLSearchParams(location.search);
 const key = parameters.get("key");
@@ -137,7 +140,6 @@ if (key) void show(key);
 else {
   input.value = parameters.get("query") ?? "";
   state.value = ["ready", "open"].find((each) => each === parameters.get("show")) ?? "";
-  showOwn(own);
   void showFigures();
   void look();
 }

@@ -1,7 +1,8 @@
 // Calibrations of one camera at one size: plots, a table, and the comparison of two that are ticked.
 import { el } from "../lib/dom.js";
-import { language, number, rough, formatSize, t } from "../lib/i18n.js";
-import { comparisonView } from "./comparison.js";
+import { dateText, number, rough, formatSize, t } from "../lib/i18n.js";
+import { load } from "../lib/result/source.js";
+import { comparisonView } from "../lib/result/comparison.js";
 import { centrePlot, focalPlot } from "./agreement.js";
 
 /**
@@ -10,11 +11,10 @@ import { centrePlot, focalPlot } from "./agreement.js";
  * @typedef {import("./source.js").Calibration} Calibration
  */
 
+const MIN_PLOTTED = 3; // calibrations: fewer are read from the table
+
 /** "1280 × 720, zoom 2". @param {Pick<Mode, "img_size" | "zoom">} mode */
 export const nameOf = ({ img_size, zoom }) => formatSize(img_size) + (zoom ? t("cameras.at_zoom", { zoom: number(zoom, Number.isInteger(zoom) ? 0 : 2) }) : "");
-
-/** @param {number} time unix seconds */
-export const dateText = (time) => new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(time * 1000));
 
 /** @param {Mode} mode @param {Calibration | null} agreed @param {string} id of the mode's elements @param {(error: unknown) => string} explain */
 export function membersView(mode, agreed, id, explain) {
@@ -36,16 +36,16 @@ export function membersView(mode, agreed, id, explain) {
     const asked = [...ticked];
     status.textContent = t("cameras.comparing");
     try {
-      const view = await comparisonView(asked[0], asked[1]);
+      const [first, second] = await Promise.all(asked.map((each) => load(each)));
       if (asked.join() !== [...ticked].join()) return;
       status.textContent = "";
-      place.replaceChildren(view);
+      place.replaceChildren(comparisonView(first, second));
     } catch (error) {
       if (asked.join() === [...ticked].join()) status.textContent = explain(error);
     }
   };
   const table = membersTable([...members].sort((a, b) => b.time - a.time), id, tick);
-  return el("div", { class: "members" }, plots(members, agreed), el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `${t("cameras.members")}: ${nameOf(mode)}` }, table), status, place);
+  return el("div", { class: "members" }, ...(members.length < MIN_PLOTTED ? [] : [plots(members, agreed)]), el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `${t("cameras.members")}: ${nameOf(mode)}` }, table), status, place);
 }
 
 /** @param {Member[]} members @param {Calibration | null} agreed */

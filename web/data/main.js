@@ -43,6 +43,7 @@ const reveal = (name, there) => void (part(name, HTMLElement).hidden = !there);
 
 function show() {
   part("status", HTMLElement).textContent = t(status, { date: statistics ? day(statistics.created) : "" });
+  for (const name of ["figures", "coverage"]) reveal(name, statistics !== null || status === "data.loading");
   showStatistics();
   showDump();
 }

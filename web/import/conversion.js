@@ -85,11 +85,3 @@ export async function searchCameras(query) {
   const { cameras } = await new Api(api).json("GET", `/cameras?${new URLSearchParams({ query, limit: "20" })}`, token);
   return cameras;
 }
-
-/** Agreed calibrations of a camera at one size, of all models. @param {string} key @param {readonly number[]} size px @returns {Promise<Calibration[]>} rejects as Api does */
-export async function knownCalibrations(key, size) {
-  const { api, token } = await loadSettings();
-  /** @type {{modes: {img_size: number[], consensus: Record<string, Calibration>}[]}} */
-  const { modes } = await new Api(api).json("GET", `/cameras/${encodeURIComponent(key)}`, token);
-  return modes.filter(({ img_size }) => img_size.join() === size.join()).flatMap(({ consensus }) => Object.values(consensus));
-}

@@ -5,12 +5,13 @@ import { el } from "../lib/dom.js";
 import { number, rough, formatSize, t } from "../lib/i18n.js";
 import { lensDifference } from "../lib/lens-difference.js";
 import { conversionText } from "../lib/result/download.js";
-import { figure } from "../lib/result/figures-part.js";
+import { figure } from "../lib/result/tiles.js";
 import { distortionPlot, heatPlot } from "../lib/result/plots.js";
 import { straightPart } from "../lib/result/straight-part.js";
 import { FORMATS } from "../vendor/formats.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
-import { knownCalibrations, readCamera, saveAs, searchCameras } from "./conversion.js";
+import { knownCalibrations } from "../lib/result/source.js";
+import { readCamera, saveAs, searchCameras } from "./conversion.js";
 
 /**
  * @typedef {import("./conversion.js").Source} Source

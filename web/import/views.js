@@ -16,7 +16,7 @@ const DOT = 5; // plot units
 /** @param {Numbered} view @param {[number, number]} size px @param {Judgement | undefined} judgement */
 export function card({ name, points }, size, judgement) {
   const usable = points.length >= MIN_VIEW_CORNERS;
-  const { svg, area, x, y } = imagePlot(size, t("import.view_label", { name, count: points.length }), { plain: true });
+  const { svg, area, x, y } = imagePlot(size, t("import.view_label", { name, count: points.length }));
   area.append(...points.map(([u, v]) => make("circle", { cx: short(x(u)), cy: short(y(v)), r: DOT, class: "seen" })));
   const what = judgement ? viewOutcome(judgement) : usable ? t("photos.corners", { count: points.length }) : t("photos.too_few");
   return el("li", { class: judgement?.accepted ? "taken" : usable ? "" : "unused" }, svg, el("p", { class: "name" }, name), el("p", { class: "what number" }, what));

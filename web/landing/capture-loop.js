@@ -1,7 +1,6 @@
 // Picture of a guided capture: a board that is led to the amber outline, again and again. Board, poses and lens are those of
 // the capture page, drawn small.
 import { DEFAULT_BOARD, isBlack, markers, outline } from "../lib/board.js";
-import { gridThrough } from "../lib/figure.js";
 import { t } from "../lib/i18n.js";
 import { interpolatePose, rotationMatrix } from "../lib/pose.js";
 import { make } from "../lib/svg.js";
@@ -10,22 +9,30 @@ import { lensOf } from "../sdk/projection.js";
 /** @typedef {import("../lib/pose.js").Pose} Pose */
 
 /** @type {[number, number]} */
-const SIZE = [640, 400];
-const LENS = {
-  camera_matrix: [[460, 0, 320], [0, 460, 200], [0, 0, 1]], distortion_model: "rectilinear", distortion_coefficients: [-0.22, 0.05, 0, 0, 0],
+export const SIZE = [640, 360];
+export const LENS = {
+  camera_matrix: [[460, 0, 320], [0, 460, 180], [0, 0, 1]], distortion_model: "rectilinear", distortion_coefficients: [-0.22, 0.05, 0, 0, 0],
 };
 /** Poses that a capture asks for, of a board nine squares wide; in squares. @type {Pose[]} */
-const TARGETS = [
-  { rvec: [0, 0, 0], tvec: [-4.5, -3, 9] },
+export const TARGETS = [
   { rvec: [0, 0.6, 0.05], tvec: [-5.6, -3.6, 11] },
   { rvec: [-0.65, 0, 0], tvec: [-1.2, -3.2, 11.5] },
   { rvec: [0.1, -0.65, -0.2], tvec: [-3.4, -1.6, 12.5] },
+  { rvec: [0, 0, 0], tvec: [-4.5, -3.2, 8.6] },
 ];
 const START = { rvec: [0.2, -0.3, 0.3], tvec: [-6.5, -1.2, 14] };
 const MOVE_MS = 1500;
 const HOLD_MS = 900;
 const STEP_MS = MOVE_MS + HOLD_MS;
-const END_MS = 2400; // the verdict stands for so long
+const STRAIGHTEN_MS = 900;
+const END_MS = 3200; // the verdict stands for so long
+/** Bits of the board's markers in their order, four digits each. */
+export const BITS = "b5320f9a332d9946549e79cd9e2ec4f2fedacf56f99111a70eb72a0f24b1263e466566006c5e76af868bb02bccd5dd82fe479471ace4";
+/** Blurred room behind the board: a window, a lamp, a plant, a desk. */
+const ROOM = [
+  { cx: 120, cy: 60, rx: 110, ry: 80, fill: "#7d94a6" }, { cx: 470, cy: 40, rx: 60, ry: 50, fill: "#e0a860" }, { cx: 590, cy: 170, rx: 60, ry: 110, fill: "#3f5a44" },
+  { cx: 320, cy: 380, rx: 460, ry: 120, fill: "#6b4a31" }, { cx: 90, cy: 300, rx: 60, ry: 22, fill: "#c9c2b4" },
+];
 const STILL_MS = 0.62 * MOVE_MS; // of who wants no motion: the board on its way, where both can be told apart
 const EDGE_PARTS = 4; // of a side that the lens bends
 
@@ -35,10 +42,10 @@ const EDGE_PARTS = 4; // of a side that the lens bends
  */
 export function captureLoop(svg, words, toggle) {
   svg.setAttribute("viewBox", `0 0 ${SIZE[0]} ${SIZE[1]}`);
-  const world = make("g", { class: "world" }, gridThrough(LENS, SIZE, 40).map((line) => make("path", { d: path([line]) })));
-  const [paper, black, tags, target] = ["paper", "black", "tags", "wanted"].map((name) => make("path", { class: name }));
+  const room = make("g", { class: "room" }, ROOM.map((attributes) => make("ellipse", attributes)));
+  const [paper, black, white, target] = ["paper", "black", "paper", "wanted"].map((name) => make("path", { class: name }));
   const ring = make("circle", { class: "held", cx: 46, cy: 46, r: 20, pathLength: 100 });
-  svg.replaceChildren(world, paper, black, tags, target, ring);
+  svg.replaceChildren(room, paper, black, white, target, ring);
 
   const still = matchMedia("(prefers-reduced-motion: reduce)");
   let playing = !still.matches;
@@ -47,10 +54,11 @@ export function captureLoop(svg, words, toggle) {
   let before = 0;
 
   const draw = () => {
-    const { pose, wanted, held, said } = scene(at);
-    paper.setAttribute("d", path([ring4(pose, -0.35)]));
-    black.setAttribute("d", path(areas(pose, isBlackSquare)));
-    tags.setAttribute("d", path(areas(pose, isTag)));
+    const { pose, wanted, held, said, strength = 1 } = scene(at);
+    const areas = (/** @type {number[][][]} */ all) => path(all.map((area) => project(pose, strength, area)));
+    paper.setAttribute("d", path([ring4(pose, -0.35, strength)]));
+    black.setAttribute("d", areas([...SQUARES, ...FRAMES]));
+    white.setAttribute("d", areas(CELLS));
     target.setAttribute("d", wanted ? path([ring4(wanted, 0)]) : "");
     ring.setAttribute("stroke-dasharray", `${100 * held} 100`);
     const text = said();
@@ -90,51 +98,47 @@ function scene(at) {
   const [from, to] = [step === 0 ? START : TARGETS[step - 1], TARGETS[step]];
   const moved = Math.min(1, since / MOVE_MS);
   const pose = interpolatePose(from, to, moved * moved * (3 - 2 * moved));
-  if (at >= TARGETS.length * STEP_MS) return { pose, wanted: null, held: 0, said: () => t("landing.loop_done") };
+  const over = at - TARGETS.length * STEP_MS;
+  if (over >= 0) return { pose, wanted: null, held: 0, said: () => t("landing.loop_done"), strength: Math.max(0, 1 - over / STRAIGHTEN_MS) };
   const held = Math.max(0, Math.min(1, (since - MOVE_MS) / (HOLD_MS - 200)));
   return { pose, wanted: to, held, said: () => t(moved < 1 ? "landing.loop_follow" : held < 1 ? "landing.loop_hold" : "landing.loop_taken", { count: step + 1 }) };
 }
 
-/** @param {number} x @param {number} y */
-const isBlackSquare = (x, y) => (isBlack(DEFAULT_BOARD, x, y) ? [x, y, 1] : null);
-const tagged = new Set(markers(DEFAULT_BOARD).map(({ x, y }) => `${x},${y}`));
-const MARGIN = (1 - DEFAULT_BOARD.marker_ratio) / 2;
-/** @param {number} x @param {number} y */
-const isTag = (x, y) => (tagged.has(`${x},${y}`) ? [x + MARGIN, y + MARGIN, DEFAULT_BOARD.marker_ratio] : null);
+const [COLUMNS, ROWS] = DEFAULT_BOARD.squares;
+const SQUARES = Array.from({ length: COLUMNS * ROWS }, (_, index) => [index % COLUMNS, Math.floor(index / COLUMNS)])
+  .filter(([x, y]) => isBlack(DEFAULT_BOARD, x, y)).map(([x, y]) => corners(x, y, 1, 1));
+const MARKERS = markers(DEFAULT_BOARD);
+const RATIO = DEFAULT_BOARD.marker_ratio;
+const MARGIN = (1 - RATIO) / 2;
+const FRAMES = MARKERS.map(({ x, y }) => corners(x + MARGIN, y + MARGIN, RATIO, RATIO));
+/** White cells of the markers, which have a black frame one cell wide. */
+const CELLS = MARKERS.flatMap(({ x, y }, index) => {
+  const [bits, cell] = [parseInt(BITS.slice(4 * index, 4 * index + 4), 16), RATIO / 6];
+  return Array.from({ length: 16 }, (_, bit) => bit).filter((bit) => (bits >> (15 - bit)) & 1)
+    .map((bit) => corners(x + MARGIN + (1 + (bit % 4)) * cell, y + MARGIN + (1 + Math.floor(bit / 4)) * cell, cell, cell));
+});
 
-/** @param {Pose} pose @param {(x: number, y: number) => number[] | null} of the square, where there is one */
-function areas(pose, of) {
-  const [columns, rows] = DEFAULT_BOARD.squares;
-  const found = [];
-  for (let y = 0; y < rows; y++) {
-    for (let x = 0; x < columns; x++) {
-      const area = of(x, y);
-      if (area) found.push(project(pose, corners(area[0], area[1], area[2], area[2])));
-    }
-  }
-  return found;
-}
-
-/** The board's outline. @param {Pose} pose @param {number} margin squares inwards */
-function ring4(pose, margin) {
+/** The board's outline. @param {Pose} pose @param {number} margin squares inwards @param {number} [strength] of the distortion */
+function ring4(pose, margin, strength = 1) {
   const vertices = outline(DEFAULT_BOARD);
   const [x, y] = [0, 1].map((axis) => Math.min(...vertices.map((vertex) => vertex[axis])) + margin);
   const [right, bottom] = [0, 1].map((axis) => Math.max(...vertices.map((vertex) => vertex[axis])) - margin);
   const sides = corners(x, y, right - x, bottom - y);
-  return project(pose, sides.flatMap(([u, v], index) => {
+  return project(pose, strength, sides.flatMap(([u, v], index) => {
     const [p, q] = sides[(index + 1) % 4];
     return Array.from({ length: EDGE_PARTS }, (_, part) => [u + ((p - u) * part) / EDGE_PARTS, v + ((q - v) * part) / EDGE_PARTS]);
   }));
 }
 
 /** @param {number} x @param {number} y @param {number} width @param {number} height */
-const corners = (x, y, width, height) => [[x, y], [x + width, y], [x + width, y + height], [x, y + height]];
+function corners(x, y, width, height) {
+  return [[x, y], [x + width, y], [x + width, y + height], [x, y + height]];
+}
 
-const lens = lensOf(LENS);
-
-/** @param {Pose} pose @param {number[][]} points of the board, squares @returns {number[][]} px */
-function project({ rvec, tvec }, points) {
+/** @param {Pose} pose @param {number} strength of the distortion @param {number[][]} points of the board, squares @returns {number[][]} px */
+function project({ rvec, tvec }, strength, points) {
   const r = rotationMatrix(rvec);
+  const lens = lensOf({ ...LENS, distortion_coefficients: LENS.distortion_coefficients.map((value) => value * strength) });
   return points.map(([x, y]) => lens.project([
     r[0] * x + r[1] * y + tvec[0], r[3] * x + r[4] * y + tvec[1], r[6] * x + r[7] * y + tvec[2],
   ]) ?? [0, 0]);

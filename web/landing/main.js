@@ -8,9 +8,10 @@ import { openPage } from "../lib/page.js";
 import { lookup } from "../sdk/lookup.js";
 import { loadSettings } from "../lib/settings.js";
 import { phoneModel } from "../lib/phone-model.js";
+import { sceneOf, scenePlot } from "../lib/scene-plot.js";
 import { liveRegion } from "../lib/live-region.js";
 import { knownCard, unknownCard } from "./answer-card.js";
-import { captureLoop } from "./capture-loop.js";
+import { LENS, SIZE as PICTURE, TARGETS, captureLoop } from "./capture-loop.js";
 import { countCameras } from "./counts.js";
 
 /** @type {[number, number]} */
@@ -80,6 +81,12 @@ async function showCounts() {
 openPage();
 const redraw = captureLoop(/** @type {SVGElement} */ (/** @type {unknown} */ (part("loop", SVGElement))), part("loop-words", HTMLElement), part("loop-toggle", HTMLButtonElement));
 onLanguage(redraw);
+const rig = sceneOf([LENS, LENS].map((one) => ({ ...one, img_size: PICTURE })), [
+  { position: 0, rvec: [0, 0, 0], tvec: [0, 0, 0] }, { position: 1, rvec: [0, 0.5, 0], tvec: [-6, 0, 1.5] },
+], TARGETS, DEFAULT_BOARD, 1);
+const drawRig = () => part("rig", HTMLElement).replaceChildren(scenePlot(rig, t("landing.rig")));
+onLanguage(drawRig);
+drawRig();
 const slide = part("lens-slide", HTMLInputElement);
 drawFigure(slide.valueAsNumber);
 slide.addEventListener("input", () => drawFigure(slide.valueAsNumber));

@@ -78,3 +78,21 @@ function between(places, value) {
   const index = Math.min(places.length - 2, Math.max(0, places.findLastIndex((place) => place <= value)));
   return [index, Math.min(1, Math.max(0, (value - places[index]) / (places[index + 1] - places[index])))];
 }
+
+/**
+ * The same values on a finer grid, smooth through the values that there are (Catmull and Rom's splines).
+ * @param {Values} values @param {number} factor of rows and columns
+ * @returns {Values} null next to a value that is unknown
+ */
+export function refined(values, factor) {
+  const turned = (/** @type {Values} */ rows) => rows[0].map((_, column) => rows.map((row) => row[column]));
+  const along = (/** @type {Values} */ rows) => rows.map((row) => Array.from({ length: row.length * factor }, (_, index) => {
+    const place = Math.min(row.length - 1, Math.max(0, (index + 0.5) / factor - 0.5));
+    const first = Math.min(Math.floor(place), Math.max(0, row.length - 2));
+    const [a, b, c, d] = [-1, 0, 1, 2].map((step) => row[Math.min(row.length - 1, Math.max(0, first + step))]);
+    if (b === null || c === null) return null;
+    const [before, after, s] = [a ?? b, d ?? c, place - first];
+    return b + 0.5 * s * (c - before + s * (2 * before - 5 * b + 4 * c - after + s * (3 * (b - c) + after - before)));
+  }));
+  return turned(along(turned(along(values))));
+}

@@ -112,6 +112,9 @@ export function number(value, digits) {
   return written.replace("-", "−");
 }
 
+/** A day as it is written. @param {number} time unix seconds */
+export const dateText = (time) => new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(time * 1000));
+
 /** A size as it is written, on one line. @param {readonly number[]} size */
 export const formatSize = (size) => size.join("\u00a0×\u00a0");
 

@@ -1,10 +1,7 @@
-// Plots of the image plane as SVG: the picture's frame with its axes in pixels.
+// Plots of the image plane as SVG, in the picture's frame.
 
 const SVG = "http://www.w3.org/2000/svg";
-const WIDTH = 440; // units; pages show it at about that many CSS pixels, so that its letters are as large as they say
-const LEFT_MARGIN = 52;
-const BOTTOM_MARGIN = 34;
-const EDGE_MARGIN = 8; // half a label
+const WIDTH = 440; // units; pages show it at about that many CSS pixels
 
 /**
  * @param {string} name @param {Record<string, string | number>} [attributes] @param {(Node | string)[]} [content]
@@ -31,38 +28,21 @@ export function ticks(length, most) {
 }
 
 /**
- * A frame of the picture's shape, axes in px.
- * @param {[number, number]} size px @param {string} label for those who cannot see it @param {{plain?: boolean, name?: string}} [options] plain: without numbers
- * @returns {{svg: SVGElement, area: SVGElement, x: (u: number) => number, y: (v: number) => number, unit: number}}
- *   area: clipped to the picture; x, y: px → plot; unit: plot units a pixel
+ * A frame of the picture's shape.
+ * @param {readonly [number, number]} size px @param {string} label for those who cannot see it @param {string} [name] class
+ * @returns {{svg: SVGElement, area: SVGElement, x: (u: number) => number, y: (v: number) => number}}
+ *   area: clipped to the picture; x, y: px → plot
  */
-export function imagePlot([width, height], label, { plain = false, name = "" } = {}) {
-  const left = plain ? 1 : LEFT_MARGIN;
-  const unit = (WIDTH - left - (plain ? 1 : EDGE_MARGIN)) / width;
-  const x = (/** @type {number} */ u) => left + (u + 0.5) * unit;
-  const y = (/** @type {number} */ v) => EDGE_MARGIN + (v + 0.5) * unit;
-  const [right, bottom] = [x(width - 0.5), y(height - 0.5)];
-  const svg = make("svg", {
-    viewBox: `0 0 ${WIDTH} ${short(bottom + (plain ? 1 : BOTTOM_MARGIN))}`, role: "img", "aria-label": label, class: `plot ${name}`,
-  });
-  const frame = { x: short(left), y: EDGE_MARGIN, width: short(right - left), height: short(bottom - EDGE_MARGIN) };
+export function imagePlot([width, height], label, name = "") {
+  const unit = (WIDTH - 2) / width;
+  const x = (/** @type {number} */ u) => 1 + (u + 0.5) * unit;
+  const bottom = 1 + height * unit;
+  const svg = make("svg", { viewBox: `0 0 ${WIDTH} ${short(bottom + 1)}`, role: "img", "aria-label": label, class: `plot ${name}` });
+  const frame = { x: 1, y: 1, width: WIDTH - 2, height: short(bottom - 1) };
   // One level of nesting clips what leaves the picture, without ids that several plots would share.
-  const area = make("svg", { ...frame, viewBox: `${frame.x} ${frame.y} ${frame.width} ${frame.height}`, overflow: "hidden" });
+  const area = make("svg", { ...frame, viewBox: `1 1 ${frame.width} ${frame.height}`, overflow: "hidden" });
   svg.append(make("rect", { ...frame, class: "ground" }), area, make("rect", { ...frame, class: "edge" }));
-  if (!plain) {
-    const text = (/** @type {number} */ at, /** @type {number} */ height, /** @type {string} */ anchor, /** @type {string} */ words) =>
-      make("text", { x: short(at), y: short(height), "text-anchor": anchor }, [words]);
-    for (const u of ticks(width, 5)) {
-      svg.append(make("path", { d: `M${short(x(u - 0.5))} ${short(bottom)}v5`, class: "tick" }), text(x(u - 0.5), bottom + 17, "middle", String(u)));
-    }
-    for (const v of ticks(height, 4)) {
-      svg.append(make("path", { d: `M${left} ${short(y(v - 0.5))}h-5`, class: "tick" }), text(left - 8, y(v - 0.5) + 4, "end", String(v)));
-    }
-    svg.append(text(left + (right - left) / 2, bottom + 31, "middle", "x, px"));
-    const middle = EDGE_MARGIN + (bottom - EDGE_MARGIN) / 2;
-    svg.append(make("text", { x: 12, y: short(middle), "text-anchor": "middle", transform: `rotate(-90 12 ${short(middle)})` }, ["y, px"]));
-  }
-  return { svg, area, x, y, unit };
+  return { svg, area, x, y: x };
 }
 
 /** A line with a head of fixed size. @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 */

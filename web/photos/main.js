@@ -98,7 +98,11 @@ function showPictures() {
   const isUsed = (/** @type {Picture} */ picture) => judgements.get(picture)?.accepted === true;
   const shown = (judged ? sortByGain(pictures, (picture) => judgements.get(picture)) : pictures).filter((picture) => picture.kind !== "video");
   const frames = pictures.filter((picture) => picture.kind === "video" && isUsed(picture));
-  const cards = [...shown, ...frames].map((picture) => card(picture, members.has(picture), judgements.get(picture)));
+  const cards = [...shown, ...frames].map((picture) => {
+    const judgement = judgements.get(picture);
+    // Errors on the way to the result say nothing about a picture once it is there.
+    return card(picture, members.has(picture), judged && judgement?.accepted ? { ...judgement, after: null } : judgement);
+  });
   parts.pictures.classList.toggle("filmstrip", frames.length > 0 && shown.length === 0);
   parts.pictures.replaceChildren(...cards);
 }
@@ -275,11 +279,13 @@ async function finish({ state, wanted, numbers }, views, returnOrigins, without)
   const { calibration, report } = await load(id);
   const picture = await canvasOf(taken[0]);
   if (mine !== turn) return;
-  if (levelOf(calibration) !== "good" || (report?.verdict && report.verdict.level !== "good")) want(helpful);
+  const aside = el("div", { class: "wanted" });
+  if (levelOf(calibration) !== "good" || (report?.verdict && report.verdict.level !== "good")) liveRegion(aside)(helpful);
   const pictureOf = (/** @type {number} */ index) => views[numbers.get(index) ?? -1];
   const goOn = (/** @type {number[]} */ left) => void start(new Set([...without, ...left.map(pictureOf)]));
   const names = (/** @type {number} */ index) => pictureOf(index)?.name ?? "";
-  await view.show({ calibration, report, picture, origin: "added", returnTo: query.get("return_to"), returnOrigins, goOn, names, explain });
+  const photo = (/** @type {number} */ index) => pictureOf(index)?.thumbnail.toDataURL("image/jpeg") ?? null;
+  await view.show({ calibration, report, picture, origin: "added", returnTo: query.get("return_to"), returnOrigins, goOn, names, photo, aside, explain });
   document.getElementById("verdict")?.focus();
 }
 

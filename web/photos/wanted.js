@@ -9,7 +9,7 @@ import { drawnBoard } from "../lib/pose-drawing.js";
  * @param {{addMore: () => void, isFolded: boolean}} options addMore: called to choose more photographs; isFolded: only who wants to knows
  */
 export function wantedFigure(board, pose, size, { addMore, isFolded }) {
-  const { svg, area, x, y } = imagePlot(size, t("photos.like_this"), { plain: true });
+  const { svg, area, x, y } = imagePlot(size, t("photos.like_this"));
   const points = (/** @type {number[][]} */ list) => list.map(([u, v]) => `${short(x(u))},${short(y(v))}`).join(" ");
   const { rim, black } = drawnBoard(board, pose);
   area.append(make("polygon", { points: points(rim), class: "paper" }));

@@ -1,9 +1,9 @@
 // Relations of a rig's cameras: how far apart, how much turned, and how sure that is. Pure.
 import { homography } from "../lib/homography.js";
-import { corners as boardCorners, outline } from "../lib/board.js";
+import { corners as boardCorners } from "../lib/board.js";
 import { composePoses, invertPose } from "../lib/pose.js";
 import { lensOf } from "../sdk/projection.js";
-import { invert, rigidMotion, rotationVectorOf, transform } from "../sdk/motion.js";
+import { invert, rigidMotion, rotationVectorOf } from "../sdk/motion.js";
 
 /**
  * @typedef {import("./service.js").Extrinsic} Extrinsic
@@ -16,14 +16,9 @@ import { invert, rigidMotion, rotationVectorOf, transform } from "../sdk/motion.
  * @property {number} distanceStd
  * @property {number} angle degrees
  * @property {number} angleStd degrees
- *
- * @typedef {{kind: "camera" | "board", position: number, lines: (readonly number[])[][], label: readonly number[] | null}} Body lines: polylines of points
- *   in the frame of camera 0; label: point at which its name stands
  */
 
 const DEGREES = 180 / Math.PI;
-const DEPTH = 0.18; // of the scene's size: length of a frustum
-const EDGE_STEPS = 6; // of a picture's side: the edges of a wide lens are curved
 
 /** @param {Extrinsic} extrinsic @returns {Relation} */
 export function relationOf({ position, rvec, tvec, std }) {
@@ -80,65 +75,3 @@ const unit = (v) => v.map((value) => value / Math.hypot(...v));
 
 /** @param {number[]} a @param {number[]} b */
 const cross = ([a, b, c], [d, e, f]) => [b * f - c * e, c * d - a * f, a * e - b * d];
-
-/**
- * Bodies of the 3D view: frusta of the cameras, and boards.
- * @param {{calibrations: CalibrationData[], extrinsics: Extrinsic[]}} result
- * @param {readonly Pose[]} boards board → camera 0, in the rig's unit @param {import("../lib/board.js").Board} board @param {number} square side, in the rig's unit
- * @returns {{bodies: Body[], middle: number[], radius: number}} middle and radius of a sphere around them
- */
-export function sceneOf({ calibrations, extrinsics }, boards, board, square) {
-  const centres = extrinsics.map(centreOf);
-  const edge = outline(board).map(([x, y]) => [x * square, y * square, 0]);
-  const sheets = boards.map((pose) => edge.map((point) => transform(rigidMotion(pose), point)));
-  const extent = extentOf([...centres, ...sheets.flat()]);
-  const depth = DEPTH * 2 * (extent.radius || 1);
-  const cameras = extrinsics.map((extrinsic, index) => frustum(calibrations[index], extrinsic, depth));
-  const bodies = /** @type {Body[]} */ ([
-    ...sheets.map((sheet, index) => ({ kind: /** @type {const} */ ("board"), position: index, lines: [[...sheet, sheet[0]]], label: null })),
-    ...cameras,
-  ]);
-  return { bodies, ...extentOf(bodies.flatMap(({ lines }) => lines.flat())) };
-}
-
-/** @param {CalibrationData} calibration @param {Extrinsic} extrinsic @param {number} depth @returns {Body} */
-function frustum(calibration, extrinsic, depth) {
-  const { img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] } = calibration;
-  const lens = lensOf(calibration);
-  const back = invert(rigidMotion(extrinsic));
-  const at = (/** @type {number} */ u, /** @type {number} */ v) => {
-    const ray = lens.unproject([u, v]) ?? [(u - cx) / fx, (v - cy) / fy, 1];
-    const length = Math.hypot(...ray);
-    return transform(back, ray.map((value) => (value * depth) / length));
-  };
-  const [right, bottom] = [width - 0.5, height - 0.5];
-  const vertices = [[-0.5, -0.5], [right, -0.5], [right, bottom], [-0.5, bottom]];
-  const rim = vertices.flatMap(([u, v], index) => {
-    const [u1, v1] = vertices[(index + 1) % 4];
-    return Array.from({ length: EDGE_STEPS }, (_, step) => at(u + ((u1 - u) * step) / EDGE_STEPS, v + ((v1 - v) * step) / EDGE_STEPS));
-  });
-  const rays = vertices.map(([u, v]) => [back.t, at(u, v)]);
-  return { kind: "camera", position: extrinsic.position, lines: [[...rim, rim[0]], ...rays], label: back.t };
-}
-
-/** @param {(readonly number[])[]} points */
-function extentOf(points) {
-  const bounds = [0, 1, 2].map((axis) => {
-    const values = points.map((point) => point[axis]);
-    return [Math.min(...values), Math.max(...values)];
-  });
-  const middle = bounds.map(([low, high]) => (low + high) / 2);
-  return { middle, radius: Math.max(1e-9, ...points.map((point) => Math.hypot(...point.map((value, axis) => value - middle[axis])))) };
-}
-
-/**
- * Place of a point in the drawing, looked at from a direction.
- * @param {readonly number[]} point @param {{middle: number[], radius: number}} scene @param {number} yaw rad @param {number} pitch rad
- * @returns {[number, number, number]} x right and y down, -1 to 1; depth
- */
-export function drawnPoint(point, { middle, radius }, yaw, pitch) {
-  const [x, y, z] = point.map((value, axis) => (value - middle[axis]) / radius);
-  const [cosYaw, sinYaw, cosPitch, sinPitch] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
-  const [u, w] = [cosYaw * x + sinYaw * z, -sinYaw * x + cosYaw * z];
-  return [u, cosPitch * y - sinPitch * w, sinPitch * y + cosPitch * w];
-}

@@ -8,8 +8,8 @@ import { joinFacts, number, onLanguage, rough, formatSize, t } from "../lib/i18n
 import { isVirtual } from "../lib/virtual/name.js";
 import { Rig } from "../sdk/rig.js";
 import { rectifiedPart } from "./rectified-part.js";
-import { boardInRig, relationOf, sceneOf } from "./relations.js";
-import { rigPlot } from "./rig-plot.js";
+import { sceneOf, scenePlot } from "../lib/scene-plot.js";
+import { boardInRig, relationOf } from "./relations.js";
 import { cameraName, cameraNames, labelText } from "./status-text.js";
 
 /**
@@ -60,7 +60,7 @@ export class RigView {
     const { board, square_size: size } = this.#state;
     const square = result.unit === "metres" && size ? size : 1;
     const boards = result.board_poses ?? this.#sources.views.map(({ position, corners }) => boardInRig(result, position, corners, board, square)).filter((pose) => pose !== null);
-    const plot = rigPlot(sceneOf(result, boards, board, square), t("rig.plot_label", { count: result.cameras.length }));
+    const plot = scenePlot(sceneOf(result.calibrations, result.extrinsics, boards, board, square), t("rig.plot_label", { count: result.cameras.length }));
     return el("div", { class: "where" }, el("figure", { class: "figure" }, plot, el("figcaption", {}, t(boards.length ? "rig.plot_caption_boards" : "rig.plot_caption"))), relations(result));
   }
 

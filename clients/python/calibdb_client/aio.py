@@ -209,9 +209,9 @@ class AsyncClient:
         from . import comparison
         from .capture.glances import recording_to_check
 
-        known = await self.calibration(calibration) if isinstance(calibration, str) else calibration
+        stored = await self.calibration(calibration) if isinstance(calibration, str) else calibration
         recording = await asyncio.to_thread(recording_to_check, camera, **options)
-        return await self._run(comparison.by_service(recording, known))
+        return await self._run(comparison.by_service(recording, stored))
 
     async def _run(self, flow: flows.Flow[flows.T], in_thread: bool = False) -> flows.T:
         """Drive a conversation to its end; its own work `in_thread`, if it takes long."""

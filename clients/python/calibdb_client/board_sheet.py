@@ -145,7 +145,7 @@ def _runs(line: list[bool], left: float, top: float, cell: float) -> Iterator[Re
 
 
 def _details(board: Board, side: float) -> str:
-    """Return the board in words, its squares or tags in millimetres."""
+    """Describe the board, its squares or tags in millimetres."""
     if board.kind in CIRCLES:
         return f"{board}, {side:g} mm from row to row"
     unit = "tags" if board.kind == "aprilgrid" else "squares"

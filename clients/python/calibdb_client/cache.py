@@ -15,7 +15,7 @@ from typing import Any
 MAX_FILES = 500
 """Files that are kept; the oldest give way."""
 MAX_AGE_S = 24 * 3600
-"""Longest time for which an answer is kept, whatever its headers say."""
+"""Maximum time for which a response is cached, whatever its headers say."""
 
 
 class Cache:
@@ -36,16 +36,16 @@ class Cache:
         self._clock = clock
 
     def get(self, address: str) -> dict[str, Any] | None:
-        """Return the answer that is still fresh, or None."""
+        """Return the fresh response, or None."""
         try:
-            kept = json.loads(self._path(address).read_bytes())
-            fresh = 0 < kept["expires"] - self._clock() <= MAX_AGE_S
-            return kept["answer"] if fresh and isinstance(kept["answer"], dict) else None
+            entry = json.loads(self._path(address).read_bytes())
+            fresh = 0 < entry["expires"] - self._clock() <= MAX_AGE_S
+            return entry["answer"] if fresh and isinstance(entry["answer"], dict) else None
         except (OSError, ValueError, KeyError, TypeError):
             return None
 
     def put(self, address: str, answer: Mapping[str, Any], headers: Mapping[str, str]) -> None:
-        """Keep an answer for the time that its `Cache-Control` allows; without one, not at all."""
+        """Cache a response for the time that its `Cache-Control` allows; without one, not at all."""
         lifetime = max_age(headers)
         if lifetime <= 0:
             return
@@ -53,7 +53,7 @@ class Cache:
         try:
             self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             self._prune()
-            # mkstemp makes the file readable by its owner alone
+            # mkstemp makes the file readable only by its owner
             handle, name = tempfile.mkstemp(dir=self.folder, prefix=".")
             try:
                 with os.fdopen(handle, "w", encoding="utf-8") as file:
@@ -74,7 +74,7 @@ class Cache:
 
 
 def max_age(headers: Mapping[str, str]) -> int:
-    """Seconds for which `Cache-Control` lets a private cache keep an answer; 0: not at all."""
+    """Seconds for which `Cache-Control` lets a private cache keep a response; 0: not at all."""
     control = headers.get("cache-control", "").lower()
     if "no-store" in control or "no-cache" in control:
         return 0

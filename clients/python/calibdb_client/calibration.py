@@ -1,4 +1,4 @@
-"""A calibration as the service answers it, and its use: projection, rectification, files."""
+"""A calibration as the service returns it, and its use: projection, rectification, files."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Calibration:
     record
         All that the service answered, under its names (docs/api.md).
 
-    Raises UsageError for a record that is no calibration.
+    Raises UsageError for a record that is not a calibration.
     """
 
     record: Mapping[str, Any]
@@ -60,7 +60,7 @@ class Calibration:
             whole = False
         if not whole:
             raise UsageError(
-                "this is no calibration: img_size, camera_matrix, distortion_coefficients are needed"
+                "not a calibration: img_size, camera_matrix and distortion_coefficients are required"
             )
 
     def __repr__(self) -> str:
@@ -261,7 +261,7 @@ class Calibration:
     def export(self, format: str = _NATIVE, change: PictureChange = UNCHANGED) -> ExportedFile:  # noqa: A002
         """Return the file in one of the formats of docs/formats.md, for the changed picture.
 
-        The service writes calibrations that it holds, calibsolver all others. Raises UsageError if the format
+        The service writes its own calibrations, calibsolver all others. Raises UsageError if the format
         cannot hold the camera.
         """
         if format == _NATIVE and change == UNCHANGED:

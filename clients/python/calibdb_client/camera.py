@@ -26,11 +26,11 @@ class Camera:
     capture
         The `cv2.VideoCapture`.
     label, platform
-        As Chromium gives them on this machine.
+        Label and platform that Chromium uses on this machine.
     img_size
         Width and height of the pictures that it delivers, px.
     zoom
-        0: a browser tells no zoom unless the page asked for the right to change it.
+        0: browsers report zoom only to pages that may change it.
     """
 
     zoom = 0.0
@@ -82,29 +82,29 @@ def open_camera(
         import cv2
     except ImportError:
         raise MissingPackageError("a camera is opened by OpenCV: pip install opencv-python") from None
-    found = device or find(camera)
-    capture = cv2.VideoCapture(found.index, found.backend)
+    chosen = device or find(camera)
+    capture = cv2.VideoCapture(chosen.index, chosen.backend)
     try:
         if not capture.isOpened():
-            raise CameraError(_access_problem(found))
+            raise CameraError(_access_problem(chosen))
         if size is not None:
             w, h = size
-            # Most cameras give their large sizes, at a usable rate, as JPEG alone.
+            # Most cameras give their large sizes, at a usable rate, only as JPEG.
             capture.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*"MJPG"))
             capture.set(cv2.CAP_PROP_FRAME_WIDTH, w)
             capture.set(cv2.CAP_PROP_FRAME_HEIGHT, h)
         delivered = _first_size(capture)
         if delivered is None:
-            raise CameraError(f"{found.label} delivers no picture: unplug it, plug it in, and try again")
+            raise CameraError(f"{chosen.label} delivers no picture: unplug it, plug it in, and try again")
         if size is not None and delivered != tuple(size):
             raise CameraError(
-                f"{found.label} delivers {delivered[0]}x{delivered[1]} and not {size[0]}x{size[1]}: "
+                f"{chosen.label} delivers {delivered[0]}x{delivered[1]} and not {size[0]}x{size[1]}: "
                 "ask for a size that it has"
             )
     except BaseException:
         capture.release()
         raise
-    return Camera(capture, found.label, found.platform, delivered)
+    return Camera(capture, chosen.label, chosen.platform, delivered)
 
 
 def _first_size(capture: Any) -> tuple[int, int] | None:

@@ -29,7 +29,7 @@ class CheckResult:
     fits
         True if the calibration fits the views.
     error, expected
-        px rms of the views under it, and under a camera fitted to them alone.
+        px rms of the views under it, and under their own fit.
     counted
         True if the check counts as a vote.
     votes
@@ -59,15 +59,15 @@ def check(
     body = {**body_of(recording, CHECK_VIEWS), "distortion_model": model, **consent}
     reply = yield Request("POST", "v1/auth")
     reply = yield Request("POST", "v1/checks", body, credential=str(reply.json["session_id"]))
-    told = reply.json
+    record = reply.json
     return CheckResult(
-        told["fits"] == "fits",
-        float(told["error"]),
-        float(told["expected"]),
-        bool(told["counted"]),
-        (int(told["votes"]["agree"]), int(told["votes"]["disagree"])),
-        make(told["calibration"]),
-        told,
+        record["fits"] == "fits",
+        float(record["error"]),
+        float(record["expected"]),
+        bool(record["counted"]),
+        (int(record["votes"]["agree"]), int(record["votes"]["disagree"])),
+        make(record["calibration"]),
+        record,
     )
 
 

@@ -49,7 +49,7 @@ class Client:
     attempts
         Number of times that a request is sent before its failure is believed.
     cache
-        Folder for answers of the edge; True: the user's cache folder; False: none.
+        Folder for cached responses; True: the user's cache folder; False: none.
     transport, sleep
         For tests: replaces the network, and the pauses between attempts.
 
@@ -194,7 +194,7 @@ class Client:
             The views, and the distortion model; ``auto`` is the one that predicts views best that it did not
             see.
         progress
-            Is told how many of how many views are sent.
+            Called with the number of views sent, and of all views.
         licence
             ``CC0-1.0``: the contributor agrees that the corners and the calibration are given away under CC0
             1.0. Without it they count in consensuses and stay out of the public dumps.
@@ -224,7 +224,7 @@ class Client:
         model, licence
             Distortion model, of ``auto`` rectilinear; the licence as in `submit`.
         keep
-            Is told the recording after every view, to save it.
+            Called with the recording after every view, to save it.
         options
             As in `CaptureOptions`.
 
@@ -267,8 +267,8 @@ class Client:
         from . import comparison
         from .capture.glances import recording_to_check
 
-        known = self.calibration(calibration) if isinstance(calibration, str) else calibration
-        return self._run(comparison.by_service(recording_to_check(camera, **options), known))
+        stored = self.calibration(calibration) if isinstance(calibration, str) else calibration
+        return self._run(comparison.by_service(recording_to_check(camera, **options), stored))
 
     def calibrate_images(
         self,
@@ -292,7 +292,7 @@ class Client:
         board
             The board; recognised unless given.
         platform, zoom
-            As in `key_of`; ``photographs`` is the platform of a label alone.
+            As in `key_of`; ``photographs`` is the platform of a bare label.
         model, licence
             As in `submit`.
 

@@ -46,8 +46,8 @@ def by_service(recording: Recording, calibration: Calibration) -> Flow[Compariso
     """
     _require_size(recording, calibration)
     names = ("img_size", "camera_matrix", "distortion_coefficients", "distortion_model")
-    given = {name: calibration.record[name] for name in names}
-    body = {**body_of(recording, MAX_SENT_VIEWS), "calibration": given}
+    record = {name: calibration.record[name] for name in names}
+    body = {**body_of(recording, MAX_SENT_VIEWS), "calibration": record}
     reply = yield Request("POST", "v1/auth")
     reply = yield Request("POST", "v1/checks", body, credential=str(reply.json["session_id"]))
     return _comparison(reply.json)

@@ -1,4 +1,4 @@
-"""Settings of a connection, the same for both clients, and requests and answers as httpx has them."""
+"""Settings of a connection, the same for both clients, and httpx's requests and responses."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .wire import MAX_BODY_BYTES, Failure, Reply, Request
 
 CONNECT_TIMEOUT_S = 5.0
 RESPONSE_TIMEOUT_S = 30.0
-"""Time for an answer: the service computes a model that nobody asked for yet while one waits."""
+"""Timeout of a response: the service may compute a model while the client waits."""
 MAX_ATTEMPTS = 4
 
 
@@ -48,11 +48,11 @@ class Connection:
             raise UsageError("the address of the service is missing: give url, or set CALIBDB_URL")
         parts = urlsplit(address)
         if parts.scheme not in ("http", "https") or not parts.hostname or parts.query or parts.username:
-            raise UsageError(f"{address!r} is no address of a service, such as https://calibdb.example")
+            raise UsageError(f"{address!r} is not an address of a service, such as https://calibdb.example")
         credential = os.environ.get("CALIBDB_TOKEN", "") if token is None else token
         credential = credential.strip()
         if not credential.isascii() or not credential.isprintable() or " " in credential:
-            raise UsageError("the token (CALIBDB_TOKEN) holds characters that no token has")
+            raise UsageError("the token (CALIBDB_TOKEN) contains invalid characters")
         if not timeout > 0 or attempts < 1:
             raise UsageError("timeout and attempts must be positive")
         return cls(address, credential, timeout, attempts)
@@ -86,11 +86,11 @@ class Connection:
 
 
 class BodyTooLargeError(Exception):
-    """The answer is longer than anything that the service sends."""
+    """The response is longer than anything that the service sends."""
 
 
 class Body:
-    """Body of an answer while it arrives."""
+    """Body of a response while it arrives."""
 
     def __init__(self) -> None:
         self._parts: list[bytes] = []
@@ -112,11 +112,11 @@ class Body:
 def failure(error: Exception) -> Failure:
     """Return the failure that an exception of httpx stands for, in a few words without addresses."""
     if isinstance(error, httpx.TimeoutException):
-        return Failure("no answer in time")
+        return Failure("no response in time")
     if isinstance(error, httpx.ConnectError):
         return Failure(
             "no connection" if "certificate" not in str(error).lower() else "its certificate is not valid"
         )
     if isinstance(error, BodyTooLargeError):
-        return Failure("its answer is too long")
+        return Failure("its response is too long")
     return Failure("the connection broke")

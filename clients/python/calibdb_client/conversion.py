@@ -50,13 +50,13 @@ def format_of(name: str | None, path: str | Path | None, rig: bool = False) -> s
     Raises UsageError if the suffix stands for several formats and none is named, if name and suffix
     contradict each other, or if there is no such format.
     """
-    known, suffixes = (RIG_FORMATS, _RIG_SUFFIXES) if rig else (FORMATS, _SUFFIXES)
+    formats, suffixes = (RIG_FORMATS, _RIG_SUFFIXES) if rig else (FORMATS, _SUFFIXES)
     suffix = Path(path).suffix.lower() if path is not None and str(path) != "-" else ""
     if name is not None and not rig:
         name = _ALIASES.get(name, name) if suffix != ".json" else {"opencv": "opencv-json"}.get(name, name)
-    if name is not None and name not in known:
-        raise UsageError(f"no format is called {name!r}; there are {', '.join(known)}")
-    candidates = [each for each in known if suffix in suffixes[each]]
+    if name is not None and name not in formats:
+        raise UsageError(f"no format is called {name!r}; there are {', '.join(formats)}")
+    candidates = [each for each in formats if suffix in suffixes[each]]
     if name is None:
         default = (_RIG_DEFAULTS if rig else _SUFFIX_DEFAULTS).get(suffix)
         if not suffix:
@@ -65,7 +65,7 @@ def format_of(name: str | None, path: str | Path | None, rig: bool = False) -> s
             return default or candidates[0]
         if candidates:
             raise UsageError(f"{suffix} is the suffix of several formats: say --format {_or(candidates)}")
-        raise UsageError(f"no format has the suffix {suffix!r}: say --format, one of {', '.join(known)}")
+        raise UsageError(f"no format has the suffix {suffix!r}: say --format, one of {', '.join(formats)}")
     if candidates and name not in candidates:
         raise UsageError(
             f"{path} has the suffix of {_or(candidates)}, and the format is {name!r}, "
@@ -91,7 +91,7 @@ def write(
     change
         Change of the picture that the file is for.
 
-    Raises UsageError if the format cannot hold the camera.
+    Raises UsageError if the format does not support the camera.
     """
     try:
         camera = Camera.from_record(record)
@@ -112,7 +112,7 @@ def write(
 
 
 def write_rig(record: Mapping[str, Any], name: str) -> ExportedFile:
-    """Write a rig's record as a file of another tool. Raises UsageError if the format cannot hold it."""
+    """Write a rig's record as a file of another tool. Raises UsageError if the format does not support it."""
     from calibsolver.rig import formats as rig_formats
 
     calibrations = record["calibrations"]

@@ -42,7 +42,7 @@ class ServiceUnavailableError(CalibDBError):
 
 
 class CameraError(CalibDBError):
-    """A camera of this machine cannot be used, or not be told from another."""
+    """A camera of this machine cannot be used, or not be distinguished from another."""
 
     exit_status = 6
 
@@ -87,9 +87,9 @@ class ProblemError(CalibDBError):
     status
         HTTP status.
     kind
-        The word that tells kinds of errors apart: what follows the last `#` or `/` of `type`.
+        Identifier of the kind of error: what follows the last `#` or `/` of `type`.
     type, title, detail
-        As answered.
+        Values of the response.
     errors
         Fields that were refused.
     retry_after
@@ -139,4 +139,4 @@ class QuotaError(ProblemError):
 
 
 class ConflictError(ProblemError):
-    """The request contradicts what the service holds (409)."""
+    """The request conflicts with the state of the service (409)."""

@@ -77,7 +77,7 @@ class Estimate:
 
     @property
     def basis(self) -> str:
-        """Best evidence that it rests on, such as `published` or `population`."""
+        """Best evidence of the estimate, such as `published` or `population`."""
         return str(self.record.get("basis", ""))
 
     @property

@@ -25,7 +25,7 @@ class Photograph:
     Attributes
     ----------
     make, model, lens
-        As the file has them; "" if it does not.
+        Values of the file; "" if missing.
     size
         Width and height as the sensor wrote them, px.
     focal_mm, focal_35mm
@@ -60,12 +60,12 @@ def read(path: Path) -> Photograph:
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror}") from None
     try:
-        found = _photograph(content)
+        photograph = _photograph(content)
     except (struct.error, IndexError, ZeroDivisionError):  # an offset that leads out of the file
-        found = None
-    if found is None or not found.label or min(found.size) < 1:
+        photograph = None
+    if photograph is None or not photograph.label or min(photograph.size) < 1:
         raise UsageError(f"{path} does not name its camera: it has no EXIF data")
-    return found
+    return photograph
 
 
 def _photograph(content: bytes) -> Photograph | None:

@@ -12,7 +12,7 @@ class ExportedFile:
     Attributes
     ----------
     content, filename, media_type
-        As a download needs them.
+        Body, file name and media type of a download.
     error
         px, largest distance between the projections by the calibration and by the file; 0: exact.
     coverage

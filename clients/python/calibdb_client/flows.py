@@ -39,7 +39,7 @@ class Edge:
     Attributes
     ----------
     site
-        Address of the site, which tells the addresses of two services apart.
+        Address of the site, which distinguishes two services.
     cache
         None keeps nothing.
     """
@@ -77,8 +77,8 @@ def lookup(
     path = key.known_path(model)
     if path is not None:
         address = f"{edge.site}/{path}"
-        if edge.cache and (kept := edge.cache.get(address)) and _is_record(kept):
-            return Answer(make(kept), source="cache")
+        if edge.cache and (entry := edge.cache.get(address)) and _is_record(entry):
+            return Answer(make(entry), source="cache")
         try:
             reply = yield Request("GET", path, credential="none", repeats=False)
             if _is_record(record := reply.json):
@@ -146,16 +146,16 @@ def _file(path: str, query: Mapping[str, str], unnamed: str) -> Flow[ExportedFil
 
 def cameras(query: str, limit: int) -> Flow[list[Mapping[str, Any]]]:
     """Search the database, page by page, for at most `limit` cameras."""
-    found: list[Mapping[str, Any]] = []
-    asked = {"query": query, "limit": str(min(limit, 50))}
+    records: list[Mapping[str, Any]] = []
+    parameters = {"query": query, "limit": str(min(limit, 50))}
     for _ in range(MAX_PAGES):
-        reply = yield Request("GET", "v1/cameras", query=asked)
+        reply = yield Request("GET", "v1/cameras", query=parameters)
         page = reply.json
-        found += page.get("cameras", [])
-        if len(found) >= limit or not page.get("next"):
+        records += page.get("cameras", [])
+        if len(records) >= limit or not page.get("next"):
             break
-        asked["after"] = str(page["next"])
-    return found[:limit]
+        parameters["after"] = str(page["next"])
+    return records[:limit]
 
 
 def camera(key: str) -> Flow[Mapping[str, Any]]:
@@ -171,7 +171,7 @@ def _is_record(said: Mapping[str, Any]) -> bool:
 def _segment(text: str) -> str:
     """Return an id as one segment of a path. Raises UsageError for text that is none."""
     if not text or not all(c.isascii() and (c.isalnum() or c in "-_.~") for c in text) or set(text) == {"."}:
-        raise UsageError(f"{text!r} is no id of a calibration, camera or rig")
+        raise UsageError(f"{text!r} is not an id of a calibration, camera or rig")
     return text
 
 

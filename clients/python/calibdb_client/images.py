@@ -1,4 +1,4 @@
-"""Recordings of pictures and videos: the board is recognised if nobody described it."""
+"""Recordings of pictures and videos: the board is recognised unless described."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ def recording_of(
 
     Raises CaptureError if they do not suffice, MissingPackageError without OpenCV.
     """
-    found = FoundViews()
-    given = [paths] if isinstance(paths, (str, Path)) else list(paths)
-    if len(given) == 1 and is_video(given[0]):
-        chosen = read_video(given[0], board, found, mirrored=mirrored)
+    board_views = FoundViews()
+    sources = [paths] if isinstance(paths, (str, Path)) else list(paths)
+    if len(sources) == 1 and is_video(sources[0]):
+        chosen = read_video(sources[0], board, board_views, mirrored=mirrored)
     else:
-        files = pictures.picture_paths(given)
+        files = pictures.picture_paths(sources)
         chosen = board or board_of(files, mirrored)
-        pictures.read(files, chosen, found, mirrored=mirrored)
-    size, views = found.of_one_size(least)
+        pictures.read(files, chosen, board_views, mirrored=mirrored)
+    size, views = board_views.of_one_size(least)
     if platform is None and isinstance(camera, str):
         platform = pictures.PLATFORM
     return Recording(key_of(camera, platform, size, zoom), chosen, views)

@@ -124,7 +124,7 @@ def key_of(
     camera
         A key is taken as it is; whatever else is given replaces its values.
     platform
-        Needed for a label alone.
+        Required for a bare label.
     size
         Width and height, px; needed unless the camera is open.
     zoom

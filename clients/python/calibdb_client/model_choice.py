@@ -18,7 +18,7 @@ MIN_COVERED = 0.99
 def chosen_model(recording: Recording, model: str) -> tuple[str, str | None]:
     """Return the model to use, and one that explains the views better or None.
 
-    `AUTO` is the model that predicts views best that it did not see, among those whose domain covers the
+    `AUTO` is the model that predicts held-out views best, among those whose domain covers the
     picture.
 
     Raises UsageError for an unknown model, CaptureError if no model fits.

@@ -111,7 +111,7 @@ def calibrate_recording(
 
 
 def _run(flow: Generator[Any, Any, CaptureResult]) -> CaptureResult:
-    """Return the result of a conversation that asks nobody."""
+    """Return the result of a conversation without network."""
     try:
         next(flow)
     except StopIteration as end:

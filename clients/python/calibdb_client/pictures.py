@@ -45,7 +45,7 @@ class FoundViews:
     broken
         Sentence about a video that breaks off.
     empty, unreadable
-        Names of pictures without the board, and of files that are no pictures.
+        Names of pictures without the board, and of files that are not images.
     """
 
     views: list[tuple[tuple[int, int], RecordedView]] = field(default_factory=list)
@@ -116,7 +116,7 @@ def picture_paths(given: Iterable[str | Path]) -> list[Path]:
             paths += sorted(inside)
         elif each.is_file():
             if each.suffix.lower() == ".json":
-                raise UsageError(f"{each} is no picture: `calibdb submit {each}` uses the corners in it")
+                raise UsageError(f"{each} is not an image: `calibdb submit {each}` uses the corners in it")
             paths.append(each)
         else:
             raise UsageError(f"{each} is not there")
@@ -134,12 +134,12 @@ def _without_pictures(folder: Path) -> str:
     """Return a sentence about a folder without pictures: where they may be, or how to make some."""
     raw = [path for path in folder.iterdir() if path.suffix.lower() in UNREAD]
     if raw:
-        return f"{folder} holds {len(raw)} {raw[0].suffix[1:].upper()} files: convert them to JPEG or PNG"
+        return f"{folder} contains {len(raw)} {raw[0].suffix[1:].upper()} files: convert them to JPEG or PNG"
     below = sorted(path for path in folder.iterdir() if path.is_dir() and not path.name.startswith("."))
     if below:
         names = ", ".join(str(path) for path in below[:5]) + (", …" if len(below) > 5 else "")
-        return f"{folder} holds no pictures, but folders: name one of {names}"
-    return f"{folder} holds no pictures (JPEG, PNG, TIFF, WebP, BMP)"
+        return f"{folder} contains no images, but folders: name one of {names}"
+    return f"{folder} contains no images (JPEG, PNG, TIFF, WebP, BMP)"
 
 
 def turned_by_camera(paths: Sequence[Path]) -> bool:
@@ -165,12 +165,12 @@ def turned_by_camera(paths: Sequence[Path]) -> bool:
 def read(
     paths: Sequence[Path],
     board: Board,
-    found: FoundViews,
+    board_views: FoundViews,
     progress: Callable[[int, int], None] | None = None,
     most: int | None = MAX_PICTURES,
     mirrored: bool = False,
 ) -> None:
-    """Find the board in pictures, and add to `found` one by one: an interruption loses nothing.
+    """Find the board in pictures, and add to `board_views` one by one: an interruption loses nothing.
 
     Pixels are those of the file: an orientation that the camera wrote next to them is not applied.
     `mirrored` pictures are turned back. Of more pictures than `most`, as many are read, spread evenly.
@@ -183,13 +183,13 @@ def read(
         if mirrored and picture is not None:
             picture = np.ascontiguousarray(picture[:, ::-1])
         if picture is None:
-            found.unreadable.append(path.name)
+            board_views.unreadable.append(path.name)
         elif (corners := detector.find(picture)) is None:
-            found.empty.append(path.name)
+            board_views.empty.append(path.name)
         else:
             h, w = picture.shape[:2]
             points = tuple((float(u), float(v)) for u, v in corners.points.tolist())
-            found.views.append(((w, h), RecordedView(path.name, corners.ids, points)))
+            board_views.views.append(((w, h), RecordedView(path.name, corners.ids, points)))
         if progress:
             progress(n + 1, len(chosen))
 

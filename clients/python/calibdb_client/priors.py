@@ -43,13 +43,13 @@ class PhotoGroup:
     @property
     def camera(self) -> Calibration | Estimate:
         """Camera to begin with. Raises UsageError if there is none of this size."""
-        found = self.answer.calibration or self.answer.estimate
-        if found is None:
+        camera = self.answer.calibration or self.answer.estimate
+        if camera is None:
             raise UsageError(f"the service says nothing of {self.photo.label}: is it an older one?")
-        if found.img_size != self.photo.size:
-            w, h = found.img_size
+        if camera.img_size != self.photo.size:
+            w, h = camera.img_size
             raise UsageError(f"{self.photo.label} is calibrated at {w}x{h} only: cameras crop at other sizes")
-        return found
+        return camera
 
     @property
     def title(self) -> str:

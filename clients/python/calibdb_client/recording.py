@@ -64,7 +64,7 @@ class Recording:
         except UsageError as error:
             raise UsageError(f"{path}: {error}") from None
         except (ValueError, RecursionError):
-            raise UsageError(f"{path} holds no recording of calibdb") from None
+            raise UsageError(f"{path} does not contain a recording of calibdb") from None
 
     @classmethod
     def of(cls, content: Mapping[str, Any]) -> Recording:
@@ -82,22 +82,22 @@ class Recording:
         except UsageError:
             raise
         except (ValueError, KeyError, TypeError):
-            raise UsageError("the file holds no recording of calibdb") from None
+            raise UsageError("the file does not contain a recording of calibdb") from None
 
     def save(self, path: str | Path) -> None:
         """Write the file, as a whole or not at all. Raises UsageError if it cannot be written."""
         write_whole(Path(path), self.content())
 
     def content(self, calibration: Mapping[str, Any] | None = None) -> bytes:
-        """Return the file's content; with a calibration it is that calibration's file, too."""
-        told = {
+        """Return the file's content; with a calibration it is also that calibration's file."""
+        member = {
             **self.key.record(),
             "format": FORMAT,
             "board": self.board.record(),
             **({"live": True} if self.live else {}),
             "views": [{"source": v.source, "ids": v.ids, "points": v.points} for v in self.views],
         }
-        return json.dumps({**(calibration or {}), _MEMBER: told}, ensure_ascii=False).encode() + b"\n"
+        return json.dumps({**(calibration or {}), _MEMBER: member}, ensure_ascii=False).encode() + b"\n"
 
 
 def ignore(recording: Recording) -> None:
@@ -105,10 +105,10 @@ def ignore(recording: Recording) -> None:
     del recording
 
 
-def _view(told: Mapping[str, Any], board: Board) -> RecordedView:
-    ids = tuple(int(each) for each in told["ids"])
-    points = tuple((float(u), float(v)) for u, v in told["points"])
+def _view(record: Mapping[str, Any], board: Board) -> RecordedView:
+    ids = tuple(int(each) for each in record["ids"])
+    points = tuple((float(u), float(v)) for u, v in record["points"])
     finite = all(math.isfinite(each) for point in points for each in point)
     if len(ids) != len(points) or not finite or not all(0 <= each < board.corner_count for each in ids):
         raise ValueError("corners that are none")
-    return RecordedView(str(told["source"]), ids, points)
+    return RecordedView(str(record["source"]), ids, points)

@@ -1,4 +1,4 @@
-"""A rig as the service answers it: cameras calibrated together, and where they are to each other."""
+"""A rig as the service returns it: cameras calibrated together, and their relative poses."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Rig:
     record
         All that the service answered, under its names (docs/api.md).
 
-    Raises UsageError for a record that is no rig.
+    Raises UsageError for a record that is not a rig.
     """
 
     record: Mapping[str, Any]
@@ -50,7 +50,7 @@ class Rig:
         except (KeyError, TypeError, ValueError):
             whole = False
         if not whole:
-            raise UsageError("this is no rig: calibrations and extrinsics of two or more cameras are needed")
+            raise UsageError("not a rig: calibrations and extrinsics of two or more cameras are required")
 
     def __repr__(self) -> str:
         return f"Rig({self.id!r}, {len(self.calibrations)} cameras, {self.unit}, {self.verdict[0]})"
@@ -63,7 +63,7 @@ class Rig:
         except (ValueError, RecursionError) as error:
             raise UsageError(f"{path} cannot be read as a rig: {error}") from None
         if not isinstance(record, dict):
-            raise UsageError(f"{path} is no rig")
+            raise UsageError(f"{path} is not a rig")
         return cls(record)
 
     @cached_property
@@ -78,7 +78,7 @@ class Rig:
 
     @property
     def unit(self) -> str:
-        """Unit of translations: ``metres``, or ``squares`` of the board if nobody measured them."""
+        """Unit of translations: ``metres``, or ``squares`` of the board if they were not measured."""
         return str(self.record["unit"])
 
     @property
@@ -94,8 +94,8 @@ class Rig:
     @property
     def verdict(self) -> tuple[str, ...]:
         """Level, ``good``, ``fair`` or ``poor``, then reasons: ``uncertain``, ``held_out``, ``set_aside``."""
-        found = self.record.get("verdict") or {}
-        return str(found.get("level", "")), *map(str, found.get("reasons", ()))
+        verdict = self.record.get("verdict") or {}
+        return str(verdict.get("level", "")), *map(str, verdict.get("reasons", ()))
 
     def pose(self, position: int, origin: int = 0) -> Array:
         """Return the motion (4, 4), x -> R x + t, from the camera at `origin` to the one at `position`.
@@ -143,7 +143,7 @@ class Rig:
     def export(self, format: str = _JSON) -> ExportedFile:  # noqa: A002
         """Return the file in one of the formats of docs/formats.md; several files are one ZIP archive.
 
-        The service writes rigs that it holds, calibsolver all others. Raises UsageError if the format cannot
+        The service writes its own rigs, calibsolver all others. Raises UsageError if the format cannot
         hold the rig.
         """
         if format == _JSON:
@@ -160,18 +160,18 @@ class Rig:
         return list(self.record["extrinsics"])
 
     def _of(self, position: int) -> Mapping[str, Any]:
-        found = [each for each in self._extrinsics if each.get("position") == position]
-        if not found:
+        matches = [each for each in self._extrinsics if each.get("position") == position]
+        if not matches:
             raise UsageError(
                 f"this rig has cameras 0 to {len(self.calibrations) - 1}, and no camera {position}"
             )
-        return found[0]
+        return matches[0]
 
     def _from_first(self, position: int) -> Array:
-        known = self._of(position)
+        extrinsics = self._of(position)
         motion = np.eye(4)
-        motion[:3, :3] = rotation.matrix(np.array(known["rvec"], dtype=np.float64))
-        motion[:3, 3] = known["tvec"]
+        motion[:3, :3] = rotation.matrix(np.array(extrinsics["rvec"], dtype=np.float64))
+        motion[:3, 3] = extrinsics["tvec"]
         return motion
 
 

@@ -104,7 +104,7 @@ def _moments(paths: Sequence[Sequence[Path]]) -> list[dict[int, str]]:
     counts = [len(files) for files in paths]
     if len(set(counts)) > 1:
         raise UsageError(
-            f"the folders hold {', '.join(map(str, counts))} pictures, and no names are the same: give "
+            f"the folders contain {', '.join(map(str, counts))} images, and no names are the same: give "
             "pictures of one moment the same name, or as many in each folder"
         )
     return [{i: path.name for i, path in enumerate(each)} for each in zip(*paths, strict=True)]
@@ -127,8 +127,8 @@ def fit_rig(
 
     names = [recording.key.camera for recording in recordings]
     views: list[dict[str, RecordedView]] = [{v.source: v for v in each.views} for each in recordings]
-    seen = [{i: views[i][name] for i, name in moment.items() if name in views[i]} for moment in moments]
-    shared = [moment for moment in seen if len(moment) > 1]
+    used = [{i: views[i][name] for i, name in moment.items() if name in views[i]} for moment in moments]
+    shared = [moment for moment in used if len(moment) > 1]
     if len(shared) < MIN_MOMENTS:
         raise CaptureError(
             f"{len(shared)} moments show the board in two cameras, and {MIN_MOMENTS} are needed, better 15"
@@ -146,7 +146,7 @@ def fit_rig(
         "cameras": cameras,
         "moments": [
             {"id": str(m), "views": {i: {"ids": v.ids, "points": v.points} for i, v in moment.items()}}
-            for m, moment in enumerate(seen)
+            for m, moment in enumerate(used)
             if moment
         ],
     }
@@ -161,7 +161,7 @@ def fit_rig(
         raise CaptureError(f"the pictures determine no rig: {why}")
     left_out += [
         (
-            f"{names[each['position']]}/{seen[int(each['moment'])][each['position']].source}",
+            f"{names[each['position']]}/{used[int(each['moment'])][each['position']].source}",
             _RIG_REASONS.get(each["reason"], refusal(each["reason"])),
         )
         for each in fit["set_aside"]

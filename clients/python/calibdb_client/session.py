@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from calibsolver.fitting.constraint import Fix
 
 Progress = Callable[[int, int], None]
-"""Is told how many of how many are done."""
+"""Called with the number done, and the number of all."""
 LICENCE = "CC0-1.0"
 """The licence under which the database gives calibrations away."""
 LICENCE_VERSION = "2026-11-22"
 """Date of the terms that this version of the client refers to: `/terms/` of the site."""
 _REASONS = {
     "duplicate": "the board was there already",
-    "no_information": "it tells nothing new",
+    "no_information": "it adds no information",
     "too_few_points": "too few corners",
     "degenerate": "its corners lie on a line",
     "mirrored": "the picture is mirrored",

@@ -24,7 +24,7 @@ MAX_WAIT_S = 8.0
 """Longest pause before a request is repeated; longer ones are the caller's."""
 FIRST_WAIT_S = 0.25
 MAX_BODY_BYTES = 32 * 1024 * 1024
-"""Longest answer that is read."""
+"""Largest response that is read."""
 
 _REPEATED = frozenset({429, 500, 502, 503, 504})
 _ERRORS: Mapping[int, type[ProblemError]] = {
@@ -41,7 +41,7 @@ _ERRORS: Mapping[int, type[ProblemError]] = {
 class Request:
     """One HTTP request, relative to the address of the service.
 
-    Every request of the API may be repeated: the service answers it again as it answered before.
+    Every request of the API is idempotent.
     """
 
     method: str
@@ -99,10 +99,10 @@ def pause(outcome: Reply | Failure, attempt: int, jitter: float) -> float | None
         return backoff
     if outcome.status not in _REPEATED:
         return None
-    asked = _retry_after(outcome)
-    if asked is None:
+    requested = _retry_after(outcome)
+    if requested is None:
         return backoff
-    return asked if asked <= MAX_WAIT_S else None
+    return requested if requested <= MAX_WAIT_S else None
 
 
 def require_success(outcome: Reply | Failure, site: str) -> Reply:
@@ -136,7 +136,11 @@ def error_of(reply: Reply, site: str) -> ProblemError | ServiceUnavailableError:
     ]
     retry_after = _retry_after(reply)
     if reply.status == 429:
-        wait = f" It goes on in {_duration(retry_after)}." if retry_after else " Try again in a minute."
+        wait = (
+            f" More calls are possible in {_duration(retry_after)}."
+            if retry_after
+            else " Try again in a minute."
+        )
         detail = (detail or "Too many requests.").rstrip() + wait
     elif reply.status in (401, 403):
         detail = (detail or "The service refuses the token.").rstrip() + " Check the token (CALIBDB_TOKEN)."

@@ -20,15 +20,15 @@ def tag_poses(grey: np.ndarray, calibration: Calibration, side: float) -> list[d
     corners, ids, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(grey)
     half = side / 2
     square = np.array([[-half, half, 0], [half, half, 0], [half, -half, 0], [-half, -half, 0]])
-    found = []
+    poses = []
     for number, quad in zip([] if ids is None else ids.ravel().tolist(), corners, strict=True):
         # Rays instead of pixels: solvePnP need not know the lens, so that every model will do.
         rays = calibration.unproject(np.asarray(quad, dtype=np.float64).reshape(4, 2))
         plane = np.ascontiguousarray(rays[:, :2] / rays[:, 2:])
         there, rvec, tvec = cv2.solvePnP(square, plane, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE)
         if there:
-            found.append({"id": number, "rvec": rvec.ravel().tolist(), "tvec": tvec.ravel().tolist()})
-    return found
+            poses.append({"id": number, "rvec": rvec.ravel().tolist(), "tvec": tvec.ravel().tolist()})
+    return poses
 
 
 def main() -> int:
@@ -40,7 +40,7 @@ def main() -> int:
     chosen = parser.parse_args()
     grey = cv2.imread(chosen.picture, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION)
     if grey is None:
-        parser.error(f"{chosen.picture} is no picture")
+        parser.error(f"{chosen.picture} is not an image")
     for tag in tag_poses(grey, Calibration.load(chosen.calibration), chosen.side):
         print(json.dumps(tag))
     return 0

@@ -15,7 +15,7 @@ from calibdb_client import Calibration, CameraKey, Client
 
 
 class CameraInfoNode:
-    """Publishes CameraInfo beside every image. In a real node `publish` is that of an rclpy publisher."""
+    """Publishes CameraInfo with every image. In a real node `publish` is that of an rclpy publisher."""
 
     def __init__(self, name: str, folder: Path, publish: Callable[[dict[str, Any]], object]) -> None:
         self.name, self.folder, self.publish = name, folder, publish

@@ -19,7 +19,7 @@ def withdraw(
     reason: Annotated[
         str,
         typer.Option(
-            help="Stored with it; the API tells its first word if that is `wrong`, `abuse` or `privacy`.",
+            help="Stored with it; the API returns its first word if that is `wrong`, `abuse` or `privacy`.",
             autocompletion=complete_reason,
         ),
     ] = "",

@@ -28,14 +28,14 @@ def list_cameras(
     with open_run(as_json=as_json) as run:
         from infra.ops import cameras
 
-        found = cameras.count_all(run.context, text)
+        counts = cameras.count_all(run.context, text)
         run.output.table(
             ("camera", "#calibrations", "#withdrawn"),
-            ((one.key, one.calibrations, one.withdrawn) for one in found),
-            (one.line for one in found),
+            ((one.key, one.calibrations, one.withdrawn) for one in counts),
+            (one.line for one in counts),
         )
         run.output.value(
-            [{"key": one.key, "calibrations": one.calibrations, "withdrawn": one.withdrawn} for one in found]
+            [{"key": one.key, "calibrations": one.calibrations, "withdrawn": one.withdrawn} for one in counts]
         )
 
 
@@ -51,14 +51,14 @@ def show_camera(
     with open_run(as_json=as_json) as run:
         from infra.ops import cameras
 
-        found = cameras.detail(run.context, key)
-        run.output.value(found.record())
-        for text, rows, lines in _sections(found):
+        detail = cameras.detail(run.context, key)
+        run.output.value(detail.record())
+        for text, rows, lines in _sections(detail):
             run.output.line(text)
             if lines:
                 run.output.table(_COLUMNS, rows, lines)
         if plot:
-            _draw(run, found)
+            _draw(run, detail)
 
 
 @app.command("use")
@@ -75,25 +75,25 @@ def show_use(
         run.output.value([{"camera": label, "lookups": count} for label, count in use])
 
 
-def _sections(found: CameraDetail) -> Iterator[tuple[str, list[tuple[object, ...]], list[str]]]:
+def _sections(detail: CameraDetail) -> Iterator[tuple[str, list[tuple[object, ...]], list[str]]]:
     """Yield lines, and after the consensuses of each mode the rows and the lines of its calibrations."""
     from infra.ops import cameras
 
-    yield f"{found.camera}, {found.platform}", [], []
-    for known in found.modes:
+    yield f"{detail.camera}, {detail.platform}", [], []
+    for mode in detail.modes:
         texts = [
-            cameras.title(known.mode),
-            *(f"  {cameras.describe_consensus(c)}" for c in known.consensuses),
+            cameras.title(mode.mode),
+            *(f"  {cameras.describe_consensus(c)}" for c in mode.consensuses),
         ]
-        rows = [cameras.calibration_row(*one) for one in known.calibrations]
-        lines = [f"  {cameras.describe_calibration(*one)}" for one in known.calibrations]
+        rows = [cameras.calibration_row(*one) for one in mode.calibrations]
+        lines = [f"  {cameras.describe_calibration(*one)}" for one in mode.calibrations]
         yield "\n".join(texts), rows, lines
 
 
-def _draw(run: Run, found: CameraDetail) -> None:
+def _draw(run: Run, detail: CameraDetail) -> None:
     from infra.ops import plots
 
     width = min(100, shutil.get_terminal_size().columns)
-    for known in found.modes:
-        if plots.points_by_group(run.context, known):
-            run.output.line(plots.draw(run.context, known, width))
+    for mode in detail.modes:
+        if plots.points_by_group(run.context, mode):
+            run.output.line(plots.draw(run.context, mode, width))

@@ -49,12 +49,12 @@ def forget(
         ask = not yes and sys.stdin.isatty()
         if dry_run or ask:
             counted = withdrawal.forget(run.context, contributors, dry_run=True)
-            found = _describe(counted)
+            description = _describe(counted)
             run.output.value(asdict(counted))
             if dry_run:
-                run.output.line(f"would be removed: {found}")
+                run.output.line(f"would be removed: {description}")
                 return
-            confirm(f"Remove {found} for good?", yes=yes)
+            confirm(f"Remove {description} for good?", yes=yes)
         done = withdrawal.forget(run.context, contributors)
         run.output.line(f"removed {_describe(done)}")
         run.output.value(asdict(done))
@@ -70,7 +70,7 @@ def _describe(counts: ForgetResult) -> str:
 def _find(
     run: Run, contributor_id: str | None, address: str | None, token: str | None, receipt: str | None
 ) -> set[str]:
-    """Find the contributors that are meant; raises OpsError where nothing came from them."""
+    """Find the contributors that are meant; raises OpsError if nothing came from them."""
     from infra.ops import withdrawal
 
     if contributor_id is not None and address is receipt is None:
@@ -81,6 +81,6 @@ def _find(
         raise OpsError("name either a contributor, an address, or a receipt")
     if not run.context.secret_known:
         raise OpsError("set CONTRIBUTOR_SECRET: without it, addresses cannot be matched with contributors")
-    if found := withdrawal.find_contributors_at(run.context, address, token):
-        return found
+    if matches := withdrawal.find_contributors_at(run.context, address, token):
+        return matches
     raise OpsError("nothing came from there")

@@ -23,7 +23,7 @@ def dump(
     folder: Folder,
     private: Annotated[
         bool,
-        typer.Option("--private", help="Also what was given without a licence. Nobody else may have it."),
+        typer.Option("--private", help="Also contributions without a licence. Keep it private."),
     ] = False,
     as_json: Json = False,
 ) -> None:
@@ -71,9 +71,11 @@ def restore(
     with _without_storage(as_json=as_json) as output:
         from infra.ops.backup import restore_backup
 
-        kept = restore_backup(data_folder(), file)
-        output.line(f"{file} restored to {data_folder()}" + (f"; it was {kept} before" if kept else ""))
-        output.value({"folder": str(data_folder()), "before": kept and str(kept)})
+        previous = restore_backup(data_folder(), file)
+        output.line(
+            f"{file} restored to {data_folder()}" + (f"; it was {previous} before" if previous else "")
+        )
+        output.value({"folder": str(data_folder()), "before": previous and str(previous)})
 
 
 @contextmanager
@@ -162,7 +164,7 @@ def import_files(
 ) -> None:
     """Store calibration files: with keypoints as a calibration, else as a first guess.
 
-    Of several files each is stored or refused by itself.
+    Several files are stored or refused one by one.
     """
     with open_run(as_json=as_json) as run:
         from calibsolver.formats.reader_options import ReaderOptions
@@ -170,8 +172,8 @@ def import_files(
 
         reported = ReportedCamera(camera, platform, zoom, licence_of(licence))
         options = ReaderOptions(img_size, camera_number, squares)
-        told: list[dict[str, str]] = []
-        run.output.value(told)
+        results: list[dict[str, str]] = []
+        run.output.value(results)
         failed: list[str] = []
         for file in run.context.track(files, "files", len(files)):
             try:
@@ -180,10 +182,10 @@ def import_files(
                 if len(files) == 1:
                     raise
                 failed.append(str(file))
-                told.append({"file": str(file), "error": str(error)})
+                results.append({"file": str(file), "error": str(error)})
                 print(f"calibDB: {error}", file=sys.stderr)
                 continue
-            told.append({"file": str(file), "result": done})
+            results.append({"file": str(file), "result": done})
             run.output.line(done if len(files) == 1 else f"{file}: {done}")
         if failed:
             run.output.finish()
@@ -207,7 +209,7 @@ def seed(
     with open_run(as_json=as_json) as run:
         from infra.ops.seed import seed
 
-        told = []
+        results = []
         for file in files:
             done = seed(run.context, file, camera, platform, model, source, dry_run=dry_run)
             name = f"{file}: " if len(files) > 1 else ""
@@ -217,5 +219,5 @@ def seed(
             )
             for reason, count in done.skipped.items():
                 run.output.line(f"{count} skipped: {reason}")
-            told.append({"file": str(file), **asdict(done)})
-        run.output.value(told)
+            results.append({"file": str(file), **asdict(done)})
+        run.output.value(results)

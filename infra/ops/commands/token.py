@@ -39,8 +39,8 @@ def list_tokens(as_json: Json = False) -> None:
     with open_run(as_json=as_json) as run:
         from infra.ops import tokens
 
-        found = tokens.list_all(run.context)
-        rows = [tokens.describe(token) for token in found]
+        listing = tokens.list_all(run.context)
+        rows = [tokens.describe(token) for token in listing]
         run.output.table(
             ("id", "created", "plan", "made by", "origins"), rows, ("  ".join(row) for row in rows)
         )
@@ -56,7 +56,7 @@ def list_tokens(as_json: Json = False) -> None:
                     "self_made": token.management_sha256 is not None,
                     "former_until": token.former_until or None,
                 }
-                for token in found
+                for token in listing
             ]
         )
 
@@ -112,11 +112,11 @@ def revoke_token(token_id: TokenId, dry_run: DryRun = False, yes: Yes = False) -
         from infra.ops import tokens
 
         token = tokens.get(run.context, token_id)
-        known = "  ".join(tokens.describe(token))
+        description = "  ".join(tokens.describe(token))
         if dry_run:
-            run.output.line(f"would be revoked: {known}")
+            run.output.line(f"would be revoked: {description}")
             return
-        confirm(f"Revoke for good: {known}?", yes=yes)
+        confirm(f"Revoke for good: {description}?", yes=yes)
         tokens.revoke(run.context, token_id)
 
 
@@ -136,11 +136,11 @@ def rotate_token(
         from infra.ops import tokens
 
         token = tokens.get(run.context, token_id)
-        known = "  ".join(tokens.describe(token))
+        description = "  ".join(tokens.describe(token))
         if dry_run:
-            run.output.line(f"would get a new secret: {known}")
+            run.output.line(f"would get a new secret: {description}")
             return
-        confirm(f"End the present secret in {grace:g} hours: {known}?", yes=yes)
+        confirm(f"End the present secret in {grace:g} hours: {description}?", yes=yes)
         fresh = tokens.rotate(run.context, token_id, grace)
         run.output.line(fresh)
         run.output.value({"token": fresh})

@@ -25,7 +25,7 @@ SEARCH_KEY = f"{FOLDER}search.json"
 NOT_SEARCHED = frozenset({"changelog", "decisions", "development"})
 """Documents for contributors, and one that repeats, by version, what the others explain."""
 _LEAD = (
-    "calibDB tells a program what the lens in front of it does: the camera matrix, the distortion, and how "
+    "calibDB returns what a camera's lens does: the camera matrix, the distortion, and how "
     "far to trust them. Begin with the quickstart, or search."
 )
 _MAX_DESCRIPTION = 160  # characters
@@ -38,7 +38,7 @@ _PROBLEM = re.compile(
 def pages(web: Path) -> Mapping[str, str]:
     """Make the pages of the documentation, and the texts that they load, by key.
 
-    A folder without `docs/docs.js` is no client of ours.
+    A folder without `docs/docs.js` is not our client.
     """
     if not (web / FOLDER / "docs.js").is_file():
         return {}
@@ -74,10 +74,10 @@ def link_from(entry: Entry) -> Link:
     def link(target: str) -> str | None:
         if catalog.is_elsewhere(target):
             return target
-        found = catalog.target_key(entry.source or "", target)
-        if found is None:
+        page_key = catalog.target_key(entry.source or "", target)
+        if page_key is None:
             return None
-        key, anchor = found
+        key, anchor = page_key
         there = "" if key == entry.key and anchor else address(entry.key, key)
         return there + (f"#{anchor}" if anchor else "")
 
@@ -86,23 +86,23 @@ def link_from(entry: Entry) -> Link:
 
 def search_texts(web: Path, rendered: Sequence[tuple[Entry, Document]]) -> str:
     """Return the sections of all documents as JSON: `[[address, page, title, text], …]`, from `/docs/`."""
-    found = []
+    rows = []
     for entry, document in rendered:
         if entry.slug in NOT_SEARCHED:
             continue
-        found += [_row(entry.slug, document.title, section) for section in document.sections]
+        rows += [_row(entry.slug, document.title, section) for section in document.sections]
     for folder, section in reference.sections(openapi.document()):
-        found += [_row(f"reference/{folder}", "API reference", section)]
+        rows += [_row(f"reference/{folder}", "API reference", section)]
     problems = (web / FOLDER / "problems" / "index.html").read_text(encoding="utf-8")
     for kind, status, text in _PROBLEM.findall(problems):
         plain = unescape(re.sub("<[^>]+>", "", text))
-        found += [_row("problems", "Problems", Section(f"{kind} ({unescape(status)})", kind, [plain]))]
-    return json.dumps(found, ensure_ascii=False, separators=(",", ":"))
+        rows += [_row("problems", "Problems", Section(f"{kind} ({unescape(status)})", kind, [plain]))]
+    return json.dumps(rows, ensure_ascii=False, separators=(",", ":"))
 
 
 def _row(folder: str, name: str, section: Section) -> list[str]:
     anchor = f"#{section.anchor}" if section.anchor else ""
-    # Nobody searches for a cell of digits, or for the name of a test.
+    # Cells of digits and names of tests are not searched.
     said = " ".join(part for part in section.text if re.search("[A-Za-z]", part))
     text = re.sub(r"\s+", " ", re.sub(r"tests/\S+", "", said)).strip()
     return [f"{folder}/{anchor}", name, section.title, text]

@@ -74,7 +74,7 @@ GROUPS: dict[str, tuple[Entry, ...]] = {
             "docs/api.md", "api", "HTTP API", "All calls explained: tokens, lookups, captures, checks.", True
         ),
         Entry(None, "reference", "API reference", "Every call and field, with code to copy and to try."),
-        Entry(None, "problems", "Problems", "Every error that the API answers with, and what to do."),
+        Entry(None, "problems", "Problems", "Every error of the API, and what to do."),
         Entry("docs/limits.md", "limits", "Limits", "Calls an hour by plan, sizes, times.", True),
     ),
     "understand": (
@@ -91,7 +91,7 @@ GROUPS: dict[str, tuple[Entry, ...]] = {
             "docs/estimates.md",
             "estimates",
             "Estimates",
-            "What is likely of a camera that nobody calibrated.",
+            "Likely field of view of a camera without calibration.",
         ),
         Entry("docs/accuracy.md", "accuracy", "Accuracy and speed", "Every figure, with its command."),
         Entry("docs/webxr.md", "webxr", "WebXR", "Intrinsics and distortion for WebXR views."),
@@ -156,7 +156,7 @@ def target_key(source: str, target: str) -> tuple[str, str] | None:
     Returns
     -------
     tuple[str, str] or None
-        Key of a file of the site, and anchor; None where the site does not have it.
+        Key of a file of the site, and anchor; None if the site does not have it.
     """
     parts = urlsplit(target)
     path = posixpath.normpath(posixpath.join(posixpath.dirname(source), parts.path)) if parts.path else source

@@ -20,13 +20,13 @@ class Example:
     Attributes
     ----------
     folder, name, heading, message
-        Where it lies, the engine, the heading, and the key of the heading's text.
+        Folder, engine, heading, and the key of the heading's text.
     has_virtual
         True if the virtual camera can stand in.
     lines, style
         The lines that matter, and a style sheet that the engine needs.
     demo
-        What the page shows; unless given, a camera's picture with a scene over it.
+        Content of the page; default: a camera's image with a scene over it.
     sources
         Scripts that the page shows, below the folder of examples.
     lead

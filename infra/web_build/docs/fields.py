@@ -39,7 +39,7 @@ def rows(schema: Node, schemas: Mapping[str, Node], prefix: str = "", depth: int
     schema
         JSON schema of the object, or a reference.
     schemas
-        Those that references name.
+        Schemas by the names in references.
     prefix, depth
         Path of the object, and how deep it lies.
     """
@@ -53,13 +53,13 @@ def rows(schema: Node, schemas: Mapping[str, Node], prefix: str = "", depth: int
             yield from rows(inner, schemas, f"{prefix}{name}{mark}.", depth + 1)
 
 
-def table(found: list[Row], *, with_required: bool) -> str:
+def table(rows: list[Row], *, with_required: bool) -> str:
     """Make a table of fields."""
     head = '<th scope="col">Field</th><th scope="col">Type</th><th scope="col">Meaning</th>'
     lines = [
         f'<tr><th scope="row"><code>{escape(row.name)}</code>{_mark(row, with_required)}</th>'
         f"<td>{escape(row.kind)}</td><td>{inline(row.text)}</td></tr>"
-        for row in found
+        for row in rows
     ]
     return (
         f'<div class="wide"><table class="fields-table"><thead><tr>{head}</tr></thead>'
@@ -94,7 +94,7 @@ def _object(node: Node, schemas: Mapping[str, Node]) -> tuple[Node | None, str]:
 
 
 def kind(node: Node, schemas: Mapping[str, Node]) -> str:
-    """Describe in words what a field may be."""
+    """Describe the values of a field."""
     null = any(choice.get("type") == "null" for choice in node.get("anyOf", ()))
     default = node.get("default")
     whole = resolve(node, schemas)

@@ -21,7 +21,7 @@ from pygments.formatters import HtmlFormatter
 from pygments.lexers import get_lexer_by_name
 
 Link = Callable[[str], str | None]
-"""Address of a link's target on the site; None where the site has no such page."""
+"""Address of a link's target on the site; None if the site has no such page."""
 
 LEXERS = {
     "sh": "bash",
@@ -82,12 +82,12 @@ def render(source: str, link: Link) -> Document:
 def slug(text: str, taken: set[str]) -> str:
     """Make the anchor of a heading as GitHub does, and take it."""
     base = re.sub(r"[^\w\- ]", "", text.strip().lower()).replace(" ", "-")
-    found, count = base, 0
-    while found in taken:
+    anchor, count = base, 0
+    while anchor in taken:
         count += 1
-        found = f"{base}-{count}"
-    taken.add(found)
-    return found
+        anchor = f"{base}-{count}"
+    taken.add(anchor)
+    return anchor
 
 
 def anchors(source: str) -> set[str]:
@@ -97,13 +97,13 @@ def anchors(source: str) -> set[str]:
 
 def links(source: str) -> list[str]:
     """Return the targets of a document's links and images."""
-    found = []
+    targets = []
     for token in _parser().parse(source):
         for child in token.children or ():
             target = child.attrGet("href" if child.type == "link_open" else "src")
             if child.type in {"link_open", "image"} and target:
-                found.append(str(target))
-    return found
+                targets.append(str(target))
+    return targets
 
 
 def code(text: str, language: str) -> str:
@@ -124,7 +124,7 @@ def code_block(text: str, language: str) -> str:
 
 @cache
 def _parser() -> MarkdownIt:
-    # Comments mark the parts that benches write; they alone of HTML are let through, to be dropped.
+    # Comments mark the parts that benches write; only they are accepted as HTML, and dropped.
     return MarkdownIt("commonmark", {"html": True}).enable("table")
 
 
@@ -196,7 +196,7 @@ class _Renderer(RendererHTML):
         return "</table></div>\n"
 
     def th_open(self, tokens: Sequence[Token], idx: int, options: Any, env: Any) -> str:
-        # An empty head names nothing: it is no header cell.
+        # An empty head is not a header cell.
         kind = tokens[idx].attrGet("class")
         self._empty = not tokens[idx + 1].content
         tag = "td" if self._empty else 'th scope="col"'

@@ -33,11 +33,11 @@ def page(
     key
         Its path in the site.
     title, description
-        Of the document.
+        Title and description of the document.
     body
         HTML of the document, without its title.
     headings
-        Of the document, for its contents.
+        Headings of the document, for its contents.
     scripts
         Keys of modules besides `docs/docs.js`.
     uses_service

@@ -85,13 +85,15 @@ def _home(openapi: Node) -> str:
 
 
 def _group(openapi: Node, tag: Node, examples: Mapping[str, Call]) -> str:
-    found = list(_operations(openapi, tag["name"]))
+    operations = list(_operations(openapi, tag["name"]))
     shown: dict[str, str] = {}
     body = [
         f'<p>{escape(tag["description"])} <a href="../">All groups</a></p>',
-        *(_operation(path, method, node, openapi, examples, shown) for path, method, node in found),
+        *(_operation(path, method, node, openapi, examples, shown) for path, method, node in operations),
     ]
-    headings = [Heading(2, f"{method.upper()} {path}", node["operationId"]) for path, method, node in found]
+    headings = [
+        Heading(2, f"{method.upper()} {path}", node["operationId"]) for path, method, node in operations
+    ]
     title = f"{tag['name']}: API reference"
     key = _key(tag["name"])
     return page(key, title, tag["description"], fill("\n".join(body)), headings, [SCRIPT], uses_service=True)
@@ -148,10 +150,10 @@ def _body(node: Node, openapi: Node) -> list[Row]:
 def _samples(name: str, call: Call) -> str:
     choices, blocks = [], []
     for index, (label, text) in enumerate(samples(call).items()):
-        given = f"{name}-{label}"
+        radio_id = f"{name}-{label}"
         choices.append(
-            f'<input type="radio" name="{name}-sample" id="{given}" value="{label}"'
-            f'{" checked" if index == 0 else ""}><label for="{given}">{SAMPLE_NAMES[label]}</label>'
+            f'<input type="radio" name="{name}-sample" id="{radio_id}" value="{label}"'
+            f'{" checked" if index == 0 else ""}><label for="{radio_id}">{SAMPLE_NAMES[label]}</label>'
         )
         blocks.append(code_block(text, SAMPLE_LANGUAGES[label]))
     return (
@@ -161,7 +163,7 @@ def _samples(name: str, call: Call) -> str:
 
 
 def _answer(node: Node, schemas: Mapping[str, Node], shown: dict[str, str]) -> str:
-    parts = ["<h3>Answers</h3>", '<dl class="answers">']
+    parts = ["<h3>Responses</h3>", '<dl class="answers">']
     for status, answer in node["responses"].items():
         parts.append(f"<dt><code>{status}</code></dt><dd>{inline(answer['description'])}</dd>")
     parts.append("</dl>")
@@ -169,21 +171,21 @@ def _answer(node: Node, schemas: Mapping[str, Node], shown: dict[str, str]) -> s
     content = first.get("content", {}).get(_JSON, {})
     if "example" in content:
         block = code_block(format_json(content["example"]), "json")
-        parts.append(f'<details class="example"><summary>Example of an answer</summary>{block}</details>')
+        parts.append(f'<details class="example"><summary>Example response</summary>{block}</details>')
     if schema := content.get("schema"):
         parts.append(_fields(schema["anyOf"][0] if "anyOf" in schema else schema, schemas, shown, node))
     return "\n".join(parts)
 
 
 def _fields(schema: Node, schemas: Mapping[str, Node], shown: dict[str, str], node: Node) -> str:
-    """Make the table of an answer's fields, once a page."""
+    """Make the table of a response's fields, once per page."""
     name = schema.get("$ref", "").rpartition("/")[2]
     if name in shown:
         there = f'<a href="#{shown[name]}">the same fields as above</a>'
-        return f"<p>The answer has {there}.</p>"
+        return f"<p>The response has {there}.</p>"
     shown[name] = node["operationId"]
-    found = table(list(rows(schema, schemas)), with_required=False)
-    return f"<details><summary>Fields of the answer</summary>{found}</details>"
+    fields_table = table(list(rows(schema, schemas)), with_required=False)
+    return f"<details><summary>Fields of the response</summary>{fields_table}</details>"
 
 
 def _trial(name: str, call: Call, node: Node) -> str:
@@ -194,8 +196,8 @@ def _trial(name: str, call: Call, node: Node) -> str:
         inputs.append(_input(name, "credential", _upper_first(_CREDENTIALS[credential]), ""))
     for each in node.get("parameters", ()):
         if not each.get("deprecated"):
-            given = {**call.query, **_PATH_VALUES}.get(each["name"], "")
-            inputs.append(_input(name, f"{each['in']}-{each['name']}", each["name"], given))
+            value = {**call.query, **_PATH_VALUES}.get(each["name"], "")
+            inputs.append(_input(name, f"{each['in']}-{each['name']}", each["name"], value))
     if call.body is not None:
         inputs.append(_body_input(name, format_json(call.body)))
     accept = f' data-accept="{call.accept}"' if call.accept else ""
@@ -222,18 +224,19 @@ def _template(path: str) -> str:
 
 
 def _body_input(name: str, text: str) -> str:
-    given = f"{name}-body"
+    input_id = f"{name}-body"
     shown = min(_MAX_ROWS, text.count("\n") + 1)
     return (
-        f'<div class="field"><label for="{given}">Body</label><textarea id="{given}" name="body" '
+        f'<div class="field"><label for="{input_id}">Body</label><textarea id="{input_id}" name="body" '
         f'rows="{shown}" spellcheck="false">{escape(text)}</textarea></div>'
     )
 
 
 def _input(name: str, field: str, label: str, value: str) -> str:
-    given = f"{name}-{field}"
+    input_id = f"{name}-{field}"
     return (
-        f'<div class="field"><label for="{given}">{escape(label)}</label>'
-        f'<input id="{given}" name="{field}" value="{escape(value)}" autocomplete="off" spellcheck="false">'
+        f'<div class="field"><label for="{input_id}">{escape(label)}</label>'
+        f'<input id="{input_id}" name="{field}" value="{escape(value)}"'
+        ' autocomplete="off" spellcheck="false">'
         "</div>"
     )

@@ -49,8 +49,10 @@ def fetch(call: Call) -> str:
     options += [f"headers: {{ {', '.join(headers)} }},"] if headers else []
     if call.body is not None:
         options.append(f"body: JSON.stringify({_javascript(call.body, 1)}),")
-    given = "".join(f"\n  {option}" for option in options)
-    lines.append(f"const response = await fetch({where}{f', {{{given}{chr(10)}}}' if given else ''});")
+    arguments = "".join(f"\n  {option}" for option in options)
+    lines.append(
+        f"const response = await fetch({where}{f', {{{arguments}{chr(10)}}}' if arguments else ''});"
+    )
     lines.append("console.log(response.status, await response.text());")
     return "\n".join(lines)
 
@@ -65,12 +67,12 @@ def python(call: Call) -> str:
     options += [f"json={_python(call.body)},"] if call.body is not None else []
     function = f"httpx.{call.method.lower()}"
     where = f'"{SITE}{call.path}"'
-    given = "".join(f"\n    {option}" for option in (f"{where},", *options)) + "\n" if options else where
-    return f"import httpx\n\nresponse = {function}({given})\nprint(response.status_code, response.text)"
+    arguments = "".join(f"\n    {option}" for option in (f"{where},", *options)) + "\n" if options else where
+    return f"import httpx\n\nresponse = {function}({arguments})\nprint(response.status_code, response.text)"
 
 
 def format_json(value: Any, pad: str = "") -> str:
-    """Write JSON with a member of an object a line, and lists of numbers or texts on one."""
+    """Write JSON with one member per line, and lists of numbers or texts on one line."""
     inner = f"{pad}  "
     if isinstance(value, dict) and value:
         members = (f"{inner}{json.dumps(name)}: {format_json(each, inner)}" for name, each in value.items())

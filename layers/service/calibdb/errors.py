@@ -24,18 +24,18 @@ class FieldError:
 
 
 class CalibdbError(Exception):
-    """Base of all errors that a caller is told: status, problem type and title by class, detail by instance.
+    """Base of all errors that a caller receives: status, problem type and title by class, detail by instance.
 
     Parameters
     ----------
     detail
-        One sentence about this occurrence. Never holds what the caller sent beyond names of fields.
+        One sentence about this occurrence. Never contains what the caller sent, except names of fields.
     kind
         Last part of the problem's type where one class stands for several problems.
     fields
-        What is wrong, field by field (the `errors` of the answer).
+        Problem of each field (`errors` of the response).
     headers
-        Headers that the answer must carry, such as `WWW-Authenticate`.
+        Headers that the response must have, such as `WWW-Authenticate`.
     extensions
         Extension members of the problem document (RFC 9457, 3.2).
 
@@ -161,7 +161,7 @@ class TooManyError(CalibdbError):
 
 
 class UnavailableError(CalibdbError):
-    """Storage or another function did not answer; the same request may succeed a moment later."""
+    """Storage or a function is temporarily unavailable; retry."""
 
     status, kind, title = 503, "unavailable", "Try again"
 

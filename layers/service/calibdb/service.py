@@ -20,10 +20,11 @@ from calibdb.access.plans import (
     Counter,
     Kind,
     Plan,
+    RateLimit,
     multiplied,
     plan,
+    rate_limit_headers,
 )
-from calibdb.access.rate_limits import RateLimit, rate_limit_headers
 from calibdb.access.token_cache import TOKEN_TTL_S, TokenCache, retry_after
 from calibdb.access.tokens import (
     ApiToken,
@@ -38,8 +39,7 @@ from calibdb.access.tokens import (
     source,
 )
 from calibdb.errors import ForbiddenError, TooManyError
-from calibdb.lookup.alias_filter import AliasFilter
-from calibdb.lookup.misses import MissCounter
+from calibdb.lookup.reports import AliasFilter, MissCounter
 from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb.store.secrets import with_secrets
@@ -96,6 +96,11 @@ class Service:
             stopping.set()
             thread.join()
             service.write_pending()
+
+    @property
+    def writes_later(self) -> bool:
+        """True in a server, which writes what no response needs once per `WRITE_INTERVAL_S`."""
+        return self._writes is not None
 
     def write_later(self, write: Callable[[], None]) -> None:
         """Run `write` within `WRITE_INTERVAL_S` in a server, else now."""
@@ -171,10 +176,10 @@ class Service:
         )
 
     def api_token(self, text: str, before_write: Callable[[], None] = lambda: None) -> ApiToken:
-        """Return the token that `text` is; raises ForbiddenError when it is unknown or its secret is wrong.
+        """Return the token that `text` is; raises ForbiddenError if it is unknown or its secret is wrong.
 
         A token once read is remembered for half a minute: a lookup then costs one Query and nothing else.
-        The first use of a token is written; `before_write` is called before.
+        The first use of a token is written, in a server later; else `before_write` is called before.
         """
         token_id, secret = parse(text) or ("", "")
 
@@ -190,14 +195,15 @@ class Service:
                 kind="token-expired",
             )
         if token.expires is not None:
-            before_write()
+            if not self.writes_later:
+                before_write()
             self._tokens.keep(token)
         return token
 
     def managed_token(self, text: str) -> ApiToken:
         """Return the token that the management token `text` manages, be it revoked, as the bucket has it.
 
-        Raises ForbiddenError, which tells an unknown one from a wrong secret neither in words nor in time.
+        Raises ForbiddenError, the same, and as fast, for unknown tokens and wrong secrets.
         """
         parts = parse_management(text)
         token = self.store.tokens.read(parts[0]) if parts else None

@@ -20,7 +20,7 @@ class Thresholds:
     min_calibrations, min_contributors
         In the largest group that agrees.
     min_share
-        Of all calibrations that this group holds.
+        Share of all calibrations in this group.
     max_unexplained
         Error that the others' camera may add to a member's views; `calibsolver.consensus.Rule` has the unit.
     max_calibrations
@@ -59,26 +59,28 @@ class Thresholds:
         """
         overrides = _overrides(environment.get("THRESHOLDS", ""))
         read: dict[str, int | float] = {}
-        for known in fields(cls):
-            name = known.name.upper()
+        for threshold in fields(cls):
+            name = threshold.name.upper()
             value = environment.get(name, overrides.get(name))
             if value is not None:
-                least = 0 if known.name == "contributor_period" else 1
-                given = {name: value}
-                whole = isinstance(known.default, int)
-                read[known.name] = _count(given, name, least) if whole else _positive(given, name)
+                least = 0 if threshold.name == "contributor_period" else 1
+                value_by_name = {name: value}
+                whole = isinstance(threshold.default, int)
+                read[threshold.name] = (
+                    _count(value_by_name, name, least) if whole else _positive(value_by_name, name)
+                )
         return cls(**read)  # type: ignore[arg-type]  # by the type of the default
 
 
 def _overrides(text: str) -> dict[str, str]:
-    known = {threshold.name.upper() for threshold in fields(Thresholds)}
-    found = {}
+    names = {threshold.name.upper() for threshold in fields(Thresholds)}
+    result = {}
     for part in filter(None, text.split(",")):
         name, equals, value = part.partition("=")
-        if name not in known or not equals:
-            raise SettingsError(f"THRESHOLDS holds {part!r}, which is no threshold such as MIN_SHARE=0.7")
-        found[name] = value
-    return found
+        if name not in names or not equals:
+            raise SettingsError(f"THRESHOLDS holds {part!r}, which is not a threshold such as MIN_SHARE=0.7")
+        result[name] = value
+    return result
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 FIT_VERSION = "0.1.1"
-"""Version of what is computed: another one has every stored consensus computed anew."""
+"""Version of the results: a new one makes the service recompute every stored consensus."""
 
 __all__ = [
     "FIT_VERSION",

@@ -93,7 +93,7 @@ class Board:
             if not 0.05 <= self.tag_spacing <= 2:
                 raise ValueError(f"tag_spacing must lie in 0.05 to 2 on this board, not {self.tag_spacing}")
             if w * h < 2:
-                raise ValueError("one tag is no board: its four corners do not fix a camera")
+                raise ValueError("a board needs two tags or more: four corners do not determine a camera")
         markers = {"charuco": w * h // 2, "aprilgrid": w * h}.get(self.kind, 0)
         if markers > DICTIONARIES[self.dictionary]:
             raise ValueError(

@@ -1,6 +1,6 @@
 """Deadline of a computation: time that the caller allots, checked in every loop that may be long.
 
-The solver has no clock. Whoever must end in time says how many seconds are left; where none are, the loop
+The solver has no clock. The caller says how many seconds are left; if none are, the loop
 raises DeadlineError, and nothing is half done. Without a limit computations end when they are done.
 """
 
@@ -21,7 +21,7 @@ _seconds_left: ContextVar[SecondsLeft | None] = ContextVar("seconds_left", defau
 def limit(seconds_left: SecondsLeft) -> Iterator[None]:
     """Limit the computations of the block: `seconds_left` returns s, 0 or less when the time is up.
 
-    A limit around the block holds, too. DeadlineError leaves the block where the time is up.
+    A limit around the block also applies. DeadlineError leaves the block when the time is up.
     """
     outer = _seconds_left.get()
     bounded = seconds_left if outer is None else lambda: min(outer(), seconds_left())
@@ -50,7 +50,7 @@ def compute_within(seconds: float, compute: Callable[[], T], otherwise: T) -> T:
 
 
 def check() -> None:
-    """Raise DeadlineError where the time is up."""
+    """Raise DeadlineError if the time is up."""
     seconds_left = _seconds_left.get()
     if seconds_left is not None and seconds_left() <= 0:
         raise DeadlineError

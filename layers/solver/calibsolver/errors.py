@@ -44,7 +44,7 @@ class undetermined(ContextDecorator):  # noqa: N801 (used as a function, as cont
 class DeadlineError(Exception):
     """End of the time that the caller allotted (`deadline.limit`), before the computation ended.
 
-    It says nothing of the views, so it is no CalibrationError: whoever tries several fits must not take it
+    It says nothing of the views, so it is not a CalibrationError: a caller of several fits must not take it
     for a fit that failed.
     """
 

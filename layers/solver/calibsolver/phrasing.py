@@ -1,4 +1,4 @@
-"""Phrases for figures in sentences: in words where a number says nothing any more."""
+"""Phrases for figures in sentences: words instead of meaningless numbers."""
 
 MAX_FACTOR = 100.0
 """Factor from which on a number says nothing more."""

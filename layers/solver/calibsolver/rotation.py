@@ -68,7 +68,7 @@ def nearest(m: Array) -> Array:
 def rotation_to_ray(ray: Array) -> Array:
     """Shortest rotations (..., 3, 3) that take the optical axis (0, 0, 1) to unit rays (..., 3).
 
-    Of rays within 1e-4 radians of (0, 0, -1) there is no shortest one, and the result is no rotation.
+    Of rays within 1e-4 radians of (0, 0, -1) there is no shortest one, and the result is not a rotation.
     """
     x, y, z = np.moveaxis(ray, -1, 0)
     s = 1 / np.maximum(1 + z, 1e-9)  # Rodrigues' formula with sin = |(x, y)|, (1 - cos) / sin^2 = 1 / (1 + z)

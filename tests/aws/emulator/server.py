@@ -16,7 +16,7 @@ from starlette.responses import JSONResponse
 from starlette.responses import Response as WebResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from infra.server.loopback import is_loopback
+from infra.server.app import is_loopback
 from infra.server.pages import Pages
 from infra.web_build.site import Options
 from tests.aws.emulator.events import Request, Response

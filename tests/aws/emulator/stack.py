@@ -16,8 +16,8 @@ from typing import Self
 
 from infra.deploy.intrinsics import TemplateError
 from infra.server import secrets
-from infra.server.loopback import ORIGINS
-from infra.server.server import DEVELOPMENT_TOKEN, PARAMETERS, bind, serving
+from infra.server.app import ORIGINS
+from infra.server.server import DEVELOPMENT_TOKEN, OPERATOR_PARAMETERS, bind, serving
 from infra.web_build.root_files import contacts, public_settings
 from infra.web_build.site import Options
 from tests.aws.emulator import environment as env
@@ -33,7 +33,7 @@ from tests.aws.emulator.template import Template, load
 
 ROOT = Path(__file__).resolve().parents[3]
 # Variables of this process, and the parameters of the template that they set.
-_PARAMETERS = {**PARAMETERS, "NEW_TOKENS": "NewTokens"}
+_PARAMETERS = {**OPERATOR_PARAMETERS, "NEW_TOKENS": "NewTokens"}
 # A few more than can compute at once, for those that wait for the disk. More only make everyone wait longer.
 _THREADS = max(4, 2 * (os.cpu_count() or 1))
 

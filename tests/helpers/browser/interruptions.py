@@ -147,7 +147,7 @@ def stop(page: Page) -> None:
 def done(page: Page) -> None:
     """Wait for a capture's result with its report: until that is there, it is drawn anew at any moment."""
     page.locator("#done:not([hidden])").wait_for()
-    page.locator("#done .views li").first.wait_for()
+    page.locator("#done .views li").first.wait_for(state="attached")
 
 
 def sent_views(page: Page) -> list[Any]:

@@ -24,6 +24,7 @@ PAGES = {
     "import": "import/",
     "cameras": "cameras/",
     "camera": "cameras/?key=c2.specimen",
+    "mine": "mine/",
     "result": "result/?id=x",
     "board": "board/",
     "ar": "ar/",

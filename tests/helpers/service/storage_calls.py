@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from calibdb.lookup.alias_filter import AliasFilter
+from calibdb.lookup.reports import AliasFilter
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store

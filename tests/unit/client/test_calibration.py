@@ -84,7 +84,7 @@ def test_camera_info_has_the_fields_of_ros() -> None:
     ],
 )
 def test_record_that_is_no_calibration_is_refused(change: dict[str, Any], tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="no calibration"):
+    with pytest.raises(UsageError, match="not a calibration"):
         Calibration({**RECORD, **change})
     (tmp_path / "x.json").write_text(json.dumps([1]))
     with pytest.raises(UsageError, match="not a calibration"):

@@ -296,7 +296,7 @@ def test_window_draws_target_corners_and_words() -> None:
 def test_sources_are_told_apart(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert is_stream("rtsp://user:secret@camera.example/1")
     assert not is_stream("photos/")
-    with pytest.raises(UsageError, match="is no camera"):
+    with pytest.raises(UsageError, match="is not a camera"):
         open_source(object())
     with pytest.raises(CameraError, match=r"stream of 127\.0\.0\.1 cannot be opened") as refused:
         open_source("http://user:secret@127.0.0.1:9/video")

@@ -120,7 +120,7 @@ def test_other_sizes_and_other_files_are_left_out_and_said(
     assert main(["calibrate", str(mixed), "--offline", "-o", "camera.json"]) == 0
     told = capfd.readouterr().err
     assert "1 pictures of another size than 640x480" in told
-    assert "2 files are no pictures: broken.jpg, zero.png" in told
+    assert "2 files are not images: broken.jpg, zero.png" in told
     assert "empty.png" in told
     assert len(Recording.load(working / "camera.json").views) == 6
 

@@ -68,7 +68,7 @@ def test_both_clients_read_a_rig_and_its_files(twin: bool) -> None:
     assert (file.filename, file.content, file.error) == ("camchain.yaml", b"cam0:\n", 0.25)
     with pytest.raises(NotFoundError, match="no such rig"):
         read(twin, "0" * 32)
-    with pytest.raises(UsageError, match="no id"):
+    with pytest.raises(UsageError, match="not an id"):
         read(twin, "../tokens")
 
 

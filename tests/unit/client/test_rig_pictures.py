@@ -57,7 +57,7 @@ def test_pictures_are_paired_by_name_or_by_order() -> None:
     ]
     numbered = [[Path(f"{side}{n}.png") for n in range(3)] for side in ("left", "right")]
     assert _moments(numbered)[2] == {0: "left2.png", 1: "right2.png"}
-    with pytest.raises(UsageError, match="3, 2 pictures"):
+    with pytest.raises(UsageError, match="3, 2 images"):
         _moments([numbered[0], numbered[1][:2]])
 
 

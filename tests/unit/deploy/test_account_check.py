@@ -136,11 +136,15 @@ def test_account_that_cloudfront_does_not_serve_yet_is_told_so() -> None:
     ("parameters", "answers", "words"),
     [
         ({"CertificateArn": ""}, {}, "needs CertificateArn"),
-        ({"CertificateArn": "arn:aws:acm:eu-central-1:123456789012:certificate/1"}, {}, "us-east-1 alone"),
+        (
+            {"CertificateArn": "arn:aws:acm:eu-central-1:123456789012:certificate/1"},
+            {},
+            "only certificates of us-east-1",
+        ),
         ({}, {"certificate": {**CERTIFICATE, "Status": "PENDING_VALIDATION"}}, "PENDING_VALIDATION"),
         ({"DomainName": "calib.other.org"}, {}, "request one that names calib.other.org"),
         ({}, {"certificate": refusal("ResourceNotFoundException")}, "cannot be read"),
-        ({"HostedZoneId": "Z1"}, {"zone": "other.org."}, "give the zone of that domain"),
+        ({"HostedZoneId": "Z1"}, {"zone": "other.org."}, "pass the zone of that domain"),
     ],
 )
 def test_certificate_and_zone_fit_the_domain(

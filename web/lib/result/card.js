@@ -1,10 +1,11 @@
 // Card at the head of a result: which camera, how good, what to do with it, and what is known of its making.
 import { el } from "../dom.js";
 import { splitLabel } from "../camera-name.js";
-import { joinFacts, language, number, pageUrl, rough, formatSize, t } from "../i18n.js";
+import { dateText, joinFacts, number, pageUrl, rough, formatSize, t } from "../i18n.js";
 import { isVirtual } from "../virtual/name.js";
-import { copyButton, hint } from "./menu.js";
-import { isFairInside, levelOf, millimetres } from "./numbers.js";
+import { meaning } from "./meaning.js";
+import { hint, moreMenu, shareButton } from "./menu.js";
+import { isFairInside, levelOf } from "./numbers.js";
 import { downloadPart } from "./download.js";
 import { reasonTexts } from "./reasons.js";
 import { returnAddress, withResult } from "./return-address.js";
@@ -51,7 +52,8 @@ export function card(result, trial, id) {
   const { camera, img_size, uncertainty } = calibration;
   const level = verdictOf(calibration, report);
   const practice = isVirtual(camera);
-  const reasons = reasonTexts(report, notes, calibration.distortion_model);
+  const reasons = reasonTexts(report, notes, calibration);
+  const details = [...insideSentence(calibration), ...boardSentence(report?.board)];
   return el("header", { class: "opening card" },
     // Where it was captured the page itself has said so.
     ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
@@ -62,24 +64,18 @@ export function card(result, trial, id) {
       el("p", { class: "lead" },
         el("span", {}, t("result.sentence", { rms: rough(uncertainty.rms), max: rough(uncertainty.max) })), hint(t("result.uncertainty"), t("result.uncertainty_hint")),
         ...(practice ? [] : [" ", el("span", { class: "means" }, t(`result.means_${level === "fair" && isFairInside(calibration) ? "fair_inside" : level}`))]))),
-    el("p", { class: "errors" }, [...detailSentences(calibration), ...boardSentence(report?.board)].join(" ")),
-    ...(reasons.length > 1 ? [el("p", { class: "muted" }, t("result.improve"))] : []),
+    meaning(calibration),
+    ...(details.length ? [el("p", { class: "errors" }, details.join(" "))] : []),
+    ...(reasons.length > 1 ? [el("p", { class: "improve" }, t("result.improve"))] : []),
     ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map((text) => el("li", {}, text)))] : []),
     nextSteps(result, trial, id),
     el("p", { class: "facts muted number" }, factsText(calibration, report, factsOf(id)?.board ?? null)),
     ...(practice || trial || !id ? [] : [el("p", { class: "agreement", id: "agreement" }, "\u00a0")]));
 }
 
-/** The error where the board was, and both errors in millimetres. @param {Calibration} calibration */
-function detailSentences(calibration) {
-  const { rms, inside, covered } = calibration.uncertainty;
-  const mm = rough(millimetres(rms, calibration));
-  if (typeof inside !== "number" || typeof covered !== "number") return [t("result.millimetres", { mm })];
-  return [
-    t("result.inside_sentence", { inside: rough(inside), covered: number(100 * covered, 0) }),
-    t("result.millimetres_inside", { mm, inside: rough(millimetres(inside, calibration)) }),
-  ];
-}
+/** The error where the board was. @param {Calibration} calibration */
+const insideSentence = ({ uncertainty: { inside, covered } }) =>
+  (typeof inside === "number" && typeof covered === "number" ? [t("result.inside_sentence", { inside: rough(inside), covered: number(100 * covered, 0) })] : []);
 
 /**
  * Sentence about the board's shape, if it is certain and a printer may have made it.
@@ -102,16 +98,20 @@ function nextSteps(result, trial, id) {
   const back = trial ? null : returning(result, id);
   const first = back?.link ? "return" : practice ? "own" : "download";
   const camera = pageUrl("calibrate/").href;
+  const more = [
+    ...(id && !FILES.includes(calibration.platform) && origin !== "imported" ? [el("a", { id: "to-ar", href: arAddress(calibration, id) }, t("result.see_in_ar"))] : []),
+    ...(again && !trial ? [button(again.label(), again.action, { id: "once-more" })] : practice ? [] : [el("a", { href: againAddress(calibration) }, t("result.calibrate_again"))]),
+    ...(practice ? [] : [el("a", { href: pageUrl("mine/").href }, t("result.compare"))]),
+    el("a", { href: pageUrl("rig/").href }, t("result.several")),
+  ];
   return el("div", { class: "next" },
     ...(back ? [back.element] : []),
     downloadPart({ calibration, explain: result.explain, of: { id, without: trial?.without ?? [] } }, "", {
       primary: first === "download",
       before: practice && !trial && !result.ownCameraOffered ? [el("a", { class: first === "own" ? "button primary" : "button", id: "own-camera", href: camera }, t("result.own_camera"))] : [],
       after: [
-        ...(id ? [copyButton(t("result.copy_link"), () => resultAddress(id), { id: "copy-link" })] : []),
-        el("a", { class: "button", id: "to-code", href: "#result-code" }, t("result.use_in_code")),
-        ...(id && !FILES.includes(calibration.platform) && origin !== "imported" ? [el("a", { class: "button", id: "to-ar", href: arAddress(calibration, id) }, t("result.see_in_ar"))] : []),
-        ...(again && !trial ? [button(again.label(), again.action, { id: "once-more" })] : []),
+        ...(id ? [shareButton(pageTitle(calibration, result.report), resultAddress(id), { id: "copy-link" })] : []),
+        ...(more.length ? [moreMenu(more)] : []),
       ],
     }));
 }
@@ -137,11 +137,10 @@ function returning({ returnTo, returnOrigins = [] }, id) {
 
 /** "4 views · ChArUco 9 × 6 · 22 Nov 2026". @param {Calibration} calibration @param {Report | null} report @param {any} board */
 function factsText(calibration, report, board) {
-  const date = new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(calibration.calibration_time * 1000));
   return joinFacts([
     ...(report ? [t("result.views_count", { count: report.views.length })] : []),
     ...(board ? [`${BOARDS[board.kind ?? "charuco"] ?? board.kind} ${formatSize(board.squares)}`] : []),
-    date, calibration.distortion_model,
+    dateText(calibration.calibration_time), calibration.distortion_model,
   ]);
 }
 

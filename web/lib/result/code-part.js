@@ -21,10 +21,11 @@ function python(calibration) {
 }
 
 /** @param {string} id */
-const javascript = (id) => `const answer = await fetch("${location.origin}/v1/calibrations/${encodeURIComponent(id)}", {
-  headers: { authorization: "Bearer cdb_…" }, // your token
-});
-const { camera_matrix, distortion_coefficients } = await answer.json();
+const javascript = (id) => `const response = await fetch(
+  "${location.origin}/v1/calibrations/${encodeURIComponent(id)}",
+  { headers: { authorization: "Bearer cdb_…" } }, // your token
+);
+const { camera_matrix, distortion_coefficients } = await response.json();
 `;
 
 /** @param {Calibration} calibration @param {string | null} id where it is stored */

@@ -25,7 +25,7 @@ export function shrinkCalibration(calibration) {
 /**
  * @param {Calibration} whole
  * @param {HTMLCanvasElement} picture of the calibration's size; it stays on this device
- * @returns {{element: HTMLElement, refresh: () => void, dispose: () => void}} refresh: shows what the picture has become
+ * @returns {{element: HTMLElement, whole: HTMLElement | null, refresh: () => void, dispose: () => void}} whole: choice of the whole picture; refresh: shows what the picture has become
  */
 export function comparison(whole, picture) {
   const calibration = shrinkCalibration(whole);
@@ -38,7 +38,7 @@ export function comparison(whole, picture) {
     rectifier = new Rectifier(calibration);
   } catch (error) {
     if (!(error instanceof RectifierError)) throw error;
-    return { element: el("p", { class: "muted" }, t("result.no_webgl")), refresh() {}, dispose() {} };
+    return { element: el("p", { class: "muted" }, t("result.no_webgl")), whole: null, refresh() {}, dispose() {} };
   }
   const made = rectifier;
   const after = made.canvas;
@@ -47,9 +47,10 @@ export function comparison(whole, picture) {
   made.draw(before);
   after.addEventListener("webglcontextrestored", () => made.draw(before));
 
-  const stage = el("div", { class: "compare" }, before, after);
   const slider = el("input", { type: "range", min: 0, max: 100, value: 50, "aria-label": t("result.slider") });
-  const cut = () => stage.style.setProperty("--cut", `${slider.value}%`);
+  const stage = el("div", { class: "compare" }, before, after, slider,
+    el("span", { class: "side", "aria-hidden": "true" }, t("result.before")), el("span", { class: "side", "aria-hidden": "true" }, t("result.after")));
+  const cut = () => stage.style.setProperty("--cut", String(slider.valueAsNumber / 100));
   slider.addEventListener("input", cut);
   cut();
   const all = el("input", { type: "checkbox" });
@@ -57,12 +58,10 @@ export function comparison(whole, picture) {
     made.balance(all.checked ? 1 : 0);
     made.draw(before);
   });
-  const element = el("figure", { class: "figure" }, stage, slider,
-    el("figcaption", { class: "sides" }, el("span", {}, t("result.before")), el("span", {}, t("result.after"))),
-    el("label", { class: "choice" }, all, el("span", {}, t("result.keep_edges"))));
+  const edges = el("label", { class: "choice" }, all, el("span", {}, t("result.keep_edges")));
   const refresh = () => {
     context?.drawImage(picture, 0, 0, width, height);
     made.draw(before);
   };
-  return { element, refresh, dispose: () => made.dispose() };
+  return { element: stage, whole: edges, refresh, dispose: () => made.dispose() };
 }

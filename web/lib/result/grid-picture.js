@@ -1,4 +1,5 @@
 // Picture of a regular grid as a lens shows it: what there is to straighten where no photograph is at hand.
+import { axialMatrix } from "../../sdk/pinhole.js";
 import { lensOf } from "../../sdk/projection.js";
 import { el } from "../dom.js";
 
@@ -20,9 +21,10 @@ function reach(lens, [width, height]) {
 }
 
 /**
- * Lines of the grid in the picture, broken where the lens sees none of them.
+ * Lines of a plane grid in the picture, broken where the lens sees none of them.
  * @param {Calibration} calibration of a model that is known here
- * @returns {[number, number][][]} px, points along each
+ * @returns {{seen: [number, number][], ideal: [number, number][]}[]} px, points along each: as the lens shows them, and as a pinhole of
+ *   its focal length at the axis would
  */
 export function gridLines(calibration) {
   const lens = lensOf(calibration);
@@ -30,19 +32,26 @@ export function gridLines(calibration) {
   const step = (2 * x) / SQUARES;
   const whole = (/** @type {number} */ length) => Math.ceil(length / step) * step;
   const [right, bottom] = [whole(x), whole(y)];
+  const [[fx, , cx], [, fy, cy]] = axialMatrix(calibration);
   const along = (/** @type {number} */ end, /** @type {number} */ by) => Array.from({ length: Math.round((2 * end) / by) + 1 }, (_, index) => index * by - end);
   const lines = [
-    ...along(right, step).map((u) => along(bottom, step / STEPS).map((v) => lens.project([u, v, 1]))),
-    ...along(bottom, step).map((v) => along(right, step / STEPS).map((u) => lens.project([u, v, 1]))),
+    ...along(right, step).map((u) => along(bottom, step / STEPS).map((v) => [u, v])),
+    ...along(bottom, step).map((v) => along(right, step / STEPS).map((u) => [u, v])),
   ];
   return lines.flatMap((line) => {
-    /** @type {[number, number][][]} */
-    const parts = [[]];
-    for (const point of line) {
-      if (point) parts[parts.length - 1].push(point);
-      else if (parts[parts.length - 1].length) parts.push([]);
+    /** @type {ReturnType<typeof gridLines>} */
+    const parts = [{ seen: [], ideal: [] }];
+    for (const [u, v] of line) {
+      const part = parts[parts.length - 1];
+      const point = lens.project([u, v, 1]);
+      if (!point) {
+        if (part.seen.length) parts.push({ seen: [], ideal: [] });
+        continue;
+      }
+      part.seen.push(point);
+      part.ideal.push([fx * u + cx, fy * v + cy]);
     }
-    return parts.filter((part) => part.length > 1);
+    return parts.filter(({ seen }) => seen.length > 1);
   });
 }
 
@@ -57,9 +66,9 @@ export function gridPicture(calibration) {
   context.strokeStyle = "#14181a";
   context.lineWidth = Math.max(1, width / 500);
   context.lineJoin = "round";
-  for (const line of gridLines(calibration)) {
+  for (const { seen } of gridLines(calibration)) {
     context.beginPath();
-    for (const [u, v] of line) context.lineTo(u + 0.5, v + 0.5);
+    for (const [u, v] of seen) context.lineTo(u + 0.5, v + 0.5);
     context.stroke();
   }
   return canvas;

@@ -45,6 +45,28 @@ async function copied(text, beside) {
   }
 }
 
+/**
+ * A button that hands an address on: by the system's own sheet on a phone, by the clipboard elsewhere.
+ * @param {string} title @param {string} address @param {Record<string, string>} attributes
+ */
+export function shareButton(title, address, attributes) {
+  if (!navigator.share || !matchMedia("(pointer: coarse)").matches) return copyButton(t("result.copy_link"), () => address, attributes);
+  const button = el("button", { type: "button", ...attributes }, t("result.share"));
+  button.addEventListener("click", () => navigator.share({ title, url: address }).catch((error) => {
+    if (!(error instanceof DOMException)) throw error; // closed without sharing
+  }));
+  return button;
+}
+
+/** Actions that are seldom wanted, behind three dots. @param {Node[]} actions */
+export function moreMenu(actions) {
+  const menu = el("details", { class: "menu more" }, el("summary", { "aria-label": t("result.more"), title: t("result.more") }, "⋯"), el("ul", {}, ...actions.map((action) => el("li", {}, action))));
+  menu.addEventListener("focusout", ({ relatedTarget }) => {
+    if (relatedTarget instanceof Node && !menu.contains(relatedTarget)) menu.open = false;
+  });
+  return menu;
+}
+
 /** A word's explanation, behind a question mark. @param {string} word @param {string} text */
 export function hint(word, text) {
   const details = el("details", { class: "hint" },

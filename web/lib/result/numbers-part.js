@@ -1,8 +1,10 @@
-// Part of a result with its numbers: camera matrix and distortion, to be read and to be copied, and the quality.
+// Part of a result with its numbers: camera matrix and distortion, to be read and to be copied, the quality, and what the lens does.
 import { el } from "../dom.js";
 import { number, rough, t } from "../i18n.js";
 import { copyButton, hint } from "./menu.js";
 import { fieldOfView, intrinsics } from "./numbers.js";
+import { distortionPlot } from "./plots.js";
+import { distortionValues, figure } from "./tiles.js";
 import { matrixText, valueText } from "./values.js";
 
 /**
@@ -22,7 +24,6 @@ export function numbersPart(calibration, report, { pending = false } = {}) {
     ...(std === undefined ? [] : [el("td", { class: "std" }, std)]));
   const px = (/** @type {(Node | string)[]} */ name, /** @type {number | null | undefined} */ value) =>
     (typeof value === "number" ? [row(name, `${rough(value)}\u00a0px`)] : []);
-  const heldOut = report?.held_out ?? calibration.held_out_error;
   const values = intrinsics(calibration, /** @type {Report | null} */ (report));
   return el("div", { class: "columns" },
     el("div", {},
@@ -30,20 +31,23 @@ export function numbersPart(calibration, report, { pending = false } = {}) {
         el("caption", {}, t("result.intrinsics", { model: calibration.distortion_model })),
         el("tbody", {}, ...values.map(({ name, value, std, digits, unit }) => {
           const written = valueText(value, std, digits, unit);
-          return row([name], written.value, written.std);
-        }))),
-      copies(calibration)),
-    el("table", {}, el("caption", {}, t("result.quality")),
+          // Without any standard deviation there is no column for them.
+          return row([name], written.value, written.std || (pending || report ? "" : undefined));
+        })))),
+    el("div", {}, el("table", {}, el("caption", {}, t("result.quality")),
       el("tbody", {},
         ...px([t("result.uncertainty"), hint(t("result.uncertainty"), t("result.uncertainty_hint"))], calibration.uncertainty.rms),
         ...px([t("result.inside")], calibration.uncertainty.inside),
         ...px([t("result.largest")], calibration.uncertainty.max),
         ...px([t("result.reprojection"), hint(t("result.reprojection"), t("result.reprojection_hint"))], calibration.avg_reprojection_error),
-        // The row is there before its number: what stands below stays where it is when the report arrives.
-        ...(report || pending ? [row([t("result.held_out")], typeof heldOut === "number" ? `${rough(heldOut)}\u00a0px` : "–")] : px([t("result.held_out")], heldOut)),
         ...px([t("result.spread")], calibration.spread),
-        row([t("result.across")], degrees(horizontal)), row([t("result.down")], degrees(vertical)), row([t("result.diagonal")], degrees(diagonal)))));
+        ...(horizontal === null && vertical === null ? [] : [row([t("result.field")], `${[horizontal, vertical].map(degrees).join("\u00a0×\u00a0")}${diagonal === null ? "" : ` (${degrees(diagonal)})`}`)]),
+        // Last, since it arrives with the report: nothing moves below it.
+        ...px([t("result.held_out")], report?.held_out ?? calibration.held_out_error))), copies(calibration)));
 }
+
+/** Distortion of the lens as a figure and as a table. @param {Calibration} calibration of a model that is known here @param {Report | null} report */
+export const lensPart = (calibration, report) => el("div", { class: "columns" }, figure(distortionPlot(calibration, report)), distortionValues(calibration));
 
 /** @param {Calibration} calibration */
 function copies(calibration) {

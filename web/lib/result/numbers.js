@@ -10,6 +10,7 @@ import { COEFFICIENTS, isKnownModel, lensOf } from "../../sdk/projection.js";
  * @property {number} rms px
  * @property {(number | null)[][]} points px
  * @property {(number | null)[][]} residuals measured minus predicted, px
+ * @property {number[]} rvec @property {number[]} tvec pose of the board: board → camera, squares
  * @property {number[]} cut numbers of the points left out of the fit
  * @property {string | null} reason why all of it was left out
  *
@@ -56,9 +57,6 @@ export function levelOf({ uncertainty: { rms, inside = null, covered = null }, i
 /** Tells if a fair calibration is so only where the board has been. @param {Calibration} calibration */
 export const isFairInside = ({ uncertainty: { rms, inside }, img_size: [width] }) =>
   typeof inside === "number" && (rms * 1280) / width > MAX_FAIR_PX;
-
-/** An error in the image, px, as mm at a distance of 1 m. @param {number} px @param {Calibration} calibration */
-export const millimetres = (px, { camera_matrix: [[fx], [, fy]] }) => (1000 * px) / Math.sqrt(fx * fy);
 
 /** Digits after the point that a value with this standard deviation carries. @param {number} std */
 export function digitsFor(std) {

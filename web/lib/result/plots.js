@@ -1,6 +1,8 @@
 // Plots of a result: predicted error, distortion, coverage, residuals. Numbers in, SVG out.
 import { number, rough, t } from "../i18n.js";
-import { above, valueAt } from "../contours.js";
+import { above, refined, valueAt } from "../contours.js";
+import { gridLines } from "./grid-picture.js";
+import { convexHull, hatching } from "./hull.js";
 import { coverage, displacements, viewIssue } from "./numbers.js";
 import { arrow, imagePlot, make, short } from "../svg.js";
 
@@ -12,9 +14,12 @@ import { arrow, imagePlot, make, short } from "../svg.js";
 
 const HEAT_LEVELS = 8; // of the colour scale, see style.css
 const MIN_SCALE_PX = 1e-3; // px; of the largest amount on a scale
+const MAX_SCALE_POWER = 3; // of a scale that shows what lies far below its largest amount
+const FINE_COLUMNS = 80; // of a map as it is drawn
 const ROUNDOFF_PX = 1e-6; // px; what is moved by less is not moved
-const ARROW_GRID = /** @type {[number, number]} */ ([17, 11]); // arrows of the distortion
+const MOVES_GRID = /** @type {[number, number]} */ ([17, 11]); // where the distortion is measured
 const NOTABLE_DISTORTION = 0.02; // of the width; smaller distortions are drawn larger than they are
+const HATCH_LINES = 60; // across a picture's width
 
 /** A round number not below. @param {number} value */
 function roundUp(value) {
@@ -22,92 +27,104 @@ function roundUp(value) {
   return ([1, 1.2, 1.6, 2, 2.4, 3.2, 4, 5, 6, 8, 10].find((factor) => factor * power >= value * 0.999) ?? 10) * power;
 }
 
+/** Corners that the fit has used, px. @param {Report | null} report @returns {number[][]} */
+const usedCorners = (report) => (report?.views ?? []).filter(({ reason }) => !reason).flatMap(cornersOf);
+
+/** @param {ReportView} view @returns {number[][]} px */
+const cornersOf = ({ points }) => /** @type {number[][]} */ (points.filter(([u, v]) => u !== null && v !== null));
+
 /**
- * Typical error over the picture: bands between levels, and a reading of the value at any place.
- * @param {Calibration} calibration
- * @param {Report["error_map"] | null} map null: not there yet; the empty frame has the same size
+ * Hatching of the part of the picture that no board has shown: what a model says there is extrapolated.
+ * @param {readonly [number, number]} size px @param {Report | null} report @param {(u: number) => number} x px → plot
  */
-export function errorPlot({ img_size, uncertainty }, map) {
-  // The same two numbers as everywhere: rms and maximum of this very map.
-  const found = { typical: rough(uncertainty.rms), max: rough(uncertainty.max) };
-  return { ...heatPlot(img_size, map?.px ?? null, uncertainty.max, t("result.error_label", found)), caption: t("result.error_caption", found) };
+function extrapolated([width, height], report, x) {
+  const hull = convexHull(usedCorners(report).map((point) => point.map((value) => value + 0.5)));
+  const at = (/** @type {readonly number[]} */ point) => point.map((value) => short(x(value - 0.5))).join(" ");
+  return make("path", { d: hatching(hull, [width, height], width / HATCH_LINES).map(([from, to]) => `M${at(from)}L${at(to)}`).join(""), class: "hatch" });
 }
 
 /**
- * Amounts over the picture.
+ * Typical error over the picture: bands between levels, the corners measured, and a reading of the value at any place.
+ * @param {Calibration} calibration
+ * @param {Report | null} report null: not there yet; the empty frame has the same size
+ */
+export function errorPlot({ img_size, uncertainty }, report) {
+  // The same two numbers as everywhere: rms and maximum of this very map.
+  const found = { typical: rough(uncertainty.rms), max: rough(uncertainty.max) };
+  const made = heatPlot(img_size, report?.error_map.px ?? null, uncertainty.max, t("result.error_label", found));
+  if (report) {
+    const d = dots(usedCorners(report).map((point) => point.map(made.x)));
+    made.area.append(extrapolated(img_size, report, made.x), make("path", { d, class: "dot around" }), make("path", { d, class: "dot" }));
+  }
+  return { ...made, caption: t("result.error_caption") };
+}
+
+/**
+ * Amounts over the picture. The median is in the middle of the scale, as far as a power allows.
  * @param {[number, number]} size px @param {import("../contours.js").Values | null} px null: an empty frame @param {number} max px @param {string} label
  */
 export function heatPlot(size, px, max, label) {
   const top = roundUp(Math.max(max, MIN_SCALE_PX));
-  const { svg, area, x, y } = imagePlot(size, label, { name: "heat" });
-  if (px) area.append(...bandsOf(px, size, top, x, y));
+  const known = /** @type {number[]} */ (px?.flat().filter((value) => value !== null) ?? []).sort((a, b) => a - b);
+  const median = known[Math.floor(known.length / 2)] ?? top / 2;
+  const power = Math.min(MAX_SCALE_POWER, Math.max(1, Math.log(Math.max(median, ROUNDOFF_PX) / top) / Math.log(0.5)));
+  const levels = Array.from({ length: HEAT_LEVELS + 1 }, (_, step) => top * (step / HEAT_LEVELS) ** power);
+  const { svg, area, x, y } = imagePlot(size, label, "heat");
+  if (px) {
+    const fine = refined(px, Math.ceil(FINE_COLUMNS / px[0].length));
+    area.append(...levels.slice(0, -1).map((level, step) => {
+      const polygons = above(fine, size, step === 0 ? -Infinity : level);
+      return make("path", { d: polygons.map((points) => `M${points.map(([u, v]) => `${short(x(u))} ${short(y(v))}`).join("L")}Z`).join(""), class: `heat-${step}` });
+    }));
+  }
   const at = (/** @type {MouseEvent} */ event) => {
     const box = area.getBoundingClientRect();
     const shares = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
     const place = /** @type {[number, number]} */ (shares.map((share, axis) => share * size[axis] - 0.5));
     return px && shares.every((share) => share >= 0 && share <= 1) ? { place, value: valueAt(px, size, place) } : null;
   };
-  return { svg, scale: scaleOf(top, Math.max(1, 1 - Math.floor(Math.log10(top)))), at };
+  return { svg, area, x, levels, at };
 }
 
-/**
- * @param {import("../contours.js").Values} px @param {[number, number]} size px @param {number} top px @param {(u: number) => number} x
- * @param {(v: number) => number} y
- */
-function bandsOf(px, size, top, x, y) {
-  return Array.from({ length: HEAT_LEVELS }, (_, step) => {
-    const polygons = above(px, size, step === 0 ? -Infinity : (top * step) / HEAT_LEVELS);
-    const d = polygons.map((points) => `M${points.map(([u, v]) => `${short(x(u))} ${short(y(v))}`).join("L")}Z`).join("");
-    return make("path", { d, class: `heat-${step}` });
-  });
-}
-
-/** Rows of the map's values for a table, at the centres and the corners. @param {Calibration} calibration @param {Report["error_map"]} map */
-export function errorTable({ img_size }, { px }) {
+/** Rows of the map's values for a table, at the centres and the corners. @param {Calibration} calibration @param {Report | null} report null: not there yet */
+export function errorTable({ img_size }, report) {
   const along = (/** @type {number} */ side) => [0, 0.25, 0.5, 0.75, 1].map((share) => Math.round(share * (side - 1)));
   const columns = along(img_size[0]);
-  return { columns, rows: along(img_size[1]).map((v) => ({ v, values: columns.map((u) => valueAt(px, img_size, [u, v])) })) };
-}
-
-/** The colour scale with its numbers. @param {number} top px @param {number} digits */
-function scaleOf(top, digits) {
-  const svg = make("svg", { viewBox: "0 0 440 36", class: "plot heat", "aria-hidden": "true" });
-  const width = (440 - 60) / HEAT_LEVELS;
-  for (let step = 0; step < HEAT_LEVELS; step++) {
-    svg.append(make("rect", { x: short(52 + step * width), y: 1, width: short(width + 0.3), height: 12, class: `heat-${step}` }));
-  }
-  for (let step = 0; step <= HEAT_LEVELS; step += 2) {
-    const words = `${number((top * step) / HEAT_LEVELS, digits)}${step === HEAT_LEVELS ? " px" : ""}`;
-    svg.append(make("text", { x: short(52 + step * width), y: 30, "text-anchor": step === HEAT_LEVELS ? "end" : step === 0 ? "start" : "middle" }, [words]));
-  }
-  return svg;
+  return { columns, rows: along(img_size[1]).map((v) => ({ v, values: columns.map((u) => (report ? valueAt(report.error_map.px, img_size, [u, v]) : null)) })) };
 }
 
 /**
- * Distortion over the image, as arrows from where a pinhole would show a ray.
- * @param {Calibration} calibration of a model that is known here
+ * Distortion over the image: a regular grid of the scene, as a pinhole would show it and as the lens does.
+ * @param {Calibration} calibration of a model that is known here @param {Report | null} [report] of the corners measured
  */
-export function distortionPlot(calibration) {
-  const { img_size: [width, height], camera_matrix: [[, , cx], [, , cy]] } = calibration;
-  const moves = displacements(calibration, ARROW_GRID);
+export function distortionPlot(calibration, report = null) {
+  const { img_size, camera_matrix: [[, , cx], [, , cy]] } = calibration;
+  const [width] = img_size;
+  const moves = displacements(calibration, MOVES_GRID);
   const largest = Math.max(0, ...moves.map(({ from, to }) => Math.hypot(from[0] - to[0], from[1] - to[1])));
   const scale = largest > NOTABLE_DISTORTION * width || largest < ROUNDOFF_PX ? 1 : 10 ** Math.ceil(Math.log10((NOTABLE_DISTORTION * width) / largest));
-  const label = t("result.distortion_label", { max: number(largest, 1) });
-  const { svg, area, x, y } = imagePlot([width, height], label, { name: "distortion" });
-  const path = moves.map(({ from: [u, v], to: [p, q] }) => arrow(x(p + (u - p) * scale), y(q + (v - q) * scale), x(p), y(q))).join("");
-  area.append(make("path", { d: path, class: "mark" }));
-  area.append(make("path", { d: `M${short(x(cx) - 7)} ${short(y(cy))}h14M${short(x(cx))} ${short(y(cy) - 7)}v14`, class: "axis" }));
-  const factor = scale === 1 ? "" : ` ${t("result.magnified", { factor: scale })}`;
-  return { svg, caption: t("result.distortion_caption", { max: number(largest, 1) }) + factor };
+  const found = { max: number(largest, 1) };
+  const { svg, area, x, y } = imagePlot(img_size, t("result.distortion_label", found), "distortion");
+  const lines = gridLines(calibration);
+  const path = (/** @type {number[][][]} */ all) => all.map((line) => `M${line.map(([u, v]) => `${short(x(u))} ${short(y(v))}`).join("L")}`).join("");
+  const bent = lines.map(({ seen, ideal }) => seen.map((point, index) => point.map((value, axis) => ideal[index][axis] + scale * (value - ideal[index][axis]))));
+  if (report) area.append(extrapolated(img_size, report, x));
+  area.append(make("path", { d: path(lines.map(({ ideal }) => ideal)), class: "ideal" }), make("path", { d: path(bent), class: "mark" }),
+    make("path", { d: `M${short(x(cx) - 7)} ${short(y(cy))}h14M${short(x(cx))} ${short(y(cy) - 7)}v14`, class: "axis" }));
+  const more = [...(scale === 1 ? [] : [t("result.magnified", { factor: scale })]), ...(report ? [t("result.extrapolated")] : [])];
+  return { svg, caption: [t("result.distortion_caption", found), ...more].join(" ") };
 }
 
-/** All corners measured. @param {Calibration} calibration @param {Report | null} report null: not there yet */
+/** All corners measured, in the outline of each view's. @param {Calibration} calibration @param {Report | null} report null: not there yet */
 export function coveragePlot({ img_size }, report) {
-  const points = (report?.views ?? []).flatMap((view) => /** @type {number[][]} */ (view.points));
+  const views = (report?.views ?? []).map((view) => ({ index: view.index, points: cornersOf(view) }));
+  const points = views.flatMap((view) => view.points);
   const share = number(100 * coverage(points, img_size), 0);
-  const { svg, area, x, y } = imagePlot(img_size, t("result.coverage_label", { share }), { name: "coverage" });
-  area.append(make("path", { d: dots(points.map(([u, v]) => [x(u), y(v)])), class: "dot" }));
-  return { svg, caption: report ? t("result.coverage_caption", { share, count: points.length }) : "\u00a0" };
+  const { svg, area, x, y } = imagePlot(img_size, t("result.coverage_label", { share }), "coverage");
+  const at = (/** @type {readonly number[]} */ [u, v]) => `${short(x(u))} ${short(y(v))}`;
+  area.append(...views.map((view) => make("path", { d: `M${convexHull(view.points).map(at).join("L")}Z`, class: "view", "data-view": view.index })),
+    make("path", { d: dots(points.map(([u, v]) => [x(u), y(v)])), class: "dot" }));
+  return { svg, caption: t("result.coverage_caption", { share, count: points.length }) };
 }
 
 /** @param {number[][]} points in plot units */
@@ -116,11 +133,13 @@ const dots = (points) => points.map(([u, v]) => `M${short(u)} ${short(v)}h.01`).
 /**
  * The residuals of one view, drawn larger than they are.
  * @param {Calibration} calibration @param {ReportView} view @param {ReportView[]} views @param {number} factor
+ * @param {string | null} photo address of the picture that the view comes from
  */
-export function residualPlot({ img_size }, view, views, factor) {
+export function residualPlot({ img_size }, view, views, factor, photo) {
   const what = viewIssue(view, views);
   const label = t("result.view_label", { index: view.index + 1, rms: number(view.rms, 2) });
-  const { svg, area, x, y } = imagePlot(img_size, label, { plain: true, name: `residuals ${what ? "bad" : ""}` });
+  const { svg, area, x, y } = imagePlot(img_size, label, `residuals ${what ? "bad" : ""}`);
+  if (photo) area.append(make("image", { href: photo, x: 1, y: 1, width: "100%", height: "100%", preserveAspectRatio: "none" }));
   const cut = new Set(view.cut);
   const lines = view.points.map((point, number) => {
     const [[u, v], [du, dv]] = /** @type {number[][]} */ ([point, view.residuals[number]]);

@@ -41,6 +41,14 @@ export async function load(id, without = [], transport = {}) {
   return { calibration, report };
 }
 
+/** Agreed calibrations of a camera at one size, of all models. @param {string} key @param {readonly number[]} size px @returns {Promise<Calibration[]>} rejects as Api does */
+export async function knownCalibrations(key, size) {
+  const { api, token } = await loadSettings();
+  /** @type {{modes: {img_size: number[], consensus: Record<string, Calibration>}[]}} */
+  const { modes } = await new Api(api).json("GET", `/cameras/${encodeURIComponent(key)}`, token);
+  return modes.filter(({ img_size }) => img_size.join() === size.join()).flatMap(({ consensus }) => Object.values(consensus));
+}
+
 /**
  * @typedef {object} Saved
  * @property {string} name of the file

@@ -18,10 +18,9 @@ import { button } from "./views.js";
 export function straightPart(calibration, picture, onPicture, turnOff = null) {
   const shown = comparison(calibration, picture ?? gridPicture(shrinkCalibration(calibration)));
   return {
-    element: el("div", { class: "straight" }, shown.element,
-      ...(picture ? [] : [el("p", { class: "muted" }, t("result.grid_text"))]),
-      ...(turnOff ? [el("p", { class: "live" }, el("span", {}, t("result.live")), " ", button(t("result.turn_off"), turnOff, { id: "turn-off" }))] : []),
-      chooser(calibration, onPicture)),
+    element: el("div", { class: "straight" }, shown.element, el("div", { class: "actions" }, ...(shown.whole ? [shown.whole] : []), chooser(calibration, onPicture)),
+      turnOff ? el("p", { class: "live" }, el("span", {}, t("result.live")), button(t("result.turn_off"), turnOff, { id: "turn-off", class: "small" }))
+        : el("p", { class: "muted" }, t(picture ? "result.trial_text" : "result.grid_text"))),
     refresh: shown.refresh,
     dispose: shown.dispose,
   };
@@ -29,7 +28,7 @@ export function straightPart(calibration, picture, onPicture, turnOff = null) {
 
 /** @param {Calibration} calibration @param {(picture: HTMLCanvasElement) => void} onPicture */
 function chooser({ img_size: [width, height] }, onPicture) {
-  const input = el("input", { class: "unseen", id: "trial-picture", type: "file", accept: "image/*", "aria-describedby": "trial-text" });
+  const input = el("input", { class: "unseen", id: "trial-picture", type: "file", accept: "image/*" });
   const label = el("label", { class: "button" }, input, el("span", {}, t("result.picture")));
   const problem = el("p", { class: "problem", id: "trial-problem", role: "status" });
   const complain = liveRegion(problem);
@@ -52,5 +51,5 @@ function chooser({ img_size: [width, height] }, onPicture) {
       complain(() => t("result.picture_unreadable"));
     }
   });
-  return el("div", { class: "chooser" }, label, el("span", { class: "muted", id: "trial-text" }, t("result.trial_text")), problem);
+  return el("div", { class: "chooser" }, label, problem);
 }

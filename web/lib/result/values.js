@@ -1,6 +1,7 @@
 // Numbers of a calibration as they are written: with as many digits as they are worth, small ones with a power of ten.
 import { number } from "../i18n.js";
 
+const MAX_DIGITS = 10; // of what a program takes: far more than any calibration is worth
 const MIN_PLAIN = 1e-3; // below this a number has a power of ten
 const SUPERSCRIPT = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
 
@@ -30,7 +31,7 @@ export function valueText(value, std, digits, unit) {
  * @returns {{K: string, D: string}}
  */
 export function matrixText({ camera_matrix: rows, distortion_coefficients: coefficients }, form) {
-  const line = (/** @type {readonly number[]} */ values) => `[${values.join(", ")}]`;
+  const line = (/** @type {readonly number[]} */ values) => `[${values.map((value) => Number(value.toPrecision(MAX_DIGITS))).join(", ")}]`;
   if (form === "json") return { K: `[${rows.map(line).join(", ")}]`, D: line(coefficients) };
   return { K: `K = np.array([${rows.map(line).join(",\n              ")}])`, D: `D = np.array(${line(coefficients)})` };
 }

@@ -8,11 +8,12 @@ import { isVirtual } from "../virtual/name.js";
 import { againAddress, card, resultAddress, showAgreement, verdictOf } from "./card.js";
 import { codePart } from "./code-part.js";
 import { recordPart } from "./download.js";
-import { figuresPart } from "./figures-part.js";
-import { numbersPart } from "./numbers-part.js";
+import { lensPart, numbersPart } from "./numbers-part.js";
 import { factsOf, load } from "./source.js";
 import { followAgreement } from "./agreement.js";
 import { straightPart } from "./straight-part.js";
+import { tabs } from "./tabs.js";
+import { tiles } from "./tiles.js";
 import { listViews, viewsPart } from "./views.js";
 
 /**
@@ -43,6 +44,7 @@ export class ResultView {
   constructor(root) {
     this.#root = root;
     this.#unlisten = onLanguage(() => this.#draw());
+    root.addEventListener("pointerover", highlight);
   }
 
   /** @param {Result} result */
@@ -100,18 +102,24 @@ export class ResultView {
     this.#straight = straight;
     // The report arrives while somebody is on the way to a button.
     const focused = this.#root.contains(document.activeElement) ? document.activeElement?.id : "";
+    const menu = () => /** @type {HTMLDetailsElement | null} */ (this.#root.querySelector("details.more"));
+    const isMenuOpen = menu()?.open === true;
+    const panels = /** @type {[name: string, content: Node | false][]} */ ([
+      ["numbers", numbersPart(calibration, report, { pending })],
+      ["lens", isKnownModel(calibration.distortion_model) && lensPart(calibration, report)],
+      ["views", result.report ? viewsPart({ ...result, report: result.report }, trial, this.#choices(result)) : pending && el("p", { class: "muted" }, t("result.loading"))],
+      ["code", codePart(calibration, id)],
+      ["details", details(result, calibration)],
+    ]).flatMap(([name, content]) => (content ? [{ name, title: t(`result.tab_${name}`), content }] : []));
     this.#root.replaceChildren(...[
       card({ ...result, calibration, report }, trial, id),
-      result.consent ?? null,
-      straight && section("straight", straight.element),
-      section("numbers", numbersPart(calibration, report, { pending })),
-      section("figures", figuresPart(calibration, report, pending)),
-      result.report && section("views", viewsPart({ ...result, report: result.report }, trial, this.#choices(result))),
-      section("code", codePart(calibration, id)),
-      section("help", el("div", {}, el("p", { id: "summary" }, contributionText(result)), el("p", {}, el("a", { href: pageUrl("rig/").href }, t("result.several"))))),
-      section("details", details(calibration, id)),
+      result.aside ?? null,
+      straight && el("section", { id: "result-straight", "aria-label": t("result.part_straight") }, straight.element),
+      report || pending ? tiles(calibration, report, /** @type {import("../board.js").Board | null} */ (factsOf(id)?.board ?? null)) : null,
+      tabs(t("result.part_details"), panels),
     ].filter((element) => element !== null));
     this.#showAgreement();
+    if (isMenuOpen) menu()?.setAttribute("open", "");
     if (focused) document.getElementById(focused)?.focus();
   }
 
@@ -198,19 +206,18 @@ function contributionText({ origin, calibration: { camera, platform, calibration
   return t(`result.help_${["photographs", "video"].includes(platform) ? "photographs" : origin}`, { count: calibrations });
 }
 
-/** Details that few need: the address, the system, the whole record. @param {Result["calibration"]} calibration @param {string | null} id */
-function details(calibration, id) {
-  return el("details", { class: "record" }, el("summary", {}, t("result.as_answered")),
+/** Details that few need: what was given, the address, the system, the whole record. @param {Result} result @param {Result["calibration"]} calibration */
+function details(result, calibration) {
+  const { id } = result.calibration;
+  return el("div", { class: "record" }, el("p", { id: "summary" }, contributionText(result)),
     el("p", { class: "muted" }, `${calibration.camera} · ${calibration.platform}`),
     ...(id && id !== new URLSearchParams(location.search).get("id") ? [el("p", {}, el("a", { href: resultAddress(id) }, t("result.address")))] : []),
     recordPart(calibration));
 }
 
-/**
- * @param {"numbers" | "figures" | "views" | "straight" | "code" | "help" | "details"} name
- * @param {Node} content
- */
-function section(name, content) {
-  const id = `result-${name}`;
-  return el("section", { class: "band", "aria-labelledby": id }, el("h2", { id }, t(`result.part_${name}`)), el("div", {}, content));
+/** Marks all figures of the view that one points at. @param {Event} event */
+function highlight({ currentTarget, target }) {
+  const root = /** @type {HTMLElement} */ (currentTarget);
+  const view = target instanceof Element ? target.closest("[data-view]")?.getAttribute("data-view") : null;
+  for (const each of root.querySelectorAll("[data-view]")) each.classList.toggle("lit", each.getAttribute("data-view") === view);
 }

@@ -25,26 +25,31 @@ export const viewsToRetake = ({ views }) =>
   views.filter((view) => ["left_out", "stands_out"].includes(viewIssue(view, views) ?? "")).map(({ index }) => index);
 
 /**
- * @param {{calibration: Calibration, report: Report, names?: (index: number) => string}} result names: of the photographs that views come from
+ * Views in one row that scrolls sideways, the worst first.
+ * @param {Pick<import("./result.js").Result, "calibration" | "names" | "photo"> & {report: Report}} result
  * @param {Trial | null} trial what it is without some views
  * @param {Choices | null} choices
  */
-export function viewsPart({ calibration, report, names = () => "" }, trial, choices) {
+export function viewsPart({ calibration, report, names = () => "", photo = () => null }, trial, choices) {
   const factor = magnification(calibration, report);
   const left = trial?.without ?? [];
   const bad = viewsToRetake(report).filter((index) => !left.includes(index));
+  const worst = Math.max(...report.views.map(({ rms }) => rms));
   return el("div", {}, el("p", { class: "muted" }, t("result.views_text", { factor })),
     ...(bad.length ? [advice(bad, left, choices)] : []),
-    el("ol", { class: "views" }, ...report.views.map((original) => {
-      const out = left.includes(original.index);
+    el("ol", { class: "views", tabindex: 0, "aria-label": t("result.part_views") }, ...[...report.views].sort((a, b) => b.rms - a.rms).map((original) => {
+      const { index } = original;
+      const out = left.includes(index);
       // Of a view that is left out the other fit knows nothing.
       const shown = out ? report : trial?.report ?? report;
-      const view = shown.views.find(({ index }) => index === original.index) ?? original;
+      const view = shown.views.find((each) => each.index === index) ?? original;
       const what = out ? null : viewIssue(view, shown.views);
-      return el("li", { class: out ? "out" : "" }, residualPlot(calibration, view, shown.views, factor),
+      const bar = el("span", { class: "bar", "aria-hidden": "true" });
+      bar.style.setProperty("--part", String(view.rms / worst));
+      return el("li", { class: out ? "out" : "", "data-view": index }, bar, residualPlot(calibration, view, shown.views, factor, photo(index)),
         el("div", { class: "which" },
-          el("p", { class: "number" }, el("strong", {}, t("result.view", { index: view.index + 1 })), ` ${number(view.rms, 2)}\u00a0px`, ...(names(view.index) ? [el("span", { class: "source muted" }, names(view.index))] : [])),
-          ...(choices ? [toggle(view.index, left, choices)] : [])),
+          el("p", { class: "number" }, el("strong", {}, t("result.view", { index: index + 1 })), ` ${number(view.rms, 2)}\u00a0px`, ...(names(index) ? [el("span", { class: "source muted" }, names(index))] : [])),
+          ...(choices ? [toggle(index, left, choices)] : [])),
         ...(what ? [el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length }))] : []));
     })),
     ...(choices ? [trialStatus(calibration, trial, choices)] : []));

@@ -1,1 +1,1 @@
-"""Guided capture: a camera's frames, the target, when a view is taken, and what the person is told."""
+"""Guided capture: a camera's frames, the target, when a view is taken, and the feedback to the user."""

@@ -25,7 +25,7 @@ class Scene:
     target
         The pose that is wanted; None while the service is asked.
     instruction
-        Next movement, in words.
+        Next movement, as text.
     hold
         0 to 1, part of the time for which the board must be held still.
     status
@@ -41,7 +41,7 @@ class Scene:
 
 
 class Feedback(Protocol):
-    """Interface of what tells the person about a capture."""
+    """Interface of the feedback to the user during a capture."""
 
     def show(self, scene: Scene) -> Command:
         """Show one frame's state, and return what the person wants."""
@@ -57,7 +57,7 @@ class Feedback(Protocol):
 
 
 class Silent:
-    """Feedback that tells nothing."""
+    """Feedback without output."""
 
     def show(self, scene: Scene) -> Command:
         """Show nothing."""
@@ -75,7 +75,7 @@ class Silent:
 
 
 def progress_words(status: Status) -> str:
-    """Return the course in words, such as ``3 views, 62 %, 0.41 px``."""
+    """Describe the course, such as ``3 views, 62 %, 0.41 px``."""
     views = f"{status.views} view{'' if status.views == 1 else 's'}"
     error = "" if status.error is None else f", {status.error:.2f} px"
     return f"{views}, {100 * status.progress:.0f} %{error}"

@@ -85,7 +85,7 @@ class Frames:
         if self._size is None:
             self._waiting = self._read()
             if self._waiting is None:
-                raise CaptureError(f"{self.name} holds no picture: give another file")
+                raise CaptureError(f"{self.name} contains no image: pass another file")
         assert self._size is not None  # noqa: S101 - set with the first picture
         return self._size
 

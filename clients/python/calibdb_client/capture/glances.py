@@ -52,23 +52,25 @@ def take_glances(operation: Operation, count: int = CHECK_VIEWS) -> Recording:
                 )
             corners = detector.find(frame.picture)
             still = still.observe(corners, frame.time, width, repeated=frame.repeated)
-            seen = None if corners is None else outline_of(recording.board, corners.ids, corners.points)
-            another = seen is not None and all(difference(seen, each) > MIN_DIFFERENCE for each in taken)
-            words = "show the board to the camera" if seen is None else "tilt the board another way"
+            outline = None if corners is None else outline_of(recording.board, corners.ids, corners.points)
+            another = outline is not None and all(
+                difference(outline, each) > MIN_DIFFERENCE for each in taken
+            )
+            words = "show the board to the camera" if outline is None else "tilt the board another way"
             status = Status(len(taken), len(taken) / count)
             hold = min(1.0, still.held / HOLD_S) if another else 0.0
             points = None if corners is None else corners.points
             said = "hold the board still" if another else words
             if feedback.show(Scene(frame.picture, points, None, said, hold, status)) == "stop":
                 raise KeyboardInterrupt
-            if another and corners is not None and seen is not None and still.held >= HOLD_S:
+            if another and corners is not None and outline is not None and still.held >= HOLD_S:
                 view = RecordedView(
                     f"view {len(taken) + 1}",
                     corners.ids,
                     tuple((float(u), float(v)) for u, v in corners.points.tolist()),
                 )
                 recording = replace(recording, views=(*recording.views, view))
-                taken.append(seen)
+                taken.append(outline)
                 still = Stillness()
                 feedback.taken(Status(len(taken), len(taken) / count))
     except KeyboardInterrupt:

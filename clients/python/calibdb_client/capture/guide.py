@@ -34,13 +34,13 @@ class Target:
     Attributes
     ----------
     index
-        Number that a view carries which answers it.
+        Index for the view that answers it.
     ids, corners
         Corners in the picture (n), and their places (n, 2) px.
     outline
         (m, 2) px, edge of the board.
     purpose, hint
-        Purpose of the view, and the next movement, in words.
+        Purpose of the view, and the next movement, as text.
     """
 
     index: int
@@ -221,18 +221,18 @@ class OfflineGuide:
         """Judge by the rules of the service."""
         yield from ()
         del target
-        seen = self._board.view(view.ids, view.points)
+        observation = self._board.view(view.ids, view.points)
         decision = self._capture.judge(
-            self._views, self._pose, seen, self._estimate.excluded, self._quarantined, self._history
+            self._views, self._pose, observation, self._estimate.excluded, self._quarantined, self._history
         )
         self._history = decision.after(self._history)
         if decision.seed_rejected:
             self._capture = self._capture.without_seed()
         if not decision.accepted or decision.estimate is None:
-            self._quarantined += [seen] if decision.quarantine else []
+            self._quarantined += [observation] if decision.quarantine else []
             hint = decision.hint.code if decision.hint else ""
             return Judgement(False, self._status(), refusal(decision.reason), hint)
-        self._views.append(seen)
+        self._views.append(observation)
         self._accepted.append(view)
         self._estimate = decision.estimate
         self._unreached, self._skipped = (*self._unreached, *self._skipped), ()
@@ -242,8 +242,8 @@ class OfflineGuide:
     def finish(self, recording: Recording) -> Flow[CaptureResult]:
         """Fit the views that are not excluded."""
         yield from ()
-        kept = tuple(view for i, view in enumerate(self._accepted) if i not in self._estimate.excluded)
-        views = kept if self._is_done else recording.views
+        included = tuple(view for i, view in enumerate(self._accepted) if i not in self._estimate.excluded)
+        views = included if self._is_done else recording.views
         return calibrate_offline(replace(recording, views=views), self._model, int(self._clock()))
 
     @property
@@ -269,5 +269,5 @@ def require_views(views: Sequence[RecordedView]) -> None:
     """Raise CaptureError if these views are too few for a calibration."""
     if len(views) < MIN_VIEWS:
         raise CaptureError(
-            f"{len(views)} views were taken, and {MIN_VIEWS} are needed: `calibdb resume` goes on with them"
+            f"{len(views)} views were taken, and {MIN_VIEWS} are needed: `calibdb resume` continues with them"
         )

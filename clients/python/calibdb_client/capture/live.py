@@ -33,8 +33,8 @@ MIN_HOLD_FRAMES = 3
 MIN_OVERLAP, MAX_DIFFERENCE = 0.75, 0.06
 """Overlap with the target, and difference in tilt, that count as there."""
 TOLERANCES, TOLERANT_AFTER_S = (0.8, 1.6), 10.0
-"""Factors on what a hand may miss by, at first and after that time. Whoever is led by words stops as soon as
-they end, and at the picture's border a hand's breadth is most of what a view tells."""
+"""Factors on what a hand may miss by, at first and after that time. Users who follow words stop as soon as
+they end, and at the picture's border a hand's breadth is most of the information of a view."""
 MIN_FORESHORTENING = 0.08
 """From which a pose other than the target may help."""
 MIN_DISPLACEMENT_PX = 26.0
@@ -47,9 +47,9 @@ READ_REFUSAL_S = 2.0
 """Time to read why a view at the target was refused, before another pose is asked for."""
 MIN_APPROACH = 0.05
 LENIENT_AFTER_S, MAX_LENIENCE = 3.0, 4.0
-"""Time in which a steady hand would be still; later, up to so many times its motion counts, too."""
+"""Time in which a steady hand would be still; later, so many times its motion also counts as still."""
 RECOGNITION_FRAMES = 5
-"""Frames that are looked at together for a board that nobody described."""
+"""Frames in which an undescribed board is looked for."""
 MAX_RECOGNITION_FRAMES = 900
 
 
@@ -83,11 +83,11 @@ class Live:
     Parameters
     ----------
     frames, recording
-        The source; camera and board, and the views of an earlier capture that it goes on with.
+        The source; camera and board, and the views of an earlier capture to continue.
     guide, feedback
-        The guide, and who tells the person.
+        The guide, and the feedback to the user.
     keep
-        Is told the recording after each view, before anything else happens.
+        Called with the recording after each view, before anything else happens.
     """
 
     def __init__(
@@ -155,20 +155,20 @@ class Live:
         tolerance = float(np.interp(elapsed, (0.0, TOLERANT_AFTER_S), TOLERANCES))
         lenience = min(MAX_LENIENCE, max(1.0, elapsed / LENIENT_AFTER_S))
         self._still = self._still.observe(corners, frame.time, self._width, lenience, frame.repeated)
-        seen = None if corners is None else outline_of(self.recording.board, corners.ids, corners.points)
+        outline = None if corners is None else outline_of(self.recording.board, corners.ids, corners.points)
         there, instruction = False, "show the board to the camera"
-        if corners is not None and seen is None:
+        if corners is not None and outline is None:
             instruction = TEXTS["show_more"]
-        if seen is not None:
-            covered = overlap(seen, aim.target.outline, frame.size)
-            off = difference(seen, aim.outline) if aim.outline is not None else 0.0
+        if outline is not None:
+            covered = overlap(outline, aim.target.outline, frame.size)
+            off = difference(outline, aim.outline) if aim.outline is not None else 0.0
             there = 1 - covered < (1 - MIN_OVERLAP) * tolerance and off < MAX_DIFFERENCE * tolerance
             distance = 1 - covered + off
             if distance < aim.nearest - MIN_APPROACH:
                 aim.nearest, aim.nearest_at = distance, frame.time
-            code = "" if there or aim.outline is None else advice(seen, aim.outline, tolerance)
+            code = "" if there or aim.outline is None else advice(outline, aim.outline, tolerance)
             instruction = TEXTS[code or "hold_still"]
-        self._required = self._required_hold(seen, there, corners)
+        self._required = self._required_hold(outline, there, corners)
         hold = 0.0 if self._required is None else min(1.0, self._still.held / self._required)
         points = None if corners is None else corners.points
         return self._feedback.show(Scene(frame.picture, points, aim.target, instruction, hold, self._status))
@@ -224,7 +224,7 @@ class Live:
             self._aim, self._taken_at = None, time
             return
         if self._frames.is_file:
-            return  # nobody can hold it elsewhere: the views of a file are fitted together at its end
+            return  # the board cannot be moved: the views of a file are fitted together at its end
         self.recording = before
         self._keep(before)
         words = TEXTS.get(judgement.hint, "")
@@ -233,24 +233,24 @@ class Live:
 
 
 def first_board(frames: Frames, feedback: Feedback) -> Board:
-    """Return the board that the first frames show, which nobody described.
+    """Return the undescribed board that the first frames show.
 
     Raises CaptureError if none is recognised in `MAX_RECOGNITION_FRAMES`.
     """
     feedback.note("show the board to the camera: it will be recognised")
-    seen: list[Any] = []
+    observations: list[Any] = []
     for _ in range(MAX_RECOGNITION_FRAMES):
         frame = frames.next()
         if frame is None:
             break
-        seen.append(frame.picture)
-        if len(seen) == RECOGNITION_FRAMES:
-            board = recognise(seen)
+        observations.append(frame.picture)
+        if len(observations) == RECOGNITION_FRAMES:
+            board = recognise(observations)
             if board is not None:
                 feedback.note(f"board: {board}")
                 return board
-            seen = []
-    board = recognise(seen)
+            observations = []
+    board = recognise(observations)
     if board is None:
         raise CaptureError(
             "no board was recognised: describe it by --kind, --squares, --marker-ratio and --dictionary"

@@ -31,7 +31,7 @@ class CaptureOptions(TypedDict, total=False):
     Attributes
     ----------
     label, platform, zoom
-        Of the camera, if not those that it has in a browser here.
+        Key of the camera; default: that of a browser on this machine.
     size
         Width and height that its pictures must have, px.
     board
@@ -55,7 +55,7 @@ class CaptureOptions(TypedDict, total=False):
 
 
 class CaptureInterruptedError(KeyboardInterrupt):
-    """The person ended the capture; `recording` holds the views so far."""
+    """The user ended the capture; `recording` has the views so far."""
 
     def __init__(self, recording: Recording) -> None:
         super().__init__("interrupted")
@@ -69,9 +69,9 @@ class Operation:
     Attributes
     ----------
     source, frames, feedback
-        The source, its frames, and who tells the person.
+        The source, its frames, and the feedback to the user.
     recording
-        Camera and board, and the views of an earlier capture that it goes on with.
+        Camera and board, and the views of an earlier capture to continue.
     """
 
     source: NamedSource
@@ -179,5 +179,5 @@ def _key(
 ) -> CameraKey:
     from ..devices import platform_of
 
-    known = zoom if zoom is not None else float(getattr(source.source, "zoom", 0.0) or 0.0)
-    return CameraKey(label, platform or source.platform or platform_of(), size, known)
+    value = zoom if zoom is not None else float(getattr(source.source, "zoom", 0.0) or 0.0)
+    return CameraKey(label, platform or source.platform or platform_of(), size, value)

@@ -65,13 +65,13 @@ def overlap(one: Array, other: Array, size: tuple[int, int]) -> float:
     return float(np.count_nonzero(first & second) / union) if union else 0.0
 
 
-def difference(seen: Array, target: Array) -> float:
+def difference(outline: Array, target: Array) -> float:
     """Difference of two poses of the board, sizes and places made equal, as a share of its size.
 
     A hand that misses by 3 degrees is below 0.07; a board that faces the camera in a target tilted by 35
     degrees is above 0.085.
     """
-    return _spread(_alike(upright(seen, target)), _alike(target))
+    return _spread(_alike(upright(outline, target)), _alike(target))
 
 
 def foreshortening(outline: Array) -> float:
@@ -79,10 +79,10 @@ def foreshortening(outline: Array) -> float:
     return max(math.expm1(abs(_ratio(outline, side))) for side in (0, 1))
 
 
-def upright(seen: Array, target: Array) -> Array:
+def upright(outline: Array, target: Array) -> Array:
     """Return the outline turned by half a turn, if it is nearer to the target's so."""
-    turned = np.roll(seen, -2, axis=0)
-    return turned if _spread(turned, target) < _spread(seen, target) else seen
+    turned = np.roll(outline, -2, axis=0)
+    return turned if _spread(turned, target) < _spread(outline, target) else outline
 
 
 def advice(outline: Array, target: Array, tolerance: float = 1.0) -> str:
@@ -90,27 +90,27 @@ def advice(outline: Array, target: Array, tolerance: float = 1.0) -> str:
 
     `tolerance` is the factor on what a hand may miss by.
     """
-    seen = upright(outline, target)
+    current = upright(outline, target)
     size = _size(target)
-    right, down = (target.mean(axis=0) - seen.mean(axis=0)) / size
+    right, down = (target.mean(axis=0) - current.mean(axis=0)) / size
     across = ("right" if right > 0 else "left") if abs(right) >= abs(down) else ("down" if down > 0 else "up")
-    larger = math.log(size / _size(seen))
-    turn = _direction(target) - _direction(seen)
+    larger = math.log(size / _size(current))
+    turn = _direction(target) - _direction(current)
     turn = math.atan2(math.sin(turn), math.cos(turn))
-    found = [
+    candidates = [
         (math.hypot(right, down) / FAR_SIZES, across),
         (abs(larger) / math.log(LARGER_RATIO), "closer" if larger > 0 else "farther"),
         (abs(turn) / TURNED_RAD, "turn_clockwise" if turn > 0 else "turn_counterclockwise"),
-        _tilt(seen, target),
+        _tilt(current, target),
     ]
-    excess, code = max(found)
+    excess, code = max(candidates)
     return code if excess > tolerance else ""
 
 
-def _tilt(seen: Array, target: Array) -> tuple[float, str]:
+def _tilt(outline: Array, target: Array) -> tuple[float, str]:
     """Nearer sides look longer, the more so the larger the board looks: compared at the same size."""
-    larger = _size(target) / _size(seen)
-    first, second = (_ratio(target, side) - larger * _ratio(seen, side) for side in (0, 1))
+    larger = _size(target) / _size(outline)
+    first, second = (_ratio(target, side) - larger * _ratio(outline, side) for side in (0, 1))
     steeper = abs(first) > abs(second)
     side = (0 if first > 0 else 2) if steeper else (1 if second > 0 else 3)
     x, y = (target[side] + target[(side + 1) % 4]) / 2 - target.mean(axis=0)

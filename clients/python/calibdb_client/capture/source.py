@@ -44,7 +44,7 @@ class NamedSource:
     name
         Its name in sentences, without a password.
     label, platform
-        Of a camera here; None: whoever captures must say.
+        Of a local camera; None: the caller must name it.
     owned
         True if it was opened here and must be closed.
     """
@@ -77,7 +77,7 @@ def is_video(text: object) -> bool:
 def open_source(camera: Any, size: tuple[int, int] | None = None) -> NamedSource:
     """Open a camera by index, path or name, a stream by its address, a video file; or take an open source.
 
-    Raises CameraError if it cannot be opened, UsageError for what is no source.
+    Raises CameraError if it cannot be opened, UsageError if it is not a source.
     """
     if is_stream(camera):
         return _open_stream(str(camera))
@@ -93,7 +93,7 @@ def open_source(camera: Any, size: tuple[int, int] | None = None) -> NamedSource
         if isinstance(camera, HasLabel):
             return NamedSource(camera, camera.label, camera.label, camera.platform)
         return NamedSource(camera, "the camera")
-    raise UsageError(f"{camera!r} is no camera: give an index, an address, or an object with read()")
+    raise UsageError(f"{camera!r} is not a camera: pass an index, an address, or an object with read()")
 
 
 def _open_stream(address: str) -> NamedSource:
@@ -101,7 +101,7 @@ def _open_stream(address: str) -> NamedSource:
     try:
         host = urlsplit(address).hostname or "the stream"
     except ValueError:
-        raise UsageError("this is no address of a stream, such as rtsp://camera.example/1") from None
+        raise UsageError("not an address of a stream, such as rtsp://camera.example/1") from None
     limits = [
         cv2.CAP_PROP_OPEN_TIMEOUT_MSEC,
         OPEN_TIMEOUT_MS,

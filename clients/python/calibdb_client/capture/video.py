@@ -30,36 +30,36 @@ Seen = tuple[int, tuple[int, int], Corners]
 def read_video(
     path: str | Path,
     board: Board | None,
-    found: FoundViews,
+    board_views: FoundViews,
     progress: Callable[[int, int], None] | None = None,
     mirrored: bool = False,
 ) -> Board:
-    """Find the board in a video, and add to `found` the views where it moves least, all over its places.
+    """Find the board in a video; add the views in which it moves least, at many places, to `board_views`.
 
     Returns the board, which is recognised unless it is given. A `mirrored` video is turned back. Raises
-    UsageError if the file is no video, CaptureError if no board is recognised.
+    UsageError if the file is not a video, CaptureError if no board is recognised.
     """
     chosen = board or board_in_video(path, mirrored)
     detector = Detector(chosen)
-    seen: list[Seen] = []
+    observations: list[Seen] = []
     numbers: list[int] = []
     try:
-        for number, count, picture in _pictures(path, found, mirrored, _rate(detector)):
+        for number, count, picture in _pictures(path, board_views, mirrored, _rate(detector)):
             numbers.append(number)
             corners = detector.find_coarsely(picture)
             if corners is not None:
                 h, w = picture.shape[:2]
-                seen.append((number, (int(w), int(h)), corners))
+                observations.append((number, (int(w), int(h)), corners))
             if progress:
                 progress(number + 1, max(count, number + 1))
     finally:
-        found.frames = len(seen)
-        views = _choose(seen, numbers[1] if len(numbers) > 1 else 1)
+        board_views.frames = len(observations)
+        views = _choose(observations, numbers[1] if len(numbers) > 1 else 1)
         if detector.is_slow:
             views = _found_again(path, views, detector, mirrored)
         for number, size, corners in views:
             points = tuple((float(u), float(v)) for u, v in corners.points.tolist())
-            found.views.append((size, RecordedView(f"frame {number + 1}", corners.ids, points)))
+            board_views.views.append((size, RecordedView(f"frame {number + 1}", corners.ids, points)))
     return chosen
 
 
@@ -69,7 +69,7 @@ def _rate(detector: Detector) -> float:
 
 
 def _pictures(
-    path: str | Path, found: FoundViews, mirrored: bool, rate: float
+    path: str | Path, board_views: FoundViews, mirrored: bool, rate: float
 ) -> Iterator[tuple[int, int, Any]]:
     """Yield number, count and picture of the frames of a video that are looked at."""
     opened = open_source(path)
@@ -89,10 +89,12 @@ def _pictures(
             yield number, count, _turned(picture, mirrored)
         if number < 0:
             raise CaptureError(
-                f"{path} holds no picture: it is corrupt, or of a kind that OpenCV cannot read"
+                f"{path} contains no image: it is corrupt, or of a kind that OpenCV cannot read"
             )
         if looked_at < MAX_FRAMES and 0 <= number < 0.9 * count - 1:
-            found.broken = f"{path} breaks off after {number + 1} of {count} frames: those before it are used"
+            board_views.broken = (
+                f"{path} breaks off after {number + 1} of {count} frames: those before it are used"
+            )
     finally:
         opened.close()
 
@@ -159,6 +161,6 @@ def board_in_video(path: str | Path, mirrored: bool = False) -> Board:
             f"no board was recognised in {path}: describe it by --kind, --squares, --marker-ratio and "
             "--dictionary"
             if pictures
-            else f"{path} holds no picture: it is corrupt, or of a kind that OpenCV cannot read"
+            else f"{path} contains no image: it is corrupt, or of a kind that OpenCV cannot read"
         )
     return board

@@ -56,12 +56,12 @@ def chosen_board(chosen: argparse.Namespace) -> Board | None:
     Raises UsageError for one that cannot exist.
     """
     names = ("kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted", "tag_spacing")
-    given = {name: value for name in names if (value := getattr(chosen, name)) is not None}
-    if not given:
+    options = {name: value for name in names if (value := getattr(chosen, name)) is not None}
+    if not options:
         return None
-    if given.get("kind") == "aprilgrid":
-        given.setdefault("squares", (6, 6))
-    return Board(**given)
+    if options.get("kind") == "aprilgrid":
+        options.setdefault("squares", (6, 6))
+    return Board(**options)
 
 
 def run(chosen: argparse.Namespace, output: Output) -> int:

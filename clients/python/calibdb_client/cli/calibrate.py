@@ -60,7 +60,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         raise UsageError("which camera took them? Say --label, or --offline to calibrate for yourself alone")
     chosen.licence = None if chosen.offline else licence_of(chosen, output)
     opencv()  # says what is missing before anything is read
-    found = FoundViews()
+    board_views = FoundViews()
     board, interrupted = None, False
     paths = picture_paths(chosen.source) if kind == "pictures" else []
     most = None if chosen.offline else MAX_PICTURES
@@ -72,17 +72,17 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
             if kind == "video":
                 from ..capture.video import read_video
 
-                read_video(chosen.source[0], board, found, advance, chosen.mirrored)
+                read_video(chosen.source[0], board, board_views, advance, chosen.mirrored)
             else:
-                read(paths, board, found, advance, most, chosen.mirrored)
+                read(paths, board, board_views, advance, most, chosen.mirrored)
     except KeyboardInterrupt:
-        if not found.views:
+        if not board_views.views:
             raise
         interrupted = True
-    if not (found.views or found.frames or chosen.mirrored):
+    if not (board_views.views or board_views.frames or chosen.mirrored):
         _require_upright(kind, chosen.source[0], paths)
-    size, views = found.of_one_size(limited=not chosen.offline)
-    _describe(found, size, len(views), chosen.verbose, output)
+    size, views = board_views.of_one_size(limited=not chosen.offline)
+    _describe(board_views, size, len(views), chosen.verbose, output)
     if turned_by_camera(paths):
         output.note(
             "the pictures have an EXIF orientation, which is not applied: the calibration is of the file's "
@@ -161,7 +161,7 @@ def _describe(found: FoundViews, size: tuple[int, int], used: int, verbose: bool
     if found.empty:
         output.note(f"no board was detected in {len(found.empty)} pictures: {_few(found.empty, verbose)}")
     if found.unreadable:
-        output.note(f"{len(found.unreadable)} files are no pictures: {_few(found.unreadable, verbose)}")
+        output.note(f"{len(found.unreadable)} files are not images: {_few(found.unreadable, verbose)}")
     if found.broken:
         output.note(found.broken)
 
@@ -171,5 +171,5 @@ def _few(names: list[str], verbose: bool) -> str:
 
 
 def _folder(path: str) -> str:
-    given = Path(path).resolve()
-    return (given if given.is_dir() else given.parent).name or "camera"
+    folder = Path(path).resolve()
+    return (folder if folder.is_dir() else folder.parent).name or "camera"

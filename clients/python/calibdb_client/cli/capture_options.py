@@ -19,7 +19,7 @@ from .output import Output
 
 Kind = Literal["camera", "video", "pictures"]
 
-_QUESTION = f"""The database gives calibrations away under {LICENCE}: to anybody, for any purpose, for good
+_QUESTION = f"""The database gives calibrations away under {LICENCE}: to anyone, for any purpose, permanently
 (terms of {LICENCE_VERSION}, /terms/ of the site).
 Corners and calibration may go into its public dumps if you agree; pictures never leave this machine.
 Agree? [y/N] """
@@ -31,7 +31,7 @@ def add_model(parser: argparse.ArgumentParser) -> None:
         "--model",
         choices=(AUTO, *MODELS),
         default=AUTO,
-        help="distortion model; auto: the one that predicts views best that it did not see",
+        help="distortion model; auto: the one that predicts held-out views best",
     )
 
 
@@ -124,7 +124,7 @@ def kind_of(given: Sequence[str]) -> Kind:
 def licence_of(chosen: argparse.Namespace, output: Output) -> str | None:
     """Return the licence that the contributor agreed to, by the option or by an answer; None: to none.
 
-    Nobody agrees without knowing: without a terminal and the option there is no licence.
+    Consent is never assumed: without a terminal and the option there is no licence.
     """
     if chosen.licence is not None:
         if chosen.licence != LICENCE:

@@ -54,9 +54,9 @@ def conclude(
     target: Target = NO_TARGET,
     verbose: bool = False,
 ) -> int:
-    """Write the result next to its corners, and as another tool's file if one is chosen, and print it.
+    """Write the result to the recording's file, optionally also as another tool's file, and print it.
 
-    With `verbose` a row for each picture.
+    `verbose` prints a row per image.
     """
     write_whole(path, recording.content(result.calibration.record))
     for source, why in result.left_out:
@@ -82,8 +82,8 @@ def conclude(
         )
     if target.format != NATIVE:
         file = result.calibration.export(target.format)
-        beside = path.with_name(f"{path.stem}-{target.format}{Path(file.filename).suffix}")
-        output.file(file, str(target.path or beside))
+        sibling = path.with_name(f"{path.stem}-{target.format}{Path(file.filename).suffix}")
+        output.file(file, str(target.path or sibling))
     return 0
 
 

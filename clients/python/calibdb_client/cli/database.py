@@ -41,14 +41,14 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
 
 def _search(chosen: argparse.Namespace, output: Output) -> int:
     with options.client(chosen) as client:
-        found = client.cameras(" ".join(chosen.words))
+        cameras = client.cameras(" ".join(chosen.words))
     if output.json:
-        output.document({"cameras": found})
+        output.document({"cameras": cameras})
     else:
-        output.facts([(str(each["key"]), f"{each['camera']}: {_sizes(each)}") for each in found])
-        if not found:
+        output.facts([(str(each["key"]), f"{each['camera']}: {_sizes(each)}") for each in cameras])
+        if not cameras:
             output.note(f"the database shows no camera called {' '.join(chosen.words)!r}")
-    return 0 if found else 1
+    return 0 if cameras else 1
 
 
 def _sizes(camera: Any) -> str:
@@ -61,15 +61,15 @@ def _sizes(camera: Any) -> str:
 def _list(chosen: argparse.Namespace, output: Output) -> int:
     from ..devices import devices
 
-    found = devices()
-    known: dict[str, str] = {}
+    cameras = devices()
+    states: dict[str, str] = {}
     try:
         client = options.client(chosen)
     except UsageError:
         output.note("set CALIBDB_URL and CALIBDB_TOKEN to see which of them the database knows")
     else:
         with client:
-            known = _lookup_outcomes(client, found, chosen.size)
+            states = _lookup_outcomes(client, cameras, chosen.size)
     if output.json:
         output.document(
             {
@@ -79,38 +79,38 @@ def _list(chosen: argparse.Namespace, output: Output) -> int:
                         "camera": each.label,
                         "platform": each.platform,
                         "path": each.path,
-                        "known": known.get(each.label),
+                        "known": states.get(each.label),
                     }
-                    for each in found
+                    for each in cameras
                 ]
             }
         )
-        return 0 if found else 1
-    equal = Counter(each.label for each in found)
-    for each in found:
-        said = known.get(each.label, "")
+        return 0 if cameras else 1
+    equal = Counter(each.label for each in cameras)
+    for each in cameras:
+        said = states.get(each.label, "")
         twin = "one of several with this name: tell them apart by index" if equal[each.label] > 1 else ""
         output.facts(
             [(str(each.index), "  ".join(part for part in (each.label, each.path, said, twin) if part))]
         )
-    if not found:
+    if not cameras:
         output.note("there is no camera here, or none that this user may open")
-    return 0 if found else 1
+    return 0 if cameras else 1
 
 
 def _lookup_outcomes(client: Client, found: Any, size: tuple[int, int]) -> dict[str, str]:
     """Return in a word what the database knows of each label: ``known``, or a lookup's reason."""
-    known: dict[str, str] = {}
+    outcomes: dict[str, str] = {}
     each: Device
     for each in found:
-        if each.label in known:
+        if each.label in outcomes:
             continue
         try:
             answer = client.lookup(CameraKey(each.label, each.platform, size))
         except CalibDBError as error:
             if error.exit_status in (3, 4, 5):
                 raise
-            known[each.label] = "not a camera that can be looked up"
+            outcomes[each.label] = "not a camera that can be looked up"
         else:
-            known[each.label] = "known" if answer.calibration else answer.reason
-    return known
+            outcomes[each.label] = "known" if answer.calibration else answer.reason
+    return outcomes

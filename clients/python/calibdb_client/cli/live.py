@@ -82,6 +82,6 @@ def _say_how_to_go_on(recording: Recording, kept: KeptFile, output: Output) -> N
     kept.keep(recording)
     label = "" if recording.key.camera != UNNAMED else " with --offline"
     output.note(
-        f"{len(recording.views)} views are in {kept.path}: `calibdb resume {kept.path}` goes on with them, "
+        f"{len(recording.views)} views are in {kept.path}: `calibdb resume {kept.path}` continues with them, "
         f"`calibdb submit {kept.path}` calibrates from them{label}"
     )

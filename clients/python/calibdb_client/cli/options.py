@@ -24,7 +24,9 @@ def add_service(parser: argparse.ArgumentParser) -> None:
     """Add the options of the service, and `--json`."""
     parser.add_argument("--url", help="address of the service (CALIBDB_URL)")
     parser.add_argument("--token", help="API token (CALIBDB_TOKEN is not seen by other users, this is)")
-    parser.add_argument("--timeout", type=float, default=None, metavar="S", help="seconds for an answer")
+    parser.add_argument(
+        "--timeout", type=float, default=None, metavar="S", help="seconds to wait for a response"
+    )
     parser.add_argument("--no-cache", action="store_true", help="neither read nor write the cache")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
 

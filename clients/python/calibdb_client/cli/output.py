@@ -67,7 +67,7 @@ class Output:
 
 
 def one_line(text: str) -> str:
-    """Return text without control characters: labels and answers are other people's."""
+    """Return text without control characters: labels and responses are not trusted."""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 

@@ -31,10 +31,10 @@ def add(commands: Any) -> None:
 
 def run(chosen: argparse.Namespace, output: Output) -> int:
     """Look the cameras up, and write them."""
-    found = priors.photographs(chosen.folder)
+    photographs = priors.photographs(chosen.folder)
     with options.client(chosen) as client:
         groups = priors.look_up(
-            found, lambda key, reported: client.lookup(key, model=chosen.model, reported=reported)
+            photographs, lambda key, reported: client.lookup(key, model=chosen.model, reported=reported)
         )
     for group in groups:
         output.note(group.title)

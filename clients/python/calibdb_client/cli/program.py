@@ -75,16 +75,16 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit status."""
-    given = list(sys.argv[1:] if arguments is None else arguments)
+    words = list(sys.argv[1:] if arguments is None else arguments)
     program = parser()
-    if not given:
+    if not words:
         program.print_help()
         return 0
     names = list(completion.commands_of(program))
-    if given[0] not in names and (near := _near(given[0], names)):
-        print(f"calibdb: there is no command {given[0]!r}. Did you mean {near!r}?", file=sys.stderr)
+    if words[0] not in names and (near := _near(words[0], names)):
+        print(f"calibdb: there is no command {words[0]!r}. Did you mean {near!r}?", file=sys.stderr)
         return 2
-    chosen, unknown = program.parse_known_args(given)
+    chosen, unknown = program.parse_known_args(words)
     if unknown:
         command = completion.commands_of(program).get(chosen.command or "", program)
         near = _near(unknown[0].partition("=")[0], completion.options_of(command))

@@ -1,4 +1,4 @@
-"""The command `resume`: a live capture that ended early goes on."""
+"""The command `resume`: continue a live capture that ended early."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     """Read the file, open the camera, and go on."""
     recording = Recording.load(chosen.file)
     if not recording.live:
-        raise UsageError(f"{chosen.file} holds pictures, not a live capture: `calibdb submit {chosen.file}`")
+        raise UsageError(f"{chosen.file} contains images, not a live capture: `calibdb submit {chosen.file}`")
     if not chosen.offline and recording.key.camera == UNNAMED:
         raise UsageError("this capture has no camera's label: go on with --offline")
     camera = chosen.camera or recording.key.camera

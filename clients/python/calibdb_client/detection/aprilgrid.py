@@ -58,15 +58,15 @@ class AprilGridFinder:
         mirroring.
         """
         places = self.board.places.reshape(-1, 4, 2)[ids]
-        middles, seen = places.mean(axis=1), tags.mean(axis=1)
+        middles, centres = places.mean(axis=1), tags.mean(axis=1)
         a = (middles - middles.mean(axis=0)) @ [1, 1j]
-        b = (seen - seen.mean(axis=0)) @ [1, 1j]
+        b = (centres - centres.mean(axis=0)) @ [1, 1j]
         turn = np.vdot(a, b)
         turn /= max(abs(turn), 1e-12)
         expected = ((places - middles[:, None]) @ [1, 1j]) * turn
         # Detectors list corners clockwise, Kalibr anticlockwise.
-        given = ((tags - seen[:, None]) @ [1, 1j])[:, ::-1]
-        agreement = [float(np.real(np.conj(expected) * np.roll(given, k, axis=1)).sum()) for k in range(4)]
+        offsets = ((tags - centres[:, None]) @ [1, 1j])[:, ::-1]
+        agreement = [float(np.real(np.conj(expected) * np.roll(offsets, k, axis=1)).sum()) for k in range(4)]
         best = int(np.argmax(agreement))
         return np.roll(tags[:, ::-1], best, axis=1)
 
@@ -94,10 +94,10 @@ def without_stray_corners(board: Board, corners: Corners) -> Corners | None:
     Next to a tag's corner are those of the square in the gap, to which refinement may run.
     """
     distances = local_distances(board, corners.ids, corners.points)
-    kept = np.flatnonzero(distances <= max(MIN_STRAY_PX, MAX_STRAY_RATIO * float(np.median(distances))))
-    if len(kept) < MIN_CORNERS:
+    indices = np.flatnonzero(distances <= max(MIN_STRAY_PX, MAX_STRAY_RATIO * float(np.median(distances))))
+    if len(indices) < MIN_CORNERS:
         return None
-    return Corners(tuple(corners.ids[n] for n in kept), corners.points[kept])
+    return Corners(tuple(corners.ids[n] for n in indices), corners.points[indices])
 
 
 def _smoothed(board: Board, ids: Any, points: Array) -> Array:
@@ -143,5 +143,5 @@ def find_tags(detector: Any, grey: Any, count: int) -> tuple[Any, Array]:
         return np.empty(0, dtype=np.int64), np.empty((0, 4, 2))
     numbers = np.asarray(ids).reshape(-1).astype(np.int64)
     values, times = np.unique(numbers, return_counts=True)
-    kept = np.isin(numbers, values[times == 1]) & (numbers < count)
-    return numbers[kept], np.asarray(corners, dtype=np.float64).reshape(-1, 4, 2)[kept]
+    unique = np.isin(numbers, values[times == 1]) & (numbers < count)
+    return numbers[unique], np.asarray(corners, dtype=np.float64).reshape(-1, 4, 2)[unique]

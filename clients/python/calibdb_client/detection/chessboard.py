@@ -72,7 +72,7 @@ def count_corners(greys: Sequence[Any]) -> tuple[int, int] | None:
             if 2 * count > len(chosen) and count >= MIN_AGREEMENT * counted.total():
                 return size
         votes += counted
-    # Parts of a board are counted and found, too: the largest size that the pictures show is the board's.
+    # Parts of a board are also found: the largest size in the images is the board's.
     sizes = sorted(votes, key=lambda size: -votes[size] * size[0] * size[1])[:MAX_CANDIDATES]
     shown = [[size for size in sizes if find_corners(grey, size) is not None] for grey in chosen]
     scores = Counter(size for there in shown for size in there)

@@ -14,7 +14,7 @@ from ..board import MIN_CORNERS, Board
 MIN_SQUARE_PX = 12.0
 """Side of a square, or of a tag, in the picture; corners of smaller ones are not measured well."""
 MAX_REFINEMENT_PX = 2.0
-"""Distance by which refinement may move a corner; one that it moves farther is no corner."""
+"""Distance by which refinement may move a corner; one that moves farther is not a corner."""
 _STEPS = (3, 40, 0.001)  # by count and by change, iterations, px
 
 
@@ -46,10 +46,10 @@ def refine(grey: Any, board: Board, ids: Any, coarse: Any) -> Corners | None:
         half = int(np.clip(round(float(room) / 8), 2, 6))
         cv2.cornerSubPix(grey, fine[n : n + 1], (half, half), (-1, -1), _STEPS)
     moved = np.linalg.norm(fine - coarse, axis=1)
-    kept = np.flatnonzero((sides >= MIN_SQUARE_PX) & (moved <= MAX_REFINEMENT_PX))
-    if len(kept) < MIN_CORNERS:
+    indices = np.flatnonzero((sides >= MIN_SQUARE_PX) & (moved <= MAX_REFINEMENT_PX))
+    if len(indices) < MIN_CORNERS:
         return None
-    return Corners(tuple(int(n) for n in ids[kept]), fine[kept].astype(np.float64))
+    return Corners(tuple(int(n) for n in ids[indices]), fine[indices].astype(np.float64))
 
 
 def _sides(board: Board, ids: Any, points: Any) -> Array:

@@ -59,10 +59,10 @@ class Detector:
         if not self.is_slow or factor >= 1:
             return self.find(grey)
         small = self._cv2.resize(grey, None, fx=factor, fy=factor, interpolation=self._cv2.INTER_AREA)
-        found = self._find(self._cv2.bitwise_not(small) if self.board.inverted else small)
-        if found is None:
+        corners = self._find(self._cv2.bitwise_not(small) if self.board.inverted else small)
+        if corners is None:
             return None
-        ids, points = found
+        ids, points = corners
         return Corners(tuple(int(n) for n in ids), (points.astype(np.float64) + 0.5) / factor - 0.5)
 
     def find(self, picture: Any) -> Corners | None:
@@ -70,12 +70,12 @@ class Detector:
         grey = grey_of(picture)
         if self.board.inverted:
             grey = self._cv2.bitwise_not(grey)
-        found = self._find(grey)
-        if found is None or len(found[0]) < MIN_CORNERS:
+        detection = self._find(grey)
+        if detection is None or len(detection[0]) < MIN_CORNERS:
             return None
         if self.board.kind in CIRCLES:
-            return Corners(tuple(int(n) for n in found[0]), found[1].astype(np.float64))
-        corners = refine(grey, self.board, *found)
+            return Corners(tuple(int(n) for n in detection[0]), detection[1].astype(np.float64))
+        corners = refine(grey, self.board, *detection)
         if corners is None or self.board.kind != "aprilgrid":
             return corners
         return without_stray_corners(self.board, corners)

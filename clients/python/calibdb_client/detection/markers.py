@@ -47,7 +47,7 @@ def find_markers(grey: Any) -> dict[Key, Markers]:
     """Find the markers of all families in a picture (h, w), by family, colour and mirroring."""
     aruco = opencv().aruco
     detector = aruco.ArucoDetector(aruco.getPredefinedDictionary(aruco.DICT_4X4_50))
-    found: dict[Key, dict[int, list[Array]]] = defaultdict(lambda: defaultdict(list))
+    by_key: dict[Key, dict[int, list[Array]]] = defaultdict(lambda: defaultdict(list))
     for inverted in (False, True):
         # White squares touch at their corners as black ones do: each colour is sought as black.
         dark = opencv().bitwise_not(grey) if inverted else grey
@@ -58,9 +58,9 @@ def find_markers(grey: Any) -> dict[Key, Markers]:
             corner = _refined(dark, corner) if read else corner
             for (family, mirrored), number in read.items():
                 turned = (corner * [-1, 1] + [grey.shape[1] - 1, 0])[::-1] if mirrored else corner
-                found[family, inverted, mirrored][number].append(turned)
+                by_key[family, inverted, mirrored][number].append(turned)
     markers = {}
-    for key, places in found.items():
+    for key, places in by_key.items():
         once = {number: quads[0] for number, quads in places.items() if len(quads) == 1}
         if once:
             markers[key] = Markers(np.array(list(once), dtype=np.int64), np.array(list(once.values())))
@@ -145,5 +145,5 @@ def _codes(side: int) -> Mapping[bytes, Mapping[str, int]]:
 
 
 def _turns(code: Any) -> list[bytes]:
-    """Return the code of a marker in its four turns, which OpenCV keeps one after the other."""
+    """Return the code of a marker in its four rotations, in OpenCV's order."""
     return [each.tobytes() for each in np.ascontiguousarray(code).reshape(4, -1)]

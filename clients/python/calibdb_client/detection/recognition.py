@@ -35,7 +35,7 @@ MIN_MARKERS = 5
 MAX_RESIDUAL = 0.12
 """Mean distance of markers from their lattice / its pitch, far ones counted as one."""
 MAX_TRIALS = 50
-"""Sets of four markers by which a layout is tried: few of them are no markers."""
+"""Sets of four markers by which a layout is tried: few of them are false."""
 MIN_LEAD = 2.0
 """Residual of the second best layout / that of the best."""
 MAX_COLUMNS = 50
@@ -84,37 +84,42 @@ def recognise(pictures: Iterable[Any], mirrored: bool = False) -> Board | None:
         greys.append(opencv().flip(grey, 1) if mirrored else grey)
         if len(greys) == MAX_LOOKED_AT:
             break
-    found = [find_markers(grey) for grey in greys]
-    if any(len(each.ids) >= MIN_MARKERS for markers in found for each in markers.values()):
-        return _with_markers(found, greys)  # never as the chessboard that its squares are
+    markers_of_images = [find_markers(grey) for grey in greys]
+    if any(len(each.ids) >= MIN_MARKERS for markers in markers_of_images for each in markers.values()):
+        return _with_markers(markers_of_images, greys)  # never as the chessboard that its squares are
     return _chessboard(greys)
 
 
-def _with_markers(found: Sequence[Mapping[Key, Markers]], greys: Sequence[Any]) -> Board | None:
+def _with_markers(markers_of_images: Sequence[Mapping[Key, Markers]], greys: Sequence[Any]) -> Board | None:
     """Return the board that the markers of most pictures fit."""
     families = Counter(
-        {key: sum(len(each[key].ids) for each in found if key in each) for key in set().union(*found)}
+        {
+            key: sum(len(each[key].ids) for each in markers_of_images if key in each)
+            for key in set().union(*markers_of_images)
+        }
     )
     for key, _ in families.most_common(MAX_SEARCHED):
-        seen = [each[key] for each in found if key in each and len(each[key].ids) >= MIN_MARKERS]
-        seen.sort(key=lambda each: -len(each.ids))
-        if seen and (layout := _layout(seen[:MAX_SEARCHED])):
+        matches = [
+            each[key] for each in markers_of_images if key in each and len(each[key].ids) >= MIN_MARKERS
+        ]
+        matches.sort(key=lambda each: -len(each.ids))
+        if matches and (layout := _layout(matches[:MAX_SEARCHED])):
             family, inverted, mirrored = key
             if mirrored:
                 raise MirroredError
-            return _board(layout, family, inverted, seen, greys)
+            return _board(layout, family, inverted, matches, greys)
     return None
 
 
-def _layout(seen: Sequence[Markers]) -> Layout | None:
+def _layout(markers: Sequence[Markers]) -> Layout | None:
     """Return the layout that the markers fit, if it is certain."""
     scores: list[tuple[float, Layout]] = []
-    last = max(int(each.ids.max()) for each in seen)
+    last = max(int(each.ids.max()) for each in markers)
     for first in (False, True, None):
         rows = 2 if first is None else 1  # at least two are seen, so that there are no more columns than that
         for columns in range(2 if first is None else 3, min(MAX_COLUMNS, last * 2 // rows + 1) + 1):
             layout = Layout(columns, first)
-            residuals = [r for each in seen if (r := _fit(layout, each)[0]) is not None]
+            residuals = [r for each in markers if (r := _fit(layout, each)[0]) is not None]
             if residuals:
                 scores.append((statistics.median(residuals), layout))
     scores.sort(key=lambda each: each[0])
@@ -125,12 +130,12 @@ def _layout(seen: Sequence[Markers]) -> Layout | None:
     return scores[0][1]
 
 
-def _fit(layout: Layout, seen: Markers) -> tuple[float | None, Any]:
+def _fit(layout: Layout, markers: Markers) -> tuple[float | None, Any]:
     """Return the residual, pitches, of markers in a layout, and the homography to its cells; None: no fit."""
-    cells = layout.cells(seen.ids) + 0.5
+    cells = layout.cells(markers.ids) + 0.5
     if np.linalg.matrix_rank(cells - cells.mean(axis=0), tol=0.5) < 2:
         return None, None
-    middles = seen.corners.mean(axis=1)
+    middles = markers.corners.mean(axis=1)
     matrix, _ = opencv().findHomography(middles, cells, opencv().RANSAC, MAX_RESIDUAL, maxIters=MAX_TRIALS)
     if matrix is None:
         return None, None
@@ -142,10 +147,10 @@ def _fit(layout: Layout, seen: Markers) -> tuple[float | None, Any]:
 
 
 def _board(
-    layout: Layout, family: str, inverted: bool, seen: Sequence[Markers], greys: Sequence[Any]
+    layout: Layout, family: str, inverted: bool, markers: Sequence[Markers], greys: Sequence[Any]
 ) -> Board | None:
-    side = statistics.median(side for each in seen for side in _sides(layout, each))
-    rows = max(int(np.abs(layout.cells(each.ids)[:, 1]).max()) for each in seen) + 1
+    side = statistics.median(side for each in markers for side in _sides(layout, each))
+    rows = max(int(np.abs(layout.cells(each.ids)[:, 1]).max()) for each in markers) + 1
     try:
         if layout.first is None:
             grid = Board((layout.columns, rows), 0.65, family, False, "aprilgrid", inverted, 1 / side - 1)
@@ -163,12 +168,12 @@ def _board(
         return None
 
 
-def _sides(layout: Layout, seen: Markers) -> list[float]:
+def _sides(layout: Layout, markers: Markers) -> list[float]:
     """Sides of the markers, pitches."""
-    _, matrix = _fit(layout, seen)
+    _, matrix = _fit(layout, markers)
     if matrix is None:
         return []
-    corners = opencv().perspectiveTransform(seen.corners.reshape(1, -1, 2), matrix).reshape(-1, 4, 2)
+    corners = opencv().perspectiveTransform(markers.corners.reshape(1, -1, 2), matrix).reshape(-1, 4, 2)
     return [
         float(each) for each in np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).mean(axis=1)
     ]

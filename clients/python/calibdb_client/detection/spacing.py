@@ -18,11 +18,11 @@ from .corners import Corners, refine
 USUAL_SPACINGS = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6)
 """Spacings that boards are printed with; Kalibr's own is 0.3."""
 MAX_SNAP, MAX_SNAP_COARSE = 0.012, 0.022
-"""Difference from a usual spacing up to which that is meant: of a fit, and of places alone."""
+"""Difference from a usual spacing up to which that is meant: of a fit, and of places only."""
 MIN_TAGS = 10
-"""Tags of a picture that tells the spacing."""
+"""Tags in an image from which the spacing follows."""
 MAX_CURVE_RATIO = 0.6
-"""Least distance from smooth places over the trials / the median of them: else the picture tells nothing."""
+"""Least distance from smooth places over the trials / the median of them: else nothing is determined."""
 MAX_DISAGREEMENT = 0.08
 """Difference between the spacings of two pictures beyond which they show no common board."""
 COARSE = np.arange(0.08, 0.82, 0.025)
@@ -60,8 +60,8 @@ def _coarse_spacing(grid: Board, grey: Any) -> float | None:
         if corners is None or len(corners.ids) < 0.8 * len(ids) or _share_unmoved(corners, ids, places) > 0.3:
             continue
         distances[n] = np.median(local_distances(board, corners.ids, corners.points))
-    known = distances[np.isfinite(distances)]
-    if not len(known) or known.min() > MAX_CURVE_RATIO * float(np.median(known)):
+    finite = distances[np.isfinite(distances)]
+    if not len(finite) or finite.min() > MAX_CURVE_RATIO * float(np.median(finite)):
         return None
     return float(COARSE[int(np.argmin(distances))])
 

@@ -51,7 +51,7 @@ class Capability:
 
 def query_capability(path: Path) -> Capability | None:
     """Ask a device for its capability; None if it cannot be opened."""
-    import fcntl  # of Unix alone
+    import fcntl  # Unix only
 
     buffer = bytearray(_CAPABILITY.size)
     try:
@@ -68,7 +68,7 @@ def devices(
     query: Callable[[Path], Capability | None] = query_capability,
 ) -> Sequence[Device]:
     """List the cameras in the order of their numbers; a device that cannot be opened is named by sysfs."""
-    found = []
+    cameras = []
     for folder in sys_class.glob("video*"):
         number = re.fullmatch(r"video(\d{1,4})", folder.name)
         if not number:
@@ -86,8 +86,8 @@ def devices(
         vendor, product = _read(usb / "idVendor")[:4], _read(usb / "idProduct")[:4]
         model = f"{vendor}:{product}" if vendor and product else ""
         label = label_of(name or folder.name, model)
-        found.append(Device(int(number[1]), label, LINUX_PLATFORM, str(path), CAP_V4L2))
-    return sorted(found, key=lambda device: device.index)
+        cameras.append(Device(int(number[1]), label, LINUX_PLATFORM, str(path), CAP_V4L2))
+    return sorted(cameras, key=lambda device: device.index)
 
 
 def _read(path: Path) -> str:

@@ -33,9 +33,9 @@ def devices() -> Sequence[Device]:
 
 def name_devices(listed: Iterable[tuple[int, str, str]]) -> Sequence[Device]:
     """Name cameras of which index, friendly name and path are known."""
-    found = []
+    cameras = []
     for index, name, path in listed:
         ids = _IDS.search(path)
         label = label_of(name, f"{ids[1]}:{ids[2]}" if ids else "")
-        found.append(Device(index, label, WINDOWS_PLATFORM, path, CAP_MSMF))
-    return found
+        cameras.append(Device(index, label, WINDOWS_PLATFORM, path, CAP_MSMF))
+    return cameras

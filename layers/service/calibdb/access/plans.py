@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -52,13 +52,13 @@ class Plan:
 # A capture is four to six views and a few refused ones; who calibrates all cameras in the house needs ten
 # captures an hour. For each view the page asks twice where to hold the board: in numbers and as a picture.
 # The token of a page is public: one stranger who copies it gets the share of one user, of three if their line
-# has IPv6, and many of them exhaust that page's plan, nobody else's.
+# has IPv6, and many of them exhaust only that page's plan.
 _EACH = Allowance(sessions=20, views=400, lookups=600, poses=1_200)
 _TRIAL = Allowance(sessions=20, views=400, lookups=600, poses=1_200)
 _NONE = Allowance(None, None, None, None)
 
 PLANS: dict[str, Plan] = {
-    # Whoever tries the service out: every page on a machine of their own, and programs.
+    # New users: every page on their own machine, and programs.
     "trial": Plan(_TRIAL, _TRIAL, counts_each_lookup=True),
     "free": Plan(Allowance(sessions=60, views=1_500, lookups=10_000, poses=4_500), _EACH),
     "page": Plan(Allowance(sessions=1_000, views=25_000, lookups=200_000, poses=75_000), _EACH),
@@ -80,9 +80,9 @@ def multiplied(factors: Iterable[tuple[str, int]], plans: Mapping[str, Plan] = P
     for name, factor in factors:
         if name not in result:
             raise ValueError(f"there is no plan {name}")
-        known = result[name]
-        each = _times(known.each, factor) if known.each == known.together else known.each
-        result[name] = replace(known, together=_times(known.together, factor), each=each)
+        plan = result[name]
+        each = _times(plan.each, factor) if plan.each == plan.together else plan.each
+        result[name] = replace(plan, together=_times(plan.together, factor), each=each)
     return result
 
 
@@ -92,5 +92,29 @@ def _times(allowance: Allowance, factor: int) -> Allowance:
 
 
 def plan(name: str, plans: Mapping[str, Plan] = PLANS) -> Plan:
-    """Return the plan; `free` where the name is of a plan that is no more."""
+    """Return the plan; `free` if the plan does not exist any more."""
     return plans.get(name, plans["free"])
+
+
+@dataclass(frozen=True)
+class RateLimit:
+    """One limit and what is left of it: `lookups` of the whole token, `lookups-each` of one user."""
+
+    policy: str
+    limit: int
+    remaining: int
+    reset_s: int
+
+
+def rate_limit_headers(limits: Sequence[RateLimit]) -> dict[str, str]:
+    """Return the two headers of an answer; none if nothing is limited.
+
+    Source: IETF draft-ietf-httpapi-ratelimit-headers-10: lists of structured fields (RFC 9651), one item per
+    policy. `q`: quota, `w`: window, s; `r`: remaining quota, `t`: s until it is restored.
+    """
+    if not limits:
+        return {}
+    return {
+        "RateLimit-Policy": ", ".join(f'"{one.policy}";q={one.limit};w={HOUR_S}' for one in limits),
+        "RateLimit": ", ".join(f'"{one.policy}";r={max(0, one.remaining)};t={one.reset_s}' for one in limits),
+    }

@@ -1,7 +1,7 @@
 """TTL cache of API tokens, which also counts their lookups without a write for each.
 
 A lookup that hits is one Query. So its token is cached for half a minute, and lookups are counted in memory
-and flushed when the token is read anew: once for some hundred lookups, or after some minutes. A
+and flushed when the token is read again: once for some hundred lookups, or after some minutes. A
 function has no time of its own after its answer, and one that is ended takes along what it had not written:
 the count is a little low, in favour of those who ask.
 """
@@ -13,8 +13,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
-from calibdb.access.plans import HOUR_S, NETWORK_SHARES, PLANS, Kind, Plan, plan
-from calibdb.access.rate_limits import RateLimit, rate_limit_headers
+from calibdb.access.plans import (
+    HOUR_S,
+    NETWORK_SHARES,
+    PLANS,
+    Kind,
+    Plan,
+    RateLimit,
+    plan,
+    rate_limit_headers,
+)
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import TooManyError, UnavailableError
 
@@ -32,7 +40,7 @@ class TokenStore(Protocol):
     """Store of tokens."""
 
     def get(self, token_id: str) -> ApiToken | None:
-        """Return the token, None when there is none (any more)."""
+        """Return the token, None if there is none (any more)."""
 
     def keep(self, token_id: str) -> None:
         """Note that the token was used: it does not expire."""
@@ -60,7 +68,7 @@ class _Entry:
     reading: threading.Lock = field(default_factory=threading.Lock)
 
     def is_full(self, now: float, plans: Mapping[str, Plan]) -> bool:
-        """Tell whether there is enough to write down."""
+        """True if there is enough to write down."""
         lookups = sum(self.pending.values())
         return lookups >= _lookups_per_flush(plan(self.token.plan, plans)) and now >= self.next_flush
 
@@ -78,7 +86,7 @@ class TokenCache:
     Parameters
     ----------
     tokens, quotas
-        Where tokens are read and use is written down.
+        Stores of tokens and of their use.
     clock
         Unix time, seconds.
     ttl_s
@@ -86,8 +94,7 @@ class TokenCache:
     plans
         By the names that tokens bear.
     in_background
-        Lookups are written down by `write_pending`, which a server calls every second; at once only those of
-        plans that count each.
+        Lookups and first uses are written down by `write_pending`, which a server calls every second.
     """
 
     def __init__(
@@ -107,10 +114,11 @@ class TokenCache:
         self._plans = plans
         self._in_background = in_background
         self._known: dict[str, _Entry] = {}
+        self._used_first: set[str] = set()  # ids of tokens whose first use is not written down yet
         self._lock = threading.Lock()
 
     def get(self, token_id: str, accepts: Callable[[ApiToken], bool] = lambda _: True) -> ApiToken | None:
-        """Return the token as it was at most half a minute ago, None when there is none (any more).
+        """Return the token as it was at most half a minute ago, None if there is none (any more).
 
         A remembered token that `accepts` refuses, since its secret is another one, is read again: it may have
         been rotated. While that does not help, it is read once in `REFUSAL_TTL_S`.
@@ -156,22 +164,26 @@ class TokenCache:
     def keep(self, token: ApiToken) -> None:
         """Have a token not expire that is used for the first time."""
         with self._lock:
-            known = self._known.get(token.id)
-        if token.expires is None or (known is not None and known.token.expires is None):
+            entry = self._known.get(token.id)
+        if token.expires is None or (entry is not None and entry.token.expires is None):
             return
-        try:
-            self._tokens.keep(token.id)
-        except UnavailableError:  # no reason to refuse; the next use notes it
-            return
+        if self._in_background:
+            with self._lock:
+                self._used_first.add(token.id)
+        else:
+            try:
+                self._tokens.keep(token.id)
+            except UnavailableError:  # no reason to refuse; the next use notes it
+                return
         with self._lock:
-            known = self._known.get(token.id)
-            if known is not None:
-                known.token = replace(known.token, expires=None)
+            entry = self._known.get(token.id)
+            if entry is not None:
+                entry.token = replace(entry.token, expires=None)
 
     def count_lookup(self, token: ApiToken, source: str, network: str | None = None) -> tuple[RateLimit, ...]:
         """Count a lookup from `source` on the line `network`, and return what is left.
 
-        Raises TooManyError where the hour's are used up.
+        Raises TooManyError if the hour's are used up.
         """
         allowed = plan(token.plan, self._plans)
         together, each = allowed.together.lookups, allowed.each.lookups
@@ -179,39 +191,44 @@ class TokenCache:
             return ()
         now = self._clock()
         with self._lock:
-            known = self._known.get(token.id)
-            if known is None:  # it was one of too many
+            entry = self._known.get(token.id)
+            if entry is None:  # it was one of too many
                 return ()
-            if known.hour != int(now // HOUR_S):
-                known.hour, known.used, known.used_up = int(now // HOUR_S), 0, False
-                known.sources.clear()
+            if entry.hour != int(now // HOUR_S):
+                entry.hour, entry.used, entry.used_up = int(now // HOUR_S), 0, False
+                entry.sources.clear()
             # Hashes differ from process to process: no address is kept.
             shares = {hash(source): 1} | ({} if network is None else {hash((network,)): NETWORK_SHARES})
-            own = known.sources.get(hash(source), 0)
-            hour = known.hour
-            left_together = 0 if known.used_up else together - known.used - known.pending.get(hour, 0)
-            is_used_up = known.used_up or (self._in_background and left_together <= 0)
+            own = entry.sources.get(hash(source), 0)
+            hour = entry.hour
+            left_together = 0 if entry.used_up else together - entry.used - entry.pending.get(hour, 0)
+            is_used_up = entry.used_up or (self._in_background and left_together <= 0)
             if is_used_up or (
                 each is not None
-                and any(known.sources.get(who, 0) >= share * each for who, share in shares.items())
+                and any(entry.sources.get(who, 0) >= share * each for who, share in shares.items())
             ):
                 limits = _limits("lookups", now, (each, 0), (together, left_together))
                 raise TooManyError(retry_after(now), headers=rate_limit_headers(limits))
-            if len(known.sources) + len(shares) > _MAX_SOURCES:
-                known.sources.clear()
+            if len(entry.sources) + len(shares) > _MAX_SOURCES:
+                entry.sources.clear()
             for who in shares:
-                known.sources[who] = known.sources.get(who, 0) + 1
-            known.pending[hour] = known.pending.get(hour, 0) + 1
-        if allowed.counts_each_lookup:
-            self._flush(known, now)
+                entry.sources[who] = entry.sources.get(who, 0) + 1
+            entry.pending[hour] = entry.pending.get(hour, 0) + 1
+        if allowed.counts_each_lookup and not self._in_background:
+            self._flush(entry, now)
         return _limits(
             "lookups", now, (each, 0 if each is None else each - own - 1), (together, left_together - 1)
         )
 
     def write_pending(self) -> None:
-        """Write down all lookups that were counted since the last time."""
+        """Write down all lookups and first uses that were counted since the last time."""
         with self._lock:
             entries = list(self._known.values())
+            used_first = list(self._used_first)
+        for token_id in used_first:
+            self._tokens.keep(token_id)  # if that fails, it is written the next time
+            with self._lock:
+                self._used_first.discard(token_id)
         for entry in entries:
             self._flush(entry, self._clock())
 

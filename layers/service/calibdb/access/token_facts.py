@@ -36,7 +36,7 @@ def facts(
     """Describe a token; `failures`: why origins could not be verified just now."""
     verified = (OriginState(origin=origin, state="verified") for origin in token.origins)
     pending = (_pending(token, origin, (failures or {}).get(origin)) for origin in token.pending)
-    former = [until for _, until in former_secrets(token) if until > now]
+    expiries = [until for _, until in former_secrets(token) if until > now]
     return TokenFacts(
         id=token.id,
         name=token.name or None,
@@ -44,13 +44,13 @@ def facts(
         origins=(*verified, *pending),
         created=token.created,
         expires=token.expires,
-        former_until=max(former, default=None),
+        former_until=max(expiries, default=None),
         limits=hourly_limits(allowed),
     )
 
 
 def hourly_limits(allowed: Plan) -> HourlyLimits:
-    """Write the limits of a plan as answers do."""
+    """Return the limits of a plan as in responses."""
     return HourlyLimits(together=_limits(allowed.together), each=_limits(allowed.each))
 
 

@@ -43,7 +43,7 @@ class ApiToken:
     former_sha256: str | None = None
     former_until: int = 0
     earlier: tuple[tuple[str, int], ...] = ()  # secrets before that one, newest first, with the same times
-    # Of a token that somebody made for themselves:
+    # Of a token that its user created:
     pending: tuple[str, ...] = ()  # origins that are claimed and not proved
     management_sha256: str | None = None
     name: str = ""
@@ -57,7 +57,7 @@ class ApiToken:
         return bool(self.origins or self.pending)
 
     def admits(self, origin: str | None) -> bool:
-        """Tell whether a page of `origin` may use the token.
+        """True if a page of `origin` may use the token.
 
         Without an Origin header there is no page to protect: a program outside a browser can send whatever
         header it likes, and a plain navigation (GET lookup) sends none. An origin that ends with `:*` is one
@@ -69,12 +69,12 @@ class ApiToken:
         return f"{host}:*" in self.origins or (is_loopback(origin) and host in self.origins)
 
     def is_expired(self, now: float) -> bool:
-        """Tell whether the token was never used within its time."""
+        """True if the token was never used within its time."""
         return self.expires is not None and now >= self.expires
 
 
 def parse(text: str) -> tuple[str, str] | None:
-    """Split an API token into id and secret; None when it is not one."""
+    """Split an API token into id and secret; None if it is not one."""
     match = TOKEN_PATTERN.fullmatch(text)
     return (match[1], match[2]) if match else None
 
@@ -88,10 +88,10 @@ def secret_hash(secret: str) -> str:
 
 
 def matches(token: ApiToken, secret: str, now: float = 0.0) -> bool:
-    """Tell whether `secret` is the token's at unix time `now`, in constant time."""
+    """True if `secret` is the token's at unix time `now`, in constant time."""
     sent = secret_hash(secret)
-    known = [token.secret_sha256, *(former for former, until in former_secrets(token) if now < until)]
-    return sum(hmac.compare_digest(one, sent) for one in known) > 0  # all of them, in constant time
+    digests = [token.secret_sha256, *(former for former, until in former_secrets(token) if now < until)]
+    return sum(hmac.compare_digest(one, sent) for one in digests) > 0  # all of them, in constant time
 
 
 def former_secrets(token: ApiToken) -> tuple[tuple[str, int], ...]:
@@ -111,10 +111,12 @@ def with_secret(token: ApiToken, sha256: str, now: int, grace_s: int) -> ApiToke
     earlier = [(one, min(until, now + grace_s)) for one, until in former_secrets(token)]
     former = [(token.secret_sha256, now + grace_s), *earlier]
     valid = [(one, until) for one, until in former if until > now]
-    kept = valid[: MAX_FORMER_SECRETS - 1] + valid[MAX_FORMER_SECRETS - 1 :][-1:]  # and always the oldest
-    newest, until = kept[0] if kept else (None, 0)
+    secrets_left = (
+        valid[: MAX_FORMER_SECRETS - 1] + valid[MAX_FORMER_SECRETS - 1 :][-1:]
+    )  # and always the oldest
+    newest, until = secrets_left[0] if secrets_left else (None, 0)
     return replace(
-        token, secret_sha256=sha256, former_sha256=newest, former_until=until, earlier=tuple(kept[1:])
+        token, secret_sha256=sha256, former_sha256=newest, former_until=until, earlier=tuple(secrets_left[1:])
     )
 
 
@@ -122,16 +124,16 @@ _NO_HASH = secret_hash("")
 
 
 def parse_management(text: str) -> tuple[str, str] | None:
-    """Split a management token into id and secret; None when it is not one."""
+    """Split a management token into id and secret; None if it is not one."""
     match = MANAGEMENT_PATTERN.fullmatch(text)
     return (match[1], match[2]) if match else None
 
 
 def manages(token: ApiToken | None, secret: str) -> bool:
-    """Tell whether `secret` manages the token, in constant time, whether there is such a token or not."""
-    known = None if token is None else token.management_sha256
-    same = hmac.compare_digest(known or _NO_HASH, secret_hash(secret))
-    return same and known is not None
+    """True if `secret` manages the token, in constant time, whether there is such a token or not."""
+    digest = None if token is None else token.management_sha256
+    same = hmac.compare_digest(digest or _NO_HASH, secret_hash(secret))
+    return same and digest is not None
 
 
 @dataclass(frozen=True)
@@ -144,7 +146,7 @@ class Ticket:
 
 
 class _Signer(TimestampSigner):
-    """Signs with the time that it is given, so that nothing below the handlers reads a clock."""
+    """Signer with an explicit clock, so that only handlers read the time."""
 
     def __init__(self, *args: Any, clock: Callable[[], float], **options: Any) -> None:
         super().__init__(*args, **options)
@@ -225,7 +227,7 @@ def source(secret: str, address: str) -> str:
     """Return the keyed hash of where a contributor is, whatever the token: HMAC-SHA-256 in hex.
 
     By it contributors are counted, since tokens are for the asking. Of an IPv6 address only the first 48 bits
-    count, the most that one site is given (RFC 6177, 2): whoever has them has 65,536 households' worth.
+    count, the most that one site is given (RFC 6177, 2), enough for 65,536 households.
     An IPv4 address counts whole. The hash of an IPv6 site begins with `IPV6_SOURCE`: one line often has an
     address of either family, and must not count twice (`calibdb.rules.sources`).
     """
@@ -255,3 +257,25 @@ def _site(address: str, bits: int = 64) -> str:
     if parsed.ipv4_mapped is not None:
         return str(parsed.ipv4_mapped)
     return str(ipaddress.ip_network((int(parsed) >> 128 - bits << 128 - bits, bits)))
+
+
+def with_origins(token: ApiToken, origins: tuple[str, ...]) -> ApiToken:
+    """Return the token with these origins; those of the machine itself and those proved before are proved."""
+    verified = tuple(o for o in origins if is_loopback(o) or o in token.origins)
+    pending = tuple(o for o in origins if o not in verified)
+    return _with_plan(replace(token, origins=verified, pending=pending))
+
+
+def with_proved(token: ApiToken, proved: set[str]) -> ApiToken:
+    """Return the token with those of its pending origins verified that were proved."""
+    now_verified = tuple(origin for origin in token.pending if origin in proved)
+    left = tuple(origin for origin in token.pending if origin not in proved)
+    return _with_plan(replace(token, origins=(*token.origins, *now_verified), pending=left))
+
+
+def _with_plan(token: ApiToken) -> ApiToken:
+    """Return the token with the plan that its origins earn it; one that the operator gave it stays."""
+    if token.plan not in ("trial", "free"):
+        return token
+    proved = any(not is_loopback(origin) for origin in token.origins)
+    return replace(token, plan="free", expires=None) if proved else replace(token, plan="trial")

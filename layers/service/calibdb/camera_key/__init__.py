@@ -3,10 +3,10 @@
 A browser reports a label (`Logitech HD Pro Webcam C920 (046d:082d)`) and a platform (`X11; Linux x86_64`).
 
 * With a USB id in the label, id and name identify the camera, on any platform.
-* Without one, name and system identify it; on Android the device's model, too.
+* Without one, name and system identify it; on Android also the device's model.
 * A distinctive name (`HD Pro Webcam C920`) leads to the camera of the USB id known under it, on any computer.
 * A generic name (`Integrated Camera`, `camera 0, facing back`) leads to no other camera. Without a device's
-  model it is `ambiguous`: nobody can tell which product its calibrations belong to.
+  model it is `ambiguous`: its calibrations may belong to different products.
 
 The key carries the version of these rules, so that keys of different versions never mix.
 `docs/camera-keys.md` measures the rules on labels that browsers really report.
@@ -48,7 +48,7 @@ class Identity:
     Attributes
     ----------
     key
-        Key of the camera: of USB id and name, or of the name alone where there is no id.
+        Key of the camera: of USB id and name, or of only the name if there is no id.
     name_key
         Key of name and system: lookups use it if a browser gives no id.
     name_keys
@@ -84,23 +84,23 @@ def identify(label: str, platform: str) -> Identity:
     same form: `Linux; Android 14; Pixel 8`.
     """
     system = system_of(platform)
-    found = read(label, system.name)
-    says_enough = not says_too_little(found.name) or (system.is_file and names_its_model(found.name))
-    distinct = says_enough and not found.virtual
-    name_key = _key(found.name, "", "" if found.virtual else system.text, found.virtual)
-    key = _key(found.name, found.usb_id, "", found.virtual) if found.usb_id else name_key
+    parsed = read(label, system.name)
+    says_enough = not says_too_little(parsed.name) or (system.is_file and names_its_model(parsed.name))
+    distinct = says_enough and not parsed.virtual
+    name_key = _key(parsed.name, "", "" if parsed.virtual else system.text, parsed.virtual)
+    key = _key(parsed.name, parsed.usb_id, "", parsed.virtual) if parsed.usb_id else name_key
     # A webcam moves from computer to computer; what a phone or a laptop has built in does not.
     travels = distinct and not system.is_file
     return Identity(
         key=key,
         name_key=name_key,
-        name_keys=frozenset(_key(found.name, "", c, False) for c in COMPUTERS)
+        name_keys=frozenset(_key(parsed.name, "", c, False) for c in COMPUTERS)
         if travels
         else frozenset({name_key}),
-        name=found.name,
-        usb_id=found.usb_id,
-        virtual=found.virtual,
-        ambiguous=not (found.usb_id or distinct or system.is_one_device),
+        name=parsed.name,
+        usb_id=parsed.usb_id,
+        virtual=parsed.virtual,
+        ambiguous=not (parsed.usb_id or distinct or system.is_one_device),
         distinct=distinct,
     )
 

@@ -283,9 +283,9 @@ def in_english(text: str) -> str | None:
     """Return the English name of a built-in camera from its name (case folded) in any; None if it is none."""
     if not _NOTHING.fullmatch(_ANY.sub(" ", text)):
         return None
-    found = [_MEANING[match] for match in _ANY.findall(text)]
-    meanings = set(found)
-    if len(found) != len(meanings) or "camera" not in meanings:
+    translated = [_MEANING[match] for match in _ANY.findall(text)]
+    meanings = set(translated)
+    if len(translated) != len(meanings) or "camera" not in meanings:
         return None
     if "desk view" in meanings:
         return " ".join(m for m in _ORDER if m in meanings) if len(meanings) == 2 else None

@@ -58,10 +58,10 @@ def public_label(label: str) -> str:
 
 def _public(text: str) -> str:
     text = in_latin(text)
-    found = _ID.search(text)
-    usb_id = f" {found[0].strip()}" if found else ""
-    name = text[: found.start()].strip() if found else text
-    # First of all, for what is left of a number is a number: `iPhone +49 170 1234567` is no iPhone 49.
+    usb_match = _ID.search(text)
+    usb_id = f" {usb_match[0].strip()}" if usb_match else ""
+    name = text[: usb_match.start()].strip() if usb_match else text
+    # First of all, for what is left of a number is a number: `iPhone +49 170 1234567` is not an iPhone 49.
     name = without_telephone(without_path(name))
     if (match := _REPEATED.match(name)) and match[1].startswith(match[2]):
         name = match[1]

@@ -15,7 +15,7 @@ _GENERIC_WORDS = """
     pro plus mini lite max select essential business office home gaming
     iphone ipad ipod mm unnamed unknown none no name null
 """
-# Makers alone are no product: "HP Webcam" is a hundred of them.
+# A maker is not a product: "HP Webcam" names a hundred of them.
 _MAKERS = """
     acer apple asus azurewave bison chicony creative dell genius google hp hewlett packard huawei intel
     lenovo lg liteon logi logitech microsoft msi nvidia philips quanta realtek ricoh samsung sonix sony
@@ -29,7 +29,7 @@ _FAMILIES = re.compile(
     r"\b(?:facetime|easycamera|truevision|crystal eye|macbook(?: pro| air)?|imac|bisoncam|surface|"
     r"desk view|wide vision|hp (?:ir )?cam)\b"
 )
-# What an iPhone writes into its photographs: the model, which no browser tells.
+# What an iPhone writes into its photographs: the model, which no browser reports.
 _OWN_NAME = re.compile(r"\biphone (?:[0-9]{1,2}|x|se)\b|\bipad (?:[a-z]+ )?[0-9]{1,2}\b")
 _MAX_WORD_LENGTH = 64  # they are written into the names of items, which have an end
 _NAME_WORD = re.compile(r"[^\W_]+(?:\.[0-9]+)?")
@@ -39,29 +39,29 @@ _STRIPPED = re.compile(r"^(?:logitech|logi|microsoft)\b[ ,.:-]*")
 
 
 def words(name: str) -> list[str]:
-    """Return the words of a name (lower case): letters and digits of any script, cut where nobody would."""
+    """Return the words of a name (lower case): letters and digits of any script."""
     return [word[:_MAX_WORD_LENGTH] for word in _NAME_WORD.findall(name)]
 
 
 def is_generic(word: str) -> bool:
-    """Tell whether `word` (lower case) is said of many cameras, or is a maker's name."""
+    """True if `word` (lower case) is said of many cameras, or is a maker's name."""
     return word in _GENERIC or word in ("r", "c", "tm")
 
 
 def is_maker(word: str) -> bool:
-    """Tell whether `word` (lower case) is the name of a maker."""
+    """True if `word` (lower case) is the name of a maker."""
     return word in _MAKER
 
 
 def says_too_little(name: str) -> bool:
-    """Tell whether many products bear this name (lower case)."""
+    """True if many products bear this name (lower case)."""
     if _FAMILIES.search(name):
         return True
     return all(len(word) < 2 or word in _GENERIC or _MEASURE.fullmatch(word) for word in words(name))
 
 
 def names_its_model(name: str) -> bool:
-    """Tell whether `name` (lower case), written by an Apple device itself, says which one it is."""
+    """True if `name` (lower case), written by an Apple device itself, says which one it is."""
     return _OWN_NAME.search(name) is not None
 
 

@@ -20,7 +20,7 @@ _FOLDERS = re.compile(
 )
 _URL = re.compile(r"\b[a-z][a-z0-9+.-]{1,15}://\S*|\bwww\.\S+", re.IGNORECASE)
 # As people write telephone numbers: with the country's, with the 0 of long distance, in America's groups.
-# Digits on end without any of these are as often what tells two cameras apart, and stay.
+# Digits on end without any of these are as often what distinguishes two cameras, and stay.
 _BETWEEN = r"[\s().,/\u2010-\u2015-]{0,3}"
 _TELEPHONE = re.compile(
     rf"(?<!\w)(?<!\w-)(?<!\d\.)(?:[+＋][\s(]?\d(?:{_BETWEEN}\d){{6,14}}|\(?[0０]\d(?:{_BETWEEN}\d){{6,13}}"
@@ -42,7 +42,7 @@ _PRODUCTS = (
     r"fairphone|zenfone|iphone|ipad|macbook|imac|thinkpad|ideapad|handy"
 )
 _GENITIVE = re.compile(rf"^(?:[\w.-]+ +){{0,3}}\w{{2,40}}s +(?=(?:{_PRODUCTS})\b)", re.IGNORECASE)
-# "Field of view" is said of cameras; AV, AF and VAN are no prepositions.
+# "Field of view" describes cameras; AV, AF and VAN are not prepositions.
 _TAIL = re.compile(r"^(.*?)(?:^| +)(?:of(?! +[Vv]iew)|von|vom|van|av|af|fra|od|від|от|del|della)(?: .*)?$")
 _SHORT_TAIL = re.compile(
     rf"^(.*\b(?:{_PRODUCTS}|tablet|phone|webcam|{'|'.join(CAMERA_WORDS)})\b.*?) +(?:de|di|da|do) +(.*)$",

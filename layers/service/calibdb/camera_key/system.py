@@ -22,7 +22,7 @@ _KNOWN = re.compile(
     r"|android(?: [0-9]{1,3}(?:\.[0-9]{1,3}){0,3})?|[a-z]{2}[-_][a-z]{2}|photographs|video|other",
     re.IGNORECASE,
 )
-# A device's model has a number or is a make's own name: words alone may be anybody's.
+# A device's model has a number or is a make's own name: words only may belong to any device.
 # Nor is it the address of a site.
 _DEVICE = re.compile(
     r"(?!.*[a-z]\.[a-z]{2})"
@@ -40,7 +40,7 @@ _SHOWN = {
 }
 _USER_AGENT = re.compile(r"^Mozilla/[0-9.]+ \(([^)]*)\)")
 _SYSTEMS = (
-    # The first that is found: Android calls itself Linux, too, and iOS "like Mac OS X".
+    # The first match counts: Android also calls itself Linux, and iOS "like Mac OS X".
     ("ios", re.compile(r"\b(?:(?:iphone|ipad|ipod)(?:[0-9]{1,2},[0-9]{1,2})?|ios)\b")),
     ("android", re.compile(r"\bandroid\b")),
     ("chromeos", re.compile(r"\b(?:cros|chrome ?os|chromium ?os)\b")),
@@ -48,7 +48,7 @@ _SYSTEMS = (
     ("macos", re.compile(r"\b(?:macintosh|mac ?os|macos)\b")),
     ("linux", re.compile(r"\b(?:linux|x11|[a-z]*bsd)\b")),
 )
-# Parts of Android's user agents that are no device: reduced ones call every device "K".
+# Parts of Android's user agents that are not a device: reduced ones call every device "K".
 _NO_DEVICE = re.compile(
     r"(?:linux|u|k|wv|mobile|tablet|unknown|rv:[0-9.]*|[a-z]{2}[-_][a-z]{2}|android(?: [0-9.]+)?)"
 )
@@ -75,7 +75,7 @@ class System:
 
     @property
     def is_file(self) -> bool:
-        """Tell whether it is photographs or a video: the camera's name is from the file, written by itself.
+        """True for photographs and videos, whose camera's name is from the file.
 
         A camera cuts them differently, and its stream again.
         """
@@ -96,17 +96,17 @@ def public_platform(platform: str) -> str:
     match = _USER_AGENT.match(text)
     parts = [part.strip() for part in (match[1] if match else text).split(";")]
     android = any(_family(part) == "android" for part in parts)
-    kept: list[str] = []
+    public_parts: list[str] = []
     for part in parts:
         family = _family(part)
         if _KNOWN.fullmatch(part):
-            kept.append(part)
+            public_parts.append(part)
         elif family:
-            kept.append(_SHOWN[family])
+            public_parts.append(_SHOWN[family])
         elif android and _DEVICE.fullmatch(part) and without_owner(without_telephone(part)) == part:
-            kept.append(part)
+            public_parts.append(part)
             android = False  # it has one model
-    return "; ".join(dict.fromkeys(kept)) or "other"
+    return "; ".join(dict.fromkeys(public_parts)) or "other"
 
 
 def with_device(platform: str, device: str) -> str:

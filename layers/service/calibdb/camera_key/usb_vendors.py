@@ -9,7 +9,7 @@ from calibdb.camera_key.names import words
 
 _TABLE = Path(__file__).with_name("usb_vendors.txt")
 _MAX_WORDS = 4  # of a vendor's name, that cameras are found by
-# What stands in hundreds of companies' names, and that nobody searches.
+# Words of hundreds of companies' names, which are not searched.
 _LEGAL_FORMS = """
     a ag and co corp corporation company gmbh inc incorporated int intl international limited llc ltd of oy
     plc pte pty sa srl the electronics electronic technologies technology tech industrial
@@ -19,17 +19,17 @@ _UNSEARCHED = frozenset(_LEGAL_FORMS.split())
 
 @functools.cache
 def _table() -> dict[str, str]:
-    """Read the table: id -> name. A function that asks for no vendor does not read it."""
+    """Read the table id -> name, at its first use."""
     lines = _TABLE.read_text(encoding="utf-8").splitlines()
     return {line[:4]: line[5:] for line in lines if not line.startswith("#")}
 
 
 def vendor_of(usb_id: str | None) -> str | None:
-    """Return the vendor's name of a USB id such as `046d:082d`, None where the table has none."""
+    """Return the vendor's name of a USB id such as `046d:082d`, None if the table has none."""
     return _table().get(usb_id.partition(":")[0]) if usb_id else None
 
 
 def vendor_words(usb_id: str | None) -> list[str]:
     """Return the words (lower case) of the vendor's name by which its cameras are searched."""
-    found = words((vendor_of(usb_id) or "").casefold())
-    return [word for word in dict.fromkeys(found) if len(word) > 1 and word not in _UNSEARCHED][:_MAX_WORDS]
+    vendor = words((vendor_of(usb_id) or "").casefold())
+    return [word for word in dict.fromkeys(vendor) if len(word) > 1 and word not in _UNSEARCHED][:_MAX_WORDS]

@@ -44,7 +44,7 @@ _PATTERNS = tuple((name, re.compile(pattern)) for name, pattern in _PROGRAMS.ite
 
 
 def is_practice(name: str) -> bool:
-    """Tell whether a normalised name is that of the pages' simulated camera."""
+    """True if a normalised name is that of the pages' simulated camera."""
     return name.startswith(_OURS)
 
 
@@ -55,7 +55,7 @@ def spelling_of(posing: str, label: str) -> str:
 
 
 def program(text: str) -> str | None:
-    """Return the program behind a label (lower case), None where it is a camera."""
+    """Return the program behind a label (lower case), None if it is a camera."""
     if text.startswith(_OURS):
         return None
     return next((name for name, pattern in _PATTERNS if pattern.search(text)), None)

@@ -1,4 +1,4 @@
-"""Text as it may be stored and shown: without what is not seen."""
+"""Text that may be stored and shown, without invisible characters."""
 
 from __future__ import annotations
 

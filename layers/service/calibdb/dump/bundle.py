@@ -68,9 +68,9 @@ class Source:
     Attributes
     ----------
     read
-        What is known under a camera key.
+        Reader of the records under a camera key.
     licence
-        Licence under which every calibration of a camera was given; None where one was given without.
+        Licence under which every calibration of a camera was given; None if one was given without.
     private
         True if it is the database of one person with few cameras.
     created
@@ -96,7 +96,9 @@ def build_bundle(source: Source, names: Mapping[str, set[Name]], max_cameras: in
         key: [c for c in read(key).consensuses if c.reliable]
         for key in source.track(names, "consensuses", len(names))
     }
-    popular = sorted((key for key, found in reliable.items() if found), key=lambda k: (rank(reliable[k]), k))
+    popular = sorted(
+        (key for key, members in reliable.items() if members), key=lambda k: (rank(reliable[k]), k)
+    )
     chosen = popular[:max_cameras]
     labels: dict[str, int] = {}
     places: defaultdict[str, dict[str, int]] = defaultdict(dict)
@@ -122,7 +124,7 @@ def build_bundle(source: Source, names: Mapping[str, set[Name]], max_cameras: in
         content=_json(document),
         cameras={f"{c['camera']} ({key})": len(_json(c)) for key, c in zip(chosen, cameras, strict=True)},
         calibrations=sum(len(c["rows"]) for c in cameras),
-        labels=len(labels.keys() | {label for found in places.values() for label in found}),
+        labels=len(labels.keys() | {label for members in places.values() for label in members}),
     )
 
 
@@ -161,19 +163,19 @@ def _meanings(
     }
 
 
-def _rows(known: Sequence[ConsensusDocument]) -> Iterator[list[Any]]:
-    for c in known:
+def _rows(consensuses: Sequence[ConsensusDocument]) -> Iterator[list[Any]]:
+    for c in consensuses:
         if not c.reliable or c.calibration is None:
             continue
-        exact = build_answer(c.calibration, known, c.img_size)
+        exact = build_answer(c.calibration, consensuses, c.img_size)
         at = {}
-        for size in sorted({*COMMON_SIZES, *(other.img_size for other in known)}):
-            if choose(known, size, c.zoom, c.distortion_model).found is not c or size == c.img_size:
+        for size in sorted({*COMMON_SIZES, *(other.img_size for other in consensuses)}):
+            if choose(consensuses, size, c.zoom, c.distortion_model).found is not c or size == c.img_size:
                 continue
-            told = build_answer(c.calibration, known, size)
-            carried = _intrinsics(told.adapted.camera_matrix) if told.adapted else []
-            if carried or told.relation != exact.relation:
-                at[f"{size[0]}x{size[1]}"] = [told.relation, *carried]
+            answer = build_answer(c.calibration, consensuses, size)
+            carried = _intrinsics(answer.adapted.camera_matrix) if answer.adapted else []
+            if carried or answer.relation != exact.relation:
+                at[f"{size[0]}x{size[1]}"] = [answer.relation, *carried]
         yield _row(c.calibration, exact.relation, at)
 
 
@@ -189,12 +191,17 @@ def _row(c: Calibration, relation: str | None, at: dict[str, Any]) -> list[Any]:
     return [values[column] for column in COLUMNS]
 
 
-def _camera(known: Sequence[ConsensusDocument], licence: str | None) -> dict[str, Any]:
+def _camera(consensuses: Sequence[ConsensusDocument], licence: str | None) -> dict[str, Any]:
     newest = max(
-        (c.calibration for c in known if c.reliable and c.calibration), key=lambda c: c.calibration_time
+        (c.calibration for c in consensuses if c.reliable and c.calibration), key=lambda c: c.calibration_time
     )
-    given = {"licence": licence} if licence else {}
-    return {"camera": newest.camera, "platform": newest.platform, **given, "rows": list(_rows(known))}
+    licence_member = {"licence": licence} if licence else {}
+    return {
+        "camera": newest.camera,
+        "platform": newest.platform,
+        **licence_member,
+        "rows": list(_rows(consensuses)),
+    }
 
 
 def _json(value: object) -> bytes:

@@ -11,7 +11,7 @@ _DIGITS = 12  # of a digest that is counted: 48 bits, which two of a million sha
 
 
 class Counting:
-    """Tally that goes on from another."""
+    """Tally that continues another."""
 
     def __init__(self, begun: Tally, alias: Alias) -> None:
         self._alias = alias

@@ -30,7 +30,7 @@ _PAGE = 200  # cameras read together
 class Figures:
     """Figures of the database, and the bundle.
 
-    `licence`: of all calibrations of a camera. `min_contributors`: that agree on what is shown to everybody.
+    `licence`: of all calibrations of a camera. `min_contributors`: that must agree on a public value.
     """
 
     dumps: Dumps
@@ -42,18 +42,18 @@ class Figures:
 
     def write(self, draft: DumpDraft) -> Statistics:
         """Write the figures of a dump that is whole, and return them."""
-        known, popular = self._count_known()
+        count, popular = self._count_known()
         tally = draft.tally
         snapshot = Snapshot(
             date=datetime.fromtimestamp(draft.started, UTC).date().isoformat(),
             cameras=len(tally.cameras),
-            known=known,
+            known=count,
             calibrations=tally.calibrations,
             contributors=len(tally.contributors),
             given=tally.given.calibrations,
         )
-        former = self.dumps.statistics()
-        history = [one for one in (former.history if former else ()) if one.date != snapshot.date]
+        previous = self.dumps.statistics()
+        history = [one for one in (previous.history if previous else ()) if one.date != snapshot.date]
         statistics = Statistics(
             created=draft.started,
             history=(*history, snapshot)[-MAX_HISTORY:],
@@ -64,21 +64,21 @@ class Figures:
         return statistics
 
     def _count_known(self) -> tuple[int, list[str]]:
-        """Count the cameras that a lookup answers, and choose those with the most contributors."""
-        known, after = 0, None
+        """Count the cameras with a reliable calibration, and choose those with the most contributors."""
+        count, after = 0, None
         popular: list[tuple[Any, str]] = []
         with ThreadPoolExecutor(READERS) as readers:
             while True:
-                found, after = self.cameras.search("", _PAGE, after)
-                keys = [key for key, _ in found]
+                cameras, after = self.cameras.search("", _PAGE, after)
+                keys = [key for key, _ in cameras]
                 for key, camera in zip(keys, readers.map(self.cameras.known, keys), strict=True):
                     reliable = [c for c in camera.consensuses if c.reliable]
                     if reliable:
-                        known += 1
+                        count += 1
                         popular.append((rank(reliable), key))
                 popular = heapq.nsmallest(MAX_BUNDLED, popular)
                 if after is None:
-                    return known, [key for _, key in popular]
+                    return count, [key for _, key in popular]
 
     def _bundle(self, keys: Sequence[str], now: int) -> BundleFile | None:
         """Write the bundle of these cameras, under the names with which they were calibrated."""
@@ -96,32 +96,32 @@ class Figures:
 
         By a label only where two contributors calibrated it: a label is whatever its sender wrote.
         """
-        wanted: list[WantedCamera] = []
+        result: list[WantedCamera] = []
         for camera, count in self.miss_counts.most(now):
-            if len(wanted) == MAX_WANTED:
+            if len(result) == MAX_WANTED:
                 break
             usb_id = camera.removeprefix(USB) if camera.startswith(USB) else None
-            found = self._unknown_product(usb_id) if usb_id else self._unknown_camera(camera)
-            if found is not None:
-                wanted.append(found.model_copy(update={"asked": count}))
-        return wanted
+            entry = self._unknown_product(usb_id) if usb_id else self._unknown_camera(camera)
+            if entry is not None:
+                result.append(entry.model_copy(update={"asked": count}))
+        return result
 
     def _unknown_camera(self, key: str) -> WantedCamera | None:
-        """Name a camera by what most contributors call it; None where it is known by now, or names nobody."""
-        known = self.cameras.known(key).consensuses
-        if any(c.reliable for c in known) or not is_listed(known, max(2, self.min_contributors)):
+        """Name a camera by what most contributors call it; None if it is known by now, or has no name."""
+        consensuses = self.cameras.known(key).consensuses
+        if any(c.reliable for c in consensuses) or not is_listed(consensuses, max(2, self.min_contributors)):
             return None
-        name = display_name("", known)[0]
-        total = max((c.total for c in known), default=0)
+        name = display_name("", consensuses)[0]
+        total = max((c.total for c in consensuses), default=0)
         return WantedCamera(key=key, camera=name, asked=0, calibrations=total)
 
     def _unknown_product(self, usb_id: str) -> WantedCamera | None:
-        """Name a USB id by its vendor; None where there is none, or calibrations of a camera with this id."""
+        """Name a USB id by its vendor; None if there is none, or calibrations of a camera with this id."""
         vendor = vendor_of(usb_id)
-        found, _ = self.cameras.search(usb_id.rpartition(":")[2], _PAGE, None)
-        for key, _ in found:
-            known = self.cameras.known(key).consensuses
-            if any(c.calibration and usb_id in c.calibration.camera for c in known):
+        cameras, _ = self.cameras.search(usb_id.rpartition(":")[2], _PAGE, None)
+        for key, _ in cameras:
+            consensuses = self.cameras.known(key).consensuses
+            if any(c.calibration and usb_id in c.calibration.camera for c in consensuses):
                 return None  # it is counted under its key, too
         if vendor is None:
             return None

@@ -25,7 +25,7 @@ def public_copy(document: Document, alias: Alias) -> Document | None:
 
 
 def unnamed_copy(document: Document, alias: Alias) -> Document:
-    """Return a document that names nobody; of a label, names of people are removed by today's rules."""
+    """Return a document without names of people; labels are cleaned by today's rules."""
     changed = {
         "camera": public_label(document.camera),
         "platform": public_platform(document.platform),

@@ -1,8 +1,8 @@
-"""The public dump, written in parts: bounded in memory, and after a crash it goes on where it was.
+"""The public dump, written in parts: bounded in memory, and continued after a crash.
 
 A part is one object of JSON Lines, compressed. After each part the draft says how far the dump is, so that an
-invocation does as much as its time allows and the next one goes on. `latest.json` names a dump only when all
-of it is there: until then it names the one before.
+invocation works as long as its time allows and the next one continues. `latest.json` names a dump only when
+it is complete; until then it names the previous one.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ PERIOD_S = 6 * 86_400  # from one dump to the next at least: a little less than 
 MAX_PART_BYTES = 32 * 2**20  # of documents, before compression
 MIN_PART_S = 60.0  # that an invocation must have left to begin another batch
 _MAX_BATCH_DOCUMENTS = 64  # read at a time
-_STALE_S = 5 * 86_400  # a draft that nobody went on with is begun anew
+_STALE_S = 5 * 86_400  # an abandoned draft is started again
 _MODELS: dict[DumpedKind, type[CalibrationDocument] | type[VoteDocument]] = {
     "calibrations": CalibrationDocument,
     "votes": VoteDocument,
@@ -48,15 +48,15 @@ class WeeklyDump:
     Attributes
     ----------
     dumps, figures
-        Where they are written, and what counts the database.
+        Store of dumps, and counter of the database's figures.
     now
         Unix time, seconds.
     random_hex
         Random text of so many bytes.
     seconds_left
-        Of this invocation.
+        Seconds left of this invocation.
     max_part_bytes
-        After which a part ends.
+        Size of a part before compression.
     """
 
     dumps: Dumps
@@ -67,22 +67,22 @@ class WeeklyDump:
     max_part_bytes: int = MAX_PART_BYTES
 
     def run(self, *, force: bool = False) -> Dump | None:
-        """Go on with the dump that is due; return it once it is whole, None where it is not or none is due.
+        """Go on with the dump that is due; return it once it is whole, None if it is not or none is due.
 
         `force`: one is due now.
         """
-        found = self.dumps.draft()
-        if found is not None and found[0].started < self.now() - _STALE_S:
+        version = self.dumps.draft()
+        if version is not None and version[0].started < self.now() - _STALE_S:
             self.dumps.end()
-            found = None
-        if found is None:
+            version = None
+        if version is None:
             if not force and not self._is_due():
                 return None
             self.dumps.begin(self._new_draft())
-            found = self.dumps.draft()
-            if found is None:
+            version = self.dumps.draft()
+            if version is None:
                 return None
-        draft, tag = found
+        draft, tag = version
         while True:
             following = self._write_part(draft)
             if following is None:
@@ -103,7 +103,7 @@ class WeeklyDump:
         return DumpDraft(name=name, started=now, key=self.random_hex(32))
 
     def _write_part(self, draft: DumpDraft) -> DumpDraft | None:
-        """Write the next part; return the draft after it, None where the dump is whole."""
+        """Write the next part; return the draft after it, None if the dump is whole."""
         if draft.complete:
             return None
         alias = aliases(draft.key)
@@ -134,7 +134,7 @@ class WeeklyDump:
         if not whole:
             return changed
         following = _FOLLOWING[draft.kind]
-        # A dump is published from a draft that says so: a crash until then repeats that step alone.
+        # A dump is published from a draft that says so: a crash until then repeats only that step.
         ended = {"complete": True} if following is None else {"kind": following, "after": ""}
         return changed.model_copy(update=ended)
 

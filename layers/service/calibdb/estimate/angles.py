@@ -29,7 +29,7 @@ def log_tan(quantity: str, value: float, size: Size) -> float:
     quantity
         `hfov`, `vfov`, `dfov` in degrees; `fx`, px; `f35`, mm: by the diagonal of 35 mm film.
     value
-        Of that quantity.
+        Value of that quantity.
     size
         Width and height, px or in any unit.
     """

@@ -71,7 +71,7 @@ class Device:
     maker
         Empty if the label does not name it.
     camera
-        Of a phone or tablet: `wide`, `ultrawide`, `tele`, `front`; else empty.
+        Camera of a phone or tablet: `wide`, `ultrawide`, `tele`, `front`; else empty.
     model_ids
         Identifiers of a phone's model, lower case.
     label_words

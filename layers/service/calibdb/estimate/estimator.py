@@ -1,4 +1,4 @@
-"""Estimator: all evidence about one camera at one size, as an answer with its interval."""
+"""Estimator: all evidence about one camera at one size, combined with an interval."""
 
 from __future__ import annotations
 
@@ -82,10 +82,10 @@ def combine_evidence(
     `change`, `sigma`: of `log_tan` by zoom and crop, which `stated` has already.
     """
     family = knowledge.family(device, size)
-    known = family or knowledge.population(device, size)
-    prior = Evidence("family" if family else "population", known.median, known.sigma).shifted(change, sigma)
+    group = family or knowledge.population(device, size)
+    prior = Evidence("family" if family else "population", group.median, group.sigma).shifted(change, sigma)
     if not stated:
-        return _prior_only(prior, known, change, sigma)
+        return _prior_only(prior, group, change, sigma)
     # What is published about the model is a distribution of its units already. Else the family is a weak
     # prior, so that one wrong statement about the camera widens the interval.
     if not any(e.basis == "published" for e in stated):
@@ -95,9 +95,9 @@ def combine_evidence(
     return Distribution(mean, mean - _QUANTILE * total, mean + _QUANTILE * total, best)
 
 
-def _prior_only(prior: Evidence, known: Population, change: float, sigma: float) -> Distribution:
-    centre = known.median + change
-    below, above = known.median - known.low, known.high - known.median
+def _prior_only(prior: Evidence, population: Population, change: float, sigma: float) -> Distribution:
+    centre = population.median + change
+    below, above = population.median - population.low, population.high - population.median
     reach = _QUANTILE * sigma
     return Distribution(centre, centre - math.hypot(below, reach), centre + math.hypot(above, reach), prior)
 

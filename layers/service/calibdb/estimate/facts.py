@@ -135,11 +135,11 @@ class FactIndex:
         return [(len(alternative), fact) for alternative, fact in entries if alternative <= label_words]
 
 
-def most_specific(found: Iterable[tuple[int, Fact]]) -> list[Fact]:
+def most_specific(facts: Iterable[tuple[int, Fact]]) -> list[Fact]:
     """Select the facts with most words: `brio 501` goes before `brio`."""
     best: list[Fact] = []
     most = 0
-    for count, fact in found:
+    for count, fact in facts:
         if count > most:
             best, most = [], count
         if count == most and fact not in best:

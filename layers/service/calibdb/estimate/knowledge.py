@@ -37,12 +37,12 @@ class Knowledge:
     def population(self, device: Device, size: Size) -> Population:
         """Distribution of the kind of device."""
         size = _aspect(size)
-        found = self._distribution(device.kind, "", size)
-        if found is None or found.n < _MIN_POPULATION:
-            found = self._distribution(_FALLBACK, "", size)
-        if found is None:
+        distribution = self._distribution(device.kind, "", size)
+        if distribution is None or distribution.n < _MIN_POPULATION:
+            distribution = self._distribution(_FALLBACK, "", size)
+        if distribution is None:
             raise ValueError("the table has no facts")
-        return found
+        return distribution
 
     def _compute_distribution(self, kind: str, maker: str, size: Size) -> Population | None:
         values = by_model(members(self.facts, kind), size)

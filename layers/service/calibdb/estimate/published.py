@@ -22,12 +22,12 @@ MAX_SOURCES = 5
 
 def facts_about(index: FactIndex, device: Device) -> list[Fact]:
     """Select the facts about the device's model: by USB id, by a phone's identifier, or by its words."""
-    for found in (
+    for facts in (
         [(1, fact) for fact in index.of_usb_id(device.usb_id)],
         [(1, fact) for fact in index.of_devices(device.model_ids)],
         index.of_words(device.label_words),
     ):
-        fitting = [(count, fact) for count, fact in found if fact.camera == device.camera]
+        fitting = [(count, fact) for count, fact in facts if fact.camera == device.camera]
         # An app records a crop of what a browser gets: facts about recorded videos go before others.
         recorded = device.kind == "phone_video"
         same = [(n, fact) for n, fact in fitting if (fact.kind == "phone_video") == recorded]

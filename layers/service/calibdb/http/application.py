@@ -6,7 +6,6 @@ serves one event at a time, so nothing here is gained by waiting asynchronously.
 
 from __future__ import annotations
 
-import asyncio
 import json
 import logging
 import os
@@ -14,7 +13,7 @@ import time
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from http import HTTPStatus
-from typing import Any, cast
+from typing import Any, Protocol, cast
 from urllib.parse import urljoin
 
 from pydantic import BaseModel
@@ -32,10 +31,9 @@ from calibdb.service import Service
 
 _PROBLEM = "application/problem+json"
 _TEXT = ["text/", "application/json", _PROBLEM]  # everything else leaves as base64
+_GATEWAY: Any = {"api_gateway_base_path": "/", "text_mime_types": _TEXT, "exclude_headers": []}
 
 _log = logging.getLogger(__name__)
-# It writes down every path, in which a caller may have put a secret by mistake; the gateway logs the route.
-logging.getLogger("mangum").setLevel(logging.WARNING)
 _HOST_HEADERS = ("host", "x-forwarded-port")
 _DETAILS: dict[int, str] = {
     HTTPStatus.NOT_FOUND: "The API has no such path.",
@@ -51,6 +49,41 @@ Endpoint = Callable[[Call], Response]
 def json_response(model: BaseModel, status: int = 200, headers: Mapping[str, str] | None = None) -> Response:
     """Make the JSON response of `model`."""
     return Response(model.model_dump_json(), status, headers, "application/json")
+
+
+class _File(Protocol):
+    """File to download, and how far it is from what was to be written."""
+
+    @property
+    def content(self) -> bytes: ...
+
+    @property
+    def media_type(self) -> str: ...
+
+    @property
+    def filename(self) -> str: ...
+
+    @property
+    def error(self) -> float: ...
+
+    @property
+    def coverage(self) -> float: ...
+
+    @property
+    def warning(self) -> str | None: ...
+
+
+def file_response(file: _File, *, with_coverage: bool = False) -> Response:
+    """Make the response of a file; headers say how far it is from what was to be written."""
+    headers = {
+        "Content-Disposition": f'attachment; filename="{file.filename}"',
+        "X-Conversion-Error": f"{file.error:.6g}",
+    }
+    if with_coverage:
+        headers["X-Conversion-Coverage"] = f"{file.coverage:.4g}"
+    if file.warning:
+        headers["X-Conversion-Warning"] = file.warning
+    return Response(file.content, 200, headers, file.media_type)
 
 
 def no_content() -> Response:
@@ -89,7 +122,7 @@ def application(*routes: Route) -> Starlette:
             Exception: _on_unhandled,
         },
     )
-    app.router.redirect_slashes = False  # a path with a slash too many is no path
+    app.router.redirect_slashes = False  # a path with an extra slash does not exist
     return app
 
 
@@ -98,23 +131,41 @@ class handler:  # noqa: N801 - as Lambda calls it
 
     def __init__(self, *routes: Route) -> None:
         if "AWS_LAMBDA_RUNTIME_API" in os.environ:
-            import mangum  # noqa: F401 - now, since Lambda starts a function faster than it runs it
+            import mangum.handlers  # noqa: F401 - now, since Lambda starts a function faster than it runs it
         self.routes = routes
         self._app = with_default_headers(application(*routes))
 
     def __call__(self, event: dict[str, Any], context: Any) -> dict[str, Any]:
         """Answer the event."""
-        from mangum import Mangum  # a server does without
+        from mangum.handlers import HTTPGateway  # a server does without
 
-        # Mangum asks for the thread's event loop. Lambda's thread has none, nor has a gateway's worker; one
-        # of its own for each event is a tenth of a millisecond and leaves nothing behind.
-        loop = asyncio.new_event_loop()
-        asyncio.set_event_loop(loop)
-        try:
-            return Mangum(self._app, lifespan="off", text_mime_types=_TEXT)(_without_host(event), context)
-        finally:
-            asyncio.set_event_loop(None)
-            loop.close()
+        gateway = HTTPGateway(_without_host(event), context, _GATEWAY)
+        return gateway(_run(self._app, gateway.scope, gateway.body))
+
+
+def _run(app: Any, scope: Any, body: bytes) -> Any:
+    """Run the application on one request, without an event loop: nothing in it waits asynchronously."""
+    messages: list[Any] = []
+
+    async def receive() -> Any:
+        return {"type": "http.request", "body": body, "more_body": False}
+
+    async def send(message: Any) -> None:
+        messages.append(message)
+
+    try:
+        app(scope, receive, send).send(None)
+    except StopIteration:
+        pass
+    except Exception:
+        if not messages:
+            raise
+        _log.exception("the request failed")  # after its response
+    else:
+        raise RuntimeError("an endpoint waits asynchronously")
+    start, *rest = messages
+    content = b"".join(message.get("body", b"") for message in rest)
+    return {"status": start["status"], "headers": start["headers"], "body": content}
 
 
 def _without_host(event: dict[str, Any]) -> dict[str, Any]:

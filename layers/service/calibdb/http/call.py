@@ -14,8 +14,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import from_json
 from starlette.requests import Request
 
-from calibdb.access.plans import Kind
-from calibdb.access.rate_limits import RateLimit, rate_limit_headers
+from calibdb.access.plans import Kind, RateLimit, rate_limit_headers
 from calibdb.access.tokens import ApiToken, Ticket, parse
 from calibdb.errors import (
     MAX_FIELD_ERRORS,
@@ -40,7 +39,7 @@ MAX_BODY_BYTES = 1_000_000  # bytes; a view of the largest board with all digits
 
 MAX_COMPUTE_S = 2.8
 """Processor time of one request on the machine on which it was set; `Settings.processor_factor` times as much
-elsewhere. No computation of a camera that anybody holds takes it."""
+elsewhere. Computations for real cameras need less."""
 MAX_RIG_COMPUTE_S = 5.2
 """The same of a request about a rig, of up to eight cameras."""
 MIN_REMAINING_S = 1.5
@@ -167,7 +166,7 @@ class Call:
             raise refusal(error) from error
 
     def json_text(self, name: str) -> str | None:
-        """Return a text member of the body, None when there is none or the body is no JSON object."""
+        """Return a text member of the body, None if it is missing or the body is not a JSON object."""
         if len(self.body) > MAX_BODY_BYTES:
             raise TooLargeError(f"The body is too large; at most {MAX_BODY_BYTES} bytes are allowed.")
         try:
@@ -209,7 +208,7 @@ class Call:
         return ticket
 
     def is_session(self) -> bool:
-        """Tell whether a session id was sent as bearer, not an API token; raises UnauthenticatedError."""
+        """True if a session id was sent as bearer, not an API token; raises UnauthenticatedError."""
         return parse(self._bearer()) is None
 
     def api_token(self, credential: str | None = None, charge: Kind = "lookups") -> ApiToken:
@@ -233,7 +232,7 @@ class Call:
             raise ForbiddenError("The API token does not admit pages of this origin.", kind="origin")
         if charge == "lookups":
             if RATE_LIMITS not in self.request.scope:  # else it was counted before it required a thread
-                if self.service.plan_of(token).counts_each_lookup:
+                if self.service.plan_of(token).counts_each_lookup and not self.service.writes_later:
                     self.require_thread()
                 self._tell(self.service.count_lookup(token, self.address))
         else:
@@ -262,7 +261,7 @@ class Call:
     def address(self) -> str:
         """Source address, only ever used inside a keyed hash.
 
-        Of what came through our CloudFront the gateway sees CloudFront's. It is told apart by a secret, for
+        Of what came through our CloudFront the gateway sees CloudFront's. It is recognised by a secret, for
         anyone can write X-Forwarded-For; then the gateway appended the edge's address, the edge the caller's.
         """
         shown = self.request.headers.get("x-calibdb-edge", "").encode()
@@ -271,7 +270,7 @@ class Call:
             hops = self.request.headers.get("x-forwarded-for", "").split(",")
             if len(hops) >= _HOPS_OF_EDGE:
                 return hops[-_HOPS_OF_EDGE].strip()
-        elif shown and secrets:  # a distribution of ours whose secret nobody knows, or somebody who guesses
+        elif shown and secrets:  # our distribution with an unknown secret, or a guess
             metrics.count(self.service.clock(), UnknownEdges=1)
         return self.request.client.host if self.request.client else ""
 

@@ -1,4 +1,4 @@
-"""Content negotiation: the media type of an answer by the Accept header (RFC 9110, 12.5.1)."""
+"""Content negotiation: the media type of a response by the Accept header (RFC 9110, 12.5.1)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def negotiate(accept: str, types: Sequence[str]) -> str:
 
 
 def _weight(accept: str, media_type: str) -> float:
-    """Return the weight of the most specific range of `accept` that holds `media_type`; 0 where none does."""
+    """Weight of the most specific range of `accept` that contains `media_type`; 0 if there is none."""
     ranges = {}
     for entry in accept.lower().split(","):
         name, *parameters = (part.strip() for part in entry.split(";"))

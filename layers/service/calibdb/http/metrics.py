@@ -53,7 +53,7 @@ def document(stack: str, now: float, values: Mapping[str, float], reason: str | 
     values
         Measurements by name.
     reason
-        Why, where that is counted apart, too.
+        Reason, if reasons are counted separately.
     """
     units = [{"Name": name, "Unit": UNITS.get(name, "Count")} for name in values]
     described = [{"Namespace": NAMESPACE, "Dimensions": [["Stack"]], "Metrics": units}]

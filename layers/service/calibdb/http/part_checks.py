@@ -6,17 +6,23 @@ never more threads than parts. What a part said when it failed goes to the log a
 
 from __future__ import annotations
 
+import json
 import logging
 import threading
 import time
+import urllib.error
+import urllib.request
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Any
 
 from calibdb.schema.health import PartHealth, PartName
 
 CHECKS_TTL_S = 10.0
 """Time for which the parts are not checked again, by each instance of the function and by the edge."""
+
+_MAX_CONFIG_BYTES = 10_000
 
 _log = logging.getLogger(__name__)
 
@@ -53,7 +59,7 @@ class PartChecks:
     Parameters
     ----------
     stages
-        What would slow the others down, as imports do, has a stage of its own.
+        Stages of checks; those that slow others down, such as imports, have their own.
     clock
         Monotonic seconds.
     """
@@ -73,7 +79,7 @@ class PartChecks:
         """Check all parts, unless they were checked lately; who asks meanwhile is given the same answer."""
         with self._lock:
             if self._clock() >= self._until:
-                self._known = tuple(found for stage in self._stages for found in self._check(stage))
+                self._known = tuple(state for stage in self._stages for state in self._check(stage))
                 self._until = self._clock() + CHECKS_TTL_S
                 self.checked_at = int(time.time())
             return self._known
@@ -84,7 +90,7 @@ class PartChecks:
         return [_health(part, run, start + part.limit_s) for part, run in runs]
 
     def _begin(self, part: Part) -> Future[float] | None:
-        """Start the check of a part; None where the last one has not ended yet."""
+        """Start the check of a part; None if the last one has not ended yet."""
         before = self._running.get(part.name)
         if before is not None and not before.done():
             return None
@@ -105,3 +111,23 @@ def _health(part: Part, run: Future[float] | None, end: float) -> PartHealth:
         latency = run.result()
     limit_ms = round(1000 * part.limit_s)
     return PartHealth(part=part.name, ok=failed is None, latency_ms=latency, limit_ms=limit_ms)
+
+
+class _Unredirected(urllib.request.HTTPRedirectHandler):
+    """Handler that follows no redirect: the site answers itself."""
+
+    def redirect_request(self, *_: Any) -> None:
+        """Return no request to go on with."""
+
+
+def read_config(address: str, limit_s: float) -> None:
+    """Read the site's settings, as every page does first; raises if they are not there."""
+    opener = urllib.request.build_opener(urllib.request.ProxyHandler({}), _Unredirected)
+    try:
+        with opener.open(address, timeout=limit_s) as answer:
+            content = json.loads(answer.read(_MAX_CONFIG_BYTES))
+    except urllib.error.HTTPError as error:
+        error.close()
+        raise
+    if "api" not in content:
+        raise ValueError("/config.json has no settings")

@@ -16,15 +16,15 @@ _MAX_FOCAL_RATIO = 2.0  # of the focal lengths at two zooms, up to which a lens 
 
 
 def build_answer(
-    found: Calibration, known: Sequence[ConsensusDocument], img_size: tuple[int, int]
+    found: Calibration, consensuses: Sequence[ConsensusDocument], img_size: tuple[int, int]
 ) -> LookupAnswer:
     """Answer with `found`, its relation to the size asked for, and its intrinsics there if that is verified.
 
-    `known`: all consensuses of the camera.
+    `consensuses`: all consensuses of the camera.
     """
     at = {
         c.img_size: c
-        for c in known
+        for c in consensuses
         if (c.zoom, c.distortion_model) == (found.zoom, found.distortion_model) and c.calibration
     }
     relation, adapted = _relate_and_adapt(found, at, img_size)
@@ -73,21 +73,21 @@ def interpolate_zoom(lower: Calibration, upper: Calibration, zoom: float) -> Loo
 
 
 def bracketing_zooms(
-    known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
+    consensuses: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
 ) -> tuple[Calibration, Calibration] | None:
-    """Find the reliable calibrations at the next zooms below and above; None where they do not interpolate.
+    """Find the reliable calibrations at the next zooms below and above; None if they do not interpolate.
 
     Between two zooms a lens is taken to change evenly only if it does so over all calibrated ones: the
     focal lengths grow with the zoom, and do not double from one to the next. Calibrations that disagree at
     this very zoom say that it is not what lies between. And 0 is what a browser says that knows no zoom: it
     may be any.
     """
-    if any((c.img_size, c.zoom, c.reason) == (img_size, zoom, "disagree") for c in known):
+    if any((c.img_size, c.zoom, c.reason) == (img_size, zoom, "disagree") for c in consensuses):
         return None
     here = sorted(
         (
             c.calibration
-            for c in known
+            for c in consensuses
             if c.calibration
             and is_projectable(c.calibration)
             and c.reliable
@@ -111,39 +111,39 @@ def _focal_ratios(one: Calibration, other: Calibration) -> tuple[float, float]:
 
 
 def _relate_and_adapt(
-    found: Calibration, at: dict[tuple[int, int], ConsensusDocument], asked: tuple[int, int]
+    found: Calibration, at: dict[tuple[int, int], ConsensusDocument], requested: tuple[int, int]
 ) -> tuple[Relation | None, Adapted | None]:
-    here = at.get(asked)
-    if here is not None and found.img_size != asked:
+    here = at.get(requested)
+    if here is not None and found.img_size != requested:
         # Too few to be relied on, but enough to say which of the pictures it can be this one is.
         if here.reason == "disagree" or not here.calibration or here.calibration.calibrations < _MIN_EVIDENCE:
             return None, None
         relation, window = relate(found, here.calibration)
-        return relation, _adapted_to(found, window, asked) if window else None
+        return relation, _adapted_to(found, window, requested) if window else None
     others = [
         c.calibration for size, c in at.items() if c.reliable and c.calibration and size != found.img_size
     ]
     if not others:
         return None, None
-    if found.img_size != asked:
+    if found.img_size != requested:
         # Of a size that was never calibrated only this can be said: between two sizes that show the same
-        # it shows the same, too. Beyond them many a camera begins to cut.
+        # it also shows the same. Beyond them many a camera begins to cut.
         alike = sorted(
-            (c for c in (found, *others) if same_aspect(c.img_size, asked)), key=lambda c: c.img_size[0]
+            (c for c in (found, *others) if same_aspect(c.img_size, requested)), key=lambda c: c.img_size[0]
         )
-        lower = [c for c in alike if c.img_size[0] < asked[0]]
-        upper = [c for c in alike if c.img_size[0] > asked[0]]
+        lower = [c for c in alike if c.img_size[0] < requested[0]]
+        upper = [c for c in alike if c.img_size[0] > requested[0]]
         if lower and upper and found in alike and relate(lower[-1], upper[0])[0] == "scale":
-            window = scaling_window(found, asked)
-            return "scale", _adapted_to(found, window, asked)
+            window = scaling_window(found, requested)
+            return "scale", _adapted_to(found, window, requested)
     closest = min(others, key=lambda c: closeness(c.img_size, found.img_size))
     return relate(found, closest)[0], None
 
 
-def _adapted_to(found: Calibration, window: Window, img_size: tuple[int, int]) -> Adapted:
-    matrix, distortion = transfer_intrinsics(found, window)
+def _adapted_to(calibration: Calibration, window: Window, img_size: tuple[int, int]) -> Adapted:
+    matrix, distortion = transfer_intrinsics(calibration, window)
     return Adapted(
-        img_size=img_size, zoom=found.zoom, camera_matrix=matrix, distortion_coefficients=distortion
+        img_size=img_size, zoom=calibration.zoom, camera_matrix=matrix, distortion_coefficients=distortion
     )
 
 

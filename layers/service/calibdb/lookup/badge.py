@@ -35,14 +35,14 @@ NOT_CALIBRATED = Badge("calibDB", "not calibrated", "grey")
 
 
 def parse_size(text: str) -> tuple[int, int] | None:
-    """Return the size in `1280x720.svg`, None where the text is no such name."""
-    found = _BADGE_FILE.fullmatch(text)
-    return (int(found[1]), int(found[2])) if found else None
+    """Return the size in `1280x720.svg`, None if the text is another name."""
+    match = _BADGE_FILE.fullmatch(text)
+    return (int(match[1]), int(match[2])) if match else None
 
 
 def badge_of(
     camera: str,
-    known: Sequence[ConsensusDocument],
+    documents: Sequence[ConsensusDocument],
     img_size: tuple[int, int],
     *,
     min_calibrations: int,
@@ -54,22 +54,24 @@ def badge_of(
     ----------
     camera
         Its label.
-    known
+    documents
         Its consensuses.
     img_size
-        Width and height, px. Of several zooms the one that a lookup answers counts.
+        Width and height, px. Of several zooms the one that a lookup returns counts.
     min_calibrations, min_contributors
         As in `Thresholds`. A camera that no search shows has no name here either.
     """
-    if not is_listed(known, min_contributors):
+    if not is_listed(documents, min_contributors):
         return NOT_CALIBRATED
     name = _USB_ID_END.sub("", camera)
     short = name if len(name) <= _MAX_SHOWN_LENGTH else name[: _MAX_SHOWN_LENGTH - 1] + "…"
     left = f"{short} {img_size[0]}×{img_size[1]}"
-    here = [found for (size, _), found in group_by_mode(known) if size == img_size]
+    here = [consensuses for (size, _), consensuses in group_by_mode(documents) if size == img_size]
     if not here:
         return Badge(left, "not calibrated", "grey")
-    best = max((best_consensus(found) for found in here), key=lambda c: (c.reliable, count_agreeing(c)))
+    best = max(
+        (best_consensus(consensuses) for consensuses in here), key=lambda c: (c.reliable, count_agreeing(c))
+    )
     if not best.reliable or best.calibration is None:
         return Badge(left, f"{count_agreeing(best)} of {min_calibrations} calibrations", "amber")
     return Badge(left, f"calibrated ± {_rough(best.calibration.uncertainty.rms)} px", "green")

@@ -1,24 +1,40 @@
-"""Lookup of a camera's key: by USB id and name; by the name alone where it says which product it is.
+"""Lookup of a camera by USB id and name; by the name alone where it says which product it is.
 
-Never a guess: a name that many products bear answers nobody, and one that two USB ids bear neither. Since
-anybody can invent an id, only those that are well known (`calibdb.lookup.well_known_ids`) rival each other.
+Never a guess: a name of many products, or of two USB ids, finds no camera. Since
+anyone can invent an id, only well-known ids (`calibdb.lookup.well_known_ids`) rival each other.
 """
 
 from __future__ import annotations
 
+import functools
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from calibdb.camera_key import Identity
+from calibdb.camera_key import Identity, identify
+from calibdb.lookup.answer import bracketing_zooms, build_answer, interpolate_zoom
 from calibdb.lookup.selection import Choice, choose
-from calibdb.schema import ConsensusDocument
-from calibdb.schema.lookup import CROPPED
-from calibdb.store import CameraRecords
+from calibdb.schema import ConsensusDocument, LookupAnswer, LookupRequest
+from calibdb.schema.fields import DISTORTION_MODELS, size_text, zoom_text
+from calibdb.schema.lookup import CROPPED, Reason
+from calibdb.store import CameraRecords, Store
 
 VIRTUAL = "This is a virtual camera: a program without a lens of its own."
 AMBIGUOUS = "Many cameras have this name. Send a label with a USB id, or a platform with the device's model."
 SEVERAL = "Several cameras have this name. Send the USB id, which Chromium gives, or calibrate the camera."
 RESIZED = "The browser crops this stream; open it with resizeMode: none."
+
+_PATH_SIZE = re.compile("([1-9][0-9]{0,4})x([1-9][0-9]{0,4})")
+_PATH_ZOOM = re.compile(r"[0-9]{1,7}(\.[0-9]{1,6})?")
+_DIGEST = re.compile("[0-9a-f]{32}")
+_NO_CALIBRATION = "The database has no reliable calibration of this camera."
+_MISS_DETAILS = {
+    "unknown_camera": _NO_CALIBRATION,
+    "too_few": "The database has too few calibrations of this camera.",
+    "disagree": "The calibrations of this camera disagree.",
+    "few_contributors": "The calibrations of this camera come from too few contributors.",
+    "imprecise": "The calibrations of this camera agree, and leave it too uncertain.",
+}
 
 
 @dataclass(frozen=True)
@@ -37,7 +53,7 @@ class CameraMatch:
 
 
 def unanswerable_reason(identity: Identity, *, private: bool, resize_mode: str | None) -> str | None:
-    """Return why nothing can be said of such a camera; None where the database may know it.
+    """Return why nothing can be said of such a camera; None if the database may know it.
 
     `private`: the database of one person, who has few cameras, and knows which is meant.
     """
@@ -148,8 +164,116 @@ _STEPS: dict[tuple[bool, bool, bool], tuple[Callable[[_Search], CameraMatch | No
 
 
 def _outnumbers(other: ConsensusDocument | None, own: ConsensusDocument | None) -> bool:
-    """Tell whether more contributors are behind `other`, of the same size."""
+    """True if more contributors are behind `other`, of the same size."""
     if other is None or own is None or other.calibration is None or own.calibration is None:
         return False
     more = other.calibration.contributors > own.calibration.contributors
     return more and other.img_size == own.img_size
+
+
+Compute = Callable[[str, tuple[int, int]], ConsensusDocument | None]
+"""Camera key and size to the consensus of the model asked for, computed now; None if there is none."""
+
+
+@dataclass(frozen=True)
+class LookupQuery:
+    """Camera, size, zoom and model that are looked up."""
+
+    camera: str
+    platform: str
+    img_size: tuple[int, int]
+    zoom: float
+    model: str
+    resize_mode: str | None = None
+
+    @classmethod
+    def of(cls, request: LookupRequest) -> LookupQuery:
+        """Return the query of a request."""
+        camera = request.camera, request.platform, request.img_size, request.zoom
+        return cls(*camera, request.distortion_model, request.resize_mode)
+
+    @classmethod
+    def of_path(cls, size: str, zoom: str, file: str) -> LookupQuery | None:
+        """Parse the end of a path of known cameras, without a camera; None if it has another form.
+
+        Each answer has one address.
+        """
+        model = file.removesuffix(".json")
+        match = _PATH_SIZE.fullmatch(size)
+        if match is None or not _PATH_ZOOM.fullmatch(zoom) or model not in DISTORTION_MODELS or model == file:
+            return None
+        img_size = int(match[1]), int(match[2])
+        if size_text(img_size) != size or zoom_text(float(zoom)) != zoom:
+            return None
+        return cls("", "", img_size, float(zoom), model)
+
+
+@dataclass(frozen=True)
+class LookupResult:
+    """Answer of a lookup, or the reason why there is none.
+
+    Attributes
+    ----------
+    key
+        Key of the camera with the result; empty if the camera is unknown.
+    answer
+        None: nothing is known that is good enough.
+    reason, detail
+        Why, then, by name and in words.
+    known
+        All consensuses of the camera, then: evidence for an estimate.
+    """
+
+    key: str
+    answer: LookupAnswer | None
+    reason: Reason = "unknown_camera"
+    detail: str = _NO_CALIBRATION
+    known: Sequence[ConsensusDocument] = ()
+
+
+def find(
+    read: Callable[[str], CameraRecords], wanted: LookupQuery, *, private: bool, compute: Compute
+) -> LookupResult:
+    """Find what a lookup answers.
+
+    Parameters
+    ----------
+    read
+        Returns what is known under a camera key.
+    wanted
+        Requested size, zoom and model.
+    private
+        The database of one person, who has few cameras, and knows which is meant.
+    compute
+        Computes a model on its first request.
+    """
+    size, zoom, model = wanted.img_size, wanted.zoom, wanted.model
+    identity = identify(wanted.camera, wanted.platform)
+    why = unanswerable_reason(identity, private=private, resize_mode=wanted.resize_mode)
+    if why is not None:
+        return LookupResult("", None, detail=why)
+    resolved = resolve(read, identity, size, zoom, model, private=private)
+    consensus, reason = resolved.choice.found, resolved.choice.reason
+    if resolved.choice.missing_at is not None:
+        # A model that was not requested before can be computed from the stored keypoints.
+        consensus = compute(resolved.key, resolved.choice.missing_at)
+        reason = consensus.reason if consensus and consensus.reason else reason
+    if consensus is not None and consensus.reliable and consensus.calibration is not None:
+        return LookupResult(resolved.key, build_answer(consensus.calibration, resolved.known, size))
+    around = bracketing_zooms(resolved.known, size, zoom, model)
+    if around is not None:
+        return LookupResult(resolved.key, interpolate_zoom(*around, zoom))
+    detail = SEVERAL if resolved.several else _MISS_DETAILS[reason]
+    return LookupResult(resolved.key, None, reason, detail, resolved.known)
+
+
+def find_by_digest(
+    store: Store, digest: str, wanted: LookupQuery | None, *, private: bool
+) -> LookupResult | None:
+    """Find what a lookup by the digest of label and platform answers; None if it is not a known alias."""
+    alias = store.aliases.get(digest) if wanted and _DIGEST.fullmatch(digest) else None
+    if wanted is None or alias is None:
+        return None
+    query = replace(wanted, camera=alias.label, platform=alias.platform)
+    read = functools.cache(store.cameras.known)
+    return find(read, query, private=private, compute=lambda _key, _size: None)

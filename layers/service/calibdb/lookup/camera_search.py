@@ -10,10 +10,12 @@ from calibdb.camera_key import VERSION, identify
 from calibdb.camera_key.names import is_maker, words
 from calibdb.camera_key.usb_vendors import vendor_of, vendor_words
 from calibdb.schema import Calibration, ConsensusDocument
-from calibdb.schema.cameras import CameraEntry, CameraSize
+from calibdb.schema.cameras import CameraEntry, CameraMode, CameraSize
+from calibdb.store import Store, StreamMode
 
 SizeAndZoom = tuple[tuple[int, int], float]
 _MAX_QUERY_WORDS = 8
+_MAX_MEMBERS = 200
 _MIN_LISTED_CONTRIBUTORS = 2
 AFTER_PRACTICE = f"{VERSION}-calibdb-virtual-camera-zzzzzzzz-ffffffffffff"
 """Place in the list of all cameras behind the simulated ones, which are next to each other."""
@@ -25,58 +27,59 @@ def query_words(query: str) -> list[str]:
     A maker's name is left out where there are other words: not every system says it.
     """
     text = unicodedata.normalize("NFKC", query).casefold()
-    found = list(dict.fromkeys(words(text)))[:_MAX_QUERY_WORDS]
-    named = [word for word in found if not is_maker(word)] or found
+    terms = list(dict.fromkeys(words(text)))[:_MAX_QUERY_WORDS]
+    named = [word for word in terms if not is_maker(word)] or terms
     return sorted(named, key=len, reverse=True)
 
 
-def has_words(wanted: Sequence[str], name: str, known: Sequence[ConsensusDocument]) -> bool:
-    """Tell whether every word that is wanted begins a word of the camera's name, labels or USB vendor."""
-    labels = {c.calibration.camera for c in known if c.calibration}
+def has_words(terms: Sequence[str], name: str, consensuses: Sequence[ConsensusDocument]) -> bool:
+    """True if every word that is wanted begins a word of the camera's name, labels or USB vendor."""
+    labels = {c.calibration.camera for c in consensuses if c.calibration}
     text = unicodedata.normalize("NFKC", " ".join((name, *labels))).casefold()
-    there = [*words(text), *vendor_words(usb_id(known))]
-    return all(any(word.startswith(w) for word in there) for w in wanted)
+    there = [*words(text), *vendor_words(usb_id(consensuses))]
+    return all(any(word.startswith(w) for word in there) for w in terms)
 
 
-def is_listed(known: Sequence[ConsensusDocument], min_contributors: int) -> bool:
-    """Tell whether a camera is shown to who does not ask for it by its key.
+def is_listed(consensuses: Sequence[ConsensusDocument], min_contributors: int) -> bool:
+    """True if a camera is shown to who does not ask for it by its key.
 
     A label is whatever its sender wrote. So it is, once the database vouches for the camera, or calibrations
     of another contributor agree. Where one contributor suffices for everything, as at home, its first
     consensus suffices: until that is there, nothing is known but a name.
     """
     enough = min(_MIN_LISTED_CONTRIBUTORS, min_contributors)
-    return (enough == 1 and bool(known)) or any(
-        c.reliable or (c.calibration is not None and c.calibration.contributors >= enough) for c in known
+    return (enough == 1 and bool(consensuses)) or any(
+        c.reliable or (c.calibration is not None and c.calibration.contributors >= enough)
+        for c in consensuses
     )
 
 
 def group_by_mode(
-    known: Sequence[ConsensusDocument],
+    consensuses: Sequence[ConsensusDocument],
 ) -> Iterator[tuple[SizeAndZoom, list[ConsensusDocument]]]:
     """Yield the consensuses of every size and zoom, the largest picture first."""
 
     def order(c: ConsensusDocument) -> tuple[int, tuple[int, int], float]:
         return -c.img_size[0] * c.img_size[1], c.img_size, c.zoom
 
-    for _, found in itertools.groupby(sorted(known, key=order), key=order):
-        here = list(found)
+    for _, members in itertools.groupby(sorted(consensuses, key=order), key=order):
+        here = list(members)
         yield (here[0].img_size, here[0].zoom), here
 
 
 def best_modes(
-    known: Sequence[ConsensusDocument], limit: int
+    consensuses: Sequence[ConsensusDocument], limit: int
 ) -> list[tuple[SizeAndZoom, list[ConsensusDocument]]]:
     """Select from `group_by_mode` at most `limit` sizes and zooms: the reliable, then the most calibrated."""
-    found = list(group_by_mode(known))
-    weights = [(any(c.reliable for c in here), max(c.total for c in here)) for _, here in found]
-    ranked = sorted(range(len(found)), key=lambda i: weights[i], reverse=True)
-    return [found[i] for i in sorted(ranked[:limit])]
+    groups = list(group_by_mode(consensuses))
+    weights = [(any(c.reliable for c in here), max(c.total for c in here)) for _, here in groups]
+    ranked = sorted(range(len(groups)), key=lambda i: weights[i], reverse=True)
+    return [groups[i] for i in sorted(ranked[:limit])]
 
 
-def best_consensus(known: Sequence[ConsensusDocument]) -> ConsensusDocument:
+def best_consensus(consensuses: Sequence[ConsensusDocument]) -> ConsensusDocument:
     """Return the consensus that speaks for a size: a reliable one, of those the one of most calibrations."""
-    return max(known, key=lambda c: (c.reliable, c.calibration.calibrations if c.calibration else 0))
+    return max(consensuses, key=lambda c: (c.reliable, c.calibration.calibrations if c.calibration else 0))
 
 
 def count_agreeing(best: ConsensusDocument) -> int:
@@ -84,19 +87,19 @@ def count_agreeing(best: ConsensusDocument) -> int:
     return best.calibration.calibrations if best.calibration else 0
 
 
-def usb_id(known: Sequence[ConsensusDocument]) -> str | None:
-    """Return the USB id `vid:pid` in the camera's labels, None where they have none."""
-    named = ((c.calibration.camera, c.calibration.platform) for c in known if c.calibration)
-    return next((found for name in named if (found := identify(*name).usb_id)), None)
+def usb_id(consensuses: Sequence[ConsensusDocument]) -> str | None:
+    """Return the USB id `vid:pid` in the camera's labels, None if they have none."""
+    named = ((c.calibration.camera, c.calibration.platform) for c in consensuses if c.calibration)
+    return next((usb for name in named if (usb := identify(*name).usb_id)), None)
 
 
 def camera_entry(
-    key: str, name: str, known: Sequence[ConsensusDocument], min_calibrations: int
+    key: str, name: str, consensuses: Sequence[ConsensusDocument], min_calibrations: int
 ) -> CameraEntry:
     """Return a camera as a search shows it; `name`: its normalised label."""
-    camera, platform = display_name(name, known)
+    camera, platform = display_name(name, consensuses)
     sizes = []
-    for (img_size, zoom), here in group_by_mode(known):
+    for (img_size, zoom), here in group_by_mode(consensuses):
         best = best_consensus(here)
         sizes.append(
             CameraSize(
@@ -112,7 +115,7 @@ def camera_entry(
                 calibration_time=best.calibration.calibration_time if best.calibration else None,
             )
         )
-    own = usb_id(known)
+    own = usb_id(consensuses)
     return CameraEntry(
         key=key,
         camera=camera,
@@ -123,10 +126,31 @@ def camera_entry(
     )
 
 
-def display_name(name: str, known: Sequence[ConsensusDocument]) -> tuple[str, str]:
+def display_name(name: str, consensuses: Sequence[ConsensusDocument]) -> tuple[str, str]:
     """Return label and platform of the newest calibration, or else the normalised label."""
-    found: list[Calibration] = [c.calibration for c in known if c.calibration]
-    if not found:
+    calibrations: list[Calibration] = [c.calibration for c in consensuses if c.calibration]
+    if not calibrations:
         return name, ""
-    newest = max(found, key=lambda c: (c.calibration_time, c.camera))
+    newest = max(calibrations, key=lambda c: (c.calibration_time, c.camera))
     return newest.camera, newest.platform
+
+
+def camera_mode(
+    store: Store, min_calibrations: int, mode: StreamMode, consensuses: list[ConsensusDocument]
+) -> CameraMode:
+    """Describe a mode of a camera by its consensuses, with the calibrations behind them."""
+    best = best_consensus(consensuses)
+    behind = store.consensuses.groups(best)
+    groups = behind.groups if behind else ()
+    return CameraMode(
+        img_size=mode.img_size,
+        zoom=mode.zoom,
+        calibrations=max(c.total for c in consensuses),
+        contributors=best.calibration.contributors if best.calibration else 0,
+        agreeing=count_agreeing(best),
+        required=min_calibrations,
+        reason=None if best.reliable else best.reason,
+        groups=groups,
+        consensus={c.distortion_model: c.calibration for c in consensuses if c.calibration},
+        members=tuple(store.cameras.members(mode, frozenset(groups[0] if groups else ()), _MAX_MEMBERS)),
+    )

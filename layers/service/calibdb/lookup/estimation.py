@@ -1,4 +1,4 @@
-"""Estimate for a lookup that misses: what is stored of the camera, as evidence beside published facts."""
+"""Estimate for a lookup that misses: stored data of the camera, as evidence besides published facts."""
 
 from __future__ import annotations
 
@@ -118,14 +118,14 @@ def _other_sizes(request: LookupRequest, known: Sequence[ConsensusDocument], kin
 
 def _elsewhere(calibration: Calibration, request: LookupRequest, kind: str) -> Evidence:
     value, size = calibrated_log_tan(calibration), calibration.img_size
-    found = other_size(kind, value, size, request.img_size, calibration.calibrations)
+    evidence = other_size(kind, value, size, request.img_size, calibration.calibrations)
     if calibration.zoom == request.zoom:
-        return found
+        return evidence
     if system_of(request.platform).is_file and request.zoom > 0 and calibration.zoom > 0:
-        return found.shifted(math.log(calibration.zoom / request.zoom), _FOCAL_SIGMA)
+        return evidence.shifted(math.log(calibration.zoom / request.zoom), _FOCAL_SIGMA)
     to_change, to_sigma = zoom_change(request.zoom)
     from_change, from_sigma = zoom_change(calibration.zoom)
-    return found.shifted(to_change - from_change, math.hypot(to_sigma, from_sigma))
+    return evidence.shifted(to_change - from_change, math.hypot(to_sigma, from_sigma))
 
 
 def _reports(request: LookupRequest, kind: str) -> list[Evidence]:

@@ -22,7 +22,7 @@ _MAX_ANGLE_RAD = {"rectilinear": 1.4, "rational": 1.4, "fisheye": 1.9, "omnidire
 
 
 def is_projectable(camera: Calibration) -> bool:
-    """Tell whether this module knows the formulas of the camera's model."""
+    """True if this module knows the formulas of the camera's model."""
     return camera.distortion_model in _MAX_ANGLE_RAD
 
 

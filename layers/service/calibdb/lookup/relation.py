@@ -1,7 +1,7 @@
 """Relation of a camera's pictures at two sizes (scale, crop, or both), verified by its calibrations at both.
 
 A camera makes its smaller pictures by scaling the larger, by cutting out of it, or by both; which it does is
-nobody's to guess: of one camera 960x720 shows the same as 640x480, and 1920x1080 two thirds of it. So a
+not to be guessed: of one camera 960x720 shows the same as 640x480, and 1920x1080 two thirds of it. So a
 relation is *verified*: the lens must draw the same picture in both, over all of the part that both show.
 """
 
@@ -104,7 +104,7 @@ def _fit_scale(one: Calibration, other: Calibration) -> float | None:
 
 
 def _is_verified(one: Calibration, other: Calibration, window: Window) -> bool:
-    """Tell whether `one`'s picture through `window` is `other`'s, a turn of the camera aside."""
+    """True if `one`'s picture through `window` is `other`'s, a turn of the camera aside."""
     (_, _, cx), (_, _, cy), _ = transfer_intrinsics(one, window)[0]
     (_, _, ox), (_, _, oy), _ = other.camera_matrix
     width = other.img_size[0]

@@ -1,4 +1,4 @@
-"""Selection of the consensus that answers a lookup, among all of a camera."""
+"""Selection of the consensus that a lookup returns, among all of a camera."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ class Choice:
 
 
 def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str) -> Choice:
-    """Select what answers a lookup.
+    """Select the result of a lookup.
 
     Parameters
     ----------
     known
         All consensuses of the camera.
     img_size, zoom, model
-        What is asked for. Another zoom is other optics and never answers. The exact size comes first, then
+        The request. Another zoom is other optics and never a result. The exact size comes first, then
         the closest: by aspect, then by area.
 
     Returns
@@ -45,27 +45,29 @@ def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: 
         (c.img_size, c.distortion_model): c for c in known if c.zoom == zoom
     }
     for size in sorted({size for size, _ in here}, key=lambda s: closeness(s, img_size)):
-        wanted = here.get((size, model))
-        if wanted is not None and wanted.reliable:
-            return Choice(found=wanted)
+        requested = here.get((size, model))
+        if requested is not None and requested.reliable:
+            return Choice(found=requested)
         others = [c for (other, _), c in here.items() if other == size and c.reliable]
         # Not computed yet, or not since the calibrations came in that made another model reliable.
-        if any(wanted is None or (wanted.total, wanted.latest) < (c.total, c.latest) for c in others):
+        if any(
+            requested is None or (requested.total, requested.latest) < (c.total, c.latest) for c in others
+        ):
             return Choice(missing_at=size)
     order = sorted(here.items(), key=lambda known: known[0][1] != model)
     exact = [c.reason for (size, _), c in order if size == img_size and c.reason]
     return Choice(reason=exact[0] if exact else "too_few" if here else "unknown_camera")
 
 
-def closeness(size: tuple[int, int], asked: tuple[int, int]) -> tuple[bool, float, float]:
+def closeness(size: tuple[int, int], requested: tuple[int, int]) -> tuple[bool, float, float]:
     """Sort key of sizes by closeness: the same first, then by aspect, then by area."""
-    aspect = 0.0 if same_aspect(size, asked) else _aspect_log(size, asked)
-    area = abs(math.log(size[0] * size[1] / (asked[0] * asked[1])))
-    return size != asked, aspect, area
+    aspect = 0.0 if same_aspect(size, requested) else _aspect_log(size, requested)
+    area = abs(math.log(size[0] * size[1] / (requested[0] * requested[1])))
+    return size != requested, aspect, area
 
 
 def same_aspect(one: tuple[int, int], other: tuple[int, int]) -> bool:
-    """Tell whether two sizes have one aspect."""
+    """True if two sizes have one aspect."""
     return _aspect_log(one, other) < _MAX_ASPECT_LOG
 
 

@@ -1,6 +1,6 @@
 """Well-known USB ids: those that are calibrated well enough to say which camera a name means.
 
-Anybody can invent a USB id. So an id counts under its name, beside others, only once the database has a
+Anyone can invent a USB id. So an id counts under its name, next to others, only once the database has a
 reliable consensus for it, or once as many contributors agree on one as a reliable one needs; and only by the
 number of those contributors (`calibdb.store.cameras.CameraRecords`). Every new consensus refreshes this.
 """
@@ -18,8 +18,8 @@ _MAX_ROUNDS = 5  # others that are overtaken, one after the other
 def refresh_well_known(store: Store, camera_key: str, thresholds: Thresholds) -> None:
     """Mark the camera as well known under its name, or not, by its calibrations at every size and zoom.
 
-    Computations of two sizes may do this at once, and the one that has seen less may write last. So whoever
-    has written looks again: what is there by then was seen by the last of them.
+    Computations of two sizes may do this at once, and the one that has seen less may write last. So each
+    looks again after its write, and the last one sees everything.
     """
     for _ in range(_MAX_ROUNDS):
         if not _refresh_once(store, camera_key, thresholds):
@@ -27,15 +27,15 @@ def refresh_well_known(store: Store, camera_key: str, thresholds: Thresholds) ->
 
 
 def _refresh_once(store: Store, camera_key: str, thresholds: Thresholds) -> bool:
-    """Write the mark; False where it was written already, or no calibration counts any more."""
+    """Write the mark; False if it was written already, or no calibration counts any more."""
     modes = store.calibrations.modes(camera_key)
     if not modes:
         return False  # its names are gone
     support, some = IdSupport(), ""
     for mode in modes:
-        for known in store.consensuses.at(mode):
-            if known.calibration and (known.reliable or known.reason == "too_few"):
-                support = max(support, IdSupport(known.reliable, known.calibration.contributors))
+        for consensus in store.consensuses.at(mode):
+            if consensus.calibration and (consensus.reliable or consensus.reason == "too_few"):
+                support = max(support, IdSupport(consensus.reliable, consensus.calibration.contributors))
         counted = store.calibrations.newest(mode, thresholds.max_calibrations, thresholds.contributor_period)
         some = some or next((calibration.id for calibration in counted), "")
     document = store.calibrations.get(some) if some else None

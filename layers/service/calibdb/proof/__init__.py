@@ -1,1 +1,1 @@
-"""Proof of an origin: a file on it, fetched from public HTTPS addresses alone."""
+"""Proof of an origin: a file on it, fetched only from public HTTPS addresses."""

@@ -45,7 +45,7 @@ _SPECIAL_IPV6 = tuple(
 
 
 def is_public(text: str) -> bool:
-    """Tell whether `text` is an address of the public internet, as a resolver or a socket writes it."""
+    """True if `text` is an address of the public internet, as a resolver or a socket writes it."""
     try:
         address = ipaddress.ip_address(text)
     except ValueError:

@@ -43,8 +43,8 @@ class ProofError(Exception):
 
 def resolve(host: str) -> list[str]:
     """Return the addresses of a name, as the system's resolver orders them."""
-    found = socket.getaddrinfo(host, _HTTPS_PORT, type=socket.SOCK_STREAM)
-    return list(dict.fromkeys(str(entry[4][0]) for entry in found))
+    addresses = socket.getaddrinfo(host, _HTTPS_PORT, type=socket.SOCK_STREAM)
+    return list(dict.fromkeys(str(entry[4][0]) for entry in addresses))
 
 
 def connect(address: str, timeout_s: float) -> socket.socket:
@@ -170,7 +170,7 @@ def _request(host: str) -> bytes:
 
 
 def _receive(secured: ssl.SSLSocket, clock: Callable[[], float], deadline: float) -> bytes:
-    """Read the answer to its end; ProofError where it is too large or too slow."""
+    """Read the response to its end; ProofError if it is too large or too slow."""
     received = bytearray()
     while True:
         secured.settimeout(_seconds_left(deadline, clock))

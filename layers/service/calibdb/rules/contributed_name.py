@@ -1,4 +1,4 @@
-"""Name of a camera: the one that most of its contributors sent, so that nobody names it for the others."""
+"""Name of a camera: the one that most of its contributors sent."""
 
 from __future__ import annotations
 

@@ -23,9 +23,9 @@ class Step:
     model
         Name of the distortion model.
     stored
-        The consensus that is stored, None where there is none.
+        The consensus that is stored, None if there is none.
     action
-        `keep`: nothing has changed. `recount`: only the votes have. `pool`: the calibrations are pooled anew,
+        `keep`: nothing has changed. `recount`: only the votes have. `pool`: the calibrations are repooled,
         and the votes counted.
     """
 
@@ -44,9 +44,9 @@ def plan_refit(
     stored
         Consensuses by model.
     pool_digest
-        Of the calibrations that count, and of the rules and the code that pool them.
+        Digest of the calibrations that count, and of the rules and the code that pool them.
     input_digest
-        Of these and the votes: everything that a consensus is computed from.
+        Digest of these and the votes: all inputs of a consensus.
     """
     return [_step(model, stored.get(model), pool_digest, input_digest) for model in models]
 
@@ -70,7 +70,7 @@ def pool_digest(method: int, ids: Sequence[str], thresholds: Thresholds, solver_
     method
         Number of the method of pooling.
     ids
-        Of the calibrations that count, the newest first.
+        Ids of the calibrations that count, the newest first.
     """
     t = thresholds
     rule = (

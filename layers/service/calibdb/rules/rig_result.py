@@ -127,7 +127,7 @@ def _verdict(rig: Rig, fit: RigFit) -> RigVerdict:
         reasons.append("uncertain")
     if fit.held_out_rms is not None and fit.held_out_rms > MAX_HELD_OUT_RATIO * fit.rms:
         reasons.append("held_out")
-    views = sum(len(seen) for _, seen in rig.moments())
+    views = sum(len(by_position) for _, by_position in rig.moments())
     if len(fit.set_aside) > MAX_SET_ASIDE_SHARE * views:
         reasons.append("set_aside")
     if not reasons:

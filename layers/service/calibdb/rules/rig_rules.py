@@ -12,11 +12,10 @@ from __future__ import annotations
 
 import hashlib
 import hmac
-from collections.abc import Collection, Mapping, Sequence
-from typing import Any
+from collections.abc import Collection, Sequence
 
 from calibdb.errors import ConflictError, ForbiddenError, InvalidError
-from calibdb.rules import session_result, session_rules
+from calibdb.rules import session_result
 from calibdb.rules.session_rules import MIN_RECORDED_VIEWS, already_converged, view_fingerprint
 from calibdb.schema import (
     RigDocument,
@@ -83,7 +82,7 @@ def begin(request: RigRequest, rig: str, session: SessionDocument, contributor: 
 
 
 def with_lead(session: SessionDocument, rig: str, source: str | None = None) -> SessionDocument | None:
-    """Make a session camera 0 of its rig; None where it is.
+    """Make a session camera 0 of its rig; None if it is.
 
     Raises ConflictError for a session that is in another rig, or has begun alone.
     """
@@ -119,7 +118,7 @@ def require_linking_board(board: Board) -> None:
 
 
 def require_open(document: RigDocument) -> None:
-    """Raise ConflictError when the rig is finished."""
+    """Raise ConflictError if the rig is finished."""
     if document.finish is not None:
         raise ConflictError("The rig is finished and accepts no more changes.", kind="rig-finished")
 
@@ -133,7 +132,7 @@ def require_leader(document: RigDocument, sid: str) -> None:
 
 
 def position_of(document: RigDocument, sid: str) -> int | None:
-    """Return the position of a session, None where it is no member."""
+    """Return the position of a session, None if it is not a member."""
     return next((i for i, m in enumerate(document.members) if m is not None and m.session == sid), None)
 
 
@@ -144,19 +143,19 @@ def join(
     member: MemberDocument,
     abandoned: Collection[int] = (),
 ) -> tuple[RigDocument | None, RigMembership]:
-    """Add a member; return the document, None where it is one already, and its place.
+    """Add a member; return the document, None if it is one already, and its place.
 
-    `abandoned`: positions of members whose session is no more. Raises InvalidError naming the field.
+    `abandoned`: positions of members whose session was deleted. Raises InvalidError naming the field.
     """
     if document.finish is not None:
         raise _cannot_join(wanted, "the rig is finished")
     if board != document.board:
         raise InvalidError.field("board", "all cameras of a rig see one board, and the rig has another")
-    known = position_of(document, member.session)
-    if known is not None:
-        if wanted.position not in (None, known):
-            raise InvalidError.field("rig.position", f"this session has position {known}")
-        return None, RigMembership(id=document.rig, position=known)
+    current = position_of(document, member.session)
+    if current is not None:
+        if wanted.position not in (None, current):
+            raise InvalidError.field("rig.position", f"this session has position {current}")
+        return None, RigMembership(id=document.rig, position=current)
     count = len(document.members)
     free = [i for i in range(1, count) if document.members[i] is None or i in abandoned]
     if not free:
@@ -172,24 +171,24 @@ def join(
 
 
 def _cannot_join(wanted: RigJoin, detail: str, field: str = "rig.id") -> InvalidError:
-    """Return the error of a rig that takes nobody; of a code it is the same whatever the reason."""
+    """Return the error of a rig that cannot be joined; for codes it is the same for every reason."""
     return wrong_code() if wanted.code is not None else InvalidError.field(field, detail)
 
 
 def with_code(document: RigDocument, code: CodeDocument, now: int) -> tuple[RigDocument, Sequence[str]]:
     """Add a join code; return the document, and the digests of those that no longer lead to it."""
     valid = [one for one in document.codes if one.until > now]
-    kept = [*valid, code][-MAX_CODES:]
-    gone = [one.digest for one in document.codes if one not in kept]
-    return document.model_copy(update={"codes": tuple(kept)}), gone
+    codes = [*valid, code][-MAX_CODES:]
+    gone = [one.digest for one in document.codes if one not in codes]
+    return document.model_copy(update={"codes": tuple(codes)}), gone
 
 
 def with_moment(document: RigDocument, moment: str, now: int) -> RigDocument | None:
-    """Open a moment; None where it is open. Raises ConflictError."""
+    """Open a moment; None if it is open. Raises ConflictError."""
     require_open(document)
-    for known in document.moments:
-        if known.id == moment:
-            if known.undone:
+    for one in document.moments:
+        if one.id == moment:
+            if one.undone:
                 raise moment_undone()
             return None
     if len(document.moments) >= MAX_MOMENTS:
@@ -199,31 +198,30 @@ def with_moment(document: RigDocument, moment: str, now: int) -> RigDocument | N
 
 
 def without_moment(document: RigDocument, moment: str) -> RigDocument | None:
-    """Undo a moment; None where it is undone. Raises ConflictError, and InvalidError of an unknown one."""
+    """Undo a moment; None if it is undone. Raises ConflictError, and InvalidError of an unknown one."""
     require_open(document)
-    if not any(known.id == moment for known in document.moments):
+    if not any(one.id == moment for one in document.moments):
         raise InvalidError.field("moment", "this rig never opened it")
-    if any(known.id == moment and known.undone for known in document.moments):
+    if any(one.id == moment and one.undone for one in document.moments):
         return None
     changed = [
-        known.model_copy(update={"undone": True}) if known.id == moment else known
-        for known in document.moments
+        one.model_copy(update={"undone": True}) if one.id == moment else one for one in document.moments
     ]
     return document.model_copy(update={"moments": tuple(changed)})
 
 
 def with_skip(document: RigDocument, basis: str, pose: Sequence[float] | None) -> RigDocument:
     """Note that the target shown after the views of digest `basis` is not wanted; None: it has no pose."""
-    known = document.skips if document.skips and document.skips.basis == basis else SkipsDocument(basis=basis)
-    poses = known.poses if pose is None else (*known.poses, tuple(pose))[-MAX_SKIPPED_POSES:]
-    changed = known.model_copy(update={"poses": poses, "missed": known.missed + (pose is None)})
+    skips = document.skips if document.skips and document.skips.basis == basis else SkipsDocument(basis=basis)
+    poses = skips.poses if pose is None else (*skips.poses, tuple(pose))[-MAX_SKIPPED_POSES:]
+    changed = skips.model_copy(update={"poses": poses, "missed": skips.missed + (pose is None)})
     return document.model_copy(update={"skips": changed})
 
 
 def with_finish(document: RigDocument, decided: RigDocument, finish: RigFinish) -> RigDocument:
     """End the rig with everything that publishing it needs.
 
-    Raises ConflictError where it is no longer the one that was `decided` on.
+    Raises ConflictError if it is not the `decided` one any more.
     """
     if (document.members, document.moments) != (decided.members, decided.moments):
         raise ConflictError("The rig changed meanwhile; send this request again.", kind="overtaken")
@@ -236,26 +234,26 @@ def require_moment(document: RigDocument | None, session: SessionDocument, view:
     Raises InvalidError of the field `moment`, or ConflictError.
     """
     if document is None:
-        raise InvalidError.field("moment", "the rig of this session is no more")
+        raise InvalidError.field("moment", "the rig of this session was deleted")
     if position_of(document, session.session) is None:
         raise InvalidError.field("moment", "this session's place in the rig was given to another")
     require_open(document)
-    known = next((one for one in document.moments if one.id == view.moment), None)
-    if known is None:
+    moment = next((one for one in document.moments if one.id == view.moment), None)
+    if moment is None:
         raise InvalidError.field("moment", "the leader of the rig has not opened it")
-    if known.undone:
+    if moment.undone:
         raise moment_undone()
 
 
 def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
-    """Tell whether `view` replays one that this session of a rig has; False when its moment is open.
+    """True if `view` replays one that this session of a rig has; False if its moment is open.
 
     The moment says what a view is of, its index nothing: a client that was without its network sends late.
-    Raises ConflictError when the moment carries another view.
+    Raises ConflictError if the moment carries another view.
     """
-    for known in session.views:
-        if known.moment == view.moment:
-            if view_fingerprint(known) == view_fingerprint(view):
+    for stored in session.views:
+        if stored.moment == view.moment:
+            if view_fingerprint(stored) == view_fingerprint(view):
                 return True
             raise ConflictError("This camera has another view of the moment.", kind="other-content")
     if session.finish is not None:
@@ -263,22 +261,18 @@ def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
     return False
 
 
-def ending_of(session: SessionDocument, outcome: Mapping[str, Any], solver: str, now: int) -> EndingDocument:
-    """Decide on the end of a session by what the solver says: its estimate, its views' errors, a report."""
-    known = session_rules.estimate_document(outcome["estimate"], now)
-    changed = session_rules.with_estimate(session, known, outcome["statuses"])
-    who = session.contributor or ""
-    ended = session_result.with_finish(changed, now, who, solver, outcome["report"], session.source)
+def ending_of(ended: SessionDocument) -> EndingDocument:
+    """Return the end of a session that has ended, as its rig keeps it."""
     if ended.finish is None:
         raise ValueError("the session has not ended")
     views = tuple((view.index, view.rms, view.set_aside) for view in ended.views)
-    return EndingDocument(session=session.session, estimate=ended.estimate, finish=ended.finish, views=views)
+    return EndingDocument(session=ended.session, estimate=ended.estimate, finish=ended.finish, views=views)
 
 
 def end_session(session: SessionDocument, ending: EndingDocument) -> SessionDocument | None:
-    """End a session as its rig ended; None where it has ended. Views that came too late are dropped.
+    """End a session as its rig ended; None if it has ended. Views that came too late are dropped.
 
-    None, too, where it was started anew after that was decided: it is another capture.
+    Also None if it was restarted after that decision: it is another capture.
     """
     if session.finish is not None or session_result.calibration_id(session) != ending.finish.calibration_id:
         return None

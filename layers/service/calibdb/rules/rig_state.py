@@ -43,7 +43,7 @@ _SET_ASIDE_DETAILS: Mapping[SetAsideReason, str] = {
 
 @dataclass(frozen=True)
 class Rig:
-    """A running rig: its document, and the sessions by position, None where there is none."""
+    """A running rig: its document, and the sessions by position, None if there is none."""
 
     document: RigDocument
     sessions: tuple[SessionDocument | None, ...]
@@ -77,7 +77,10 @@ class Rig:
     def basis(self, solver: str) -> str:
         """Compute the digest of everything that the fit follows from: the views that take part, and whose."""
         cameras = [[position, session.session, session.first_version] for position, session in self.present]
-        views = [[name, sorted((p, v.index) for p, v in seen.items())] for name, seen in self._used_moments()]
+        views = [
+            [name, sorted((p, v.index) for p, v in by_position.items())]
+            for name, by_position in self._used_moments()
+        ]
         text = json.dumps([solver, len(self.sessions), cameras, views])
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
@@ -97,8 +100,8 @@ class Rig:
             "board": self.document.board.model_dump(),
             "cameras": [_camera(session) for session in self.sessions],
             "moments": [
-                {"id": name, "views": {p: {"ids": v.ids, "points": v.points} for p, v in seen.items()}}
-                for name, seen in self._used_moments()
+                {"id": name, "views": {p: {"ids": v.ids, "points": v.points} for p, v in by_position.items()}}
+                for name, by_position in self._used_moments()
             ],
             "skipped": skips.poses if skips else (),
             "missed": skips.missed if skips else 0,
@@ -107,16 +110,17 @@ class Rig:
     def _used_moments(self) -> list[tuple[str, dict[int, ViewDocument]]]:
         """List the moments with those of their views that no session has set aside."""
         used = [
-            (name, {p: v for p, v in seen.items() if v.set_aside is None}) for name, seen in self.moments()
+            (name, {p: v for p, v in by_position.items() if v.set_aside is None})
+            for name, by_position in self.moments()
         ]
-        return [(name, seen) for name, seen in used if seen]
+        return [(name, by_position) for name, by_position in used if by_position]
 
     def count_agreeing(self, fit: RigFit | None) -> list[int]:
         """Count the views of each camera that agree with the others."""
         out = {(one.moment, one.position) for one in fit.set_aside} if fit else set()
         counts = [0] * len(self.sessions)
-        for name, seen in self._used_moments():
-            for position in seen:
+        for name, by_position in self._used_moments():
+            for position in by_position:
                 counts[position] += (name, position) not in out
         return counts
 
@@ -143,7 +147,7 @@ def state(rig: Rig, estimate: RigEstimateDocument) -> RigState:
         unit=unit(rig.document),
         cameras=tuple(_cameras(rig, moments)),
         moment=_latest(rig, moments),
-        moments=tuple(_moment(name, seen, fit) for name, seen in moments),
+        moments=tuple(_moment(name, by_position, fit) for name, by_position in moments),
         uncertainty=fit and fit.uncertainty,
         target_error=rig.target_error,
         progress=progress(rig, estimate),
@@ -161,7 +165,7 @@ def unit(document: RigDocument) -> Any:
 
 
 def is_converged(rig: Rig, fit: RigFit | None) -> bool:
-    """Tell whether the rig is as sure as it is to be."""
+    """True if the rig is as sure as it is to be."""
     enough = min(rig.count_agreeing(fit)) >= MIN_AGREEING_VIEWS
     return fit is not None and enough and fit.uncertainty.rms <= rig.target_error
 
@@ -188,26 +192,26 @@ def _cameras(rig: Rig, moments: Sequence[tuple[str, Mapping[int, ViewDocument]]]
             img_size=session and session.img_size,
             distortion_model=session and session.distortion_model,
             status="waiting" if session is None else "capturing",
-            views=sum(position in seen for _, seen in moments),
+            views=sum(position in by_position for _, by_position in moments),
         )
 
 
 def _latest(rig: Rig, moments: Sequence[tuple[str, Mapping[int, ViewDocument]]]) -> LatestMoment | None:
-    """Return the moment that was opened last, None where that is undone."""
+    """Return the moment that was opened last, None if that is undone."""
     if not moments or moments[-1][0] != rig.document.moments[-1].id:
         return None
-    name, seen = moments[-1]
-    return LatestMoment(id=name, positions=tuple(sorted(seen)))
+    name, by_position = moments[-1]
+    return LatestMoment(id=name, positions=tuple(sorted(by_position)))
 
 
-def _moment(name: str, seen: Mapping[int, ViewDocument], fit: RigFit | None) -> RigMoment:
-    reasons = {p: _REASONS[v.set_aside.reason] for p, v in seen.items() if v.set_aside is not None}
+def _moment(name: str, by_position: Mapping[int, ViewDocument], fit: RigFit | None) -> RigMoment:
+    reasons = {p: _REASONS[v.set_aside.reason] for p, v in by_position.items() if v.set_aside is not None}
     if fit is not None:
         reasons |= {one.position: one.reason for one in fit.set_aside if one.moment == name}
     aside = [
         MomentSetAside(position=p, reason=r, detail=_SET_ASIDE_DETAILS[r]) for p, r in sorted(reasons.items())
     ]
-    return RigMoment(id=name, positions=tuple(sorted(seen)), set_aside=tuple(aside))
+    return RigMoment(id=name, positions=tuple(sorted(by_position)), set_aside=tuple(aside))
 
 
 def _advice(rig: Rig, estimate: RigEstimateDocument) -> Iterator[RigAdvice]:
@@ -233,7 +237,7 @@ def _advice(rig: Rig, estimate: RigEstimateDocument) -> Iterator[RigAdvice]:
         yield RigAdvice(code="set_aside", text=text, positions=others)
     turned = tuple(sorted({one.position for one in fit.turned}))
     if turned:
-        text = "In some views the board was numbered from another side; this was mended."
+        text = "In some views the board was numbered from another side; this was corrected."
         yield RigAdvice(code="turned", text=text, positions=turned)
     few = tuple(i for i, n in enumerate(rig.count_agreeing(fit)) if n < MIN_AGREEING_VIEWS)
     if few:

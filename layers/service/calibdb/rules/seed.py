@@ -8,14 +8,14 @@ from calibdb.schema import ConsensusDocument, FitRecord
 
 
 def find_seed(
-    known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
+    consensuses: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
 ) -> FitRecord | None:
     """Find the reliable consensus of this camera at this size, zoom and model.
 
-    A capture starts from this initial camera, which is no part of its result and need not be right. What is
+    A capture starts from this initial camera, which is not part of its result and need not be right. What is
     not reliable starts nothing: it may be one person's, of another camera.
     """
-    for consensus in known:
+    for consensus in consensuses:
         same = (consensus.img_size, consensus.zoom, consensus.distortion_model) == (img_size, zoom, model)
         if same and consensus.reliable and consensus.calibration is not None:
             return FitRecord.model_validate(consensus.calibration.model_dump())

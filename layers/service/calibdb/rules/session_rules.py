@@ -79,7 +79,7 @@ def begin(
 
 
 def is_same_start(running: SessionDocument, asked: SessionDocument) -> bool:
-    """Tell whether `asked` would have started the session that is running."""
+    """True if `asked` would have started the session that is running."""
     names = (
         *("camera", "platform", "img_size", "zoom", "distortion_model", "board", "guidance", "target_error"),
         *("track", "capture", "rig", "licence", "licence_version"),
@@ -88,9 +88,9 @@ def is_same_start(running: SessionDocument, asked: SessionDocument) -> bool:
 
 
 def is_idempotent_replay(document: SessionDocument, view: ViewDocument) -> bool:
-    """Tell whether `view` replays one that was accepted before; False when its index is open.
+    """True if `view` replays one that was accepted before; False if its index is open.
 
-    Raises ConflictError when the index carries another view, was undone, or is not open (yet).
+    Raises ConflictError if the index carries another view, was undone, or is not open (yet).
     """
     for known in document.views:
         if known.index == view.index:
@@ -216,9 +216,9 @@ def with_duplicate(document: SessionDocument) -> SessionDocument:
 
 
 def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDocument | None:
-    """Keep a refused view in quarantine; None when it is there already.
+    """Keep a refused view in quarantine; None if it is there already.
 
-    Nobody sees it, and it never becomes part of the result. When more views like it come, the accepted ones
+    It is not shown, and never becomes part of the result. When more views like it come, the accepted ones
     were wrong.
     """
     if any(view_fingerprint(known) == view_fingerprint(view) for known in document.doubted):
@@ -227,7 +227,7 @@ def with_quarantined(document: SessionDocument, view: ViewDocument) -> SessionDo
 
 
 def without_view(document: SessionDocument, index: int) -> tuple[ViewDocument, ...] | None:
-    """Remove the view of `index` and return the others; None when it was undone before.
+    """Remove the view of `index` and return the others; None if it was undone before.
 
     Raises ConflictError on a converged session, NotFoundError for an index that no view ever had.
     """
@@ -307,7 +307,7 @@ def without_target(document: SessionDocument) -> SessionDocument:
 
 
 def require_open(document: SessionDocument) -> None:
-    """Raise ConflictError when the session has converged."""
+    """Raise ConflictError if the session has converged."""
     if document.finish is not None:
         raise already_converged()
 

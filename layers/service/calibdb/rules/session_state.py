@@ -23,13 +23,13 @@ def state(document: SessionDocument) -> SessionState:
 
 
 def view_answer(document: SessionDocument, reason: Refusal | None, hint: Hint | None = None) -> ViewAnswer:
-    """Make the answer to a view: the state, and where it was refused why, and what to do."""
+    """Make the response to a view: the state and, after a refusal, its reason and a remedy."""
     members = {**_members(document), "accepted": reason is None, "reason": reason, "hint": hint}
     return ViewAnswer.model_validate(members)
 
 
 def batch_answer(document: SessionDocument, results: Sequence[BatchResult]) -> BatchAnswer:
-    """Make the answer to a batch of views: the state, and the result of each view that was judged."""
+    """Make the response to a batch: the state, and the result of each judged view."""
     return BatchAnswer.model_validate({**_members(document), "results": tuple(results)})
 
 

@@ -1,6 +1,6 @@
 """Counting of sources: how many lines of the network they are at least.
 
-One line of the network commonly has an IPv4 and an IPv6 address, and nothing tells which belong together. So
+One line of the network commonly has an IPv4 and an IPv6 address, and nothing shows which belong together. So
 of the sources of the two families only those of the larger one count: no line is counted twice.
 """
 
@@ -18,5 +18,5 @@ def family(source: str) -> str:
 
 
 def count_lines(sources: Iterable[str]) -> int:
-    """Count different sources, those of the larger family alone."""
+    """Count different sources, only those of the larger family."""
     return max(Counter(map(family, set(sources))).values(), default=0)

@@ -9,9 +9,9 @@ to the guidance page, so that new calibrations come. Votes can withhold an answe
   by one family of addresses (`calibdb.rules.sources`), so that one line of the network has one vote;
 * votes against count from the newest calibration that agrees on, and as many as there are for it must be
   there, and a third as many as contributed to it;
-* what a consensus is measured by is the checker's own: the noise of the views, and the camera that they
-  alone give. The noise behind the consensus is its maker's to choose;
-* pictures that a calibration was made of are no independent check of it, whoever sends them;
+* a consensus is measured by the checker's own data: the noise of the views, and the camera that they
+  determine. The noise behind the consensus is its maker's to choose;
+* images that a calibration was made of are not an independent check of it;
 * agreement cannot be bought with empty views: those that would fit any camera are not counted.
 """
 
@@ -30,7 +30,7 @@ from calibdb.schema.fields import size_text, zoom_text
 from calibdb.schema.lookup import Reason
 from calibdb.settings import Thresholds
 
-_NOISE_FLOOR_WIDTHS = 1e-4  # of the image's width: errors below it are nobody's concern
+_NOISE_FLOOR_WIDTHS = 1e-4  # of the image's width: smaller errors do not matter
 _MAX_EXCESS_WIDTHS = 5e-4  # of the width: error beyond the noise that no ratio excuses
 _SPECIMEN_SPREAD_WIDTHS = 4e-3  # of the width: specimens of one product differ by that, rms over the image
 _MAX_SIGMAS = 3.0  # standard deviations of the views' own camera
@@ -41,7 +41,7 @@ MAX_INFORMATIVE_UNCERTAINTY = (
 
 @dataclass(frozen=True)
 class OwnCamera:
-    """The camera that views alone give: px rms over the image, from the consensus, and as predicted."""
+    """Camera determined by the views: px rms over the image, from the consensus, and as predicted."""
 
     difference: float
     uncertainty: float
@@ -57,18 +57,18 @@ class Finding:
 
 
 def is_explained(error: float, noise: float, width: int, ratio: float) -> bool:
-    """Tell whether a consensus explains views that have this error under it.
+    """True if a consensus explains views that have this error under it.
 
     Parameters
     ----------
     error
-        px rms of the views under the consensus, the poses alone fitted.
+        px rms of the views under the consensus; only poses are fitted.
     noise
         px rms of the same views under a camera fitted to them: what no camera can do better.
     width
-        Of the image, px.
+        Width of the image, px.
     ratio
-        Of the error to the noise, up to which it fits.
+        Largest ratio of the error to the noise that fits.
     """
     return error <= min(ratio * expected_error(noise, width), math.hypot(noise, _MAX_EXCESS_WIDTHS * width))
 
@@ -79,7 +79,7 @@ def expected_error(noise: float, width: int) -> float:
 
 
 def is_same_camera(difference: float, uncertainty: float, width: int) -> bool:
-    """Tell whether a consensus may be the camera that views give by themselves.
+    """True if a consensus may be the camera that these views determine.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def is_same_camera(difference: float, uncertainty: float, width: int) -> bool:
     uncertainty
         px rms over the image, predicted of the views' own.
     width
-        Of the image, px.
+        Width of the image, px.
     """
     return difference <= math.hypot(_SPECIMEN_SPREAD_WIDTHS * width, _MAX_SIGMAS * uncertainty)
 
@@ -99,7 +99,7 @@ def decide_vote(
     """Decide whether views vote for a consensus (True), against it (False), or neither (None).
 
     Views that fit any camera say nothing for this one; views that do not fit it say something against it.
-    `own`: the camera that they alone give, None where they give none. Where its model is another, it may
+    `own`: the camera that the views determine, None if they do not. Where its model is another, it may
     differ in corners that the views do not reach, and what is not alike is only no agreement.
     """
     if not is_explained(error, noise, width, ratio):
@@ -134,7 +134,7 @@ def vote_id(request: CheckRequest, camera_key: str, source: str, sid: str, now: 
 
 
 def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, one_per_source: bool) -> Votes:
-    """Count votes: those against a consensus from `since` on alone.
+    """Count votes: those against a consensus only from `since` on.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def tally(findings: Iterable[Finding], since: int, sources: frozenset[str], *, o
     since
         Unix seconds of the newest calibration in the group that agrees.
     sources
-        Of the calibrations that were considered.
+        Sources of the considered calibrations.
     one_per_source
         True if contributors can be distinguished: each source then has one vote, the newest.
     """
@@ -171,15 +171,15 @@ def decide_reliability(
     Parameters
     ----------
     found
-        Why its calibrations alone do not make it reliable.
+        Reason why its calibrations do not make it reliable.
     votes
-        What checks said.
+        Votes of checks.
     thresholds
         The deployment's.
     confirmable
         True if only more calibrations like these are missing.
     contributors
-        Of the group that agrees.
+        Contributors of the agreeing group.
     """
     doubts = max(thresholds.min_votes, math.ceil(thresholds.min_doubt * contributors))
     if votes.disagree >= doubts and votes.disagree >= votes.agree:

@@ -48,14 +48,14 @@ SquareCount = Annotated[int, Field(strict=True, ge=1, le=MAX_SQUARES), Whole, Af
 
 
 def _is_usual(value: str | bool | float) -> bool:
-    """Tell whether a member that older records and clients do not know has its default: it is left out."""
+    """True if a member that older records and clients do not know has its default: it is left out."""
     return value in ("charuco", False, DEFAULT_TAG_SPACING)
 
 
 class Board(Strict):
     """A flat calibration board.
 
-    `charuco`: squares with a marker in every white one. `chessboard`: squares alone. The corner `id` of both
+    `charuco`: squares with a marker in every white one. `chessboard`: only squares. The corner `id` of both
     is `row * (squares_x - 1) + column`, counted over the inner corners. `aprilgrid`: tags with a gap between
     them; `squares` counts tags, row by row from the lower left, and the corner `id` is `4 * tag + corner`,
     corners anticlockwise from the tag's lower left.

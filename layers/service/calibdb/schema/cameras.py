@@ -38,7 +38,9 @@ class CamerasRequest(Deferred):
     limit: Annotated[int, Field(ge=1, le=MAX_CAMERAS), BeforeValidator(_whole)] = Field(
         20, description="A page."
     )
-    after: str | None = Field(None, max_length=256, description="`next` of an answer to the same query.")
+    after: str | None = Field(
+        None, max_length=256, description="`next` of the previous page of the same query."
+    )
 
 
 class CameraSize(Open):
@@ -68,7 +70,7 @@ class CameraEntry(Open):
 
 
 class CameraList(Open):
-    """The cameras found, and where to go on. A page may hold fewer than asked for, even none, and go on."""
+    """Matching cameras, and `next`. A page may have fewer than requested, even none, although more follow."""
 
     cameras: tuple[CameraEntry, ...]
     next: str | None = Field(description="`after` of the next page; null: there is none.")

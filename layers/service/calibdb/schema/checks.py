@@ -8,9 +8,10 @@ from pydantic import Field, model_validator
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration
-from calibdb.schema.device import DEVICE_TEXT, DeviceModel, join_device
 from calibdb.schema.documents import Votes
 from calibdb.schema.fields import (
+    DEVICE_TEXT,
+    DeviceModel,
     DistortionModel,
     ImgSize,
     Label,
@@ -18,6 +19,7 @@ from calibdb.schema.fields import (
     Row,
     Strict,
     Zoom,
+    join_device,
 )
 from calibdb.schema.licence import Licensed
 from calibdb.schema.lookup import ResizeMode
@@ -54,7 +56,7 @@ class CheckRequest(Strict, Licensed):
     )
     board: Board = Board()
     views: tuple[CheckView, ...] = Field(
-        min_length=1, max_length=MAX_VIEWS, description="Tilted differently; one alone tells little."
+        min_length=1, max_length=MAX_VIEWS, description="Views with different tilts."
     )
     calibration: GivenCalibration | None = Field(
         None,

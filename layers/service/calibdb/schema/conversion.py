@@ -9,7 +9,7 @@ from pydantic import Field
 from calibdb.schema.export import FormatName
 from calibdb.schema.fields import DistortionModel, ImgSize, Label, Strict, Whole
 
-MAX_FILE_CHARACTERS = 100_000  # of a file with a camera alone: most have a few hundred
+MAX_FILE_CHARACTERS = 100_000  # of a file with one camera: most have a few hundred
 MAX_FILE_CAMERAS = 64  # of a file
 
 
@@ -20,7 +20,7 @@ class ConvertRequest(Strict):
         min_length=1,
         max_length=MAX_FILE_CHARACTERS,
         description="Content of the file: a camera matrix and distortion. Corners in it are kept in "
-        "`photonvision` alone.",
+        "`photonvision` only.",
     )
     encoding: Literal["text", "base64"] = Field("text", description="`base64` of a numpy archive (.npz).")
     format: FormatName = Field("calibdb", description="Requested format.")

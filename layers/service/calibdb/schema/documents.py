@@ -44,7 +44,7 @@ class EstimateDocument(Open):
 
 
 class Finish(Open):
-    """Outcome fixed when the session converged. Publishing it follows from the document alone."""
+    """Outcome fixed when the session converged. Publishing it needs only the document."""
 
     calibration_id: str
     time: int  # unix seconds
@@ -76,7 +76,7 @@ class SessionDocument(CaptureDocument):
     """All of a running session: `sessions/<sid>/<version>.json`."""
 
     session: str
-    first_version: int = 1  # differs between a session and the one started anew under its id
+    first_version: int = 1  # differs between a session and a restarted one with the same id
     started: int  # unix seconds
     contributor: str | None = None  # who started it, for one who wants to be forgotten; of old none
     source: str | None = None  # where they are, hashed; of a session in a rig, which others end
@@ -111,7 +111,7 @@ class CalibrationDocument(CaptureDocument):
         return self.source or self.contributor
 
     def answer(self) -> Calibration:
-        """Return the calibration of the session's own model, as the API answers it."""
+        """Return the calibration of the session's own model, as the API returns it."""
         return Calibration.of(
             self.fits[self.distortion_model],
             id=self.id,
@@ -141,7 +141,7 @@ class ShapeDocument(Open):
 class VoteDocument(Open, Licensed):
     """One check that counts: `votes/<camera key>/<id>.json`. Never overwritten.
 
-    It keeps the views, not the finding: they are scored anew whenever the consensus changes, so that no
+    It keeps the views, not the finding: they are scored again whenever the consensus changes, so that no
     consensus inherits what was found of another.
     """
 
@@ -183,7 +183,7 @@ class ConsensusDocument(Open):
     latest: int  # unix seconds; of the newest of these
     basis: str = ""
     pooled: str = ""
-    found: Reason | None = None  # why the calibrations alone do not make it reliable
+    found: Reason | None = None  # why its calibrations do not make it reliable
     confirmable: bool = False  # as many more calibrations as are missing, agreeing, would make it reliable
     votes: Votes = Votes()
     reason: Reason | None = None  # why it is not reliable
@@ -191,7 +191,7 @@ class ConsensusDocument(Open):
 
     @property
     def reliable(self) -> bool:
-        """Tell whether a lookup may answer with it."""
+        """True if lookups may return it."""
         return self.calibration is not None and self.calibration.reliable
 
 

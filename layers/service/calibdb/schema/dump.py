@@ -100,7 +100,7 @@ class Tally(Open):
 
 
 class DumpDraft(Open):
-    """A dump that is being written, as far as it is; it goes on from here after a crash.
+    """A dump that is being written, as far as it is; it continues from here after a crash.
 
     `key`: names contributors in this dump, and is thrown away with the draft.
     """

@@ -1,4 +1,4 @@
-"""Query of an export: the format, and the picture made of the camera's of which the file is to be."""
+"""Query of an export: the format, and the changes of the image."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _indices(value: Any) -> Any:
 
 
 MIN_SIDE_PX = 64
-"""Side of a part that is cut out, and of a picture after a resize: of less no lens can be told."""
+"""Side of a part that is cut out, and of a picture after a resize: smaller ones determine no lens."""
 Position = Annotated[int, Field(ge=0, le=MAX_IMAGE_SIDE_PX)]
 Side = Annotated[int, Field(strict=True, ge=MIN_SIDE_PX, le=MAX_IMAGE_SIDE_PX), Whole]
 Size = Annotated[tuple[Side, Side], AfterValidator(camera_like)]
@@ -88,5 +88,5 @@ class ExportQuery(Open):
 
     @property
     def plain(self) -> bool:
-        """Tell whether the calibration itself is asked for, of the camera's own picture."""
+        """True if the calibration itself is asked for, of the camera's own picture."""
         return self.format == "calibdb" and not (self.crop or self.resize or self.rotate or self.mirror)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import unicodedata
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Literal, Protocol, get_args
 
 from pydantic import (
     AfterValidator,
@@ -16,6 +16,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from calibdb.camera_key.system import with_device
 from calibdb.camera_key.visible import MAX_TEXT_LENGTH, visible
 from calibdb.schema.deferred import Deferred
 
@@ -29,7 +30,7 @@ IPV6_SOURCE = "v6-"  # beginning of a contributor's source that is an IPv6 site
 
 
 class Strict(Deferred):
-    """A request: what it does not know it refuses, so that a misspelt option is heard of."""
+    """A request that refuses unknown members, so that misspelt options are reported."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
 
@@ -141,3 +142,31 @@ def size_text(img_size: tuple[int, int]) -> str:
 def zoom_text(zoom: float) -> str:
     """Return the shortest writing to six decimals: `0`, `1.5`."""
     return f"{zoom:.6f}".rstrip("0").rstrip(".")
+
+
+DeviceModel = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9][\w ()+.,&-]*$")]
+DEVICE_TEXT = (
+    "Model identifier of the phone, `iPhone17,3`, if label and platform do not name the model. It becomes a "
+    "part of `platform`, and so of the camera's key."
+)
+
+
+class Named(Protocol):
+    """Request that names a platform, and perhaps a device."""
+
+    @property
+    def platform(self) -> str:
+        """Platform of the camera."""
+
+    @property
+    def device(self) -> str | None:
+        """Model identifier."""
+
+
+def join_device(request: Named) -> None:
+    """Make the device that a request names a part of its platform."""
+    if request.device is None:
+        return
+    joined = with_device(request.platform, request.device)
+    if len(joined) <= MAX_LABEL:
+        object.__setattr__(request, "platform", joined)  # the model is frozen from here on

@@ -27,7 +27,7 @@ LicenceVersion = Annotated[str, Field(max_length=10), AfterValidator(_date)]
 
 
 class Licensed(Deferred):
-    """Fields of whatever holds views. Without a licence these count, and are never given away."""
+    """Licence of a document with views. Views without one count, and are never published."""
 
     licence: Licence | None = Field(
         None,

@@ -4,14 +4,25 @@ from __future__ import annotations
 
 import re
 from typing import Annotated, Literal, Self
+from urllib.parse import urlencode
 
 from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field, model_validator
 
 from calibdb.schema.board import Board
 from calibdb.schema.deferred import Deferred
-from calibdb.schema.device import DEVICE_TEXT, DeviceModel, join_device
 from calibdb.schema.estimate import Estimate
-from calibdb.schema.fields import DistortionModel, ImgSize, Label, Open, Zoom
+from calibdb.schema.fields import (
+    DEVICE_TEXT,
+    DeviceModel,
+    DistortionModel,
+    ImgSize,
+    Label,
+    Open,
+    Zoom,
+    join_device,
+    size_text,
+    zoom_text,
+)
 from calibdb.schema.observed_corners import ObservedCorners
 
 Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors", "imprecise"]
@@ -95,6 +106,19 @@ class LookupRequest(Deferred):
     miss: Literal["ok"] | None = Field(
         None, description="`ok`: a miss returns 200 with `calibration: null` instead of 307 or 404."
     )
+
+    @property
+    def key_query(self) -> str:
+        """Query of the guidance page that calibrates this camera."""
+        return urlencode(
+            {
+                "camera": self.camera,
+                "platform": self.platform,
+                "img_size": size_text(self.img_size),
+                "zoom": zoom_text(self.zoom),
+                "distortion_model": self.distortion_model,
+            }
+        )
 
     @model_validator(mode="after")
     def _join_device(self) -> Self:

@@ -21,7 +21,7 @@ Position = Annotated[int, Field(strict=True, ge=0, lt=MAX_RIG_CAMERAS), Whole]
 
 
 def is_none(value: object) -> bool:
-    """Tell whether a member that older records and clients do not know is absent: it is left out."""
+    """True if a member that older records and clients do not know is absent: it is left out."""
     return value is None
 
 

@@ -33,7 +33,7 @@ PROOF_PATH = "/.well-known/calibdb.txt"
 
 
 def is_loopback(origin: str) -> bool:
-    """Tell whether pages of `origin` are on the machine of who opens them."""
+    """True if pages of `origin` are on the machine of who opens them."""
     match = _LOOPBACK.fullmatch(origin[: MAX_ORIGIN_LENGTH + 1])
     if match is None:
         return False
@@ -60,7 +60,7 @@ def proof_host(origin: str) -> str | None:
 
 
 def requirement(origin: str) -> str | None:
-    """Return the text of what an origin must be and is not; None where a token may have it."""
+    """Return the text of what an origin must be and is not; None if a token may have it."""
     if is_loopback(origin) or proof_host(origin) is not None:
         return None
     if origin != origin.lower():

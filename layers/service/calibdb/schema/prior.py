@@ -1,4 +1,4 @@
-"""A calibration from elsewhere whose keypoints nobody knows: a first guess for a capture, nothing more."""
+"""A calibration without keypoints, from another source: only a first guess for a capture."""
 
 from __future__ import annotations
 

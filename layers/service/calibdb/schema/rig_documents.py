@@ -46,7 +46,7 @@ class CodeDocument(Open):
 
 
 class EndingDocument(Open):
-    """End of one camera's session, fixed when the rig ends: publishing it follows from this alone."""
+    """End of one camera's session, fixed when the rig ends: publishing it needs only this."""
 
     session: str
     estimate: EstimateDocument

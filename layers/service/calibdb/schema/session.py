@@ -8,9 +8,10 @@ from pydantic import Field, model_validator
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration, Uncertainty
-from calibdb.schema.device import DEVICE_TEXT, DeviceModel, join_device
 from calibdb.schema.fields import (
+    DEVICE_TEXT,
     CaptureKind,
+    DeviceModel,
     DistortionModel,
     Guidance,
     ImgSize,
@@ -22,12 +23,13 @@ from calibdb.schema.fields import (
     Strict,
     TargetError,
     Zoom,
+    join_device,
 )
 from calibdb.schema.licence import Licence, LicenceVersion, Licensed
 from calibdb.schema.membership import MomentId, RigJoin, RigMembership
 from calibdb.schema.observed_corners import ObservedCorners
 
-MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends by itself long before
+MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends long before
 Fact = Annotated[str, Field(max_length=64)]
 Quantity = Annotated[float, Field(ge=-1e9, le=1e9)]
 Refusal = Literal["too_few_points", "degenerate", "mirrored", "outlier", "duplicate", "no_information"]
@@ -154,7 +156,7 @@ class ViewState(Open):
     index: int
     points: int
     rms: float | None = Field(
-        description="px; null as long as there is no fit. Of a view set aside: with its pose fitted alone."
+        description="px; null as long as there is no fit. Of a view set aside: with only its pose fitted."
     )
     set_aside: SetAside | None = None
     on_target: bool | None = Field(

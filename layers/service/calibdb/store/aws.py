@@ -37,7 +37,7 @@ _STORAGE = Config(
     retries={"mode": "standard", "total_max_attempts": 3},
     tcp_keepalive=True,
 )
-# Who reads the secrets tries again by itself, with pauses that spread a crowd.
+# Reads of the secrets are retried, with pauses that spread a crowd.
 _SECRETS = Config(connect_timeout=1, read_timeout=2, retries={"mode": "standard", "total_max_attempts": 1})
 # A computation is asked for once: repeating it because it is slow would make it slower.
 _INVOKE = Config(connect_timeout=1, read_timeout=25, retries={"mode": "standard", "total_max_attempts": 1})
@@ -111,12 +111,12 @@ class DynamoTable:
         self._name = name
 
     def get(self, pk: str, sk: str, *, consistent: bool = True) -> Item | None:
-        """Return the item, None when there is none."""
+        """Return the item, None if there is none."""
         with available():
-            found = self._client().get_item(
+            response = self._client().get_item(
                 TableName=self._name, Key={"pk": {"S": pk}, "sk": {"S": sk}}, ConsistentRead=consistent
             )
-        return _decode(found["Item"]) if "Item" in found else None
+        return _decode(response["Item"]) if "Item" in response else None
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
         """Write the item; False, and nothing written, when `condition` does not hold."""
@@ -240,14 +240,14 @@ class DynamoTable:
             {} if after is None else {"ExclusiveStartKey": {"pk": {"S": pk}, "sk": {"S": after}}}
         )
         with available():
-            found = self._client().query(
+            response = self._client().query(
                 TableName=self._name,
                 KeyConditionExpression="pk = :pk AND begins_with(sk, :prefix)",
                 ExpressionAttributeValues={":pk": {"S": pk}, ":prefix": {"S": prefix}},
                 Limit=limit,
                 **start,
             )
-        return [_decode(item) for item in found["Items"]], "LastEvaluatedKey" in found
+        return [_decode(item) for item in response["Items"]], "LastEvaluatedKey" in response
 
     def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
         """Yield the keys of all items whose `pk` begins with `pk_prefix`. Reads the whole table."""
@@ -289,7 +289,7 @@ class DynamoTable:
 
 
 def _is_conditional_failure(error: ClientError) -> bool:
-    """Tell whether a transaction failed for its condition, or for another writer of the same items."""
+    """True if a transaction failed for its condition, or for another writer of the same items."""
     reasons = [str(r.get("Code")) for r in error.response.get("CancellationReasons", [])]
     return code(error) == "TransactionCanceledException" and set(reasons) <= {
         "None",
@@ -356,21 +356,21 @@ class S3Objects:
         self._bucket = bucket
 
     def get(self, name: str) -> bytes | None:
-        """Return the object's content, None when there is none; raises DeniedReadError."""
-        found = self.get_version(name)
-        return None if found is None else found[0]
+        """Return the object's content, None if there is none; raises DeniedReadError."""
+        version = self.get_version(name)
+        return None if version is None else version[0]
 
     def get_version(self, name: str) -> tuple[bytes, str] | None:
-        """Return the object's content and the tag of this version, None where there is none.
+        """Return the object's content and the tag of this version, None if there is none.
 
         Raises DeniedReadError.
         """
         with available():
             try:
-                found = self._client().get_object(Bucket=self._bucket, Key=name)
-                return found["Body"].read(), found["ETag"]
+                response = self._client().get_object(Bucket=self._bucket, Key=name)
+                return response["Body"].read(), response["ETag"]
             except ClientError as error:
-                # To whom may not list, S3 says of a missing object that it is forbidden, too.
+                # Without permission to list, S3 also returns 403 for a missing object.
                 if code(error) == "AccessDenied":
                     self._confirm_missing(name)
                 elif code(error) != "NoSuchKey":
@@ -400,7 +400,7 @@ class S3Objects:
             listed = self._client().list_objects_v2(Bucket=self._bucket, Prefix=name, MaxKeys=1)
         except (ClientError, BotoCoreError) as error:
             raise DeniedReadError("Storage denied a read; try again.") from error
-        if any(found["Key"] == name for found in listed.get("Contents", [])):
+        if any(entry["Key"] == name for entry in listed.get("Contents", [])):
             raise DeniedReadError("Storage denied a read; try again.")
 
     def create(self, name: str, content: bytes) -> bool:
@@ -465,12 +465,12 @@ class S3Objects:
         with available():
             pages = self._client().get_paginator("list_object_versions")
             for page in pages.paginate(Bucket=self._bucket, Prefix=name):
-                for found in (*page.get("Versions", []), *page.get("DeleteMarkers", [])):
-                    if found["Key"] == name:  # others may begin with it
-                        yield found["VersionId"]
+                for entry in (*page.get("Versions", []), *page.get("DeleteMarkers", [])):
+                    if entry["Key"] == name:  # others may begin with it
+                        yield entry["VersionId"]
 
     def delete(self, names: Sequence[str]) -> None:
-        """Remove the objects, those that there are."""
+        """Remove the objects that exist."""
         for start in range(0, len(names), _MAX_OBJECTS_PER_DELETE):
             batch = names[start : start + _MAX_OBJECTS_PER_DELETE]
             with available():
@@ -484,8 +484,8 @@ class S3Objects:
         pages = self._client().get_paginator("list_objects_v2")
         with available():
             for page in pages.paginate(Bucket=self._bucket, Prefix=prefix, **start):
-                for found in page.get("Contents", []):
-                    yield found["Key"]
+                for entry in page.get("Contents", []):
+                    yield entry["Key"]
 
 
 class LambdaJobs:

@@ -1,6 +1,6 @@
 """Finished calibrations: objects, to which only a licence is ever added, and the index items that find them.
 
-One that was withdrawn keeps its object; a tombstone beside it, `<id>.withdrawn.json`, says so, and its item
+One that was withdrawn keeps its object; a tombstone next to it, `<id>.withdrawn.json`, says so, and its item
 is marked. It counts for nothing any more, and publishing it again does not bring it back.
 """
 
@@ -65,13 +65,13 @@ class Calibrations:
         self._catalogue = Names(table)
 
     def get(self, calibration_id: str) -> CalibrationDocument | None:
-        """Return the calibration, None when there is none that this version can read."""
+        """Return the calibration, None if there is none that this version can read."""
         name = calibration_object(calibration_id)
         content = self._objects.get(name) if name else None
         return _document(content) if content is not None else None
 
     def withdrawal(self, document: CalibrationDocument) -> Withdrawal | None:
-        """Return for what kind of reason the calibration was withdrawn, None where it counts.
+        """Return for what kind of reason the calibration was withdrawn, None if it counts.
 
         What an operator wrote beyond the kind is for operators.
         """
@@ -90,12 +90,12 @@ class Calibrations:
     def license(self, calibration_id: str, given: Licensed) -> None:
         """Add a licence to a calibration that has none: the one change that is ever made to its object."""
         name = _name(calibration_id)
-        while (found := self._objects.get_version(name)) is not None:
-            document = CalibrationDocument.model_validate_json(found[0])
+        while (version := self._objects.get_version(name)) is not None:
+            document = CalibrationDocument.model_validate_json(version[0])
             if document.licence is not None:
                 return
             licensed = document.model_copy(update=given.consent)
-            if self._objects.replace(name, licensed.model_dump_json().encode(), found[1]):
+            if self._objects.replace(name, licensed.model_dump_json().encode(), version[1]):
                 self._table.put(_item(with_current_key(licensed)), _NOT_WITHDRAWN)
                 return
 
@@ -108,7 +108,7 @@ class Calibrations:
             self._catalogue.index(document)
 
     def withdraw(self, document: CalibrationDocument, reason: str, now: int) -> bool:
-        """Let the calibration count for nothing any more; False when it was withdrawn before."""
+        """Let the calibration count for nothing any more; False if it was withdrawn before."""
         content = json.dumps({"layout": 1, "id": document.id, "reason": reason, "time": now})
         created = self._objects.create(_tombstone(document.id), content.encode())
         self.index(document, withdrawn=True)
@@ -128,7 +128,7 @@ class Calibrations:
         Where there are more, those of the last days.
 
         Only those that count: not withdrawn, and of the stream as the camera gives it. With a `period`,
-        seconds, contributors are told apart: then only evidence (`quality_gates.is_evidence`), one of each
+        seconds, contributors are distinguished: then only evidence (`quality_gates.is_evidence`), one of each
         source in a period, and of each source the newest `MAX_PER_SOURCE`. 0: all of them.
         """
         counted: list[CountedCalibration] = []
@@ -157,19 +157,19 @@ class Calibrations:
     def licence(self, camera_key: str) -> str | None:
         """Return the licence under which every calibration of the camera was given; None of one without."""
         items = self._table.query(camera_pk(camera_key), "CALIBRATION#")
-        given = {str(item.get("licence", "")) for item in items if "withdrawn" not in item}
-        return (given.pop() or None) if len(given) == 1 else None
+        licences = {str(item.get("licence", "")) for item in items if "withdrawn" not in item}
+        return (licences.pop() or None) if len(licences) == 1 else None
 
     def _not_withdrawn(self, camera_key: str) -> list[tuple[StreamMode, str]]:
         """Return mode and id of every calibration of the camera that was not withdrawn."""
         items = self._table.query(camera_pk(camera_key), "CALIBRATION#", consistent=True)
         parsed = (parse_calibration_sk(str(item["sk"])) for item in items if "withdrawn" not in item)
-        return [(StreamMode(camera_key, found[0], found[1]), found[2]) for found in parsed if found]
+        return [(StreamMode(camera_key, place[0], place[1]), place[2]) for place in parsed if place]
 
     def read(self, ids: Sequence[str]) -> list[CalibrationDocument]:
         """Return the calibrations with these ids in their order, without those of a later version.
 
-        Raises DeniedReadError where one that the index names is not there.
+        Raises DeniedReadError if one that the index names is not there.
         """
         if len(ids) < 2:
             return [document for name in ids if (document := self._read_indexed(name)) is not None]
@@ -250,8 +250,8 @@ def _tombstone(calibration_id: str) -> str:
 def _item(document: CalibrationDocument) -> Item:
     fit = document.fits.get(document.distortion_model)
     shown = fit.model_dump_json(include={"camera_matrix", "avg_reprojection_error"}) if fit else "{}"
-    given: Item = {"licence": document.licence} if document.licence else {}
-    return given | {
+    item: Item = {"licence": document.licence} if document.licence else {}
+    return item | {
         "pk": camera_pk(document.camera_key),
         "sk": calibrations_prefix(document.img_size, document.zoom) + document.id,
         "camera": document.camera,

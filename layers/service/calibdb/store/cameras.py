@@ -29,7 +29,7 @@ class IdSupport:
 def rivals(supports: Mapping[str, IdSupport]) -> tuple[str, ...]:
     """Select the ids that a name may mean.
 
-    Where one of them is reliable only reliable ones, and of those whoever has a third of the contributors
+    If one of them is reliable only reliable ones, and of those the ones with a third of the contributors
     that the best known has: an invented id takes no name from a camera that many know.
     """
     if not supports:
@@ -54,7 +54,7 @@ class CameraRecords:
         Keys under which the camera may be known: the USB ids seen with this name, or the key that today's
         rules give to a camera of earlier ones.
     well_known
-        Those of them that are known well enough to be told apart from others.
+        Well-known ids among them.
     """
 
     consensuses: list[ConsensusDocument]
@@ -88,9 +88,9 @@ class Cameras:
         )
 
     def set_id_support(self, camera_key: str, names: Iterable[str], support: IdSupport | None) -> bool:
-        """Write down under the keys `names` how the camera stands beside others of them; None: not at all.
+        """Store under the keys `names` how well known the camera is; None: not at all.
 
-        False where it was written there already.
+        False if it was written there already.
         """
         written = False
         for name in sorted(names):
@@ -105,7 +105,7 @@ class Cameras:
         return written
 
     def name(self, camera_key: str) -> str | None:
-        """Return the normalised label of a camera, None when none is known under this key."""
+        """Return the normalised label of a camera, None if none is known under this key."""
         item = self._table.get(ALL, camera_key, consistent=False)
         return str(item["name"]) if item else None
 
@@ -117,8 +117,8 @@ class Cameras:
         """
         # A prefix may not be empty; that of every key is its version's letter.
         items, more = self._table.page(ALL + word[:1], word or "c", limit, after)
-        found = {str(item["sk"]).rpartition("#")[2]: str(item["name"]) for item in items}
-        return list(found.items()), str(items[-1]["sk"]) if more and items else None
+        names = {str(item["sk"]).rpartition("#")[2]: str(item["name"]) for item in items}
+        return list(names.items()), str(items[-1]["sk"]) if more and items else None
 
     def members(self, mode: StreamMode, group: frozenset[str], limit: int) -> list[CameraMember]:
         """Return the newest calibrations at a size and zoom that count; `group`: those that agree."""
@@ -135,7 +135,7 @@ def _id_support(item: Item) -> IdSupport | None:
 
 
 def is_place(word: str, after: str) -> bool:
-    """Tell whether `after` is where a search for `word` can go on."""
+    """True if `after` is where a search for `word` can go on."""
     before, _, key = after.rpartition("#")
     return PATTERN.fullmatch(key) is not None and after.startswith(word) and bool(before) == bool(word)
 

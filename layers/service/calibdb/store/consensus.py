@@ -1,8 +1,7 @@
 """Consensuses: index items that hold the answers to lookups, ready to send.
 
-Whoever computes one reads first what is stored, then what there is to compute from, and writes on condition
-that what is stored is still what it read. So whatever it finds stored was made from less than it has seen,
-and an older result never replaces a newer one, however long the one or the other took.
+A computation reads first the stored consensus, then its inputs, and writes on condition that the stored one
+is still the same. So an older result never replaces a newer one, however long either took.
 """
 
 from __future__ import annotations
@@ -35,15 +34,15 @@ class Consensuses:
         return documents(self._table.query(mode.pk, f"CONSENSUS#{mode.text}#", consistent=True))
 
     def get(self, consensus_id: str) -> ConsensusDocument | None:
-        """Return the consensus with this id, None when there is none."""
+        """Return the consensus with this id, None if there is none."""
         place = parse_consensus_id(consensus_id)
         item = self._table.get(*place, consistent=False) if place else None
         return _document(item) if item else None
 
     def put(self, document: ConsensusDocument, groups: GroupsDocument | None, before: str | None) -> bool:
-        """Store the consensus, and what is behind it; False when another was stored meanwhile.
+        """Store the consensus, and what is behind it; False if another was stored meanwhile.
 
-        `groups`: None where they are as they were. `before`: `basis` of the one that was stored when the
+        `groups`: None if they are as they were. `before`: `basis` of the one that was stored when the
         calibrations were read; None: there was none.
         """
         place = document.img_size, document.zoom, document.distortion_model
@@ -60,7 +59,7 @@ class Consensuses:
         return self._table.put_transaction((consensus, behind), _still(before))
 
     def drop(self, document: ConsensusDocument) -> bool:
-        """Forget the consensus: all that it rested on is gone. False when another was stored meanwhile."""
+        """Forget the consensus: all that it rested on is gone. False if another was stored meanwhile."""
         place = document.img_size, document.zoom, document.distortion_model
         pk = camera_pk(document.camera_key)
         if not self._table.delete(pk, consensus_sk(*place), _still(document.basis)):
@@ -69,19 +68,19 @@ class Consensuses:
         return True
 
     def groups(self, document: ConsensusDocument) -> GroupsDocument | None:
-        """Read the groups document behind the consensus, None when it has changed meanwhile."""
+        """Read the groups document behind the consensus, None if it has changed meanwhile."""
         sk = groups_sk(document.img_size, document.zoom, document.distortion_model)
         item = self._table.get(camera_pk(document.camera_key), sk, consistent=False)
         if item is None:
             return None
-        found = GroupsDocument.model_validate_json(str(item["document"]))
-        return found if found.pooled == document.pooled else None
+        groups_document = GroupsDocument.model_validate_json(str(item["document"]))
+        return groups_document if groups_document.pooled == document.pooled else None
 
 
 def _still(before: str | None) -> Condition:
     if before is None:
         return IF_NOT_EXISTS
-    # Items written before there was a basis beside the document give way.
+    # Items without a basis, from earlier versions, give way.
     return absent("basis") | equals(basis=before)
 
 

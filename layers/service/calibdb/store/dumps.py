@@ -1,6 +1,6 @@
 """Dumps: public objects under `dumps/` in the bucket of the site, and the draft of the one being written.
 
-The draft lies in the bucket of keypoints, which nobody else reads: it holds the key by which contributors are
+The draft is in the private bucket of keypoints: it holds the key by which contributors are
 named. A condition on its version keeps two writers apart.
 """
 
@@ -14,7 +14,7 @@ from calibdb.store.ports import Objects
 FOLDER = "dumps/"
 LATEST, STATISTICS = f"{FOLDER}latest.json", f"{FOLDER}statistics.json"
 JSON, GZIP = "application/json", "application/gzip"
-# A part never changes; it may be removed, when somebody wants to be forgotten.
+# A part never changes; it is removed when a contributor is forgotten.
 _CACHE_CONTROL = {JSON: "public, max-age=60, s-maxage=300", GZIP: "public, max-age=3600"}
 _DRAFT = f"{FOLDER}draft.json"
 
@@ -27,12 +27,12 @@ class Dumps:
         self._public = site
 
     def latest(self) -> Dump | None:
-        """Return the newest dump, None where none was written yet."""
+        """Return the newest dump, None if none was written yet."""
         content = self._public.get(LATEST)
         return None if content is None else Dump.model_validate_json(content)
 
     def statistics(self) -> Statistics | None:
-        """Return the figures of the newest dump, None where there are none yet."""
+        """Return the figures of the newest dump, None if there are none yet."""
         content = self._public.get(STATISTICS)
         return None if content is None else Statistics.model_validate_json(content)
 
@@ -49,20 +49,20 @@ class Dumps:
         return self._public.purge_all_versions(names)
 
     def draft(self) -> tuple[DumpDraft, str] | None:
-        """Return the draft and the tag of its version, None where no dump is being written."""
-        found = self._keypoints.get_version(_DRAFT)
-        return None if found is None else (DumpDraft.model_validate_json(found[0]), found[1])
+        """Return the draft and the tag of its version, None if no dump is being written."""
+        version = self._keypoints.get_version(_DRAFT)
+        return None if version is None else (DumpDraft.model_validate_json(version[0]), version[1])
 
     def begin(self, draft: DumpDraft) -> bool:
-        """Store the draft of a new dump; False where another is being written."""
+        """Store the draft of a new dump; False if another is being written."""
         return self._keypoints.create(_DRAFT, draft.model_dump_json().encode())
 
     def advance(self, draft: DumpDraft, tag: str) -> str | None:
         """Store the draft over its version `tag`; return its new tag, None if another writer was faster."""
         if not self._keypoints.replace(_DRAFT, draft.model_dump_json().encode(), tag):
             return None
-        found = self._keypoints.get_version(_DRAFT)
-        return None if found is None else found[1]
+        version = self._keypoints.get_version(_DRAFT)
+        return None if version is None else version[1]
 
     def end(self) -> None:
         """Throw the draft away, and with it the key."""
@@ -73,5 +73,5 @@ class Dumps:
         return self._keypoints.names(prefix, after)
 
     def read(self, name: str) -> bytes | None:
-        """Return a stored document, None where it is gone."""
+        """Return a stored document, None if it is gone."""
         return self._keypoints.get(name)

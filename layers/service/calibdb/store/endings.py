@@ -1,6 +1,6 @@
 """Endings: what follows from the document of a session, or of a rig, once it says that it has ended.
 
-Each step is idempotent: whoever asks again completes what a crash left undone.
+Each step is idempotent: a repeated request completes what a crash left undone.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from calibdb.errors import NotFoundError
 from calibdb.rules import rig_rules, session_result
 from calibdb.schema import DISTORTION_MODELS, RefitRequest, RigDocument, SessionDocument
 from calibdb.schema.rig_documents import EndingDocument
+from calibdb.schema.session import LicenceRequest
 from calibdb.store.store import Store
 
 
@@ -24,6 +25,22 @@ def publish(store: Store, document: SessionDocument) -> None:
             models=DISTORTION_MODELS,
         )
     )
+
+
+def license_session(store: Store, sid: str, request: LicenceRequest, now: int) -> SessionDocument:
+    """Add the contributor's licence to a session and to what it published; return the session."""
+
+    def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
+        if document.licence is not None:
+            return None, document
+        changed = document.model_copy(update=request.consent)
+        return changed, changed
+
+    document = store.sessions.update(sid, now, change)
+    if document.finish is not None:
+        publish(store, document)  # if a crash left that undone
+        store.calibrations.license(document.finish.calibration_id, request)
+    return document
 
 
 def publish_rig(store: Store, document: RigDocument, now: int) -> None:
@@ -42,7 +59,7 @@ def end_sessions(store: Store, document: RigDocument, now: int) -> list[SessionD
 
 
 def _end(store: Store, ending: EndingDocument, now: int) -> SessionDocument | None:
-    """End a session of a rig; None where it was forgotten meanwhile."""
+    """End a session of a rig; None if it was forgotten meanwhile."""
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
         ended = rig_rules.end_session(document, ending)

@@ -54,7 +54,7 @@ def groups_sk(img_size: tuple[int, int], zoom: float, model: str) -> str:
 
 
 def parse_calibration_sk(sk: str) -> tuple[tuple[int, int], float, str] | None:
-    """Return size, zoom and id of the calibration under this `sk`, None when it is no such `sk`."""
+    """Return size, zoom and id of the calibration under this `sk`, None if it is another `sk`."""
     match = _CALIBRATION_SK.fullmatch(sk)
     return ((int(match[1]), int(match[2])), float(match[3]), match[4]) if match else None
 
@@ -65,7 +65,7 @@ def consensus_id(camera_key: str, img_size: tuple[int, int], zoom: float, model:
 
 
 def parse_consensus_id(text: str) -> tuple[str, str] | None:
-    """Return partition and `sk` of the consensus with this id, None when it is no such id."""
+    """Return partition and `sk` of the consensus with this id, None if it is another id."""
     match = _CONSENSUS_ID.fullmatch(text)
     if match is None:
         return None
@@ -73,13 +73,13 @@ def parse_consensus_id(text: str) -> tuple[str, str] | None:
 
 
 def calibration_object(calibration_id: str) -> str | None:
-    """Return the object's name of the calibration with this id, None when it is no such id."""
+    """Return the object's name of the calibration with this id, None if it is another id."""
     match = _CALIBRATION_ID.fullmatch(calibration_id)
     return f"calibrations/{match[1]}/{calibration_id}.json" if match else None
 
 
 def parse_calibration_object(name: str) -> tuple[str, str] | None:
-    """Return camera key and id of the calibration in the object of this name, None when it holds none."""
+    """Return camera key and id of the calibration in the object of this name, None if it holds none."""
     folder, _, file = name.removeprefix("calibrations/").partition("/")
     calibration_id = file.removesuffix(".json")
     return (folder, calibration_id) if calibration_object(calibration_id) == name else None

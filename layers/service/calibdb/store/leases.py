@@ -1,6 +1,6 @@
 """Single-flight leases: one computation of a mode's consensus at a time serves all who ask for it.
 
-`REFIT#<camera key>#<w>x<h>#<zoom>`: the holder, the time at which the lease expires, and whether somebody
+`REFIT#<camera key>#<w>x<h>#<zoom>`: the holder, the time at which the lease expires, and whether another
 asked since the holder began. A lease only saves work. Correctness comes from the conditional write of the
 consensus: two computations at once, or one without a lease, do no harm.
 """
@@ -22,9 +22,9 @@ class Leases:
         self._table = table
 
     def take(self, mode: StreamMode, me: str, now: int, until: int, name: str = _SK) -> bool:
-        """Begin to compute; False when another does, and was told to do it once more after that.
+        """Begin to compute; False if another does, which is then asked to repeat it.
 
-        `me`: the same for every attempt of one request, so that a second one after a crash goes on.
+        `me`: the same for every attempt of one request, so that a second one after a crash continues.
         `until`: unix seconds at which the computation has surely ended, one way or the other. `name`: of one
         of several computations of the mode.
         """
@@ -36,8 +36,8 @@ class Leases:
             if item is None:
                 continue
             holder = str(item["holder"])
-            asked = _item(mode, holder, int(str(item["until"])), asked=1, name=name)
-            if self._table.put(asked, equals(holder=holder)):
+            requested = _item(mode, holder, int(str(item["until"])), asked=1, name=name)
+            if self._table.put(requested, equals(holder=holder)):
                 return False
         return True  # so much coming and going that one more does not matter
 
@@ -46,14 +46,14 @@ class Leases:
         self._table.put(_item(mode, me, until, asked=0), equals(holder=me))
 
     def release(self, mode: StreamMode, me: str) -> bool:
-        """Let go of it; False, and still held, when somebody asked meanwhile."""
+        """Release it; False, and still held, if another request arrived meanwhile."""
         if self._table.delete(_pk(mode), _SK, equals(holder=me, asked=0)):
             return True
         item = self._table.get(_pk(mode), _SK)
         return item is None or item["holder"] != me
 
     def abandon(self, mode: StreamMode, me: str, name: str = _SK) -> None:
-        """Let go of it although somebody asked."""
+        """Release it although another request arrived."""
         self._table.delete(_pk(mode), name, equals(holder=me))
 
 

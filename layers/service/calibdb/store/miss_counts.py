@@ -13,7 +13,7 @@ from calibdb.store.ports import Table
 
 USB = "usb#"
 WEEKS = 13  # that are counted: 90 days, about
-MAX_CAMERAS_A_WEEK = 10_000  # that are read; whoever invents more adds nothing
+MAX_CAMERAS_A_WEEK = 10_000  # that are read; invented ones beyond add nothing
 _WEEK_S = 7 * 86_400
 _CAMERA = "CAMERA#"
 

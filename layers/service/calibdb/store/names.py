@@ -1,9 +1,9 @@
 """The names under which cameras are found: other keys of the same camera, and the words that people search.
 
-All of them follow from the calibrations alone, so that the index can be rebuilt from the bucket.
+All of them follow from the calibrations, so that the index can be rebuilt from the bucket.
 
 * `CAMERA#<other key>/CONSENSUS-OF#<key>`: what is asked for under the other key is known under this one. The
-  other key is that of the name alone, which is all that some browsers tell, or one of earlier rules. Under
+  other key is that of the bare name, which is all that some browsers report, or one of earlier rules. Under
   `CONSENSUS`, so that the one Query of a lookup brings it along. Where the camera counts beside
   others of this name (`calibdb.lookup.well_known_ids`): `well_known`, its contributors, and `reliable`.
 * `CAMERAS#<first letter>/<word>#<key>` and `CAMERAS#/<key>`: the search, by words, and by nothing.
@@ -43,13 +43,13 @@ class Names:
         self._written: set[_NamedCamera] = set()
 
     def publish(self, document: CalibrationDocument) -> None:
-        """Let the camera be found; what a camera that is known already is called is known, too."""
+        """Index the names of a camera, so that searches find it."""
         named = _name_of(document)
         # The last that was written, so that where it is all the others are that follow from the key.
-        known = self._table.get(ALL, named.key) is not None
-        if not (known and named.identity.distinct and named.aliases <= named.identity.name_keys):
+        is_listed = self._table.get(ALL, named.key) is not None
+        if not (is_listed and named.identity.distinct and named.aliases <= named.identity.name_keys):
             self._alias(named)
-        if not known:
+        if not is_listed:
             self._search(named)
 
     def index(self, document: CalibrationDocument) -> None:
@@ -61,7 +61,7 @@ class Names:
             self._written.add(named)
 
     def remove(self, document: CalibrationDocument, left: Sequence[str]) -> None:
-        """Forget the names that only this calibration gave; `left`: ids of those that count beside it."""
+        """Forget the names that only this calibration gave; `left`: ids of the others that count."""
         named = _name_of(document)
         gone = _aliases(named) if left else [*_aliases(named), *_search_items(named)]
         others = {_OWN_ID.sub("", other) for other in left}
@@ -103,11 +103,11 @@ def _aliases(named: _NamedCamera) -> list[Item]:
 
 
 def _search_items(named: _NamedCamera) -> list[Item]:
-    found = list(dict.fromkeys(words(named.identity.name)))[:_MAX_NAME_WORDS]
+    parts = list(dict.fromkeys(words(named.identity.name)))[:_MAX_NAME_WORDS]
     if named.identity.usb_id:
-        found += [*named.identity.usb_id.split(":"), *vendor_words(named.identity.usb_id)]
+        parts += [*named.identity.usb_id.split(":"), *vendor_words(named.identity.usb_id)]
     name = named.identity.name
     by_word: list[Item] = [
-        {"pk": ALL + word[0], "sk": f"{word}#{named.key}", "name": name} for word in dict.fromkeys(found)
+        {"pk": ALL + word[0], "sk": f"{word}#{named.key}", "name": name} for word in dict.fromkeys(parts)
     ]
     return [*by_word, {"pk": ALL, "sk": named.key, "name": name}]

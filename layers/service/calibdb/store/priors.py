@@ -20,7 +20,7 @@ class Priors:
         self._objects = objects
 
     def find(self, camera_key: str, img_size: tuple[int, int], zoom: float, model: str) -> FitRecord | None:
-        """Return the guess, None when there is none: one read."""
+        """Return the guess, None if there is none: one read."""
         item = self._table.get(camera_pk(camera_key), _sk(img_size, zoom, model), consistent=False)
         return FitRecord.model_validate_json(str(item["fit"])) if item else None
 

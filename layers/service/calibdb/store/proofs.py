@@ -6,7 +6,7 @@ from calibdb.errors import UnavailableError
 from calibdb.schema.managed_token import ProofAnswer, ProofRequest
 from calibdb.store.ports import Jobs, Table
 
-_EXPIRY_S = 3600  # s; whoever asked reads it at once
+_EXPIRY_S = 3600  # s; the caller reads it at once
 
 
 def store_proof(table: Table, token_id: str, origin: str, now: int) -> None:
@@ -22,18 +22,18 @@ class Proofs:
         self._jobs = jobs
 
     def fetch(self, token_id: str, origin: str, now: int) -> ProofAnswer:
-        """Have the proof fetched; raises UnavailableError where that fails for a reason of ours."""
+        """Have the proof fetched; raises UnavailableError if the service itself fails."""
         request = ProofRequest(token_id=token_id, origin=origin)
         content = self._jobs.now("verify", request.model_dump_json().encode())
         if content is None:
             raise UnavailableError("The service could not look for the proof; try again.")
-        found = ProofAnswer.model_validate_json(content)
-        if found.failure is None and not self._is_found(token_id, origin, now):
+        answer = ProofAnswer.model_validate_json(content)
+        if answer.failure is None and not self._is_found(token_id, origin, now):
             raise UnavailableError("The service could not keep the proof; try again.")
-        return found
+        return answer
 
     def _is_found(self, token_id: str, origin: str, now: int) -> bool:
-        """Tell whether a proof was stored lately: the clocks of two functions may differ by some seconds."""
+        """True if a proof was stored lately: the clocks of two functions may differ by some seconds."""
         item = self._table.get(_pk(token_id), origin)
         return item is not None and int(str(item["found"])) >= now - _EXPIRY_S
 

@@ -4,8 +4,8 @@ DynamoDB writes an item, and a partition key, at most 1,000 times a second. So c
 eight keys: `TOKEN#<id>`, and `TOKEN#<id>#1` to `#7`. A user's share has one of them; what all users have
 together is split if the limit is large.
 
-Counters only ever grow, each for one hour or day; they expire by themselves and are not in the bucket. Those
-of a token are its statistics of use, too.
+Counters only ever grow, each for one hour or day; they expire and are not in the bucket. Those
+of a token are also its statistics of use.
 """
 
 from __future__ import annotations
@@ -81,8 +81,8 @@ class Quotas:
         ttl = now - now % _DAY_S + 2 * _DAY_S
         if self._table.add(f"ISSUED#{source}", f"DAY#{day}", "tokens", 1, limit=limit, ttl=ttl) is None:
             return False
-        kept = now + _USE_EXPIRY_S
-        self._table.add(f"ISSUED#{_EVERYBODY}", f"DAY#{day}", "tokens", 1, ttl=kept)
+        expiry = now + _USE_EXPIRY_S
+        self._table.add(f"ISSUED#{_EVERYBODY}", f"DAY#{day}", "tokens", 1, ttl=expiry)
         return True
 
     def issued(self) -> Iterator[tuple[str, int]]:
@@ -100,14 +100,14 @@ class Quotas:
         contributor: str,
         shard: int = 0,
     ) -> int | None:
-        kept = _SHARE_EXPIRY_S if contributor else _USE_EXPIRY_S
+        expiry_s = _SHARE_EXPIRY_S if contributor else _USE_EXPIRY_S
         return self._table.add(
             _pk(token_id, _shard(contributor) if contributor else shard),
             _sk(now, contributor),
             kind,
             amount,
             limit=limit,
-            ttl=now - now % HOUR_S + HOUR_S + kept,
+            ttl=now - now % HOUR_S + HOUR_S + expiry_s,
         )
 
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import logging
+
 from calibdb.errors import UnavailableError
 from calibdb.schema import RefitAnswer, RefitRequest
 from calibdb.store.ports import Jobs
+
+_log = logging.getLogger(__name__)
 
 
 class Refit:
@@ -18,8 +22,15 @@ class Refit:
         queued = request.model_copy(update={"queued": True})
         self._jobs.later("refit", queued.model_dump_json().encode())
 
+    def report(self, request: RefitRequest) -> None:
+        """Queue misses or an alias to be stored; no error, since no response depends on them."""
+        try:
+            self.later(request)
+        except UnavailableError as error:
+            _log.warning("misses or an alias were not reported: %s", error.detail)
+
     def now(self, request: RefitRequest) -> RefitAnswer:
-        """Have the consensus computed and return it; raises UnavailableError when that fails."""
+        """Have the consensus computed and return it; raises UnavailableError if that fails."""
         content = self._jobs.now("refit", request.model_dump_json().encode())
         if content is None:
             raise UnavailableError("The service could not compute this model; try again.")

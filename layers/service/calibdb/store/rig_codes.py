@@ -1,7 +1,7 @@
 """Join codes of rigs, and how many wrong ones a source has sent.
 
 `RIGCODE#<keyed hash of the code>` names the rig until the code expires; `GUESS#<source>/WINDOW#<number>`
-counts. A guess is counted before it is looked at, so that many at once are no more than the limit, and taken
+counts. A guess is counted before it is looked at, so that many at once cannot exceed the limit, and taken
 back where it was right.
 """
 
@@ -29,7 +29,7 @@ class RigCodes:
         )
 
     def find(self, digest: str, now: int) -> str | None:
-        """Return the rig of a code, None where it leads to none, or no more."""
+        """Return the rig of a code, None if it leads to none, or no more."""
         item = self._table.get(_pk(digest), _SK)
         return str(item["rig"]) if item and int(str(item["until"])) > now else None
 

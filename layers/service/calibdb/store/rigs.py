@@ -32,17 +32,17 @@ class Rigs(Versions[RigDocument]):
         super().__init__(table, objects, _RIGS)
 
     def facts(self, document: RigDocument) -> Mapping[str, Value]:
-        """Sessions by position, so that whoever asks whether anything changed reads no object."""
+        """Sessions by position, so that polling reads no object."""
         return {"sessions": [member.session if member else "" for member in document.members]}
 
     def forget(self, name: str, now: int) -> bool:
-        """Forget a running rig and what was computed of it; False when there was nothing to forget."""
+        """Forget a running rig and what was computed of it; False if there was nothing to forget."""
         there = super().forget(name, now)
         self._objects.delete(list(self._objects.names(_states(name))))
         return there
 
     def estimate(self, rig_id: str, digest: str) -> RigEstimateDocument | None:
-        """Return the fit and target computed from the views of this digest, None where there is none yet."""
+        """Return the fit and target computed from the views of this digest, None if there is none yet."""
         content = self._objects.get(f"{_states(rig_id)}{digest}.json")
         return None if content is None else RigEstimateDocument.model_validate_json(content)
 
@@ -55,7 +55,7 @@ class Rigs(Versions[RigDocument]):
         self._objects.create(rig_calibration_object(document.id), document.model_dump_json().encode())
 
     def calibration(self, rig_id: str) -> RigCalibrationDocument | None:
-        """Return a finished rig, None when there is none of this id."""
+        """Return a finished rig, None if there is none of this id."""
         content = self._objects.get(rig_calibration_object(rig_id)) if is_rig_id(rig_id) else None
         return None if content is None else RigCalibrationDocument.model_validate_json(content)
 
@@ -68,7 +68,7 @@ class Rigs(Versions[RigDocument]):
 
 
 def is_rig_id(text: str) -> bool:
-    """Tell whether a text may be the id of a rig."""
+    """True if a text may be the id of a rig."""
     return _RIG_ID.fullmatch(text) is not None
 
 

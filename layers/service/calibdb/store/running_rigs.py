@@ -5,12 +5,25 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import Any
 
-from calibdb.errors import ConflictError
+from calibdb.errors import ConflictError, InvalidError, NotFoundError, TooManyError
+from calibdb.rules import rig_rules, session_rules
 from calibdb.rules.rig_state import Rig
-from calibdb.schema import RigDocument, RigEstimateDocument, SessionDocument
+from calibdb.schema import (
+    RigDocument,
+    RigEstimateDocument,
+    RigOpened,
+    RigRequest,
+    SessionDocument,
+    ViewDocument,
+)
+from calibdb.schema.membership import RigJoin
+from calibdb.schema.rig_documents import CodeDocument
 from calibdb.store.ports import READERS
+from calibdb.store.rig_codes import GUESS_WINDOW_S, MAX_GUESSES
+from calibdb.store.rigs import is_rig_id
 from calibdb.store.store import Store
 
 TOO_SLOW = "These moments take longer to compute than a request may; undo some of them."
@@ -18,7 +31,7 @@ Compute = Callable[[dict[str, Any]], dict[str, Any]]
 
 
 def head_tag(store: Store, rig_id: str, solver: str) -> str | None:
-    """Return the tag of a running rig's state from the index alone, None where it does not run."""
+    """Return the tag of a running rig's state from the index alone, None if it does not run."""
     head = store.rigs.head(rig_id)
     if head is None or head.forgotten:
         return None
@@ -42,24 +55,116 @@ def ensure_estimate(store: Store, rig: Rig, solver: str, compute: Compute) -> Ri
     """
     basis = rig.basis(solver)
     digest = rig.digest(basis)
-    known = store.rigs.estimate(rig.document.rig, digest)
-    if known is None:
-        known = RigEstimateDocument.model_validate(compute(rig.solver_record(basis)))
-        store.rigs.keep_estimate(rig.document.rig, digest, known)
-    if known.too_slow:
+    stored = store.rigs.estimate(rig.document.rig, digest)
+    if stored is None:
+        stored = RigEstimateDocument.model_validate(compute(rig.solver_record(basis)))
+        store.rigs.keep_estimate(rig.document.rig, digest, stored)
+    if stored.too_slow:
         raise ConflictError(TOO_SLOW, kind="too-slow")
-    return known
+    return stored
 
 
 def abandoned_positions(store: Store, document: RigDocument, before: int) -> list[int]:
     """List the positions of members whose session was forgotten, or not started until a unix time."""
-    found = []
+    positions = []
     for position, member in enumerate(document.members):
         if position and member is not None:
             head = store.sessions.head(member.session)
             if (head is None and member.joined < before) or (head is not None and head.forgotten):
-                found.append(position)
-    return found
+                positions.append(position)
+    return positions
+
+
+@dataclass(frozen=True)
+class Lead:
+    """Caller that makes a rig: name of their session, and keyed hashes of contributor and source."""
+
+    session: str
+    contributor: str
+    source: str
+
+
+def create(store: Store, lead: Lead, request: RigRequest, code: str, secret: str, now: int) -> RigOpened:
+    """Make the rig of a session, or find it, and let cameras join by a code.
+
+    Raises ConflictError or InvalidError if the session cannot lead a rig.
+    """
+    session = store.sessions.get(lead.session)
+    rig_id = rig_rules.rig_id(secret, session)
+    rig_rules.with_lead(session, rig_id)
+    rig_rules.require_linking_board(session.board)
+    document, _ = store.rigs.start(
+        rig_id, now, lambda _: rig_rules.begin(request, rig_id, session, lead.contributor, now)
+    )
+    rig_rules.require_same_start(document, request)
+    rig_rules.require_open(document)
+    store.sessions.update(
+        lead.session, now, lambda known: (rig_rules.with_lead(known, rig_id, lead.source), None)
+    )
+    until = now + rig_rules.CODE_LIFETIME_S
+    stored = CodeDocument(digest=rig_rules.code_digest(secret, code), until=until)
+    for digest in store.rigs.update(rig_id, now, lambda known: rig_rules.with_code(known, stored, now)):
+        store.rig_codes.remove(digest)
+    store.rig_codes.put(stored.digest, rig_id, until)
+    return RigOpened(rig_id=rig_id, join_code=code, expires_at=until)
+
+
+def named(store: Store, wanted: RigJoin, source: str, secret: str, now: int) -> str:
+    """Return the id of the rig that a code or an id names; wrong codes are counted by source.
+
+    Raises InvalidError or TooManyError.
+    """
+    if wanted.code is None:
+        if not is_rig_id(wanted.id or ""):
+            raise InvalidError.field("rig.id", "there is no running rig with this id")
+        return wanted.id or ""
+    if not store.rig_codes.count_guess(source, now):
+        raise TooManyError(
+            GUESS_WINDOW_S - now % GUESS_WINDOW_S,
+            f"More than {MAX_GUESSES} wrong join codes came from here; retry after the time in Retry-After.",
+        )
+    rig_id = store.rig_codes.find(rig_rules.code_digest(secret, wanted.code), now)
+    if rig_id is None:
+        raise rig_rules.wrong_code()
+    store.rig_codes.uncount_guess(source, now)
+    return rig_id
+
+
+def open_moment(store: Store, rig_id: str, leader: str, moment: str, now: int) -> None:
+    """Open a moment: from now on cameras may send views of it. Raises ForbiddenError, ConflictError."""
+
+    def change(document: RigDocument) -> tuple[RigDocument | None, None]:
+        rig_rules.require_leader(document, leader)
+        return rig_rules.with_moment(document, moment, now), None
+
+    store.rigs.update(rig_id, now, change)
+
+
+def forget(store: Store, rig_id: str, leader: str, now: int) -> None:
+    """Forget a running rig, and the sessions of its cameras; raises NotFoundError, ForbiddenError."""
+    document = store.rigs.find(rig_id)
+    if document is not None:
+        rig_rules.require_leader(document, leader)
+        rig_rules.require_open(document)
+        for code in document.codes:
+            store.rig_codes.remove(code.digest)
+        for member in document.members:
+            session = store.sessions.find(member.session) if member else None
+            # A session that left may be a camera of another rig by now.
+            if member is not None and session is not None and session.rig and session.rig.id == rig_id:
+                store.sessions.forget(member.session, now)
+    if not store.rigs.forget(rig_id, now):
+        raise NotFoundError("There is no rig with this id.", kind="no-rig")
+
+
+def is_replay(store: Store, document: SessionDocument, view: ViewDocument) -> bool:
+    """True if the session has the view; False if it may be added."""
+    if document.rig is None:
+        return session_rules.is_idempotent_replay(document, view)
+    if rig_rules.is_replay(document, view):
+        return True
+    rig_rules.require_moment(store.rigs.find(document.rig.id), document, view)
+    return False
 
 
 def _sessions(store: Store, document: RigDocument) -> list[tuple[SessionDocument | None, int]]:
@@ -67,11 +172,11 @@ def _sessions(store: Store, document: RigDocument) -> list[tuple[SessionDocument
     names = [member.session if member else "" for member in document.members]
 
     def read(name: str) -> tuple[SessionDocument | None, int]:
-        found = store.sessions.find_version(name) if name else None
-        # A session that was started anew without the rig is none of it.
-        if found is None or found[0].rig is None or found[0].rig.id != document.rig:
-            return None, found[1] if found else 0
-        return found
+        version = store.sessions.find_version(name) if name else None
+        # A session restarted without the rig is not part of it.
+        if version is None or version[0].rig is None or version[0].rig.id != document.rig:
+            return None, version[1] if version else 0
+        return version
 
     with ThreadPoolExecutor(min(READERS, len(names))) as readers:
         return list(readers.map(read, names))

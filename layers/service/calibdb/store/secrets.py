@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 SECRETS_TTL_S = 300.0  # after which a rotation is known everywhere
 NAMES = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRETS")
-# SSM gives an account 40 calls a second unless told otherwise, and a crowd of users starts hundreds of
+# SSM gives an account 40 calls a second by default, and a crowd of users starts hundreds of
 # functions within one. Each waits a random time, up to a bound that doubles ("full jitter"), so that the
 # crowd spreads, and all are served before the gateway gives up on the first.
 # Source: Brooker, Exponential Backoff And Jitter, AWS Architecture Blog 2015.
@@ -29,7 +29,7 @@ _log = logging.getLogger(__name__)
 class Secrets:
     """The parameters of a deployment by their names, read again every five minutes.
 
-    Where SSM does not answer, what was read before goes on being used; raises UnavailableError where nothing
+    If SSM does not answer, the previous values are used; raises UnavailableError if nothing
     was.
     """
 
@@ -58,12 +58,12 @@ class Secrets:
             except UnavailableError:
                 if not self._known:
                     raise
-                _log.warning("secrets could not be read anew", exc_info=True)
+                _log.warning("secrets could not be reloaded", exc_info=True)
             self._until = now + SECRETS_TTL_S
         return self._known
 
     def _read(self) -> Mapping[str, str]:
-        """Read anew; what was read before is not worth waiting for."""
+        """Reload; do not wait if values were loaded before."""
         from calibdb.store.aws import available
 
         names = [f"{self._path}/{name}" for name in NAMES]

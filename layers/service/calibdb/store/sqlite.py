@@ -27,6 +27,7 @@ FOLDER_NAME = "objects"
 SCHEMA_VERSION = 1
 MAX_INLINE_BYTES = 1_000_000  # of an object's content that is in the database itself
 _BUSY_TIMEOUT_S = 10.0
+_MAX_PAUSE_S = 60.0  # before a job runs again
 _RANGE = "SELECT item FROM items WHERE pk = ? AND sk >= ? AND sk < ? AND (ttl IS NULL OR ttl > ?) ORDER BY sk"
 _PAGE_SIZE = 500  # rows that a listing reads at a time
 _SCHEMA = """
@@ -293,8 +294,8 @@ class SqliteObjects:
 
     def get(self, name: str) -> bytes | None:
         """Return the object's content, None if there is none."""
-        found = self.get_version(name)
-        return None if found is None else found[0]
+        version = self.get_version(name)
+        return None if version is None else version[0]
 
     def get_version(self, name: str) -> tuple[bytes, str] | None:
         """Return the object's content and the tag of this version, None if there is none."""
@@ -451,7 +452,7 @@ class SqliteJobs:
     Parameters
     ----------
     database
-        Where they are queued.
+        Database with the queue.
     run
         Runs a job and returns its result.
     """
@@ -478,9 +479,10 @@ class SqliteJobs:
     def take(self, lease_s: float) -> Job | None:
         """Lease the oldest job that is due, unless another one is leased; None if there is none."""
         now = self._database.clock()
-        due = "error IS NULL AND due <= ?"
+        # A job that is due much later was queued before the clock was set back.
+        due, times = "error IS NULL AND (due <= ? OR due > ?)", (now, now + _MAX_PAUSE_S)
         with self._database.reading() as connection:
-            if connection.execute(f"SELECT 1 FROM jobs WHERE {due}", (now,)).fetchone() is None:  # noqa: S608
+            if connection.execute(f"SELECT 1 FROM jobs WHERE {due}", times).fetchone() is None:  # noqa: S608
                 return None
         with self._database.writing() as connection:
             row = connection.execute(
@@ -488,7 +490,7 @@ class SqliteJobs:
                 f"(SELECT MIN(id) FROM jobs WHERE {due}) "
                 "AND NOT EXISTS (SELECT 1 FROM jobs WHERE leased > ? AND leased <= ?) "
                 "RETURNING id, name, payload, attempts",
-                (now + lease_s, now, now, now + lease_s),
+                (now + lease_s, *times, now, now + lease_s),
             ).fetchone()
         return None if row is None else Job(*row)
 

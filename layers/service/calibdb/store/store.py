@@ -26,7 +26,7 @@ from calibdb.store.votes import Votes
 
 @dataclass(frozen=True)
 class Store:
-    """All stores of the service, one attribute a noun."""
+    """All stores of the service."""
 
     tokens: Tokens
     quotas: Quotas

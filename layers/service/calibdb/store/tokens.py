@@ -2,7 +2,7 @@
 
 Every change reads the object and replaces that very version of it, then writes the index item, which grows
 by the same version. A writer that was overtaken, or killed in between, leaves an older index item; the next
-change or look of who manages the token writes it anew.
+change or read by its manager writes it again.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Tokens:
         self._objects = objects
 
     def get(self, token_id: str) -> ApiToken | None:
-        """Return the token, None when there is none (any more)."""
+        """Return the token, None if there is none (any more)."""
         item = self._table.get(_pk(token_id), "META")
         return _token(token_id, item) if item and "revoked" not in item else None
 
@@ -38,14 +38,14 @@ class Tokens:
         self._table.remove(_pk(token_id), "META", "ttl")
 
     def create(self, token: ApiToken) -> bool:
-        """Store a new token; False when the id is taken, be it by one that was revoked."""
+        """Store a new token; False if the id is taken, be it by one that was revoked."""
         if not self._objects.create(_name(token.id), _content(token)):
             return False
         self.index(token)
         return True
 
     def read(self, token_id: str) -> ApiToken | None:
-        """Return the token as the bucket has it, revoked ones, too, and let the index know it as it is.
+        """Return the token as the bucket has it, also if revoked, and update the index.
 
         Its `expires` follows the index, where the first use is noted.
         """
@@ -63,13 +63,13 @@ class Tokens:
     def update(self, token_id: str, change: Callable[[ApiToken], ApiToken]) -> ApiToken | None:
         """Replace the token by what `change` makes of it; None, and nothing changed, where it was revoked.
 
-        `change` is called again where another change got ahead. Raises UnavailableError where that goes on.
+        `change` is called again where another change got ahead. Raises UnavailableError if that continues.
         """
         for _ in range(_MAX_ATTEMPTS):
-            found = self._objects.get_version(_name(token_id))
-            if found is None:
+            version = self._objects.get_version(_name(token_id))
+            if version is None:
                 return None
-            content, tag = found
+            content, tag = version
             token = _from_document(content)
             if token.revoked is not None:
                 self.index(token)
@@ -96,7 +96,7 @@ class Tokens:
     def revoke(self, token: ApiToken, now: int) -> None:
         """Refuse the token from now on; functions that remember it do so for half a minute more.
 
-        The object says so first: an index that is made anew does not bring a revoked token back.
+        The object says so first: a rebuilt index does not revive a revoked token.
         """
         if self.update(token.id, lambda known: replace(known, revoked=now)) is None:
             self._table.delete(_pk(token.id), "META")
@@ -112,14 +112,14 @@ class Tokens:
                 yield token
 
     def ids(self) -> Iterator[str]:
-        """Yield the id of every token that there ever was, revoked ones, too. For operators."""
+        """Yield the ids of all tokens ever issued, including revoked ones. For operators."""
         for name in self._objects.names(PREFIX):
             yield name.removeprefix(PREFIX).removesuffix(".json")
 
     def reindex(self, now: int = 0, trial_period_s: int = 0) -> int:
         """Let the index know every token that there is, none that was revoked; return how many there are.
 
-        An index that is made anew does not know which tokens were used. So a token that the index lacks, and
+        A rebuilt index does not know which tokens were used. So a token that the index lacks, and
         that might have expired, has its time once more.
         """
         count = 0
@@ -215,14 +215,14 @@ def _item(token: ApiToken) -> Item:
 
 
 def _token(token_id: str, item: Item) -> ApiToken:
-    former = item.get("former_sha256")
+    previous = item.get("former_sha256")
     return ApiToken(
         id=token_id,
         secret_sha256=str(item["secret_sha256"]),
         origins=_texts(item, "origins"),
         plan=str(item.get("plan", "free")),
         created=int(str(item.get("created", 0))),
-        former_sha256=None if former is None else str(former),
+        former_sha256=None if previous is None else str(previous),
         former_until=int(str(item.get("former_until", 0))),
         earlier=tuple((one, int(until)) for one, until in map(str.split, _texts(item, "earlier"))),
         pending=_texts(item, "pending"),
@@ -232,5 +232,5 @@ def _token(token_id: str, item: Item) -> ApiToken:
 
 
 def _texts(item: Item, name: str) -> tuple[str, ...]:
-    found = item.get(name, [])
-    return tuple(found) if isinstance(found, list) else ()
+    value = item.get(name, [])
+    return tuple(value) if isinstance(value, list) else ()

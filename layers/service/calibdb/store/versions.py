@@ -1,11 +1,11 @@
 """Running documents: immutable objects `<prefix><name>/<version>.json`, and an item that names the latest.
 
-A change of a few small members (`Kind.small`) writes no object: the item has them, beside the version whose
+A change of a few small members (`Kind.small`) writes no object: the item has them, next to the version whose
 object has the others.
 
 Changes follow optimistic concurrency. A change writes its object first and then moves the index to it, on the
 condition that the index still names the version that the change was made from. A crash leaves an orphaned
-object, never a pointer to nothing. Of two changes at once, one is stored and the other is made anew.
+object, never a pointer to nothing. Of two changes at once, one is stored and the other is repeated.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Kind(Generic[Document]):
     model
         Model of the documents.
     prefix, partition
-        What the names of their objects, and the partitions of their items, begin with.
+        Prefixes of the names of objects, and of the partitions of items.
     noun
         The word for one, in messages.
     missing, missing_kind
@@ -87,13 +87,13 @@ class Versions(Generic[Document]):
         self._kind = kind
 
     def facts(self, document: Document) -> Mapping[str, Value]:  # noqa: ARG002
-        """Attributes of the item beside the version, which follow from the document."""
+        """Attributes of the item besides the version, which follow from the document."""
         return {}
 
     def find(self, name: str) -> Document | None:
-        """Return the document as it stands, None when there was none or it was forgotten."""
-        found = self.find_version(name)
-        return found[0] if found else None
+        """Return the document as it stands, None if there was none or it was forgotten."""
+        version = self.find_version(name)
+        return version[0] if version else None
 
     def get(self, name: str) -> Document:
         """Return the document as it stands; raises NotFoundError."""
@@ -101,13 +101,13 @@ class Versions(Generic[Document]):
 
     def get_version(self, name: str) -> tuple[Document, int]:
         """Return the document as it stands and its version; raises NotFoundError."""
-        found = self.find_version(name)
-        if found is None:
+        version = self.find_version(name)
+        if version is None:
             raise self._not_found()
-        return found
+        return version
 
     def head(self, name: str) -> Head | None:
-        """Return the index entry, None when the document never was."""
+        """Return the index entry, None if the document never was."""
         item = self._table.get(self._pk(name), _SK)
         if item is None:
             return None
@@ -118,11 +118,11 @@ class Versions(Generic[Document]):
         for _ in range(_MAX_UPDATE_ATTEMPTS):
             head = self.head(name)
             if head is not None and not head.forgotten:
-                found = self.find_version(name)
-                if found is not None:
-                    return found[0], False
+                version = self.find_version(name)
+                if version is not None:
+                    return version[0], False
                 continue  # forgotten in between
-            # One started again under its name goes on counting, so that whoever still works on the forgotten
+            # A session restarted under its name continues the count, so that code working on the deleted
             # one finds the index moved.
             base = head.version if head else 0
             document = make(base + 1)
@@ -150,7 +150,7 @@ class Versions(Generic[Document]):
         raise self._too_much_contention()
 
     def forget(self, name: str, now: int) -> bool:
-        """Forget the document; False when there was nothing to forget."""
+        """Forget the document; False if there was nothing to forget."""
         for _ in range(_MAX_UPDATE_ATTEMPTS):
             head = self.head(name)
             if head is None or head.forgotten:
@@ -164,8 +164,7 @@ class Versions(Generic[Document]):
     def all(self) -> Iterator[Document]:
         """Yield every document that is not forgotten, as it stands. For operators.
 
-        Where the index says nothing of one, its highest version counts: whoever writes one in vain takes it
-        away again.
+        If the index does not name one, its highest version counts: a failed writer removes its own.
         """
         for name, version in self._versions().items():
             head = self.head(name)
@@ -234,7 +233,7 @@ class Versions(Generic[Document]):
         head = self.head(name)
         if head is not None and (head.version, head.content, head.forgotten) == (version, version, False):
             return True
-        # Ours counts for nothing: it must not be taken for the document's state when the index is made anew.
+        # Ours counts for nothing: it must not be taken for the document's state when the index is rebuilt.
         self._objects.delete([self._object(name, version)])
         return False
 

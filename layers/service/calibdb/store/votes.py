@@ -50,27 +50,27 @@ class Votes:
     def newest(self, mode: StreamMode, *, one_per_source: bool) -> list[IndexedVote]:
         """Return the votes on a mode, newest first.
 
-        `one_per_source`: the newest of each source alone, so that daily voters crowd nobody out.
+        `one_per_source`: only the newest of each source, so that daily voters do not displace others.
         """
         most = _MAX_VOTES_READ if one_per_source else MAX_VOTES
         items = self._table.query(
             mode.pk, f"VOTE#{mode.text}#", newest_first=True, limit=most, consistent=True
         )
-        found: dict[str, IndexedVote] = {}
+        votes: dict[str, IndexedVote] = {}
         for cast in map(_to_indexed_vote, items):
-            found.setdefault(cast.source if one_per_source else cast.id, cast)
-        return list(found.values())[:MAX_VOTES]
+            votes.setdefault(cast.source if one_per_source else cast.id, cast)
+        return list(votes.values())[:MAX_VOTES]
 
     def read(self, cast: Sequence[IndexedVote]) -> list[VoteDocument]:
-        """Return these votes in their order; raises DeniedReadError where one is not there."""
+        """Return these votes in their order; raises DeniedReadError if one is not there."""
         if not cast:
             return []
         with ThreadPoolExecutor(min(READERS, len(cast))) as readers:
             contents = list(readers.map(self._objects.get, [vote.object for vote in cast]))
-        found = [content for content in contents if content is not None]
-        if len(found) < len(cast):  # an object is written before its item
+        stored = [content for content in contents if content is not None]
+        if len(stored) < len(cast):  # an object is written before its item
             raise DeniedReadError("A vote that the index names could not be read.")
-        return [VoteDocument.model_validate_json(content) for content in found]
+        return [VoteDocument.model_validate_json(content) for content in stored]
 
     def all(self) -> Iterator[VoteDocument]:
         """Yield every vote in the bucket: what the index is rebuilt from."""

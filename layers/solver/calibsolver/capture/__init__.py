@@ -24,7 +24,7 @@ __all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "Exclusion", "History",
 
 
 def __getattr__(name: str) -> Any:
-    """Import a name when it is first used: `admission` alone needs neither guidance nor quality."""
+    """Import a name when it is first used: `admission` needs neither guidance nor quality."""
     if name in _MODULES:
         return getattr(import_module(f".{_MODULES[name]}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

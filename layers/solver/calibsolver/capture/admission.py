@@ -16,7 +16,7 @@ MIN_EXTENT_WIDTHS = 0.005
 
 
 def rejection_reason(view: View, img_size: tuple[int, int]) -> Reason | None:
-    """Reason to refuse `view`; None where it may be used."""
+    """Reason to refuse `view`; None if it may be used."""
     if len(view) < MIN_POINTS:
         return "too_few_points"
     try:

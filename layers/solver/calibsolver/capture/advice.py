@@ -39,9 +39,9 @@ def describe_disagreement(ratio: float | None, better_model: str | None) -> tupl
     Parameters
     ----------
     ratio
-        Actual / predicted error of the last view; None where the prediction held.
+        Actual / predicted error of the last view; None if the prediction held.
     better_model
-        Model that explains the views better; None where there is none.
+        Model that explains the views better; None if there is none.
     """
     advice = []
     if ratio is not None:

@@ -60,7 +60,7 @@ class Estimate:
     calibration
         Fitted to the views that are not excluded, in their order; None while no believable fit exists.
     view_errors
-        px rms of each view, None without a calibration; of an excluded view, with its pose alone fitted.
+        px rms of each view, None without a calibration; of an excluded view, with only its pose fitted.
     uncertainty
         Predicted error of a projection over the image, px.
     progress
@@ -127,7 +127,7 @@ class ViewDecision:
     accepted
         True if the view is accepted; if so `estimate` counts it.
     reason, hint
-        Of a refused view: why it was refused, and how to do better.
+        Reason of a refusal, and its remedy.
     on_target
         True if an accepted view was held at its target; None if there was no target.
     quarantine

@@ -57,9 +57,9 @@ class Capture:
     target_error
         px, predicted rms projection error over the image at which the capture ends.
     seed
-        Initial camera, as others have measured it; fits start there, and it is no part of the result.
+        Initial camera, as others have measured it; fits start there, and it is not part of the result.
     recorded
-        The views are all there already: the capture does not end by itself, at whatever error or number.
+        All views exist already: the capture does not end at an error or a number of views.
     """
 
     def __init__(
@@ -177,7 +177,7 @@ class Capture:
 
     @undetermined()
     def reconcile(self, views: Sequence[View], excluded: Mapping[int, Exclusion]) -> Estimate:
-        """Decide anew which views are consistent, after one was undone, and fit those."""
+        """Decide again which views are consistent, after one was undone, and fit those."""
         keep = [i for i in range(len(views)) if i not in excluded] or [len(views) - 1]
         if not views:
             return self.estimate(views)
@@ -344,7 +344,7 @@ class Capture:
         return max(1.0, MIN_NOISE_WIDTHS * self.img_size[0] / max(calibration.noise, 1e-12))
 
     def _resection_error(self, camera: Camera, view: View) -> float | None:
-        """Rms of the view with its pose alone fitted, px; None where it has no pose."""
+        """Rms of the view with only its pose fitted, px; None if it has no pose."""
         error = float(reprojection_score(camera, [view]).rms)
         return error if np.isfinite(error) else None
 
@@ -357,5 +357,5 @@ class Capture:
         camera = before.camera if before else self._initial_camera
         pose = reprojection_score(camera, [view]).poses[0]
         actual = Placement.of(self.board, camera, rotation.matrix(pose[:3]), pose[3:])
-        wanted = Placement.of(self.board, camera, rotation.matrix(target.rvec), target.tvec)
-        return ViewDecision(False, reason, None, largest_difference(actual, wanted, self.img_size[0]))
+        placement = Placement.of(self.board, camera, rotation.matrix(target.rvec), target.tvec)
+        return ViewDecision(False, reason, None, largest_difference(actual, placement, self.img_size[0]))

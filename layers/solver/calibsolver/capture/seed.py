@@ -12,7 +12,7 @@ FOCAL_WIDTHS = 0.15, 5.0
 MAX_CENTER_OFFSET = 0.25
 """Distance of a seed's principal point from the centre of the image / its size, along each axis."""
 MAX_SEED_ERROR_WIDTHS = 0.003
-"""Rms error / image width of the first view with its pose alone fitted, up to which the seed poses it."""
+"""Rms error / image width of the first view with only its pose fitted, up to which the seed poses it."""
 
 
 def is_usable(seed: Camera, model: str, img_size: tuple[int, int]) -> bool:
@@ -28,7 +28,7 @@ def is_usable(seed: Camera, model: str, img_size: tuple[int, int]) -> bool:
 
 def is_posed(seed: Camera, view: View) -> bool:
     """True if a seed explains a view; otherwise it belongs to another camera."""
-    with np.errstate(all="ignore"):  # hostile numbers are no pose
+    with np.errstate(all="ignore"):  # hostile numbers are not a pose
         try:
             error = reprojection_score(seed, [view]).rms
         except CalibrationError:

@@ -7,10 +7,10 @@ import numpy as np
 
 from ..camera import Camera
 from ..errors import CalibrationError, undetermined
+from ..fitting.fit import fit
 from ..fitting.resection import MIN_POSE_POINTS, reprojection_score
 from ..view import View
 from .agreement import difference
-from .fit_memory import fit_plausible
 
 MAX_RMS_RATIO = 1.5
 """Error under the calibration / error under a camera fitted to the views, up to which it fits."""
@@ -51,7 +51,7 @@ def compare(camera: Camera, views: Sequence[View]) -> Comparison:
 
     Both errors are those of the board in the shape that the fit finds.
     """
-    own = fit_plausible(views, camera.img_size, camera.model)
+    own = fit(views, camera.img_size, camera.model, board_shape=True)
     used = [
         view.subset(mask)
         for view, mask in zip(own.shaped(views), own.used, strict=True)

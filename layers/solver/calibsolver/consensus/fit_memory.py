@@ -1,6 +1,6 @@
 """Memory of fits to members' views.
 
-A camera is pooled anew with each new calibration, and under another rule: all members but one are old.
+A camera is pooled again with each new calibration, and under another rule: all members but one are old.
 """
 
 import hashlib
@@ -36,24 +36,13 @@ def fit_once(views: Sequence[View], img_size: tuple[int, int], model: str) -> Ca
     Raises as `fit` does.
     """
     if sum(map(len, views)) > MAX_FIT_POINTS:
-        return fit_plausible(views, img_size, model)
+        return fit(views, img_size, model, board_shape=True)
     return _fit(_Request(_digest(views), img_size, model, views))
 
 
 @lru_cache(maxsize=MAX_FITS)
 def _fit(request: _Request) -> Calibration:
-    return fit_plausible(request.views, request.img_size, request.model)
-
-
-def fit_plausible(views: Sequence[View], img_size: tuple[int, int], model: str) -> Calibration:
-    """Fit a model and the board's shape, or the board as drawn if that shape is not a board's.
-
-    Raises as `fit` does.
-    """
-    found = fit(views, img_size, model, board_shape=True)
-    if found.board_shape is None or found.board_shape.is_plausible:
-        return found
-    return fit(views, img_size, model)
+    return fit(request.views, request.img_size, request.model, board_shape=True)
 
 
 def forget() -> None:
@@ -63,9 +52,9 @@ def forget() -> None:
 
 def _digest(views: Sequence[View]) -> bytes:
     """Digest of all points, view by view."""
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for view in views:
-        found.update(len(view).to_bytes(8, "big"))
+        digest.update(len(view).to_bytes(8, "big"))
         for points in (view.object_points, view.image_points):
-            found.update(np.ascontiguousarray(points, dtype=np.float64).tobytes())
-    return found.digest()
+            digest.update(np.ascontiguousarray(points, dtype=np.float64).tobytes())
+    return digest.digest()

@@ -2,7 +2,7 @@
 
 The views of every contributor are worth no more than those of the median one, whatever the number of points.
 And every contributor has a specimen of their own, which deviates from the location by MIN_SPREAD_WIDTHS at
-least, so that nobody knows the location better than that in any direction (random effects). Deviations have
+least, which bounds the weight of a contributor in every direction (random effects). Deviations have
 Huber's loss (Huber 1964): a contributor farther away than HUBER_WIDTHS pulls no harder. The location is the
 minimum of a convex function, so there is one.
 """
@@ -37,7 +37,7 @@ MAX_IRLS_ITERATIONS = 100
 IRLS_TOLERANCE_PX = 1e-5
 """Step, px rms over the image, below which the M-estimate has settled."""
 MIN_METRIC = 1e-6
-"""Share by which every parameter moves the image at least: what nobody sees must not be singular."""
+"""Share by which every parameter moves the image at least: invisible directions must not be singular."""
 MAX_VIEW_POINTS = 150
 """Points of a view that are linearized; the others are as many more of the same."""
 MAX_LINEARIZATIONS = 5
@@ -46,7 +46,7 @@ STEP_SHARES, MAX_COST_GROWTH = (1.0, 0.5, 0.25, 0.1), 1.01
 MAX_LINEAR_STEP_WIDTHS = 0.05 / 1280
 """Step / image width, rms over the image, from which the views are linearized again."""
 MAX_EXACT_CONTRIBUTORS = 8
-"""Contributors, those with most influence, of whom each two are left out with everything decided anew."""
+"""Contributors, those with most influence, of whom each two are left out and everything is decided again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,7 @@ class Location:
 
 @dataclass(frozen=True, eq=False)
 class FittedMember:
-    """A member and the calibration fitted to its views, which show the board in the shape that this found."""
+    """A member and the calibration fitted to its views, in the board's estimated shape."""
 
     member: Member
     calibration: Calibration
@@ -100,7 +100,7 @@ class Contributions:
     fitted
         The c calibrations, all of one model and image size.
     camera
-        Where they are linearized: near all of them that belong together.
+        Camera of the linearization, near all agreeing ones.
     """
 
     def __init__(self, fitted: Sequence[FittedMember], camera: Camera) -> None:
@@ -141,7 +141,7 @@ class Contributions:
         """Information (p, p) of a calibration's inliers, poses eliminated, half its descent (p,), and cost.
 
         The noise is what the calibration's covariance says, be it more than that of the corners. Of views
-        with many points some suffice: nobody knows the location better than specimens differ.
+        with many points some suffice, because specimens differ by more than their errors.
         """
         pairs = zip(f.member.views, f.calibration.used, strict=True)
         chosen = [thin(view, mask) for view, mask in pairs if mask.sum() >= MIN_POSE_POINTS]
@@ -171,7 +171,7 @@ class Contributions:
         return bool(self.length(self.locate(members).y) < self.huber_px)
 
     def relinearize(self, members: Sequence[int]) -> "Contributions":
-        """Linearize anew until the location of some calibrations lies where they are linearized."""
+        """Linearize again until the location of some calibrations lies where they are linearized."""
         found = self
         for _ in range(MAX_LINEARIZATIONS):
             location = found.locate(members)
@@ -229,7 +229,7 @@ class Contributions:
         return out
 
     def camera_at(self, location: Location) -> Camera:
-        """Camera at a location; raises CalibrationError ``not_believable`` where it is none."""
+        """Camera at a location; raises CalibrationError ``not_believable`` if it is none."""
         k = self.camera.intrinsics + self.scale * location.y
         if not np.isfinite(k).all() or k[0] <= 0 or k[1] <= 0:
             raise CalibrationError("not_believable", "the contributors' cameras have no common one")
@@ -266,8 +266,8 @@ class Contributions:
     ) -> tuple[float, float]:
         """Largest shifts of the location of `group` when one, and when two contributors are left out, px rms.
 
-        `regroup` decides anew which of the remaining calibrations (indices) agree with those of the group.
-        Infinite where nobody is left. Of many contributors those are left out that have most influence.
+        `regroup` decides again which of the remaining calibrations (indices) agree with those of the group.
+        Infinite if no contributor is left. Of many contributors those with most influence are left out.
         """
         whole = self.locate(group)
         if len(whole.numbers) < 3:
@@ -275,11 +275,11 @@ class Contributions:
         pull = self.length(whole.deviations) * whole.weights
         candidates = whole.numbers[np.argsort(-pull, kind="stable")][:MAX_EXACT_CONTRIBUTORS]
         one, two = 0.0, 0.0
-        everybody = np.arange(len(self.owner))
+        members = np.arange(len(self.owner))
         for left_out in itertools.chain(
             itertools.combinations(candidates, 1), itertools.combinations(candidates, 2)
         ):
-            rest = everybody[~np.isin(self.owner, left_out)]
+            rest = members[~np.isin(self.owner, left_out)]
             shift = float(self.length(self.locate(regroup(rest)).y - whole.y))
             one = max(one, shift) if len(left_out) == 1 else one
             two = max(two, shift)

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 from ..camera import Camera
 from ..errors import CalibrationError, undetermined
+from ..fitting.fit import fit
 from ..fitting.resection import reprojection_score
 from ..view import View
-from .fit_memory import fit_plausible
 
 NOISE_FLOOR_WIDTHS = 1e-4
 """Error / image width below which differences mean nothing."""
@@ -28,7 +28,7 @@ def fitting_camera(cameras: Sequence[Camera], views: Sequence[View], model: str)
     if len(cameras) < 2:
         return None
     size = cameras[0].img_size
-    noise = math.sqrt(2) * fit_plausible(views, size, model).noise
+    noise = math.sqrt(2) * fit(views, size, model, board_shape=True).noise
     expected = max(noise, NOISE_FLOOR_WIDTHS * size[0])
     errors = [_error(camera, views) for camera in cameras]
     best, second = sorted(range(len(errors)), key=errors.__getitem__)[:2]

@@ -72,7 +72,7 @@ def _inliers(view: View, used: Mask) -> View:
 
 
 def cross_validate_views(group: Sequence[FittedMember], pooled: Camera) -> Array:
-    """Rms (m,), px, of each member's views under intrinsics fitted without it, the poses alone fitted anew.
+    """Rms (m,), px, of each member's views under intrinsics fitted without it; only poses are fitted.
 
     At most FOLDS fits, each from where that of all, `pooled`, ended: with a member up to a fifth of the group
     is left out, so that a large group takes no longer. Infinite where the others alone give no fit.

@@ -43,11 +43,11 @@ class Rule:
     Attributes
     ----------
     min_calibrations, min_contributors
-        In the largest group that agrees.
+        Minimum numbers in the largest agreeing group.
     min_share
-        Share of all calibrations that this group holds. Where contributors are told apart (`min_contributors`
+        Share of all calibrations in this group. If contributors are distinguished (`min_contributors`
         of 2 or more) each of them weighs the same, however many calibrations are theirs, in majorities and
-        in this share; and nobody has more calibrations in the pooled fit than half of the others have.
+        in this share; and no contributor has more calibrations in the pooled fit than half of the others.
     max_unexplained
         A member's views, its poses fitted to the others' intrinsics, may have an rms above that of its own
         fit by this / image width.
@@ -72,13 +72,13 @@ class Consensus:
     members
         Ids of the group, in the order given.
     contributors
-        Number of different contributors in the group, of the largest family alone.
+        Number of different contributors in the group, of the largest family.
     reliable
         True if the rule holds.
     total
         Number of all calibrations.
     reason
-        Why it is not reliable; None where it is.
+        Why it is not reliable; None if it is.
     consistent
         True if the rule would hold if one calibration were enough.
     groups
@@ -190,7 +190,7 @@ def locate_contributors(
 ) -> tuple[Calibration, Array, bool] | None:
     """Fit the location of the contributors of a group: calibration, held-out errors (m,), and stability.
 
-    None where the views do not lead to a common camera, though each of them has one: they say too little.
+    None if the views do not determine a common camera.
     """
     group = [agreement.fits[i] for i in indices]
     try:
@@ -234,11 +234,11 @@ class _Agreement:
         group = self.groups[0]
         try:
             start = Contributions(self.fits, self.fits[self.reference].calibration.camera)
-            found = start.relinearize(group)
+            result = start.relinearize(group)
         except CalibrationError:
-            found = None
-        if found is not None and found.is_settled(group):
-            return found
+            result = None
+        if result is not None and result.is_settled(group):
+            return result
         # One calibration may lie far along a valley of the model; all of them together do not.
         camera = self.fits[self.reference].calibration.camera
         pooled = fit_views([self.fits[i] for i in group], camera.img_size, camera.model)
@@ -265,7 +265,7 @@ def unreliable_reason(
     *,
     is_stable: bool,
 ) -> UnreliableReason | None:
-    """Reason why the group among all `members` is not reliable; None where it is.
+    """Reason why the group among all `members` is not reliable; None if it is.
 
     Parameters
     ----------
@@ -293,7 +293,7 @@ def unreliable_reason(
 
 
 def count_contributors(group: Sequence[FittedMember]) -> int:
-    """Count the contributors of a group, those of the largest family alone."""
+    """Count the contributors of a group, only those of the largest family."""
     different = {(f.member.family, f.member.contributor) for f in group}
     return max(Counter(family for family, _ in different).values())
 
@@ -309,7 +309,7 @@ def max_influence(contributors: int, spread: float, width: int) -> float:
 
 
 def member_weights(members: Sequence[Member], rule: Rule) -> dict[str, float]:
-    """Weight of each member by id: where contributors are told apart, those of one share a weight of 1."""
+    """Weight of each member by id: if contributors are distinguished, those of one share a weight of 1."""
     if rule.min_contributors < 2:
         return {member.id: 1.0 for member in members}
     counts = Counter(member.contributor for member in members)

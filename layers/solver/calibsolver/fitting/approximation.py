@@ -45,23 +45,23 @@ def approximate(
     start: Camera | None = None,
 ) -> Approximation:
     """Fit a camera model to near the optimum; arguments and errors are those of `fit`, robust."""
-    given = pack(views, img_size)
-    degenerate, mirrored = degenerate_views(given), validation.mirrored_views(given)
+    packed = pack(views, img_size)
+    degenerate, mirrored = degenerate_views(packed), validation.mirrored_views(packed)
     if degenerate.all():
         check(views, img_size)  # raises
-    kept = np.flatnonzero(~degenerate)
-    obs, order = given.subset(kept).sort_canonically()
+    usable = np.flatnonzero(~degenerate)
+    obs, order = packed.subset(usable).sort_canonically()
     problem = Problem(models.get(model), obs, img_size)
-    mask = obs.mask & ~mirrored[kept][order.views][:, None]
+    mask = obs.mask & ~mirrored[usable][order.views][:, None]
     with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
         state = refit_without_gross_outliers(problem, MultiStart(problem, mask, start).run(), mask)
         good = outliers.inlier_mask(state, mask, mask, outliers.GROSS_OUTLIER_SIGMAS, img_size)
         plausibility.check_result(problem, state, good, robust=True)
     poses = np.full((len(views), 6), np.nan)
-    poses[kept] = order.back(state.poses.vectors())
+    poses[usable] = order.back(state.poses.vectors())
     left = order.back(np.asarray(good.any(axis=1)))
     reasons = {int(i): "degenerate" for i in np.flatnonzero(degenerate)}
-    reasons |= {int(i): "mirrored" if mirrored[i] else "outlier" for i in kept[~left]}
+    reasons |= {int(i): "mirrored" if mirrored[i] else "outlier" for i in usable[~left]}
     return Approximation(
         Camera.from_intrinsics(model, state.k, img_size), frozen(poses), robust_sigma(state, good), reasons
     )

@@ -7,7 +7,7 @@ instead). Their variance is learnt (`mixed_model`), so that a flat board costs n
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -87,15 +87,6 @@ class BoardShape:
             "stretch_std": self.stretch_std,
         }
 
-    def shifted(self, step: Array) -> "BoardShape":
-        """Return the shape after a step (SHAPE_SIZE,) of the parameters."""
-        return replace(self, parameters=tuple((np.array(self.parameters) + step).tolist()))
-
-    def reshape(self, obs: Observations) -> Observations:
-        """Return observations of the same board in its shape."""
-        points = self.moved(obs.points.transpose(1, 0, 2)).transpose(1, 0, 2)
-        return replace(obs, points=np.ascontiguousarray(points))
-
     @property
     def sag(self) -> float:
         """Largest height over the plane that fits best / longer extent of the corners."""
@@ -147,15 +138,6 @@ class BoardShape:
         out[0, 2], out[1, 2], out[2, 2] = x * x, x * y, y * y
         out[:3] *= 2 * self.half
         out[3, 0], out[3, 1], out[4, 0] = x * self.half, -y * self.half, y * self.half
-        return out
-
-    def columns(self, by_place: Array, r: Array, points: Array) -> Array:
-        """Differentiate pixels by the parameters: (SHAPE_SIZE, 2, v, n).
-
-        Of their derivatives (3, 2, v, n) by the board's place, its rotations (v, 3, 3) and points (v, 3, n).
-        """
-        turned = np.einsum("vij,sjvn->sivn", r, self.displacements(points.transpose(1, 0, 2)))
-        out: Array = np.einsum("iavn,sivn->savn", by_place, turned)
         return out
 
     def moved(self, points: Array) -> Array:

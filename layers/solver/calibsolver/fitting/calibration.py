@@ -50,7 +50,7 @@ class Calibration:
     used
         For each view (n,) whether a point took part in the final fit.
     prior_used
-        Whether the data were too few to go without the prior.
+        True if the data were too few to go without the prior.
     cut_views
         Views wholly left out of the fit: index -> why (``outlier``, ``mirrored``, ``degenerate``).
     board_shape

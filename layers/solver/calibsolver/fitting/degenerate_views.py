@@ -25,14 +25,14 @@ def with_degenerate_views(calibration: Calibration, views: Sequence[View], degen
     degenerate
         (v,) views whose points lie on a line or in one place.
     """
-    kept = np.flatnonzero(~degenerate)
+    usable = np.flatnonzero(~degenerate)
     poses, errors = np.full((len(views), 6), np.nan), np.full(len(views), np.nan)
-    poses[kept], errors[kept] = calibration.poses, calibration.view_errors
+    poses[usable], errors[usable] = calibration.poses, calibration.view_errors
     residuals: list[Array] = [np.full((len(view), 2), np.nan) for view in views]
     used: list[Mask] = [np.zeros(len(view), dtype=bool) for view in views]
-    for i, vectors, inliers in zip(kept, calibration.residuals, calibration.used, strict=True):
+    for i, vectors, inliers in zip(usable, calibration.residuals, calibration.used, strict=True):
         residuals[i], used[i] = vectors, inliers
-    reasons = {int(kept[i]): reason for i, reason in calibration.cut_views.items()}
+    reasons = {int(usable[i]): reason for i, reason in calibration.cut_views.items()}
     return replace(
         calibration,
         poses=frozen(poses),

@@ -50,25 +50,26 @@ class EffectLikelihood:
         sigma
             px, standard deviation of one coordinate of a corner, from these residuals.
         """
-        size, kept = pull.shape[1], [*range(BEND_SIZE), EFFECTS_SIZE]
+        size, effects = pull.shape[1], [*range(BEND_SIZE), EFFECTS_SIZE]
         moves = slice(BEND_SIZE, EFFECTS_SIZE)
         total = np.eye(size + BEND_SIZE + 1)
         total[:size, size:-1] = pull[:, :, :BEND_SIZE].sum(axis=0)  # the fit left no gradient: residuals, 0
         total[size:-1, :size] = total[:size, size:-1].T
-        total[size:, size:] = gram.sum(axis=0)[np.ix_(kept, kept)]
+        total[size:, size:] = gram.sum(axis=0)[np.ix_(effects, effects)]
         freedom = float(total[-1, -1]) / sigma**2 - BEND_SIZE
         scale = 1 / np.sqrt(total.diagonal() + 1e-300)
         if not (freedom > 1 and np.isfinite(gram).all() and np.isfinite(pull).all()):
             return None
         # In the principal directions of each cluster's motion its covariance is diagonal.
         power, directions = np.linalg.eigh(gram[:, moves, moves])
-        rows = np.concatenate([pull[:, :, moves], gram[:, kept, moves]], axis=1) @ directions
+        rows = np.concatenate([pull[:, :, moves], gram[:, effects, moves]], axis=1) @ directions
         rows = rows.transpose(1, 0, 2).reshape(len(total), -1) * scale[:, None]
         power = np.maximum(power.ravel(), 0.0)
         tried = MOTIONS / sigma**2
         total *= scale[:, None] * scale
         total.flat[:: len(total) + 1] += MIN_PIVOT
-        left = np.stack([total - (rows * (m / (1 + m * power))) @ rows.T for m in tried.tolist()])
+        taken = tried[:, None] / (1 + tried[:, None] * power)
+        left = total - (rows * taken[:, None]) @ rows.T
         try:
             factor = np.linalg.cholesky(left)
         except np.linalg.LinAlgError:

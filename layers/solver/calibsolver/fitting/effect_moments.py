@@ -1,6 +1,6 @@
 """Variances of the systematic effects, from their moments in the residuals (Rao 1970).
 
-Motion is drawn anew in each cluster of views, the bend of the board is the same in all.
+Motion differs between clusters of views, the bend of the board is the same in all.
 """
 
 import math
@@ -26,7 +26,7 @@ class EffectMoments:
     by_move, by_bend
         Pull on the intrinsics by the motion in each cluster, (c, p, 6), and by the bend of all, (p, 3).
     motion, bend
-        What the intrinsics leave in the residuals: of motion (c, 6, 6), of the bend (3, 3).
+        Effects that remain in the residuals: of motion (c, 6, 6), of the bend (3, 3).
     cross
         (c, 6, 3) of the bend in the motion's.
     of_moves, of_bend
@@ -85,8 +85,8 @@ class EffectMoments:
         if s == 0:
             return pull, np.zeros_like(pull[0])
         crossed = self.cross.reshape(-1, BEND_SIZE)
-        seen = s * self.bend @ self.bend + self.bend + m * (crossed.T @ crossed)
-        gain = s * normal_equations.solve_or_nan(seen, self.bend)
+        observed = s * self.bend @ self.bend + self.bend + m * (crossed.T @ crossed)
+        gain = s * normal_equations.solve_or_nan(observed, self.bend)
         mean = gain.T @ self.of_bend
         second = np.outer(mean, mean) + s * (np.eye(BEND_SIZE) - gain.T @ self.bend)
         bent = self.by_bend @ (second + second.T) / 2 @ self.by_bend.T

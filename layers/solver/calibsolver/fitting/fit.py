@@ -30,7 +30,7 @@ from .calibration import Calibration
 from .constraint import Fix
 from .degenerate_views import with_degenerate_views
 from .levenberg_marquardt import Options, Problem, State
-from .mixed_fit import MIN_SHAPE_DECREASE, MixedFit
+from .mixed_fit import MixedFit
 from .mixed_model import SHAPE_SIZE, marginal_information
 from .multistart import MultiStart, constrained
 from .normal_equations import POSE_SIZE, Poses
@@ -193,20 +193,19 @@ class _Fit:
     def _shaped(self, state: State, good: Mask) -> "_Found | None":
         """Fit the board's shape with the rest, from an optimum of least squares with the board as drawn.
 
-        Other points may take part: what the shape explains is no outlier. None where the board is known to be
-        as drawn, where there are too few views to tell, where a shape would explain no more than chance, and
-        where it is no board's.
+        Other points may take part: what the shape explains is no outlier. A stretch that no printer causes is
+        left to the camera. None if the board is known to be as drawn, where there are too few views to
+        tell, and where a shape would explain no more than chance or leave a camera that is not believable.
         """
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
             return None
-        mixed = MixedFit.of(self.problem, self._labels(state, good), self._sigma(state, good) ** 2)
-        at = mixed.linearize(mixed.problem.start(state), good)
-        v = at.model.learn(mixed.problem.variances)
-        if not at.model.shape_gain(v) > MIN_SHAPE_DECREASE:
+        labels, noise2 = self._labels(state, good), self._sigma(state, good) ** 2
+        begun = MixedFit.begin(self.problem, state, good, labels, noise2)
+        if begun is None:
             return None
-        mixed, shaped = mixed.at_variances(at.model, v), at.state
+        mixed, shaped = begun
         for _ in range(MAX_MASKS):
-            shaped = mixed.solve(shaped, good)
+            shaped = mixed.solve(shaped, good, REJECTION)
             taken = outliers.inlier_mask(
                 shaped, self.mask, good, outliers.OUTLIER_SIGMAS, self.problem.img_size
             )
@@ -215,11 +214,12 @@ class _Fit:
             if np.array_equal(taken, good) or not taken.any():
                 break
             good = taken
-        at = mixed.linearize(shaped, good)
-        mixed = mixed.at_variances(at.model, at.model.learn(mixed.problem.variances))
+        mixed = mixed.learnt(mixed.linearize(shaped, good))
         shaped = mixed.solve(shaped, good)
+        if not mixed.problem.shape(shaped).is_plausible:
+            return None
         try:
-            return self._result(mixed.problem.camera_state(shaped), good, (mixed, shaped), with_prior=True)
+            return self._result(shaped, good, mixed, with_prior=True)
         except CalibrationError:
             return None
 
@@ -273,7 +273,7 @@ class _Fit:
         return outliers.outliers_concentrate_at_rim(good, among, self.problem.obs, self.problem.img_size)
 
     def _is_close(self, one: State, one_mask: Mask, other: State, other_mask: Mask, ratio: float) -> bool:
-        """Whether the rms of one fit over its points (v, n) is within `ratio` of another's over its own."""
+        """True if the rms of one fit over its points (v, n) is within `ratio` of another's over its own."""
         mean = np.mean(other.square[other_mask])
         return bool(np.mean(one.square[one_mask]) < ratio**2 * mean)
 
@@ -318,11 +318,22 @@ class _Fit:
         seen = systematic_effects.explained_points(rows, effects, good, mask, sigma, limit)
         if np.array_equal(seen, good):
             return evidence
-        more = robust_covariance.Evidence.of(rows, effects, poses, labels, evidence.metric, seen)
-        return replace(evidence, of_effects=more.gram)
+        if len(evidence.gram) < len(labels):
+            more = robust_covariance.Evidence.of(rows, effects, poses, labels, evidence.metric, seen).gram
+        else:  # each view is a cluster: only those of which more is seen change
+            more, changed = evidence.gram.copy(), np.flatnonzero((seen != good).any(axis=1))
+            more[changed] = robust_covariance.Evidence.of(
+                rows[:, :, changed],
+                effects[:, :, changed],
+                Poses(poses.r[changed], poses.t[changed]),
+                np.arange(len(changed)),
+                evidence.metric,
+                seen[changed],
+            ).gram
+        return replace(evidence, of_effects=more)
 
     def _is_observable(self, state: State) -> bool:
-        """Whether the data alone, without the prior, determine every parameter."""
+        """True if the data without the prior determine every parameter."""
         s = normal_equations.reduced_information(state.rows[:-1] * self.mask)
         scale = 1 / np.sqrt(np.maximum(np.diagonal(s), 1e-300))
         return bool(np.linalg.eigvalsh(s * scale[:, None] * scale)[0] > 1e-12)
@@ -336,7 +347,12 @@ class _Fit:
         return max(noise, levenberg_marquardt.ROUNDOFF * self.width)
 
     def _result(
-        self, state: State, good: Mask, shaped: tuple[MixedFit, State] | None = None, *, with_prior: bool
+        self,
+        state: State,
+        good: Mask,
+        mixed: MixedFit | None = None,
+        *,
+        with_prior: bool,
     ) -> "_Found":
         """Check the fit and describe it: errors over all points, covariance from the good ones.
 
@@ -347,17 +363,18 @@ class _Fit:
             has them in the order in which the views came.
         good
             (v, n) points that took part.
-        shaped
-            How the board's shape was fitted, and the optimum with it; None: the board is as drawn.
+        mixed
+            How the board's shape was fitted, which the state then has, too; None: it is as drawn.
         with_prior
-            Whether the prior took part: its information (p, p) is added to that of the points.
+            True if the prior took part: its information (p, p) is added to that of the points.
 
         Raises CalibrationError ``not_converged`` or ``not_believable``.
         """
         if not state.converged:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
-        shape = None
-        problem = self.problem.reshaped(shaped[0].problem.shape(shaped[1])) if shaped else self.problem
+        problem, shape, optimum = self.problem, None, state
+        if mixed:
+            problem, state = mixed.problem.of_camera(optimum)
         plausibility.check_result(problem, state, good, self.robust)
         state = self._resect_excluded_views(problem, state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size
@@ -371,15 +388,14 @@ class _Fit:
         believed = state.prior_jacobian.T @ state.prior_jacobian if with_prior else None
         if believed is not None:
             believed *= max(sigma, 1e-5 * img_size[0]) ** 2
-        if shaped is None:
+        if mixed is None:
             spread = robust_covariance.estimate(self._evidence(state, good, sigma), sigma, believed)
             covariance, information = spread.covariance, spread.information
         else:
-            mixed, optimum = shaped
-            shape = mixed.problem.shape(optimum)
             spread = mixed.spread(optimum, good, sigma, self.mask)
             covariance = spread.covariance[SHAPE_SIZE:, SHAPE_SIZE:]
             information = marginal_information(spread.information, len(state.rows) - 1 - POSE_SIZE)
+            shape = mixed.problem.shape(optimum)
             shape = replace(shape, covariance=frozen(spread.covariance[:SHAPE_SIZE, :SHAPE_SIZE]))
         if not (np.isfinite(rms) and np.isfinite(spread.covariance).all()):
             raise CalibrationError("not_believable", "the fit has no finite error")

@@ -82,7 +82,7 @@ def optimum_beside(problem: Problem, state: State, good: Mask, step: float) -> S
 
 
 def is_taken(problem: Problem, other: State, good: Mask) -> bool:
-    """Whether a fit that ends there is one that another calibration might return."""
+    """True if another calibration might return a fit that ends there."""
     return (
         other.converged
         and other.is_finite

@@ -34,7 +34,7 @@ class Start:
     error
         Median angular error in px of its focal length.
     weights
-        (v, n) 0 where a point contradicts most of its view; None where nothing is known of that.
+        (v, n) 0 where a point contradicts most of its view; None if nothing is known of that.
     """
 
     k: Array
@@ -78,7 +78,7 @@ def evaluate_starts(model: Model, obs: Observations, many: list[Array]) -> list[
     out = []
     for i, k in enumerate(many):
         part = slice(i * v, (i + 1) * v)
-        # A pixel without a ray is no better than one with a wrong ray.
+        # A pixel without a ray is as bad as one with a wrong ray.
         blind = np.isnan(rays[part, 0])
         focal = np.sqrt(np.prod(model.focal(k)))
         error = float(np.median(np.where(blind, np.inf, angle[part])[obs.mask]) * focal)
@@ -134,7 +134,7 @@ def convert_intrinsics(model: Model, camera: Camera) -> Array:
 
 
 def subsample_views(obs: Observations, mask: Mask) -> IntArray | None:
-    """Choose MAX_TRIAL_VIEWS views, from all over the image, to try starts on; None where there are no more.
+    """Choose MAX_TRIAL_VIEWS views, from all over the image, to try starts on; None if there are no more.
 
     Chosen by what they show, not by their order.
     """

@@ -5,6 +5,7 @@ or the square, sigma the noise that the residuals themselves show. (Marquardt 19
 2000 for the elimination; Transtrum & Sethna 2012 for the geodesic acceleration along narrow valleys.)
 """
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
@@ -14,7 +15,6 @@ from .. import deadline, rotation
 from ..arrays import Array, Mask
 from ..models import Model
 from . import normal_equations, prior
-from .board_shape import BoardShape
 from .normal_equations import POSE_SIZE, Elimination, Poses, System
 from .observations import Observations
 
@@ -42,6 +42,8 @@ ACCELERATE_AFTER_ITERATIONS = 4
 """Iterations after which the valley is taken for a curved one."""
 MAX_ACCELERATION_RATIO = 0.75
 """Length of the geodesic acceleration / length of the step, at most: else neither is trusted."""
+SHORT_STEP = 1e-6
+"""Relative change of the focal length up to which a straight step is as good as a curved one."""
 FINITE_DIFFERENCE = 0.1
 """Share of a step over which its second derivative is taken."""
 
@@ -79,7 +81,7 @@ class State:
     prior_residuals, prior_jacobian
         Whitened residuals (m,) of the prior and their Jacobian (m, a).
     converged
-        Whether the gradient allows no further decrease.
+        True if the gradient allows no further decrease.
     """
 
     k: Array
@@ -98,7 +100,7 @@ class State:
 
     @property
     def is_finite(self) -> bool:
-        """Whether every residual is a number."""
+        """True if every residual is finite."""
         return bool(np.isfinite(self.square).all())
 
     def system(self, weights: Array | None, prior_weight: float) -> System:
@@ -152,7 +154,7 @@ class LeastSquares(ABC):
 
     @abstractmethod
     def is_feasible(self, k: Array) -> bool:
-        """Whether there is a picture at all with the shared unknowns k (p,)."""
+        """True if there is an image with the shared unknowns k (p,)."""
 
     @abstractmethod
     def at(self, k: Array, poses: Poses) -> State:
@@ -222,13 +224,13 @@ class LeastSquares(ABC):
         return da
 
     def _take_step(self, state: State, da: Array, dp: Array) -> State | None:
-        """Linearize after steps (a,) and (v, 6); None where there is no picture there."""
-        k, poses = self.retract(state, da, dp)
+        """Linearize after steps (a,) and (v, 6); None if there is no picture there."""
+        k, poses = self.retract(state.k, state.poses, da, dp)
         return self.at(k, poses) if self.is_feasible(k) else None
 
-    def retract(self, state: State, da: Array, dp: Array) -> tuple[Array, Poses]:
+    def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
         """Shared unknowns (p,) and poses after steps (a,) and (v, 6)."""
-        return state.k + self.free(da), state.poses.retract(dp)
+        return k + self.free(da), poses.retract(dp)
 
     def _geodesic_acceleration(
         self, state: State, system: System, weights: Array | None, da: Array, dp: Array, at: Elimination
@@ -238,7 +240,7 @@ class LeastSquares(ABC):
         The second derivative of the residuals along the step is a finite difference.
         """
         h = FINITE_DIFFERENCE
-        k, poses = self.retract(state, h * da, h * dp)
+        k, poses = self.retract(state.k, state.poses, h * da, h * dp)
         if not self.is_feasible(k):
             return da, dp
         moved = self.residuals(k, poses)
@@ -282,7 +284,7 @@ class Problem(LeastSquares):
         return self.img_size[0]
 
     def is_feasible(self, k: Array) -> bool:
-        """Whether the model has a picture at all with intrinsics k (p,)."""
+        """True if the model has an image with intrinsics k (p,)."""
         return bool(k[0] > 0 and k[1] > 0 and self.model.magnification(k[4:])[0] > 0)
 
     def at(self, k: Array, poses: Poses) -> State:
@@ -312,10 +314,6 @@ class Problem(LeastSquares):
         )
         return nearest
 
-    def reshaped(self, shape: BoardShape) -> "Problem":
-        """Return the problem of a board in its shape."""
-        return replace(self, obs=shape.reshape(self.obs))
-
     def residuals(self, k: Array, poses: Poses) -> Array:
         """Compute the residuals (2, v, n) at given intrinsics (p,) and poses, px."""
         q = normal_equations.project(self.model, k, poses, self.obs.points)
@@ -326,7 +324,7 @@ class Problem(LeastSquares):
         """Change (p,) of the intrinsics by a step (a,) of the free ones."""
         return da if self.basis is None else self.basis @ da
 
-    def retract(self, state: State, da: Array, dp: Array) -> tuple[Array, Poses]:
+    def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
         """Intrinsics and poses after steps (a,) and (v, 6), along the curve that keeps the picture.
 
         A longer focal length moves the boards away, and leaves each coefficient's effect in px: the long
@@ -334,18 +332,17 @@ class Problem(LeastSquares):
         straight steps.
         """
         if self.origin is not None:
-            return super().retract(state, da, dp)
-        order, change = 2 * prior.weights(self.model).order, self.free(da)
-        k, t = state.k.copy(), state.poses.t.copy()
-        relative = change[:2] / k[:2]
-        k[:2] *= np.exp(relative)
-        k[2:4] += change[2:4]
-        longer = float(relative.sum()) / 2
-        grown = np.exp(longer)
-        k[4:] = (k[4:] * (1 - order * longer) + change[4:]) * grown**order
-        t[:, :2] += dp[:, 3:5]
-        t[:, 2] = (t[:, 2] * (1 - longer) + dp[:, 5]) * grown
-        return k, Poses(rotation.matrix(dp[:, :3]) @ state.poses.r, t)
+            return super().retract(k, poses, da, dp)
+        change = self.free(da)
+        across, down = float(change[0] / k[0]), float(change[1] / k[1])
+        longer = (across + down) / 2
+        moved, t = k + change, poses.t + dp[:, 3:]
+        if abs(longer) > SHORT_STEP:
+            grown, order = math.exp(longer), 2 * prior.weights(self.model).order
+            moved[0], moved[1] = k[0] * math.exp(across), k[1] * math.exp(down)
+            moved[4:] = (moved[4:] - k[4:] * (order * longer)) * grown**order
+            t[:, 2] = (t[:, 2] - poses.t[:, 2] * longer) * grown
+        return moved, Poses(rotation.matrix(dp[:, :3]) @ poses.r, t)
 
 
 def residual_rows(
@@ -375,7 +372,7 @@ def assess_step(damping: float, actual: float, predicted: float) -> tuple[bool, 
 
 
 def is_last_step(predicted: float, previous_predicted: float, cost: float, tolerance: float) -> bool:
-    """Whether the decrease that the next step would predict, extrapolated, is within the tolerance."""
+    """True if the decrease that the next step would predict, extrapolated, is within the tolerance."""
     return (
         previous_predicted < EXTRAPOLATE_BELOW * cost
         and predicted * (predicted / previous_predicted) < tolerance

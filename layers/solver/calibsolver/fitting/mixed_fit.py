@@ -6,7 +6,6 @@ would be taken for it. It counts in the covariance.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -20,10 +19,19 @@ from . import (
 )
 from .board_shape import BoardShape
 from .levenberg_marquardt import LeastSquares, Options, Problem, State
-from .mixed_model import EXPECTED_MOTION, SHAPE_SIZE, MixedModel, Variances, trusted_motion
+from .mixed_model import (
+    EXPECTED_MOTION,
+    EXPECTED_STRETCH,
+    MAX_STRETCH_DEVIATION,
+    SHAPE_SIZE,
+    MixedModel,
+    Variances,
+    trusted_motion,
+)
 from .normal_equations import POSE_SIZE, Poses
 from .observations import Observations
 from .robust_covariance import Evidence, Result
+from .systematic_effects import BEND_SIZE
 
 MIN_SHAPE_DECREASE = 15.0
 """Decrease of the cost, in squares of the noise, by a shape that is believed: with five numbers chance brings
@@ -50,6 +58,8 @@ class ShapedProblem(LeastSquares):
         Problem of that board.
     frame
         Shape of which the parameters are estimated.
+    displacements
+        (SHAPE_SIZE, v, 3, n) derivatives of the points by them.
     variances
         Of the noise, which weighs the priors, and of the shape.
     """
@@ -57,37 +67,29 @@ class ShapedProblem(LeastSquares):
     obs: Observations
     drawn: Problem
     frame: BoardShape
+    displacements: Array
     variances: Variances
+
+    @classmethod
+    def of(cls, drawn: Problem, variances: Variances) -> "ShapedProblem":
+        """Problem of the board as drawn, which gets a shape."""
+        frame, points = BoardShape.of(drawn.obs), drawn.obs.points
+        moved = frame.displacements(points.transpose(1, 0, 2)).transpose(0, 2, 1, 3)
+        return cls(drawn.obs, drawn, frame, np.ascontiguousarray(moved), variances)
 
     @property
     def width(self) -> int:
         """Width of the image, px."""
         return self.drawn.width
 
-    @cached_property
-    def heights(self) -> Array:
-        """Derivatives (3, v, n) of the points' heights by the shape, board units."""
-        x, y = self.places
-        half = self.frame.half
-        return np.stack([x * x, x * y, y * y]) * (2 / half)
-
-    @cached_property
-    def places(self) -> Array:
-        """Points (2, v, n) from the middle of the board, board units."""
-        out: Array = self.obs.points[:, :2].transpose(1, 0, 2) - np.array(self.frame.center)[:, None, None]
-        return out
-
-    def points(self, shape: Array) -> Array:
-        """Points (v, 3, n) of the board in a shape (SHAPE_SIZE,)."""
-        out = self.obs.points.copy()
-        x, y = self.places
-        out[:, 2] += np.tensordot(shape[:3], self.heights, 1)
-        out[:, 0] += shape[3] * x + shape[4] * y
-        out[:, 1] -= shape[3] * y
-        return out
+    def reshaped(self, shape: Array) -> Observations:
+        """Observations of the board in a shape (SHAPE_SIZE,)."""
+        moved = (shape @ self.displacements.reshape(SHAPE_SIZE, -1)).reshape(self.obs.points.shape)
+        moved += self.obs.points
+        return replace(self.obs, points=moved)
 
     def is_feasible(self, k: Array) -> bool:
-        """Whether the model has a picture at all with k."""
+        """True if the model has a picture at all with k."""
         return self.drawn.is_feasible(k[SHAPE_SIZE:])
 
     def noise(self, state: State, counted: Mask) -> float:
@@ -104,30 +106,34 @@ class ShapedProblem(LeastSquares):
 
     def start(self, state: State) -> State:
         """Linearize about a state of the board as drawn."""
-        return self._with_shape(np.append(np.zeros(SHAPE_SIZE), state.k), state.poses, state.rows)
+        rows = np.empty((SHAPE_SIZE + len(state.rows), *state.rows.shape[1:]))
+        rows[SHAPE_SIZE:] = state.rows
+        return self._with_shape(np.append(np.zeros(SHAPE_SIZE), state.k), state.poses, rows, state.square)
 
     def at(self, k: Array, poses: Poses) -> State:
         """Linearize at a shape and intrinsics k, and poses."""
-        drawn, points = self.drawn, self.points(k[:SHAPE_SIZE])
-        rows, _ = levenberg_marquardt.residual_rows(
-            drawn.model, k[SHAPE_SIZE:], poses, replace(self.obs, points=points), SHAPE_SIZE
+        obs = self.reshaped(k[:SHAPE_SIZE])
+        rows, square = levenberg_marquardt.residual_rows(
+            self.drawn.model, k[SHAPE_SIZE:], poses, obs, SHAPE_SIZE
         )
-        return self._with_shape(k, poses, drawn.free_rows(rows, SHAPE_SIZE))
-
-    def free(self, da: Array) -> Array:
-        """Change of the shape and all intrinsics by a step of the shape and the free ones."""
-        return np.append(da[:SHAPE_SIZE], self.drawn.free(da[SHAPE_SIZE:]))
+        return self._with_shape(k, poses, self.drawn.free_rows(rows, SHAPE_SIZE), square)
 
     def residuals(self, k: Array, poses: Poses) -> Array:
         """Compute the residuals (2, v, n) at a shape and intrinsics k, and poses, px."""
-        points = self.points(k[:SHAPE_SIZE])
+        points = self.reshaped(k[:SHAPE_SIZE]).points
         q = normal_equations.project(self.drawn.model, k[SHAPE_SIZE:], poses, points)
         r: Array = (q - self.obs.pixels).transpose(1, 0, 2)
         return r if self.obs.scale is None else r * self.obs.scale
 
-    def camera_state(self, state: State) -> State:
-        """Return the state of the camera alone, of the board in its shape."""
-        return replace(
+    def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
+        """Shape, intrinsics and poses after steps (SHAPE_SIZE + a,) and (v, 6)."""
+        camera, moved = self.drawn.retract(k[SHAPE_SIZE:], poses, da[SHAPE_SIZE:], dp)
+        return np.append(k[:SHAPE_SIZE] + da[:SHAPE_SIZE], camera), moved
+
+    def of_camera(self, state: State) -> tuple[Problem, State]:
+        """Return problem and state of the camera alone, of the board in its shape."""
+        problem = replace(self.drawn, obs=self.reshaped(state.k[:SHAPE_SIZE]))
+        return problem, replace(
             state,
             k=state.k[SHAPE_SIZE:],
             rows=state.rows[SHAPE_SIZE:],
@@ -139,28 +145,18 @@ class ShapedProblem(LeastSquares):
         """Shape of the board at a state."""
         return replace(self.frame, parameters=tuple(state.k[:SHAPE_SIZE].tolist()))
 
-    def _with_shape(self, k: Array, poses: Poses, rows: Array) -> State:
-        """State of rows of a camera, (a + 7, 2, v, n), or with SHAPE_SIZE more before them, to be filled."""
-        r, j = self.drawn.prior(k[SHAPE_SIZE:])
-        size = j.shape[1]
-        if len(rows) == size + POSE_SIZE + 1:
-            rows = np.concatenate([np.empty((SHAPE_SIZE, *rows.shape[1:])), rows])
-        x, y = self.places
+    def _with_shape(self, k: Array, poses: Poses, rows: Array, square: Array) -> State:
+        """State of rows (SHAPE_SIZE + a + 7, 2, v, n), the first of which are filled here."""
         by_x, by_y, by_z = np.einsum("vij,iavn->javn", poses.r, rows[-4:-1])
-        for out, height in zip(rows, self.heights, strict=False):
-            np.multiply(by_z, height, out=out)
-        np.multiply(by_x, x, out=rows[3])
-        rows[3] -= by_y * y
-        np.multiply(by_x, y, out=rows[4])
+        for i in range(BEND_SIZE):
+            np.multiply(by_z, self.displacements[i, :, 2], out=rows[i])
+        np.multiply(by_x, self.displacements[3, :, 0], out=rows[3])
+        rows[3] += by_y * self.displacements[3, :, 1]
+        np.multiply(by_x, self.displacements[4, :, 0], out=rows[4])
+        r, j = self.drawn.prior(k[SHAPE_SIZE:])
         certain = 1 / self.variances.shape_deviations()
-        return State(
-            k,
-            poses,
-            rows,
-            rows[-1, 0] ** 2 + rows[-1, 1] ** 2,
-            np.append(k[:SHAPE_SIZE] * certain, r),
-            block_diagonal(np.diag(certain), j),
-        )
+        jacobian = block_diagonal(np.diag(certain), j)
+        return State(k, poses, rows, square, np.append(k[:SHAPE_SIZE] * certain, r), jacobian)
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,16 +189,35 @@ class MixedFit:
         Problem with the shape, at variances to begin with.
     labels
         (v,) clusters of views in nearly the same pose.
+    max_stretch
+        Standard deviation of stretch at most.
     """
 
     problem: ShapedProblem
     labels: IntArray
+    max_stretch: float = MAX_STRETCH_DEVIATION
 
     @classmethod
-    def of(cls, drawn: Problem, labels: IntArray, noise2: float) -> "MixedFit":
-        """Return the fit of a problem with the board as drawn, of noise of variance `noise2`, px^2."""
-        obs = drawn.obs
-        return cls(ShapedProblem(obs, drawn, BoardShape.of(obs), Variances(noise2)), labels)
+    def begin(
+        cls, drawn: Problem, state: State, good: Mask, labels: IntArray, noise2: float
+    ) -> "tuple[MixedFit, State] | None":
+        """Begin with the board as drawn; None if a shape explains no more than chance and motion do.
+
+        Parameters
+        ----------
+        drawn, state, good
+            Problem of the board as drawn, its optimum, and the points (v, n) that took part.
+        labels
+            As of the class.
+        noise2
+            Variance of the noise there, px^2.
+        """
+        fit = cls(ShapedProblem.of(drawn, Variances(noise2)), labels)
+        at = fit.linearize(fit.problem.start(state), good)
+        fit, v = fit._learn(at.model)
+        if not at.model.shape_gain(v) > MIN_SHAPE_DECREASE:
+            return None
+        return fit._at_variances(at.model, v), at.state
 
     def linearize(self, state: State, good: Mask, metric: Array | None = NO_METRIC) -> Linearization:
         """Gather the mixed model of the good points (v, n) about a state.
@@ -214,7 +229,7 @@ class MixedFit:
         effects = systematic_effects.motion(state.rows[-POSE_SIZE - 1 : -1], drawn.obs.points, row)
         used = None if good.all() else good
         evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, used)
-        if metric is None:  # the shape is no part of the camera
+        if metric is None:  # the shape is not part of the camera
             known = np.zeros_like(evidence.metric)
             known[SHAPE_SIZE:, SHAPE_SIZE:] = evidence.metric[SHAPE_SIZE:, SHAPE_SIZE:]
             evidence = replace(evidence, metric=known)
@@ -230,17 +245,32 @@ class MixedFit:
             (levenberg_marquardt.ROUNDOFF * drawn.width) ** 2,
             # Less motion is expected where the corners show less noise than most.
             EXPECTED_MOTION * min(noise2 / (TYPICAL_NOISE_WIDTHS * drawn.width) ** 2, 1.0),
+            self.max_stretch,
         )
         return Linearization(state, effects, evidence, mixed)
 
-    def at_variances(self, model: MixedModel, v: Variances) -> "MixedFit":
+    def learnt(self, at: Linearization) -> "MixedFit":
+        """Return the fit at the variances that a linearization teaches."""
+        fit, v = self._learn(at.model)
+        return fit._at_variances(at.model, v)
+
+    def _learn(self, model: MixedModel) -> "tuple[MixedFit, Variances]":
+        """Learn the variances; a stretch that no printer causes is not one, and has next to none."""
+        v = model.learn(self.problem.variances)
+        expected = tuple((model.shape + model.solve(v).x[:SHAPE_SIZE]).tolist())
+        if replace(self.problem.frame, parameters=expected).is_plausible:
+            return self, v
+        model.max_stretch = EXPECTED_STRETCH
+        return replace(self, max_stretch=EXPECTED_STRETCH), model.learn(replace(v, stretch=EXPECTED_STRETCH))
+
+    def _at_variances(self, model: MixedModel, v: Variances) -> "MixedFit":
         """Return the fit at learnt variances, without motion: what moves counts as noise."""
         noise2 = model.solve(replace(v, motion=0.0)).variances.noise2
         return replace(self, problem=replace(self.problem, variances=replace(v, noise2=noise2)))
 
-    def solve(self, state: State, good: Mask) -> State:
+    def solve(self, state: State, good: Mask, options: Options = IN_SHAPE) -> State:
         """Solve for the optimum of the good points (v, n)."""
-        return self.problem.solve(self.problem.believing(state), outliers.unit_weights(good), IN_SHAPE)
+        return self.problem.solve(self.problem.believing(state), outliers.unit_weights(good), options)
 
     def spread(self, state: State, good: Mask, sigma: float, mask: Mask) -> Result:
         """Covariance of what the views share, with the motion that the residuals show.
@@ -257,26 +287,27 @@ class MixedFit:
         """
         noise2 = sigma**2
         at = self.linearize(state, good, None)
-        v = at.model.learn(replace(self.problem.variances, noise2=noise2))
+        model = at.model
+        v = model.learn(replace(self.problem.variances, noise2=noise2))
         if not np.array_equal(mask, good):
-            u = at.model.moved(at.model.solve(v).u)
+            u = model.moved(model.solve(v).u)
             left = state.rows[-1] + np.einsum("vm,mavn->avn", u[self.labels], at.effects)
             seen = good | (mask & (np.sum(left**2, axis=0) < (outliers.OUTLIER_SIGMAS * sigma) ** 2))
             if not np.array_equal(seen, good):
                 v = self.linearize(state, seen).model.learn(v)
-        v = replace(v, motion=trusted_motion(v, at.model.noise2))
-        return _covariance(at, v, noise2)
+        v = replace(v, motion=trusted_motion(v, model.noise2))
+        return _covariance(model, at.evidence.metric, v, noise2)
 
 
-def _covariance(at: Linearization, v: Variances, noise2: float) -> Result:
+def _covariance(model: MixedModel, metric: Array, v: Variances, noise2: float) -> Result:
     """Covariance of shape and intrinsics by the formula of `robust_covariance`, without its effect of bend.
 
-    `noise2` (px^2) is the variance of the residuals, motion and all.
+    `metric` is that of `Evidence`; `noise2` (px^2) is the variance of the residuals, motion and all.
     """
-    size, model = at.model.size, at.model
+    size = model.size
     information = model.total[:size, :size] + v.noise2 * model.belief(v)[0]
     basis = whitening(information)
-    w = basis.T @ at.evidence.metric @ basis
+    w = basis.T @ metric @ basis
     b = basis.T @ model.gram[:, :size, :size] @ basis
     h = model.gram[:, :size, size] @ basis / np.sqrt(v.noise2)
     pull = basis.T @ model.rows[:, :size]

@@ -22,6 +22,8 @@ EXPECTED_HEIGHT, EXPECTED_STRETCH, SHAPE_FREEDOM = 2e-4, 1e-4, 1.0
 """Prior of the standard deviations of heights / board and of stretch, and its degrees of freedom."""
 FIRST_HEIGHT, FIRST_STRETCH = 3e-3, 1.5e-3
 """Initial standard deviations: those of boards of paper."""
+MAX_STRETCH_DEVIATION = 2.5e-3
+"""Standard deviation of stretch at most, of prints that differ by half a percent across and down."""
 EXPECTED_MOTION, MOTION_FREEDOM = 0.008, 1.0
 """Prior of the variance of motion / that of a hand, for usual corners, and its degrees of freedom."""
 FIRST_MOTION = 1.0
@@ -30,7 +32,7 @@ MAX_LEARNING_STEPS, LEARNING_TOLERANCE = 60, 1e-2
 """Steps of the maximization, and relative change of the variances below which it ends."""
 EXTRAPOLATION_STEPS = 3
 """Steps of the maximization after which it is extrapolated."""
-MAX_RATE = 0.9
+MAX_RATE = 0.95
 """Ratio of two changes that follow each other, by which it is extrapolated at most."""
 
 
@@ -89,6 +91,8 @@ class MixedModel:
         Least variance of the noise, px^2: rounding.
     expected_motion
         Prior of the variance of motion.
+    max_stretch
+        Standard deviation of stretch at most.
     """
 
     def __init__(
@@ -99,8 +103,10 @@ class MixedModel:
         shape: Array,
         floor: float,
         expected_motion: float,
+        max_stretch: float,
     ) -> None:
         self.floor = floor
+        self.max_stretch = max_stretch
         self.expected_motion = expected_motion
         self.size = size = gram.shape[1] - MOTION_SIZE - 1
         kept = [*range(size), size + MOTION_SIZE]
@@ -156,7 +162,7 @@ class MixedModel:
             motion = square / (u.size + MOTION_FREEDOM)
         second = (self.shape + x[:SHAPE_SIZE]) ** 2 + covariance.diagonal()[:SHAPE_SIZE]
         height = deviation(second[:BEND_SIZE], EXPECTED_HEIGHT)
-        stretch = deviation(second[BEND_SIZE:], EXPECTED_STRETCH)
+        stretch = min(deviation(second[BEND_SIZE:], EXPECTED_STRETCH), self.max_stretch)
         return Solution(x, u.reshape(-1, MOTION_SIZE), Variances(noise2, motion, height, stretch))
 
     def shape_gain(self, v: Variances) -> float:

@@ -154,7 +154,7 @@ class MultiStart:
         return bool(change.max() < SAME_OPTIMUM and abs(quotient - 1) < SAME_OPTIMUM)
 
     def within_prior(self, state: State) -> bool:
-        """Whether the camera is like others; a strange one may be a local minimum beside the right one."""
+        """True if the camera is like others; an unusual one may be a local minimum next to the right one."""
         return bool(np.abs(state.prior_residuals[1:4]).max() < MAX_PRIOR_Z)
 
 

@@ -344,7 +344,7 @@ class System:
 
 
 def solve_or_nan(a: Array, b: Array) -> Array:
-    """Solve a x = b; NaN, a step that nobody takes, where there is no solution."""
+    """Solve a x = b; NaN, a step that is never taken, if there is no solution."""
     try:
         return np.asarray(np.linalg.solve(a, b), dtype=np.float64)
     except np.linalg.LinAlgError:

@@ -73,7 +73,7 @@ def inlier_mask(state: State, mask: Mask, among: Mask, sigmas: float, img_size: 
 
 def near_points(state: State, mask: Mask, among: Mask, sigmas: float, width: int) -> Mask:
     """Mask (v, n) of the points within so many `sigmas`; `mask` itself where all are. See `inlier_mask`."""
-    # Beside a view that happens to have less noise, one with as much as others have is no outlier.
+    # Next to a view with unusually low noise, a view with usual noise is not an outlier.
     sigma = max(levenberg_marquardt.robust_sigma(state, among), levenberg_marquardt.NOISE_FLOOR * width)
     if not np.where(mask, state.square, 0.0).max() > (sigmas * sigma) ** 2:
         return mask
@@ -125,16 +125,17 @@ def unit_weights(good: Mask) -> Array:
 def outliers_concentrate_at_rim(
     good: Mask, among: Mask, obs: Observations, img_size: tuple[int, int]
 ) -> bool:
-    """Whether the outliers `among` some points (v, n) concentrate at the rim of the image.
+    """True if the outliers `among` some points (v, n) concentrate at the rim of the image.
 
     Corners that were found badly lie anywhere. Where the rim is cut it may be the model that fails there,
     and without these points it would fail unseen.
     """
     if np.array_equal(good, among):
         return False
-    seen = obs.pixels - (np.asarray(img_size) / 2)[None, :, None]
-    radius = np.hypot(seen[:, 0], seen[:, 1])[among]
+    offsets = obs.pixels - (np.asarray(img_size) / 2)[None, :, None]
+    radius = np.hypot(offsets[:, 0], offsets[:, 1])[among]
     share = max(RIM_SHARE, min(MIN_RIM_POINTS / radius.size, 1.0))
-    rim = radius >= np.quantile(radius, 1 - share)
+    inner = math.ceil((radius.size - 1) * (1 - share))
+    rim = radius >= np.partition(radius, inner)[inner]
     cut = ~good[among]
     return bool(np.mean(cut[rim]) > max(MAX_CHANCE_RIM_OUTLIERS, MIN_RIM_EXCESS * np.mean(cut)))

@@ -3,7 +3,7 @@
 On real cameras the corners of one view err together: the board bends, the rows are read out while the hand
 moves. These effects (`systematic_effects`) shift the intrinsics by far more than the noise of corners, and
 leave their traces in the residuals. So they are random effects (Laird & Ware 1982), whose variances the
-residuals tell (method of moments, Rao 1970): motion anew in each view, the bend of the board in all alike.
+residuals show (method of moments, Rao 1970): motion different in each view, the same bend in all.
 
 With M the information of all views and of the prior at unit noise, T a whitening (T'MT = 1), of cluster c the
 whitened gradient h = T'g, information B = T'ST, and Z the effects there, their pose projected out:
@@ -100,7 +100,7 @@ class Evidence:
         columns = size + len(effects) + 1
         gram, solved = np.empty((views, columns, columns)), np.empty((views, POSE_SIZE, columns))
         turned = np.zeros((size + 3, size + 3))
-        # In blocks: what does not fit a cache, and memory that is mapped anew, costs several times as much.
+        # In blocks: data beyond the cache, and newly mapped memory, cost several times as much.
         step = max(1, MAX_BLOCK_NUMBERS // (gram.shape[1] * rows[0, :, 0].size))
         for block in (slice(first, first + step) for first in range(0, views, step)):
             part, moved = rows[:, :, block], effects[:, :, block]
@@ -179,7 +179,7 @@ def estimate(evidence: Evidence, sigma: float, prior_information: Array | None =
     sigma
         px, standard deviation of one coordinate of a corner.
     prior_information
-        (p, p) of the intrinsics' prior, in units of 1 / sigma^2; None where it took no part.
+        (p, p) of the intrinsics' prior, in units of 1 / sigma^2; None if it took no part.
     """
     size = len(evidence.metric)
     information, basis, whitened = _whitened(evidence.gram, size, prior_information)
@@ -259,10 +259,10 @@ def same_pose_labels(poses: Poses, obs: Observations, used: Mask, focal_widths: 
         p = obs.points.transpose(1, 0, 2)[:2, used]
         low, high = p.min(axis=1).tolist(), p.max(axis=1).tolist()
     corners = np.array([[low[0], high[0], high[0], low[0]], [low[1], low[1], high[1], high[1]], [0.0] * 4])
-    seen = poses.camera_points(corners)
-    middle = seen.sum(axis=2)
-    seen *= (2 * focal_widths / np.sqrt((middle * middle).sum(axis=1)))[:, None, None]
-    place = seen.reshape(len(seen), -1)
+    points = poses.camera_points(corners)
+    middle = points.sum(axis=2)
+    points *= (2 * focal_widths / np.sqrt((middle * middle).sum(axis=1)))[:, None, None]
+    place = points.reshape(len(points), -1)
     near = _near(place)
     if near.sum() == len(near):
         return np.arange(len(near))

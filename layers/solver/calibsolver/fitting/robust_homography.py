@@ -59,8 +59,8 @@ def lmeds_inliers(points: Array, rays: Array, usable: Mask) -> tuple[Mask, float
     """Find the inliers (n,) of one view by LMedS, and the median error of the best sample, radians."""
     index = np.flatnonzero(usable)
     drawn = index[samples_of(len(index))]
-    xyz, seen = (np.moveaxis(each[:, drawn], 0, 1) for each in (points, rays))
-    error = Homographies.fit_dlt(xyz, seen, np.ones(drawn.shape)).errors(points, rays)
+    xyz, rays_of_samples = (np.moveaxis(each[:, drawn], 0, 1) for each in (points, rays))
+    error = Homographies.fit_dlt(xyz, rays_of_samples, np.ones(drawn.shape)).errors(points, rays)
     middle = medians(error, np.broadcast_to(usable, error.shape))
     best = int(np.argmin(middle))
     agree: Mask = usable & (error[best] <= INLIER_LMEDS_MEDIANS * middle[best])

@@ -105,7 +105,7 @@ def explained_points(
     diagonal = normal.reshape(len(flat), -1)[:, :: POSE_SIZE + EFFECTS_SIZE + 1]
     diagonal[:, :POSE_SIZE] += RIDGE * diagonal[:, :POSE_SIZE] + 1e-200
     diagonal[:, POSE_SIZE:] += sigma**2
-    found = solve_or_nan(normal, products[:, :-1, -1:])
-    left = flat[:, -1] - (found.transpose(0, 2, 1) @ flat[:, :-1])[:, 0]
+    solution = solve_or_nan(normal, products[:, :-1, -1:])
+    left = flat[:, -1] - (solution.transpose(0, 2, 1) @ flat[:, :-1])[:, 0]
     square = np.sum(left.reshape(len(flat), 2, -1) ** 2, axis=1)
     return np.asarray(good | (among & (square < limit**2)))

@@ -1,6 +1,6 @@
 """Projection uncertainty: the covariance of the intrinsics, propagated to the image.
 
-A turn of the camera frame is no error of a calibration: whoever uses it estimates the pose anew. So the
+A turn of the camera frame is not an error of a calibration, because users estimate the pose. So the
 rotation that fits best over the whole image is projected out first (mrcal's "projection uncertainty" does
 the same with the poses of the boards; here the points lie at infinity and only a rotation remains).
 """

@@ -124,7 +124,7 @@ def handedness(obs: Observations) -> Array:
 def mirrored_views(obs: Observations) -> Mask:
     """Find the views (v,) that show the board mirrored, unlike most.
 
-    Whether z of the board points to its back or its front is a convention, the same for all views.
+    The direction of the board's z, to its back or its front, is a convention, the same for all views.
     """
     mirrored: Mask = handedness(obs) < 0
     return ~mirrored if mirrored.mean() > 0.5 else mirrored

@@ -82,13 +82,13 @@ def write(source: ExportSource, name: str, transform: transforms.Transform | Non
     width, height = transform.img_size if transform is not None else source.camera.img_size
     if min(width, height) < MIN_SIDE_PX:
         raise CalibrationError(
-            "not_representable", f"of a picture of {width} x {height} px no lens can be told"
+            "not_representable", f"of a picture of {width} x {height} px no lens can be determined"
         )
     try:
-        found = deadline.compute_within(MAX_CONVERSION_S, partial(_convert, form, source, transform), None)
-        if found is None:
+        result = deadline.compute_within(MAX_CONVERSION_S, partial(_convert, form, source, transform), None)
+        if result is None:
             raise CalibrationError("not_representable", "no camera that it can hold was found in time")
-        source, conversion = found
+        source, conversion = result
         content = form.write(source, conversion)
     except np.linalg.LinAlgError:
         raise CalibrationError(

@@ -13,7 +13,7 @@ from .format import Format
 class ArToolKit(Format):
     """Big-endian: width, height (int32), the 3x4 matrix, then k1 k2 p1 p2 fx fy x0 y0 s (float64).
 
-    The length of the file, 176 bytes, is what tells the version. s = 1: the ideal picture has the camera's
+    The length of the file, 176 bytes, determines the version. s = 1: the ideal picture has the camera's
     own focal length.
     """
 

@@ -52,7 +52,7 @@ class Conversion:
     Attributes
     ----------
     camera
-        What the file holds.
+        Camera of the file.
     error
         px, largest distance between where the two project the same ray, over what is covered.
     coverage
@@ -60,7 +60,7 @@ class Conversion:
     used
         For each view of the source the points (n,) that the camera was fitted to; empty: all.
     remark
-        What the tools that read the file cannot do with it, or "".
+        Limits of the tools that read the file, or "".
     """
 
     camera: Camera
@@ -71,7 +71,7 @@ class Conversion:
 
     @property
     def warning(self) -> str | None:
-        """Note for the reader of the file; None where the conversion cannot be seen."""
+        """Note for the reader of the file; None if the conversion cannot be seen."""
         said = ""
         if self.coverage < 0.999:
             said = (
@@ -99,7 +99,7 @@ class ExportedFile:
     Attributes
     ----------
     content, media_type, filename
-        As a download needs them.
+        Body, media type and file name of a download.
     error, coverage, warning
         See `Conversion`.
     """
@@ -119,11 +119,11 @@ class ImportedFile:
     Attributes
     ----------
     camera
-        None where the file has measurements alone.
+        None if the file has only measurements.
     views
         With the coordinates of the file's own board, in its unit.
     img_size
-        Width and height, px; None where the file does not say.
+        Width and height, px; None if the file does not say.
     name
         The camera's name in the file, or "".
     cameras

@@ -1,4 +1,4 @@
-"""Cameras of distortion coefficients as files hold them: checked, padded, told apart by their number."""
+"""Cameras of distortion coefficients as in files: checked, padded, distinguished by their number."""
 
 from ..arrays import Array
 from ..camera import Camera

@@ -56,7 +56,7 @@ class Colmap(Format):
 
 
 def lines_of_cameras(content: str) -> list[dict[str, object]]:
-    """Return the cameras of a cameras.txt, for `read`; none where it is no such file."""
+    """Return the cameras of a cameras.txt, for `read`; none if it is another file."""
     lines = (" ".join(line.split()) for line in content.splitlines() if len(line) <= MAX_LINE_LENGTH)
     return [
         {"colmap_model": match[1], "size": [int(match[2]), int(match[3])], "params": match[4].split()}

@@ -45,14 +45,14 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
     any, to the rays of the image), and the first wins that explains them about as well as the best: what a
     tool is used to comes first among its constraints.
 
-    Raises CalibrationError ``not_representable`` where none comes near.
+    Raises CalibrationError ``not_representable`` if none comes near.
     """
     for constraint in constraints:
         same = embed(source.camera, constraint.model)
         if same is not None and satisfies(same, constraint):
             return Conversion(same)
     source = in_shape(source)
-    found: list[tuple[float, Conversion]] = []
+    candidates: list[tuple[float, Conversion]] = []
     reasons = []
     # Of what none can hold no constraint is to be chosen.
     widest = max(models.get(constraint.model).max_angle for constraint in constraints)
@@ -60,13 +60,13 @@ def convert(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> C
         try:
             camera, used = fitted(source, constraint)
             conversion = replace(compare(source.camera, camera), used=used if source.views else ())
-            found.append((_rms(source, camera, widest), conversion))
+            candidates.append((_rms(source, camera, widest), conversion))
         except CalibrationError as error:
             reasons.append(str(error))
-    if not found:
+    if not candidates:
         raise CalibrationError("not_representable", f"this format cannot hold the camera: {reasons[0]}")
-    enough = MAX_EQUAL_RMS_RATIO * min(rms for rms, _ in found) + MAX_EQUAL_RMS_PX
-    near = [conversion for rms, conversion in found if rms <= enough]
+    enough = MAX_EQUAL_RMS_RATIO * min(rms for rms, _ in candidates) + MAX_EQUAL_RMS_PX
+    near = [conversion for rms, conversion in candidates if rms <= enough]
     widest = max(conversion.coverage for conversion in near)
     conversion = next(each for each in near if each.coverage > widest - MAX_LOST_COVERAGE)
     width = source.camera.img_size[0]
@@ -102,7 +102,7 @@ def _rms(source: ExportSource, camera: Camera, widest: float) -> float:
 
 
 def embed(camera: Camera, model: str) -> Camera | None:
-    """Return the same camera under a model of which its own is a special case; None where it is not."""
+    """Return the same camera under a model of which its own is a special case; None if it is not."""
     if camera.model == model:
         return camera
     if (camera.model, model) == ("rectilinear", "rational"):
@@ -121,9 +121,9 @@ def compare(camera: Camera, other: Camera) -> Conversion:
     """Projection differences of `other` from `camera`, over the rays of the image of `camera`.
 
     Where `other` holds them: where it is one-to-one and, if `camera` is of a model that sees farther to the
-    side, within what its own is good for. A plane's coordinates grow without end towards 90 degrees: where a
-    file has them is no promise. The border of the image counts, and so do the rims of both domains where they
-    cross it: differences are largest there.
+    side, within the domain of its own model. A plane's coordinates grow without end towards 90 degrees, so a
+    file's values there are meaningless. The border of the image counts, and so do the rims of both domains
+    where they cross it: differences are largest there.
     """
     w, h = camera.img_size
     model, own = models.get(other.model), models.get(camera.model)
@@ -134,25 +134,25 @@ def compare(camera: Camera, other: Camera) -> Conversion:
     def differences(q: Array) -> tuple[Array, Mask]:
         """Distance of the two projections of each pixel's ray, -1 outside; and which pixels have a ray."""
         rays = camera.unproject(q)
-        seen = np.asarray(np.isfinite(rays).all(axis=1))
-        inside = seen & (rays[:, 2] > np.cos(angle))
+        visible = np.asarray(np.isfinite(rays).all(axis=1))
+        inside = visible & (rays[:, 2] > np.cos(angle))
         away = np.full(len(q), -1.0)
         away[inside] = np.linalg.norm(other.project(rays[inside]) - q[inside], axis=1)
-        return away, seen
+        return away, visible
 
     q = samples(camera.img_size)
-    away, seen = differences(q)
+    away, in_sight = differences(q)
     grid = slice(IMAGE_ERROR_GRID[0] * IMAGE_ERROR_GRID[1])
     if not (away >= 0).any():
         raise CalibrationError("not_representable", "nothing of the image is left")
-    coverage = float((away[grid][seen[grid]] >= 0).mean()) if seen[grid].any() else 0.0
+    coverage = float((away[grid][in_sight[grid]] >= 0).mean()) if in_sight[grid].any() else 0.0
     worst = float(away.max())
     centre, step = q[np.argmax(away)], np.array([w, h]) / (np.array(IMAGE_ERROR_GRID) - 1)
     for _ in range(ZOOMS):
         (x0, y0), (x1, y1) = (centre - step).tolist(), (centre + step).tolist()
         near = np.clip(_lattice((x0, x1), (y0, y1), (9, 9)), -0.5, (w - 0.5, h - 0.5))
-        found = differences(near)[0]
-        centre, step, worst = near[np.argmax(found)], step / 4, max(worst, float(found.max()))
+        nearby = differences(near)[0]
+        centre, step, worst = near[np.argmax(nearby)], step / 4, max(worst, float(nearby.max()))
     for rim in {angle, min(angle, own.domain_half_angle(np.asarray(camera.distortion)))}:
         rays = _cone(rim * (1 - RIM_MARGIN))
         there = camera.project(rays)
@@ -179,8 +179,8 @@ def share_behind(camera: Camera) -> float:
         return 0.0
     w, h = camera.img_size
     rays = camera.unproject(_lattice((-0.5, w - 0.5), (-0.5, h - 0.5), IMAGE_ERROR_GRID))
-    seen = rays[np.isfinite(rays).all(axis=1), 2]
-    return float((seen <= 0).mean()) if len(seen) else 0.0
+    depths = rays[np.isfinite(rays).all(axis=1), 2]
+    return float((depths <= 0).mean()) if len(depths) else 0.0
 
 
 def _lattice(x: Sequence[float], y: Sequence[float], count: tuple[int, int]) -> Array:
@@ -220,7 +220,7 @@ def fit_in_image(camera: Camera, constraint: ModelConstraint) -> Conversion:
 def fitted(source: ExportSource, constraint: ModelConstraint) -> tuple[Camera, tuple[Mask, ...]]:
     """Fit a camera of some constraint to the source's views, or rays; also return the points used.
 
-    Raises CalibrationError where no believable one fits.
+    Raises CalibrationError if no believable one fits.
     """
     if not source.views:
         closest = fit_to_rays(embed(source.camera, constraint.model) or source.camera, constraint)
@@ -247,7 +247,7 @@ def fit_constrained(
 
     k = T a: the columns of the problem's basis T are the directions in which the intrinsics may still go.
 
-    Raises CalibrationError ``not_representable`` where nothing comes of it.
+    Raises CalibrationError ``not_representable`` if nothing comes of it.
     """
     model = models.get(camera.model)
     basis = free_directions(model, constraint)

@@ -42,10 +42,10 @@ class FoundCamera:
 
 def cameras(data: object) -> list[FoundCamera]:
     """Return the cameras of a parsed file in its order; `cam0`, `cam1` … in that of their numbers."""
-    found = list(islice(_walk(data, (), (), 0), MAX_CAMERAS))
-    numbers = [re.fullmatch(r"cam(?:era)?_?(\d{1,9})", each.name) for each in found]
+    records = list(islice(_walk(data, (), (), 0), MAX_CAMERAS))
+    numbers = [re.fullmatch(r"cam(?:era)?_?(\d{1,9})", each.name) for each in records]
     order = sorted((int(match[1]), i) for i, match in enumerate(numbers) if match)
-    return [found[i] for _, i in order] if len(order) == len(found) else found
+    return [records[i] for _, i in order] if len(order) == len(records) else records
 
 
 def _walk(
@@ -118,15 +118,15 @@ def _reader(data: Mapping[Any, Any], members: Members) -> Callable[[Any], Import
 
 
 def _size(members: Members, index: int) -> tuple[int, int] | None:
-    """Image size beside cameras: among the members, or one level below. A wrong one is another thing's."""
+    """Image size next to cameras: among the members, or one level below."""
     candidates = [members, *(Members(value) for _, value in members.items() if isinstance(value, Mapping))]
     for each in candidates:
         try:
-            found = image_size(each, index)
+            result = image_size(each, index)
         except CalibrationError:
             continue
-        if found and min(found) >= 16:  # squares of a board are fewer
-            return found
+        if result and min(result) >= 16:  # squares of a board are fewer
+            return result
     return None
 
 
@@ -181,29 +181,29 @@ def _stems(key: str) -> Iterator[tuple[str, str]]:
 
 def _nest_dotted_names(data: Mapping[Any, Any]) -> dict[str, Any]:
     """Gather members whose names are paths (`Camera1.fx` of ORB-SLAM) below the first part of the path."""
-    found: dict[str, Any] = {}
+    nested: dict[str, Any] = {}
     shared = {}
     for key, value in data.items():
         head, dot, tail = str(key).partition(".")
         if not dot or not head or not tail:
-            found.setdefault(str(key), value)
+            nested.setdefault(str(key), value)
             continue
-        part = found.setdefault(head, {})
+        part = nested.setdefault(head, {})
         if isinstance(part, dict):
             part.setdefault(tail, value)
         if head.lower() == "camera" and normalise(tail) in ("type", "width", "height"):
             shared[tail] = value
-    for key, part in found.items():
+    for key, part in nested.items():
         if shared and isinstance(part, dict) and re.fullmatch(r"camera\d*", key.lower()):
             for name, value in shared.items():
                 part.setdefault(name, value)
-    return found
+    return nested
 
 
 def describe_unknown(data: object) -> CalibrationError:
     """Return the error of a file without a camera: what it seems to be instead."""
     if not isinstance(data, Mapping) and not (isinstance(data, list) and data):
-        return text.refuse("the file is no object with members")
+        return text.refuse("the file is not an object with members")
     flat = data if isinstance(data, Mapping) else {}
     names = {normalise(key) for key, _ in _leaves(flat)}
     if {"boardsizewidth", "calibratepattern"} & names or {"targettype", "tagsize"} & names:
@@ -215,10 +215,10 @@ def describe_unknown(data: object) -> CalibrationError:
         path, place = value.strip(), (key + value).lower()
         if path.endswith(FILE_SUFFIXES) and any(word in place for word in ("cam", "intrin", "calib")):
             return text.refuse(f"the file holds no camera; it names another one: {path[:100]} ({key[:40]})")
-    told = ", ".join(str(key)[:30] for key in list(flat)[:6])
+    members = ", ".join(str(key)[:30] for key in list(flat)[:6])
     return text.refuse(
         "the file is of no kind that is known here: it has no camera matrix, nor focal lengths and a centre"
-        + (f"; its members are {told}" if told else "")
+        + (f"; its members are {members}" if members else "")
     )
 
 

@@ -15,7 +15,7 @@ class Format(ABC):
     media_type: str = "text/plain; charset=utf-8"
     constraints: tuple[ModelConstraint, ...]
     front_readers: str = ""
-    """Tools that read the file and project points in front of the camera alone, by dividing by z."""
+    """Tools that read the file and project only points in front of the camera, by dividing by z."""
 
     def convert(self, source: ExportSource) -> Conversion:
         """Return the closest camera that the file can hold; CalibrationError ``not_representable``."""
@@ -24,7 +24,7 @@ class Format(ABC):
     def check(self, conversion: Conversion) -> Conversion:
         """Add what the file's tools cannot do with the camera to be written.
 
-        Raises CalibrationError ``not_representable`` where they refuse it.
+        Raises CalibrationError ``not_representable`` if they refuse it.
         """
         behind = share_behind(conversion.camera) if self.front_readers else 0.0
         if not behind:

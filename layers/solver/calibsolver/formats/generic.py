@@ -31,7 +31,7 @@ from .spellings import (
 )
 
 MAX_SKEW_PX = 0.05
-"""Effect of a matrix's skew at the image's edge that nobody sees; cameras have none."""
+"""Negligible effect of a matrix's skew at the image's edge, px; cameras have no skew."""
 
 
 def is_camera(members: Members) -> bool:
@@ -85,8 +85,8 @@ def _data(value: Any) -> Any:
     """Unwrap the numbers of an OpenCV or ROS matrix; leave any other value as it is."""
     if isinstance(value, Mapping):
         inner = Members(value)
-        found = inner.get("data", "values", "value", "elements")
-        return value if found is None else found
+        content = inner.get("data", "values", "value", "elements")
+        return value if content is None else content
     return value
 
 
@@ -148,25 +148,25 @@ def _matrix(members: Members, flat: Members) -> tuple[Array, float | None]:
                 values
             ) == 5 else None
         raise text.refuse(f"{name} must be 9 to 9 numbers, not {len(values)}")
-    found = _scalar_intrinsics(flat)
-    if found is None:
+    intrinsics = _scalar_intrinsics(flat)
+    if intrinsics is None:
         raise text.refuse("the file has no camera matrix")
-    fx, fy, cx, cy = found
+    fx, fy, cx, cy = intrinsics
     return np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]]), None
 
 
 def _flat(members: Members) -> Members:
     """Return the members, and those of the members that hold parts of a camera."""
-    found: dict[str, Any] = dict(members.items())
+    result: dict[str, Any] = dict(members.items())
     for key in NESTED:
         inner = members.get(key)
         if isinstance(inner, Mapping):
             for name, value in Members(inner).items():
-                found.setdefault(name, value)
+                result.setdefault(name, value)
                 if isinstance(value, Mapping) and name in NESTED:
                     for deeper, number in Members(value).items():
-                        found.setdefault(deeper, number)
-    return Members(found)
+                        result.setdefault(deeper, number)
+    return Members(result)
 
 
 def _scalar_intrinsics(flat: Members) -> tuple[float, float, float, float] | None:
@@ -183,8 +183,8 @@ def _two(
         if x in flat and (y in flat or x in ("fx", "flx")):
             values = (flat.get(x), flat.get(y) if y in flat else flat.get(x))
             if all(_is_number(value) for value in values):
-                found = text.floats(list(values), f"{flat.spelling(x)}, {flat.spelling(y)}", 2, 2)
-                return float(found[0]), float(found[1])
+                pair = text.floats(list(values), f"{flat.spelling(x)}, {flat.spelling(y)}", 2, 2)
+                return float(pair[0]), float(pair[1])
     for key in pairs:
         value = _data(flat.get(key))
         if isinstance(value, Mapping):
@@ -197,8 +197,8 @@ def _two(
             and len(_flatten(value)) == 2
             and all(map(_is_number, _flatten(value)))
         ):
-            found = text.floats(value, flat.spelling(key), 2, 2)
-            return float(found[0]), float(found[1])
+            pair = text.floats(value, flat.spelling(key), 2, 2)
+            return float(pair[0]), float(pair[1])
     return None
 
 
@@ -251,9 +251,9 @@ def _order_coefficients(named: dict[str, float], model: str | None, d: Array) ->
         names = FISHEYE_COEFFICIENTS[1:] if "k1" not in named and "k5" in named else FISHEYE_COEFFICIENTS[:4]
     if over := [name for name, value in named.items() if name not in names and value]:
         raise text.refuse(f"a {model or 'rectilinear'} camera with a coefficient {over[0]} is not supported")
-    found = np.array([named.get(name, 0.0) for name in names])
-    found = found if model == "fisheye" else np.trim_zeros(found, "b")
-    return pad_coefficients(found, 8) if len(found) in (6, 7) else found
+    result = np.array([named.get(name, 0.0) for name in names])
+    result = result if model == "fisheye" else np.trim_zeros(result, "b")
+    return pad_coefficients(result, 8) if len(result) in (6, 7) else result
 
 
 def _matlab_size(members: Members) -> tuple[int, int] | None:
@@ -274,7 +274,7 @@ def _check_focal(matrix: Array, size: tuple[int, int]) -> None:
 
 
 def _without_skew(matrix: Array, size: tuple[int, int]) -> Array:
-    """Leave out a skew that nobody sees."""
+    """Leave out a negligible skew."""
     if matrix[0, 1] and matrix[1, 1] > 0 and abs(matrix[0, 1]) * size[1] / matrix[1, 1] < MAX_SKEW_PX:
         matrix = matrix.copy()
         matrix[0, 1] = 0.0

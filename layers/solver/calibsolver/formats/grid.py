@@ -34,7 +34,7 @@ class Grid:
 def grid(views: Sequence[View]) -> Grid:
     """Recognise the rows and columns of a board in the coordinates of its points, whatever their unit.
 
-    Raises CalibrationError ``malformed`` where they are not those of a flat board with square fields.
+    Raises CalibrationError ``malformed`` if they are not those of a flat board with square fields.
     """
     if not views:
         raise text.refuse("there are no views")
@@ -45,17 +45,17 @@ def grid(views: Sequence[View]) -> Grid:
         raise text.refuse("the board is not flat")
     columns, rows = (round(float(np.ptp(axis)) / unit) + 1 for axis in (x, y))
     if not (2 <= columns < MAX_BOARD_SIDE and 2 <= rows < MAX_BOARD_SIDE):
-        raise text.refuse(f"{columns} x {rows} corners are no board that is known here")
+        raise text.refuse(f"{columns} x {rows} corners do not match a known board")
     ids = []
     for view in views:
         at = (view.object_points[:, :2] - (x[0], y[0])) / unit
         index = at.round()
         if np.abs(at - index).max() > MAX_CORNER_OFFSET:
             raise text.refuse("the points do not lie in rows and columns of one distance")
-        found = (index[:, 1] * columns + index[:, 0]).astype(int).tolist()
-        if len(set(found)) != len(found):
+        corner_ids = (index[:, 1] * columns + index[:, 0]).astype(int).tolist()
+        if len(set(corner_ids)) != len(corner_ids):
             raise text.refuse("a view has a corner twice")
-        ids.append(tuple(found))
+        ids.append(tuple(corner_ids))
     return Grid((columns + 1, rows + 1), tuple(ids))
 
 
@@ -64,10 +64,10 @@ def _axis(values: Array) -> Array:
     order = np.sort(values)
     reach = max(float(np.ptp(order)), 1e-12)
     new = np.concatenate([[True], np.diff(order) > 1e-6 * reach])
-    found: Array = order[new]
-    if len(found) < 2:
+    positions: Array = order[new]
+    if len(positions) < 2:
         raise text.refuse("the points lie on a line")
-    return found
+    return positions
 
 
 def _step(axis: Array) -> float:

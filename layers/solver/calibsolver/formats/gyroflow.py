@@ -98,7 +98,7 @@ def read(data: Mapping[str, Any]) -> ImportedFile:
 
 
 def _stretch(data: Mapping[str, Any], key: str) -> float:
-    """Factor by which the camera's picture is stretched; Gyroflow, too, takes none and nearly 0 for 1."""
+    """Factor by which the camera's picture is stretched; like Gyroflow, a missing one and nearly 0 are 1."""
     value = data.get(key)
     stretch = float(text.floats(value, key, 1, 1)[0]) if value is not None else 1.0
     if stretch <= MIN_STRETCH:

@@ -103,21 +103,21 @@ def polynomial(camera: Camera) -> Array:
     radius = np.linspace(0, reach, 400)[1:]
     rays = camera.unproject(np.stack([k[0, 2] + radius, np.full_like(radius, k[1, 2])], axis=1))
     angle = np.arctan2(np.hypot(rays[:, 0], rays[:, 1]), rays[:, 2])
-    seen = np.isfinite(angle) & (angle < (np.pi if camera.model == "fisheye" else 1.5))
-    if seen.sum() < 10:
+    visible = np.isfinite(angle) & (angle < (np.pi if camera.model == "fisheye" else 1.5))
+    if visible.sum() < 10:
         raise CalibrationError("not_representable", "too little of the image can be corrected")
-    rho = f * (angle[seen] if camera.model == "fisheye" else np.tan(angle[seen])) / unit
+    rho = f * (angle[visible] if camera.model == "fisheye" else np.tan(angle[visible])) / unit
     terms = np.stack([rho**4, rho**3, rho**2, rho], axis=1)
     # every ring of the picture counts by its area
-    weight = np.sqrt(radius[seen])
-    fitted = np.linalg.lstsq(terms * weight[:, None], radius[seen] / unit * weight, rcond=None)[0]
+    weight = np.sqrt(radius[visible])
+    fitted = np.linalg.lstsq(terms * weight[:, None], radius[visible] / unit * weight, rcond=None)[0]
     roots = np.roots([1.0, *-fitted[::-1]])
     real = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0)]
     if not len(real):
         raise CalibrationError("not_representable", "ptlens cannot express this distortion")
     s = float(real[np.argmin(np.abs(real - 1))])
-    found: Array = np.array([fitted[0] / s**4, fitted[1] / s**3, fitted[2] / s**2, s])
-    return found
+    result: Array = np.array([fitted[0] / s**4, fitted[1] / s**3, fitted[2] / s**2, s])
+    return result
 
 
 def _away(camera: Camera, radial: Camera) -> tuple[float, float]:
@@ -126,15 +126,15 @@ def _away(camera: Camera, radial: Camera) -> tuple[float, float]:
     rays = camera.unproject(q)
     flat = np.hypot(rays[:, 0], rays[:, 1])
     angle = np.arctan2(flat, rays[:, 2])
-    seen = np.isfinite(angle) & (angle < (np.pi if radial.model == "fisheye" else 1.5))
+    visible = np.isfinite(angle) & (angle < (np.pi if radial.model == "fisheye" else 1.5))
     a, b, c, s = polynomial(radial)
     unit = half(camera)
-    r = s * k[0, 0] * (angle[seen] if radial.model == "fisheye" else np.tan(angle[seen])) / unit
+    r = s * k[0, 0] * (angle[visible] if radial.model == "fisheye" else np.tan(angle[visible])) / unit
     distorted = unit * (a * r**4 + b * r**3 + c * r**2 + (1 - a - b - c) * r)
-    side = rays[seen, :2] / np.maximum(flat[seen], 1e-300)[:, None]
-    away = np.linalg.norm(k[:2, 2] + side * distorted[:, None] - q[seen], axis=1)
-    known = np.isfinite(rays).all(axis=1).sum()
-    return float(away.max(initial=0.0)) * (1 + ERROR_MARGIN), float(seen.sum() / max(known, 1))
+    side = rays[visible, :2] / np.maximum(flat[visible], 1e-300)[:, None]
+    away = np.linalg.norm(k[:2, 2] + side * distorted[:, None] - q[visible], axis=1)
+    count = np.isfinite(rays).all(axis=1).sum()
+    return float(away.max(initial=0.0)) * (1 + ERROR_MARGIN), float(visible.sum() / max(count, 1))
 
 
 def is_lens(members: Members) -> bool:

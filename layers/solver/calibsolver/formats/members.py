@@ -12,7 +12,7 @@ MAX_MEMBERS = 10_000
 
 
 def normalise(name: object) -> str:
-    """Write a member's name in lower case, letters and digits alone."""
+    """Write a member's name in lower case, only letters and digits."""
     return re.sub(r"[^a-z0-9]+", "", str(name)[:200].lower())
 
 
@@ -50,9 +50,9 @@ class Members:
 
 
 def image_size(members: Members, index: int = 0) -> tuple[int, int] | None:
-    """Return width and height that a mapping states under any of their names; None where it does not.
+    """Return width and height that a mapping states under any of their names; None if it does not.
 
-    `index` is the camera's place in a list: some files have a list of sizes beside it.
+    `index` is the camera's place in a list: some files have a list of sizes next to it.
     Raises CalibrationError ``malformed`` for a size that is none.
     """
     for wide, high in SIDES:
@@ -63,9 +63,9 @@ def image_size(members: Members, index: int = 0) -> tuple[int, int] | None:
         value = members.get(name)
         if value is None:
             continue
-        found = _pair(value, members.spelling(name), index)
-        if found:
-            return (found[1], found[0]) if name in SHAPE else found
+        size = _pair(value, members.spelling(name), index)
+        if size:
+            return (size[1], size[0]) if name in SHAPE else size
     return None
 
 

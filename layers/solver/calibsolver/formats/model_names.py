@@ -76,7 +76,7 @@ _FLAGS = ("fisheyemodel", "fisheye", "isfisheye", "usefisheye", "useopencvfishey
 
 
 def stated_model(members: Members, *, distorted: bool = True) -> str | None:
-    """Return the model of ours that a camera's members name; None where they name none.
+    """Return the model of ours that a camera's members name; None if they name none.
 
     Without distortion the variants of Brown's model are all the same.
     Raises CalibrationError ``malformed`` for a model that none of ours is.
@@ -98,7 +98,7 @@ def stated_model(members: Members, *, distorted: bool = True) -> str | None:
 
 
 def our_model(name: str) -> str | None:
-    """Return our model that some tool calls `name`; None where it is none that is known here."""
+    """Return our model that some tool calls `name`; None if it is none that is known here."""
     plain = _plain(name)
     return next((model for model, names in MODEL_NAMES.items() if plain in names), None)
 
@@ -116,11 +116,11 @@ def _our_named_model(members: Members, keys: tuple[str, ...], *, strict: bool, d
         if not isinstance(value, str) or not value.strip():
             continue
         plain = _plain(value)
-        found = our_model(value)
-        if found is None and not distorted and plain.endswith("brownconrady"):
-            found = "rectilinear"
-        if found:
-            return found
+        model = our_model(value)
+        if model is None and not distorted and plain.endswith("brownconrady"):
+            model = "rectilinear"
+        if model:
+            return model
         if strict or plain in FOREIGN_NAMES or plain.startswith("splined"):
             raise text.refuse(
                 f"{members.spelling(key)} {value[:60]!r} is not supported; rectilinear (plumb_bob, radtan), "

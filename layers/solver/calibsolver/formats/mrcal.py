@@ -43,7 +43,7 @@ MAX_UNZIPPED_BYTES = 64_000_000
 class Mrcal(Format):
     """A .cameramodel: a Python dictionary as text. The optimisation inputs are an npz in base 85.
 
-    With these mrcal's own tools work on the file: residuals, projection uncertainty, fitting anew. (Pixel
+    With these mrcal's own tools work on the file: residuals, projection uncertainty, refitting. (Pixel
     centres at whole numbers, as ours; a board's origin is its first corner, ours the board's edge.)
     """
 
@@ -82,10 +82,10 @@ class Mrcal(Format):
         # Corners that were not seen have a negative weight: mrcal's mark of a point to be left out.
         used = conversion.used or tuple(np.ones(len(view), dtype=bool) for view in source.views)
         # A frame without points would have no pose.
-        kept = [i for i, mask in enumerate(used) if mask.sum() >= MIN_USED_POINTS]
-        views, used = [source.views[i] for i in kept], tuple(used[i] for i in kept)
-        seen = np.full((len(views), down, across, 3), (0.0, 0.0, -1.0))
-        for grid, view, mask in zip(seen, views, used, strict=True):
+        usable = [i for i, mask in enumerate(used) if mask.sum() >= MIN_USED_POINTS]
+        views, used = [source.views[i] for i in usable], tuple(used[i] for i in usable)
+        observed = np.full((len(views), down, across, 3), (0.0, 0.0, -1.0))
+        for grid, view, mask in zip(observed, views, used, strict=True):
             column, row = (view.object_points[:, :2].round().astype(int) - 1).T
             grid[row, column, :2], grid[row, column, 2] = view.image_points, np.where(mask, 1.0, -1.0)
         poses = resect_used(conversion.camera, views, used)
@@ -97,7 +97,7 @@ class Mrcal(Format):
             "extrinsics_rt_fromref": np.zeros((0, 6)),
             "frames_rt_toref": poses,
             "points": "",
-            "observations_board": seen,
+            "observations_board": observed,
             "indices_frame_camintrinsics_camextrinsics": indices,
             "observations_point": "",
             "indices_point_camintrinsics_camextrinsics": "",
@@ -112,7 +112,7 @@ class Mrcal(Format):
             "calibration_object_spacing": 1.0,
             "do_apply_regularization": False,
             "do_apply_outlier_rejection": False,
-            "imagepaths": np.array([f"view{i:03d}" for i in kept]),
+            "imagepaths": np.array([f"view{i:03d}" for i in usable]),
         }
         packed = io.BytesIO()
         np.savez_compressed(packed, allow_pickle=False, **inputs)
@@ -148,9 +148,11 @@ class CornersVnl(Format):
         ]
         for i, view in enumerate(source.views):
             column, row = (view.object_points[:, :2].round().astype(int) - 1).T
-            seen = dict(zip((row * (board.squares[0] - 1) + column).tolist(), view.image_points, strict=True))
+            corners = dict(
+                zip((row * (board.squares[0] - 1) + column).tolist(), view.image_points, strict=True)
+            )
             for corner in range(board.corner_count):
-                at = seen.get(corner)
+                at = corners.get(corner)
                 place = "- - -" if at is None else f"{text.number(at[0])} {text.number(at[1])} 0"
                 body.append(f"view{i:03d}.png {place}")
         return text.lines(self.comment(source, conversion), body)
@@ -163,7 +165,7 @@ def read(content: str) -> ImportedFile:
             "\n".join(line for line in content.splitlines() if not line.lstrip().startswith("#"))
         )
     except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError) as error:
-        raise text.refuse(f"the file is no Python dictionary: {type(error).__name__}") from None
+        raise text.refuse(f"the file is not a Python dictionary: {type(error).__name__}") from None
     if isinstance(data, dict):  # what versions up to 1 called them
         data = {OLD_NAMES.get(key, key): value for key, value in data.items() if isinstance(key, str)}
     lens_model = str(text.member(data, "lensmodel")).replace("DISTORTION_", "LENSMODEL_")
@@ -189,19 +191,24 @@ def _views(packed: bytes, number: int) -> tuple[View, ...]:
             if sum(info.file_size for info in files.infolist()) > MAX_UNZIPPED_BYTES:
                 raise text.refuse("optimization_inputs unpack to too much")
         with np.load(archive, allow_pickle=False) as arrays:
-            seen = arrays["observations_board"]
+            observed = arrays["observations_board"]
             indices = arrays["indices_frame_camintrinsics_camextrinsics"]
             spacing = float(arrays["calibration_object_spacing"])
     except CalibrationError:
         raise
     except Exception as error:  # noqa: BLE001 - parsers of ZIP, deflate and Python raise a dozen types
         raise text.refuse(f"optimization_inputs cannot be read: {type(error).__name__}") from None
-    if seen.ndim != 4 or seen.shape[3] != 3 or indices.shape != (len(seen), 3) or not math.isfinite(spacing):
+    if (
+        observed.ndim != 4
+        or observed.shape[3] != 3
+        or indices.shape != (len(observed), 3)
+        or not math.isfinite(spacing)
+    ):
         raise text.refuse("optimization_inputs have arrays of a wrong shape")
-    column, row = np.meshgrid(np.arange(seen.shape[2]), np.arange(seen.shape[1]))
+    column, row = np.meshgrid(np.arange(observed.shape[2]), np.arange(observed.shape[1]))
     points = np.stack([column + 1, row + 1, np.zeros_like(row)], axis=2).reshape(-1, 3) * (spacing or 1.0)
     views = []
-    for grid, index in zip(seen.astype(np.float64), indices, strict=True):
+    for grid, index in zip(observed.astype(np.float64), indices, strict=True):
         flat = grid.reshape(-1, 3)
         good = (flat[:, 2] >= 0) & np.isfinite(flat).all(axis=1)
         if index[1] == number and good.any():
@@ -211,7 +218,7 @@ def _views(packed: bytes, number: int) -> tuple[View, ...]:
 
 def read_corners(content: str, squares: tuple[int, int]) -> ImportedFile:
     """Read a corners.vnl of a board of so many squares; CalibrationError ``malformed``."""
-    found: defaultdict[str, list[tuple[int, Array]]] = defaultdict(list)
+    points: defaultdict[str, list[tuple[int, Array]]] = defaultdict(list)
     blank: defaultdict[str, int] = defaultdict(int)
     counted: defaultdict[str, int] = defaultdict(int)
     board = Board(squares)
@@ -229,8 +236,8 @@ def read_corners(content: str, squares: tuple[int, int]) -> ImportedFile:
         try:
             q = text.floats([float(fields[1]), float(fields[2])], "a corner", 2, 2)
         except ValueError:
-            raise text.refuse(f"{fields[1]} {fields[2]} are no pixels") from None
-        found[fields[0]].append((corner, q))
+            raise text.refuse(f"{fields[1]} {fields[2]} are not pixels") from None
+        points[fields[0]].append((corner, q))
     # A picture without a board is a single line `img.jpg - - -`.
     wrong = [n for n, lines in counted.items() if lines != board.corner_count and (lines, blank[n]) != (1, 1)]
     if wrong or not counted:
@@ -238,7 +245,9 @@ def read_corners(content: str, squares: tuple[int, int]) -> ImportedFile:
             f"every picture must have {board.corner_count} lines, one for each corner of the board"
         )
     views = [
-        board.view([i for i, _ in seen], np.array([q for _, q in seen])) for seen in found.values() if seen
+        board.view([i for i, _ in corners], np.array([q for _, q in corners]))
+        for corners in points.values()
+        if corners
     ]
     return ImportedFile(None, tuple(views))
 

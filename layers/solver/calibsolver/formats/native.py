@@ -18,7 +18,7 @@ class NativeJson(Format):
     constraints = tuple(ModelConstraint(model) for model in models.NAMES)
 
     def check(self, conversion: Conversion) -> Conversion:
-        """Say for which cameras WPIcal is no reader: it takes any coefficients for OpenCV's."""
+        """State which cameras WPIcal misreads: it takes any coefficients for OpenCV's."""
         if conversion.camera.model in ("rectilinear", "rational"):
             return conversion
         return replace(
@@ -52,5 +52,5 @@ def read(data: object) -> ImportedFile:
     size = text.floats(text.member(data, "img_size"), "img_size", 2, 2)
     matrix = text.floats(text.member(data, "camera_matrix"), "camera_matrix", 9, 9).reshape(3, 3)
     d = text.floats(text.member(data, "distortion_coefficients"), "distortion_coefficients", 0, 14)
-    found = data["camera"] if isinstance(data, dict) and isinstance(data.get("camera"), str) else ""
-    return ImportedFile(make_camera(str(model), matrix, d, (int(size[0]), int(size[1]))), name=found)
+    label = data["camera"] if isinstance(data, dict) and isinstance(data.get("camera"), str) else ""
+    return ImportedFile(make_camera(str(model), matrix, d, (int(size[0]), int(size[1]))), name=label)

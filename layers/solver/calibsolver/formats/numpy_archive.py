@@ -17,7 +17,7 @@ MAX_ARRAY_NUMBERS = 100
 
 def parse(raw: bytes) -> dict[str, Any]:
     """Return the small arrays by name, as lists; CalibrationError ``malformed``."""
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     pickled = []
     try:
         with zipfile.ZipFile(io.BytesIO(raw)) as archive:
@@ -33,16 +33,16 @@ def parse(raw: bytes) -> dict[str, Any]:
                     pickled.append(name)
                     continue
                 if array.dtype.kind in "fiub" and array.size <= MAX_ARRAY_NUMBERS:
-                    found[name] = array.tolist()
+                    result[name] = array.tolist()
                 elif array.dtype.kind == "U" and array.size == 1:
-                    found[name] = str(array.item())[:200]
+                    result[name] = str(array.item())[:200]
     except CalibrationError:
         raise
     except Exception as error:  # noqa: BLE001 - parsers of ZIP, deflate and Python raise a dozen types
-        raise text.refuse(f"the file is no archive of numpy arrays: {type(error).__name__}") from None
-    if not found and pickled:
+        raise text.refuse(f"the file is not an archive of numpy arrays: {type(error).__name__}") from None
+    if not result and pickled:
         raise text.refuse(
             f"the arrays {', '.join(pickled[:5])} are pickled objects, which may run code and are not read: "
             "save plain arrays"
         )
-    return found
+    return result

@@ -85,13 +85,13 @@ def members(source: ExportSource, conversion: Conversion) -> dict[str, str | int
 def matrices(conversion: Conversion) -> dict[str, Array]:
     """Return the matrices of the file."""
     c = conversion.camera
-    found = {"camera_matrix": np.asarray(c.matrix)}
+    result = {"camera_matrix": np.asarray(c.matrix)}
     d = np.asarray(c.distortion)
     if c.model == "omnidirectional":
-        found["xi"], d = d[:1, None], d[1:]
+        result["xi"], d = d[:1, None], d[1:]
     # cv2.fisheye wants a column of four, everything else takes a row
-    found["distortion_coefficients"] = d[:, None] if c.model == "fisheye" else d[None]
-    return found
+    result["distortion_coefficients"] = d[:, None] if c.model == "fisheye" else d[None]
+    return result
 
 
 def _scalar(value: str | int | float) -> str:
@@ -119,5 +119,5 @@ def read(data: object) -> ImportedFile:
 
 
 def _matrix(data: object, key: str, min_count: int, max_count: int) -> Array:
-    found = text.member(data, key)
-    return text.floats(found["data"] if text.has_member(found, "data") else found, key, min_count, max_count)
+    value = text.member(data, key)
+    return text.floats(value["data"] if text.has_member(value, "data") else value, key, min_count, max_count)

@@ -50,8 +50,8 @@ def read(data: object) -> ImportedFile:
     values = dict(data) if isinstance(data, dict) else {}
 
     def value(*names: str) -> float:
-        found = next((values[name] for name in names if name in values), 0.0)
-        return float(text.floats(found, names[0], 1, 1)[0])
+        number = next((values[name] for name in names if name in values), 0.0)
+        return float(text.floats(number, names[0], 1, 1)[0])
 
     side, fisheye = max(size), kind in ("fisheye", "fisheye_opencv")
     fx, fy = value("focal_x", "focal") * side, value("focal_y", "focal", "focal_x") * side

@@ -29,7 +29,7 @@ def is_assignments(content: str) -> bool:
 def ros_ini(content: str) -> list[dict[str, Any]]:
     """Return the cameras of such a file: of each the size, matrix and coefficients."""
     size: dict[str, Any] = {}
-    found: list[dict[str, Any]] = []
+    sections: list[dict[str, Any]] = []
     section = key = ""
     for raw in content.splitlines()[:MAX_LINES]:
         line = raw.strip()
@@ -40,30 +40,30 @@ def ros_ini(content: str) -> list[dict[str, Any]]:
             if section == "image":
                 size = {}
             elif section != "externals":
-                found.append({"camera_name": section, "image": size, "numbers": {}})
+                sections.append({"camera_name": section, "image": size, "numbers": {}})
             continue
         numbers = text.number_list(line)
         if numbers is None:
             key = line.lower()
         elif section == "image" and key in ("width", "height"):
             size[key] = numbers[0]
-        elif found and section == found[-1]["camera_name"] and key:
-            found[-1]["numbers"].setdefault(key, []).extend(numbers)
-    for camera in found:
+        elif sections and section == sections[-1]["camera_name"] and key:
+            sections[-1]["numbers"].setdefault(key, []).extend(numbers)
+    for camera in sections:
         camera.update({**camera.pop("numbers"), **camera.pop("image"), "camera_name": camera["camera_name"]})
         camera.pop("projection", None)  # of the rectified picture
         camera.pop("rectification", None)
-    return [camera for camera in found if "camera matrix" in camera]
+    return [camera for camera in sections if "camera matrix" in camera]
 
 
 def assignments(content: str) -> dict[str, Any]:
     """Return `name = value` lines, by section if there are some: numbers, lists of numbers, texts."""
-    found: dict[str, Any] = {}
-    here = found
+    values: dict[str, Any] = {}
+    here = values
     for raw in content.splitlines()[:MAX_LINES]:
         line = raw.strip()
         if heading := re.fullmatch(r"\[([^\[\]]{1,80})\]", line):
-            section = found.setdefault(heading[1].strip(), {})
+            section = values.setdefault(heading[1].strip(), {})
             here = section if isinstance(section, dict) else {}
             continue
         match = re.match(r"([A-Za-z_][\w.\- ]{0,59}?)\s*=\s*(.*)$", line)
@@ -75,11 +75,11 @@ def assignments(content: str) -> dict[str, Any]:
             here[match[1]] = value.strip("'\"")
         else:
             here[match[1]] = numbers if len(numbers) > 1 or value[:1] in "[({" else numbers[0]
-    return found
+    return values
 
 
 def numbers_alone(content: str) -> dict[str, Any] | None:
-    """Return the camera of a file of numbers alone, as numpy.savetxt writes it: a matrix, coefficients."""
+    """Return the camera of a file of bare numbers, as numpy.savetxt writes it: a matrix, coefficients."""
     lines = [
         line for line in content.splitlines()[:100] if line.strip() and not line.lstrip().startswith(_COMMENT)
     ]

@@ -27,22 +27,22 @@ OPTIONS = Options(with_prior=False, iterations=100, tolerance=1e-5, damping=1e-6
 def sampled_rays(camera: Camera, max_angle: float = np.pi) -> tuple[Array, Array]:
     """Return unit rays (3, n) of pixels all over an image, and the pixels (2, n), up to an angle in radians.
 
-    Raises CalibrationError ``not_representable`` where there are none.
+    Raises CalibrationError ``not_representable`` if there are none.
     """
     w, h = camera.img_size
     x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
     q = np.stack([x.ravel(), y.ravel()])
     rays = models.get(camera.model).unproject(camera.intrinsics, q)
-    seen = rays[2] > np.cos(max_angle)  # false, too, where there is no ray
-    if seen.sum() < models.get(camera.model).size:
+    visible = rays[2] > np.cos(max_angle)  # also false where there is no ray
+    if visible.sum() < models.get(camera.model).size:
         raise CalibrationError("not_representable", "the camera has no rays")
-    return rays[:, seen], q[:, seen]
+    return rays[:, visible], q[:, visible]
 
 
 def fit_to_rays(camera: Camera, constraint: ModelConstraint) -> Camera:
     """Fit the camera of a constraint that draws the picture most alike, by least squares over the image.
 
-    Raises CalibrationError ``not_representable`` where none comes of it.
+    Raises CalibrationError ``not_representable`` if none comes of it.
     """
     rays, q = sampled_rays(camera, models.get(constraint.model).max_angle)
     return fit_samples(rays, q, camera.img_size, constraint, camera)
@@ -53,17 +53,17 @@ def fit_samples(
 ) -> Camera:
     """Fit the camera of a constraint to unit rays (3, n) and their pixels (2, n); `near` may be near.
 
-    Raises CalibrationError ``not_representable`` where none comes of it.
+    Raises CalibrationError ``not_representable`` if none comes of it.
     """
     model = models.get(constraint.model)
-    seen = Observations(rays[None], q[None], np.ones((1, q.shape[1]), dtype=bool))
+    observations = Observations(rays[None], q[None], np.ones((1, q.shape[1]), dtype=bool))
     basis = free_directions(model, constraint)
-    problem = _RayProblem(model, seen, img_size, basis)
+    problem = _RayProblem(model, observations, img_size, basis)
     own = near is not None and near.model == model.name
     starts = [near.intrinsics] if near is not None and own else _starts(model, img_size, rays, q)
     with np.errstate(all="ignore"):  # a step too far is tested before it is taken
-        found = [_descend(problem, basis @ np.linalg.lstsq(basis, k, rcond=None)[0]) for k in starts]
-    square, k = min(found, key=lambda one: one[0], default=(np.inf, np.zeros(model.size)))
+        fits = [_descend(problem, basis @ np.linalg.lstsq(basis, k, rcond=None)[0]) for k in starts]
+    square, k = min(fits, key=lambda one: one[0], default=(np.inf, np.zeros(model.size)))
     if not np.isfinite(square):
         raise CalibrationError("not_representable", "the fit of the simpler model ran away")
     return Camera.from_intrinsics(model.name, k, img_size)
@@ -71,12 +71,12 @@ def fit_samples(
 
 def free_directions(model: Model, constraint: ModelConstraint) -> Array:
     """T (p, a): fx fy cx cy and the coefficients that a constraint leaves free; intrinsics are T a."""
-    kept = [
+    directions = [
         i
         for i, name in enumerate(("fx", "fy", "cx", "cy", *model.coefficients))
         if name not in constraint.zero
     ]
-    free = np.eye(model.size)[:, kept]
+    free = np.eye(model.size)[:, directions]
     if constraint.equal_focal:
         free = np.delete(free, 1, axis=1)
         free[1, 0] = 1
@@ -85,7 +85,7 @@ def free_directions(model: Model, constraint: ModelConstraint) -> Array:
 
 def _starts(model: Model, img_size: tuple[int, int], rays: Array, q: Array) -> list[Array]:
     """Return the best intrinsics (p,) with each of the model's initial coefficients; focal lengths follow."""
-    found = []
+    starts = []
     initial = [model.start(1.0, img_size), *model.initial_intrinsics(img_size)]
     for d in {tuple(k[4:].tolist()) for k in initial}:
         with np.errstate(all="ignore"):
@@ -94,8 +94,8 @@ def _starts(model: Model, img_size: tuple[int, int], rays: Array, q: Array) -> l
             continue
         lines = [np.polyfit(u[axis], q[axis], 1) for axis in (0, 1)]
         k = np.array([lines[0][0], lines[1][0], lines[0][1], lines[1][1], *d])
-        found.append((float(np.square(model.project(k, rays) - q).sum()), k))
-    return [k for _, k in sorted(found, key=lambda one: one[0])[:MAX_FOLLOWED]]
+        starts.append((float(np.square(model.project(k, rays) - q).sum()), k))
+    return [k for _, k in sorted(starts, key=lambda one: one[0])[:MAX_FOLLOWED]]
 
 
 class _RayProblem(Problem):

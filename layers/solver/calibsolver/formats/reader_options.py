@@ -1,18 +1,18 @@
-"""Facts that a file may not state and its reader may be told: image size, camera, board, model."""
+"""Facts that a file may lack and its caller may pass: image size, camera, board, model."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class ReaderOptions:
-    """Facts beside a file.
+    """Facts that a file lacks.
 
     Attributes
     ----------
     img_size
         Width and height of the pictures, px, for files that do not state them.
     number
-        Which camera of a file that has several, from 0.
+        Number of the camera in a file with several, from 0.
     squares
         Columns and rows of the board, for tables of corners.
     model

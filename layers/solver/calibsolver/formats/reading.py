@@ -27,21 +27,21 @@ def read(data: object, options: ReaderOptions = ReaderOptions()) -> ImportedFile
     """
     if isinstance(data, Mapping) and {"img_size", "camera_matrix", "distortion_coefficients"} <= data.keys():
         return native.read(data)
-    found = document.cameras(data)
-    if not found:
+    cameras = document.cameras(data)
+    if not cameras:
         raise document.describe_unknown(data)
-    if not 0 <= options.number < len(found):
+    if not 0 <= options.number < len(cameras):
         raise text.refuse(
-            f"there is no camera {options.number}: the file has {len(found)}, counted from 0 "
-            f"({', '.join(each.name or 'unnamed' for each in found[:8])})"
+            f"there is no camera {options.number}: the file has {len(cameras)}, counted from 0 "
+            f"({', '.join(each.name or 'unnamed' for each in cameras[:8])})"
         )
-    read_camera = found[options.number]
+    read_camera = cameras[options.number]
     imported = read_camera.read(options)
     if imported.camera and options.img_size and imported.camera.img_size != options.img_size:
         w, h = imported.camera.img_size
-        told = " x ".join(map(str, options.img_size))
-        raise text.refuse(f"the file says that its pictures are {w} x {h}, not {told}")
-    names = tuple(each.name for each in found) if len(found) > 1 else ()
+        passed = " x ".join(map(str, options.img_size))
+        raise text.refuse(f"the file says that its pictures are {w} x {h}, not {passed}")
+    names = tuple(each.name for each in cameras) if len(cameras) > 1 else ()
     return replace(imported, cameras=names)
 
 
@@ -90,7 +90,7 @@ def is_mrcal(content: str) -> bool:
 
 def read_text(content: str, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: B008 - a value that never changes
     """Read a text of another form: XML, mrcal's .cameramodel, ROS's .ini and ost.txt, COLMAP's cameras.txt,
-    `name = value` lines, a matrix of numbers alone, or a table of corners.
+    `name = value` lines, a bare matrix of numbers, or a table of corners.
 
     Raises CalibrationError ``malformed``.
     """  # noqa: D205 - a list of names

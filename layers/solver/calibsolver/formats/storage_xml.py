@@ -13,7 +13,7 @@ EXTERNAL_TYPE = re.compile(r"<!DOCTYPE\s+\w+\s+SYSTEM\s+(?:\"[^\"<>]{0,200}\"|'[
 def parse(content: str) -> object:
     """Return the values below the root: mappings, lists, numbers, strings.
 
-    Raises CalibrationError ``malformed`` for what is no XML, or declares entities: those of a few
+    Raises CalibrationError ``malformed`` if it is not XML, or declares entities: those of a few
     hundred bytes can stand for gigabytes, or for other files.
     """
     start = content.find("?>") + 2 if content.lstrip().startswith("<?xml") else 0
@@ -23,7 +23,7 @@ def parse(content: str) -> object:
     try:
         root = ElementTree.fromstring(content[start:].strip())  # noqa: S314 - no entities, see above
     except ElementTree.ParseError as error:
-        raise text.refuse(f"the file is no XML: {error}") from None
+        raise text.refuse(f"the file is not XML: {error}") from None
     value = _value(root, 0)
     return value if isinstance(value, dict) else {root.tag: value}
 

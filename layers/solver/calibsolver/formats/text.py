@@ -55,13 +55,13 @@ def member(data: object, *path: str | int) -> Any:
     """Look up `path` in parsed data; CalibrationError ``malformed`` names the missing part."""
     here: Any = data
     for i, key in enumerate(path):
-        found = (isinstance(here, Mapping) and key in here) or (
+        is_there = (isinstance(here, Mapping) and key in here) or (
             isinstance(here, Sequence)
             and not isinstance(here, str)
             and isinstance(key, int)
             and key < len(here)
         )
-        if not found:
+        if not is_there:
             raise refuse(f"the file has no {'.'.join(str(part) for part in path[: i + 1])}")
         here = here[key]
     return here
@@ -80,7 +80,7 @@ MAX_NUMBER_LENGTH = 100
 
 
 def number_list(value: str) -> list[float] | None:
-    """Return the numbers of a text of numbers alone ("640, 480", "[1.5 2; 3 4]"); None for any other."""
+    """Return the numbers of a text of only numbers ("640, 480", "[1.5 2; 3 4]"); None for any other."""
     if len(value) > MAX_NUMBERS_TEXT or not any(c.isdigit() for c in value[:100]):
         return None
     words = re.split(r"[\s,;\[\](){}]+", value.strip(" \t\r\n,;[](){}"))

@@ -17,7 +17,7 @@ from ..errors import CalibrationError
 from .artoolkit import is_parameters
 from .text import refuse
 
-_MAX_YAML_BYTES = 2**20  # bytes; a camera alone is a few hundred
+_MAX_YAML_BYTES = 2**20  # bytes; one camera is a few hundred
 _MAX_DEPTH = 20
 _MIN_ASCII = 0.9  # share of a file in an unknown eight-bit encoding that is plain ASCII
 _BINARY = {
@@ -41,7 +41,7 @@ class ParsedFile:
 
 
 def parse(raw: bytes, suffix: str, is_text_kind: Callable[[str], bool]) -> ParsedFile:
-    """Parse a file; `suffix` as of its name, `is_text_kind` tells texts that are neither JSON nor YAML.
+    """Parse a file; `suffix` as of its name, `is_text_kind` recognises texts that are neither JSON nor YAML.
 
     Raises CalibrationError ``malformed``, which says what is wrong with it.
     """
@@ -81,13 +81,13 @@ def decode(raw: bytes) -> str:
         except UnicodeDecodeError:
             continue
         return re.sub(r"\r\n?", "\n", content.lstrip("\ufeff").rstrip("\0"))
-    raise refuse("it is no text: neither UTF-8 nor UTF-16")
+    raise refuse("it is not text: neither UTF-8 nor UTF-16")
 
 
 def parse_json(content: str, suffix: str) -> object:
-    """Parse JSON; None where it is none, and may be YAML or a Python dictionary."""
+    """Parse JSON; None if it is none, and may be YAML or a Python dictionary."""
     try:
-        found: object = json.loads(content)
+        value: object = json.loads(content)
     except json.JSONDecodeError as error:
         if suffix == ".json":
             if len(content) <= _MAX_YAML_BYTES:
@@ -95,11 +95,11 @@ def parse_json(content: str, suffix: str) -> object:
                     return parse_yaml(re.sub(r"^[ \t]*//.*$", "", content, flags=re.MULTILINE))
                 except CalibrationError:
                     pass
-            raise refuse(f"the file is no JSON: {error}") from error
+            raise refuse(f"the file is not JSON: {error}") from error
         return None
     except ValueError as error:  # a number of a million digits
         raise refuse(f"the file holds a value that cannot be read: {error}") from error
-    return found
+    return value
 
 
 class _Loader(yaml.SafeLoader):
@@ -144,16 +144,16 @@ def parse_yaml(content: str) -> object:
         raise refuse(f"the file is larger than {_MAX_YAML_BYTES >> 20} MB")
     if "python/object" in content and "numpy" in content:
         raise refuse(
-            "the file is no YAML of plain values: it holds numpy objects, which may run code and are not "
+            "the file is not YAML of plain values: it contains numpy objects, which may run code and are not "
             "read; write lists (array.tolist())"
         )
     try:
         for document in yaml.load_all(_plain_yaml(content), Loader=_Loader):
             if document is not None:
-                found: object = document
-                return found
+                value: object = document
+                return value
     except yaml.YAMLError as error:
-        raise refuse(f"the file is no YAML: {_one_line(error)}") from error
+        raise refuse(f"the file is not YAML: {_one_line(error)}") from error
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         # An impossible date, a number of a million digits, an empty `!!float`.
         raise refuse(f"the file holds a value that cannot be read: {error}") from error

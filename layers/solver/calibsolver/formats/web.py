@@ -64,7 +64,7 @@ class Gltf(Format):
     constraints = WebXr.constraints
 
     def convert(self, source: ExportSource) -> Conversion:
-        """Return the pinhole with its axis in the middle that readers of the two numbers see."""
+        """Return the centred pinhole that other programs reconstruct from the file's two numbers."""
         c = source.camera
         (w, h), matrix = c.img_size, np.array(c.matrix)
         matrix[:2, 2] = (w - 1) / 2, (h - 1) / 2

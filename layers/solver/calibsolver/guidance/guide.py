@@ -23,7 +23,7 @@ class Guide(Protocol):
         Parameters
         ----------
         views, calibration
-            The views so far, and the estimate from them; None where there is none yet.
+            The views so far, and the estimate from them; None if there is none yet.
         skipped
             Targets given up since the last view.
         unreached

@@ -42,10 +42,10 @@ def estimate_outline(board: Board, view: View) -> Array:
     middle, scale = q.mean(axis=0), max(float(np.abs(q - q.mean(axis=0)).max()), 1e-9)
     rays = np.concatenate([(q - middle) / scale, np.ones((len(q), 1))], axis=1)
     rays /= np.linalg.norm(rays, axis=1, keepdims=True)
-    found = Homographies.fit_dlt(view.object_points.T[None], rays.T[None], np.ones((1, len(q))))
-    edge = (edge_points(board)[:, :2] - found.mean[0]) / found.spread[0]
-    seen = np.concatenate([edge, np.ones((len(edge), 1))], axis=1) @ found.h[0].T
+    homography = Homographies.fit_dlt(view.object_points.T[None], rays.T[None], np.ones((1, len(q))))
+    edge = (edge_points(board)[:, :2] - homography.mean[0]) / homography.spread[0]
+    edge_rays = np.concatenate([edge, np.ones((len(edge), 1))], axis=1) @ homography.h[0].T
     with np.errstate(all="ignore"):
-        outline: Array = seen[:, :2] / seen[:, 2:] * scale + middle
-    front: Array = outline[(seen[:, 2] > 0) & np.isfinite(outline).all(axis=1)]
+        outline: Array = edge_rays[:, :2] / edge_rays[:, 2:] * scale + middle
+    front: Array = outline[(edge_rays[:, 2] > 0) & np.isfinite(outline).all(axis=1)]
     return front

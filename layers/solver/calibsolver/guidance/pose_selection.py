@@ -55,9 +55,9 @@ class Progress:
     covered
         Regions of the image that targets for the distortion have covered.
     calibration
-        The last fit; None where it failed.
+        The last fit; None if it failed.
     next_parameter
-        Index of the parameter that the next target is for; None where all have converged.
+        Index of the parameter that the next target is for; None if all have converged.
     """
 
     converged: frozenset[int]
@@ -91,7 +91,7 @@ class PoseSelection:
         skipped: Sequence[TargetPose] = (),
         unreached: Sequence[TargetPose] = (),
     ) -> TargetPose:
-        """Choose the next pose; the method knows no skipping: after one comes the next it would ask for."""
+        """Choose the next pose; a skipped pose is followed by the method's next one."""
         del calibration, unreached  # the method fits for itself, and learns nothing of its user
         step = (len(views) + len(skipped)) if len(views) < 2 else len(views)
         if step == 0:
@@ -136,7 +136,7 @@ class PoseSelection:
         return len(views) >= 2 and self.progress(views).next_parameter is None
 
     def estimate(self, views: Sequence[View]) -> Calibration | None:
-        """Fit as the method does: plain least squares; None where that fails."""
+        """Fit as the method does: plain least squares; None if that fails."""
         try:
             return fit(views, self.img_size, self.model.name, robust=False)
         except CalibrationError:
@@ -144,11 +144,11 @@ class PoseSelection:
 
     def progress(self, views: Sequence[View]) -> Progress:
         """Replay the method over `views`; steps that were replayed before are cached."""
-        known = 0
-        while known < min(len(views), len(self._steps)) and self._steps[known][0] is views[known]:
-            known += 1
-        del self._steps[known:]
-        for i in range(known, len(views)):
+        count = 0
+        while count < min(len(views), len(self._steps)) and self._steps[count][0] is views[count]:
+            count += 1
+        del self._steps[count:]
+        for i in range(count, len(views)):
             last = self._steps[-1][1] if self._steps else None
             self._steps.append((views[i], self._advance(list(views[: i + 1]), last)))
         return self._steps[-1][1]

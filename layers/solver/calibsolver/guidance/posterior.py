@@ -1,4 +1,4 @@
-"""Posterior of a camera's intrinsics: mean and Fisher information after the prior alone, or a calibration."""
+"""Posterior of a camera's intrinsics: mean and Fisher information after only the prior, or a calibration."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,7 +26,7 @@ MIN_NOISE_WIDTHS = 0.05 / 1280
 
 
 MAX_MEDIAN_ERROR_WIDTHS = 0.15
-"""Median error / image width of a view with its pose alone fitted; no lens explains more."""
+"""Median error / image width of a view with only its pose fitted; no lens explains more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ class IntrinsicsPosterior:
         calibration: Calibration | None,
         seed: Camera | None = None,
     ) -> "IntrinsicsPosterior":
-        """Posterior after a calibration, or the prior alone, around a `seed` camera if there is one.
+        """Posterior after a calibration, or only the prior, around a `seed` camera if there is one.
 
         A seed is where the search begins. Its uncertainty is not used: the information is the prior's.
         """
@@ -121,7 +121,7 @@ class IntrinsicsPosterior:
         return float(np.sum((before - after) * w))
 
     def view_gain(self, view: View) -> float | None:
-        """Decrease of the mean square error, px^2, by a view; None where the camera cannot pose it."""
+        """Decrease of the mean square error, px^2, by a view; None if the camera cannot pose it."""
         obs = Observations.of([view])
         posed = initial_guess.at(self.model, obs, self.k)
         if not posed.error < MAX_MEDIAN_ERROR_WIDTHS * self.img_size[0]:

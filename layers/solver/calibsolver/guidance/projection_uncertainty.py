@@ -82,7 +82,7 @@ class ProjectionUncertainty:
         views
             The views so far; their number alone varies the choice where much is equally good.
         calibration
-            The estimate from them, or None where there is none yet.
+            The estimate from them, or None if there is none yet.
         skipped
             Targets the user could not reach: one unlike them is chosen, easy to hold and wholly visible.
         unreached

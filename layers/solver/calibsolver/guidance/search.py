@@ -82,7 +82,7 @@ class Search:
     skipped
         Targets that candidates must not resemble.
     history
-        Noise to expect by pose; None where no view has shown any.
+        Noise to expect by pose; None if no view has shown any.
     """
 
     def __init__(

@@ -43,10 +43,10 @@ def limited_information(
     weights
         (v, n) of the points.
     noise
-        Standard deviation of a corner's coordinate, px: the systematic errors are meant beside it.
+        Standard deviation of a corner's coordinate, px: without the systematic errors.
 
     systematic
-        Size of the systematic errors / the usual one, as `systematic_share` tells; 0: none.
+        Size of the systematic errors / the usual one, as `systematic_share` returns; 0: none.
 
     Pixels are (v, 2, n).
     """

@@ -34,9 +34,9 @@ def select_views(
     while len(chosen) < min(count, len(views)):
         posterior = replace(IntrinsicsPosterior.of(model, img_size, calibration), systematic=systematic)
         information = view_information(posterior, obs)
-        known = prior.information(posterior.model, posterior.k, img_size) + information[chosen].sum(axis=0)
+        total = prior.information(posterior.model, posterior.k, img_size) + information[chosen].sum(axis=0)
         left = [i for i in range(len(views)) if i not in chosen]
-        after = symmetric_inverse(known + information[left])
+        after = symmetric_inverse(total + information[left])
         error = np.einsum("vij,ij->v", after, posterior.error_metric)
         chosen.append(left[int(np.nanargmin(error))])
         try:

@@ -31,9 +31,9 @@ class Coefficient:
         centre: lenses bend images by so much, whatever the focal length, so that wide ones have small
         coefficients.
     sign
-        Of its effect: -1 in a denominator.
+        Sign of its effect: -1 in a denominator.
     mean
-        What it is believed to be; 0 where it bends the image.
+        Expected value; 0 if it bends the image.
     """
 
     sigma: float
@@ -58,9 +58,9 @@ class Prior:
     distortion
         One belief per coefficient.
     aspect_sigma
-        Of log(fx / fy): pixels are nearly square.
+        Standard deviation of log(fx / fy): pixels are nearly square.
     center_sigma
-        Of the principal point around the image centre / image width.
+        Standard deviation of the principal point from the image centre / image width.
     """
 
     focal: float
@@ -128,7 +128,7 @@ class Model(ABC):
     def radial_derivative(self, d: Array, s: Array) -> tuple[Array, Array, Array] | None:  # noqa: ARG002
         """Radial stretch, d(distorted)/d(undistorted radius), at squared radii s (n,).
 
-        And its derivatives by d (n, m) and by s (n,). None where the first order of `Prior` says it.
+        And its derivatives by d (n, m) and by s (n,). None if the first order of `Prior` says it.
         """
         return None
 

@@ -2,7 +2,7 @@
 
 t = angle between ray and axis, a = t (1 + k1 t^2 + k2 t^4 + k3 t^6 + k4 t^8), (u, v) = a (X, Y) / |(X, Y)|
 (Kannala & Brandt 2006; OpenCV documentation, "Fisheye camera model"). The angle is taken with atan2, so that
-points beside and behind the camera are projected too: OpenCV's own x/z form ends at 90 degrees.
+points next to and behind the camera are also projected: OpenCV's own x/z form ends at 90 degrees.
 """
 
 import numpy as np
@@ -71,7 +71,7 @@ class Fisheye(Model):
         return float(np.sqrt(first_root(tuple((d * (3, 5, 7, 9)).tolist()), np.pi**2)))
 
     def undistort(self, d: Array, u: Array) -> Array:
-        """Newton's method on the angle alone, from a table."""
+        """Newton's method on the angle only, from a table."""
         if not d.any():
             t = np.hypot(u[0], u[1])
             t = np.where(t < np.pi, t, np.nan)
@@ -85,7 +85,7 @@ class Fisheye(Model):
         good = np.isfinite(r) & (r < table[-1])
         radius = np.where(good, r, 0.0)
         t = np.interp(radius, table, grid)
-        with np.errstate(all="ignore"):  # the derivative vanishes at the very edge: refused below
+        with np.errstate(all="ignore"):  # the derivative vanishes at the edge itself: refused below
             for _ in range(8):
                 s = t * t
                 a = t * (1 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3]))))

@@ -44,7 +44,7 @@ class Omnidirectional(Planar):
         return self.radial(d, s), d[1] + 2 * d[2] * s, (s, s * s)
 
     def domain_radius(self, d: Array) -> float:
-        """Radius up to which the radial part grows, and the sphere's rays are told apart."""
+        """Radius up to which the radial part grows, and the sphere's rays are distinguished."""
         xi, k1, k2, p1, p2 = (float(c) for c in d)
         edge = first_root((-MIN_TANGENTIAL_RATIO * math.hypot(p1, p2), 3 * k1, 0.0, 5 * k2), MAX_RADIUS)
         return min(edge, 1 / math.sqrt(xi * xi - 1)) if xi > 1 else edge

@@ -9,7 +9,7 @@ from .planar import Planar
 
 
 class Pinhole(Planar):
-    """A planar distortion of the perspective image; nothing beside or behind the camera is seen."""
+    """A planar distortion of the perspective image; nothing next to or behind the camera is visible."""
 
     is_perspective = True
     max_angle = 1.4  # beyond, a degree makes a tenth of the distance from the axis and more, without bound

@@ -21,7 +21,7 @@ MAX_RADIUS = 50.0
 LAST_STEP = 1e-9
 """Newton step below which the next, about its square, is rounding."""
 MAX_STEPS = 20
-"""Steps of Newton\'s method, which settles in four or five except at the very edge of the domain."""
+"""Steps of Newton\'s method, which settles in four or five except at the edge of the domain."""
 MIN_TANGENTIAL_RATIO = 7.0
 """Radial derivative h over r |(p1, p2)| above which the map is one-to-one (proof: see the module)."""
 

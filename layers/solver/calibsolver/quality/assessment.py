@@ -57,7 +57,7 @@ REFERENCE_WIDTH_PX = 1280.0
 COVERAGE_RADIUS_DIAGONALS = 0.12
 """Of the image's diagonal: how far a corner speaks for its surroundings."""
 MIN_NOTICEABLE_PX = 0.1
-"""px, differences below which nobody feels."""
+"""px: smaller differences do not matter."""
 MAX_GOOD_PX, MAX_FAIR_PX = 1.0, 3.0
 """px, predicted rms projection error over the image, up to which a calibration is good, and fair."""
 MAX_FAIR_INSIDE_PX, MIN_FAIR_COVERED = 1.0, 0.1
@@ -245,7 +245,7 @@ def has_fixed_pattern(calibration: Calibration, views: Sequence[View]) -> bool:
 def fixed_pattern_residual(
     calibration: Calibration, views: Sequence[View], grid: tuple[int, int] = (8, 6)
 ) -> tuple[float, float]:
-    """Part of the residuals that depends on the place in the image alone: share of their rms, and px rms.
+    """Part of the residuals that depends only on the place in the image: share of their rms, and px rms.
 
     The mean over a cell of independent residuals has their variance / n; what is more than that the model
     leaves unexplained. A board that is bent shows in each view elsewhere, and counts little.

@@ -47,7 +47,7 @@ def held_out(
     start: Camera | None = None,
     fix: Fix = (),
 ) -> HeldOut:
-    """Cross-validate: intrinsics from the training views, the poses of the views left out fitted anew.
+    """Cross-validate: intrinsics from the training views, the poses of the held-out views fitted.
 
     Parameters
     ----------

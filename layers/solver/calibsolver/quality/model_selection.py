@@ -31,7 +31,7 @@ class Choice:
     model
         Name of the model to use.
     held_out
-        px, cross-validated rms by model; None where the model cannot be fitted to these views.
+        px, cross-validated rms by model; None if the model cannot be fitted to these views.
     reasons
         In plain words, what spoke for it and against the others.
     """
@@ -129,5 +129,5 @@ def describe_reasons(
         elif name == best and result.rms < scores[chosen].rms:
             sentences.append(f"with {name} they are {error}: not enough for a less simple model")
         else:
-            sentences.append(f"{name} is no better: {error}")
+            sentences.append(f"{name} is not better: {error}")
     return sentences + [f"{name} does not fit: {why}" for name, why in refused.items()]

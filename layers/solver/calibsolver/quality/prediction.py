@@ -25,7 +25,7 @@ def prediction_ratio(calibration: Calibration, view: View, use: Mask, min_noise:
     Parameters
     ----------
     use
-        (n,) points that are no outliers.
+        (n,) points that are not outliers.
     min_noise
         px, of one coordinate: no detector is better.
     """

@@ -1,4 +1,4 @@
-"""Quality report of a calibration, in figures for a page that shows them."""
+"""Quality report of a calibration: the figures that a page shows."""
 
 from collections.abc import Callable, Sequence
 from typing import TypeAlias, Union
@@ -16,7 +16,7 @@ from .systematic import Cause, probable_cause
 __all__ = ["Assessment", "Json", "Reason", "assess", "board_sentence", "describe"]
 
 MIN_REPORTED = 0.002
-"""Sag or stretch / the board's longer side from which a user is told."""
+"""Sag or stretch / the board's longer side from which a user is informed."""
 MIN_CERTAIN_SIGMAS = 2.0
 """Sag or stretch / its standard deviation above which it is certain."""
 Json: TypeAlias = Union["dict[str, Json]", "list[Json]", str, bool, int, float, None]
@@ -47,9 +47,9 @@ def describe(
     which were taken into account, and their standard deviations ``sag_std`` and ``stretch_std``; null if
     the board was taken as drawn), ``std`` (standard deviations of the intrinsics), ``covariance`` ((p, p)
     of the intrinsics, not rounded), ``error_map`` (predicted projection error over the image, px, null
-    where the model has no ray), ``held_out`` (px; null where there is none, or more than the image is
+    where the model has no ray), ``held_out`` (px; null if there is none, or more than the image is
     wide), ``systematic`` (``inflation``; probable ``cause``, what to do in ``text``, the ``model`` to
-    choose; null where there is none; a cause that moves corners by more than their noise is a reason of the
+    choose; null if there is none; a cause that moves corners by more than their noise is a reason of the
     verdict too), ``views``: per view its ``index``, ``rms``, ``points`` (px), ``residuals`` (measured minus
     predicted, px), ``rvec``, ``tvec`` (board -> camera), ``cut`` (numbers of the points left out),
     ``reason`` (why the whole view was left out, or null). A degenerate view has neither pose nor error:
@@ -109,8 +109,8 @@ def _with_cause(reasons: tuple[Reason, ...], cause: Cause | None) -> tuple[Reaso
 
 
 def board_sentence(shape: BoardShape | None) -> str | None:
-    """Sentence on the board for its owner; None if nothing is certain, or if the shape is not a board's."""
-    if shape is None or not shape.is_plausible:
+    """Sentence on the board for its owner; None if nothing is certain."""
+    if shape is None:
         return None
     what = []
     if shape.sag > MIN_CERTAIN_SIGMAS * shape.sag_std:
@@ -134,7 +134,7 @@ def _board(shape: BoardShape) -> dict[str, Json]:
 
 
 def _digits(value: float, digits: int = 3) -> float | None:
-    """Round to so many significant digits; None where it is no number."""
+    """Round to so many significant digits; None if it is not finite."""
     return float(f"{float(value):.{digits}g}") if np.isfinite(value) else None
 
 

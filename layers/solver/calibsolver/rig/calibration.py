@@ -42,7 +42,7 @@ class RigCalibration:
     rms
         px, root of the mean square distance over all points given, but for those of views set aside.
     view_errors
-        px, rms of each view under the rig, by (moment, position); of views set aside, too.
+        px, rms of each view under the rig, by (moment, position); also of views set aside.
     covariance
         (q, q) of the intrinsics of each camera (fx fy cx cy distortion...; 0 where they are held), then of
         the poses of cameras 1, 2, ...; moments are the clusters (`fitting.robust_covariance`).
@@ -55,7 +55,7 @@ class RigCalibration:
     working_distances
         (c,) median distance of each camera from the board's points that it and another camera saw.
     set_aside
-        (moment, position) -> why the view took no part: ``outlier``, ``mirrored``, ``degenerate`` by itself,
+        (moment, position) -> why the view took no part: ``outlier``, ``mirrored``, ``degenerate``,
         ``contradicts`` the rig.
     turned
         (moment, position) of the views whose corners were numbered from another side of the board, and were

@@ -1,8 +1,8 @@
 """Views that contradict a rig although a joint fit hides it: found by leaving them out one at a time.
 
-A board that moved between the pictures of two cameras makes a moment whose views are right by themselves
+A board that moved between the pictures of two cameras makes a moment whose views are each right
 and wrong together. With few moments and everything free the fit bends to it, and no residual stands out. But
-then the rig has far more noise than its cameras have alone, and without that view it has not.
+then the rig has far more noise than its single cameras, and without that view it has not.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..fitting.robust_homography import medians
 from .problem import RigProblem, unlinked_cameras
 
 MAX_JOINT_NOISE_RATIO = 1.5
-"""Noise of the rig / noise of its cameras alone from which a view is looked for that contradicts it."""
+"""Noise of the rig / noise of its single cameras from which a contradicting view is looked for."""
 MIN_NOISE_DROP = 0.6
 """Noise of the rig without a view / with it, below which the view is set aside: it explains most of it."""
 MAX_START_MEDIANS = 3.0
@@ -36,9 +36,9 @@ def near_start(problem: RigProblem, state: State, mask: Mask) -> Mask:
     errors = np.full((len(mask), len(problem.members)), np.nan)
     for i, member in enumerate(problem.members):
         there = mask[:, member.slots]
-        seen = there.any(axis=1)
+        visible = there.any(axis=1)
         square = medians(state.square[:, member.slots], there)
-        errors[seen, i] = np.sqrt(square[seen]) / (member.weight * member.img_size[0])
+        errors[visible, i] = np.sqrt(square[visible]) / (member.weight * member.img_size[0])
     shared = np.isfinite(errors).sum(axis=1) > 1
     if not shared.any():
         return mask
@@ -53,18 +53,18 @@ def near_start(problem: RigProblem, state: State, mask: Mask) -> Mask:
 
 
 def is_contradictory(problem: RigProblem, state: State, good: Mask, noise: float) -> bool:
-    """Tell whether points `good` (m, n) are noisier in the rig than in its cameras alone (`noise`, px)."""
+    """True if points `good` (m, n) are noisier in the rig than in its single cameras (`noise`, px)."""
     joint = float(np.sqrt(np.mean(state.square[good]) / 2))
     return joint > MAX_JOINT_NOISE_RATIO * max(noise, NOISE_FLOOR * problem.width)
 
 
 def without_contradicting_view(problem: RigProblem, state: State, among: Mask) -> tuple[State, Mask] | None:
-    """Leave out the view that explains most of the noise of points `among` (m, n); None where none does.
+    """Leave out the view that explains most of the noise of points `among` (m, n); None if none does.
 
     Returns the state near the optimum without it, and the points that are left.
     """
     noise = float(np.sqrt(np.mean(state.square[among])))
-    found: list[tuple[float, State, Mask]] = []
+    candidates: list[tuple[float, State, Mask]] = []
     for row, slots in _candidates(problem, state, among):
         left = among.copy()
         left[row, slots] = False
@@ -72,26 +72,26 @@ def without_contradicting_view(problem: RigProblem, state: State, among: Mask) -
             continue
         moved = problem.solve(state, outliers.unit_weights(left), TOWARDS_OPTIMUM)
         if moved.is_finite:
-            found.append((float(np.sqrt(np.mean(moved.square[left]))), moved, left))
-    if not found:
+            candidates.append((float(np.sqrt(np.mean(moved.square[left]))), moved, left))
+    if not candidates:
         return None
-    least, moved, left = min(found, key=lambda each: each[0])
+    least, moved, left = min(candidates, key=lambda each: each[0])
     return (moved, left) if least < MIN_NOISE_DROP * noise else None
 
 
 def is_linked(problem: RigProblem, good: Mask) -> bool:
-    """Tell whether points `good` (m, n) link every camera to camera 0."""
+    """True if points `good` (m, n) link every camera to camera 0."""
     return not find_unlinked(problem, good)
 
 
 def find_unlinked(problem: RigProblem, good: Mask) -> tuple[int, ...]:
     """Positions that no chain of moments leads to from camera 0, of points `good` (m, n)."""
-    seen = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
-    return unlinked_cameras(len(problem.members), [np.flatnonzero(moment).tolist() for moment in seen])
+    visible = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
+    return unlinked_cameras(len(problem.members), [np.flatnonzero(moment).tolist() for moment in visible])
 
 
 def check_links(problem: RigProblem, good: Mask) -> None:
-    """Raise CalibrationError where what is left, `good` (m, n), does not link the cameras."""
+    """Raise CalibrationError if what is left, `good` (m, n), does not link the cameras."""
     lost = find_unlinked(problem, good)
     if lost:
         raise CalibrationError(

@@ -44,19 +44,22 @@ class _Rig:
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "_Rig":
         board = Board.from_record(record["board"])
-        given = record["cameras"]
-        positions = [i for i, camera in enumerate(given) if camera is not None]
+        records = record["cameras"]
+        positions = [i for i, camera in enumerate(records) if camera is not None]
         number = {position: n for n, position in enumerate(positions)}
-        there = [given[position] for position in positions]
+        there = [records[position] for position in positions]
         return cls(
             board,
             positions,
-            len(given),
+            len(records),
             [(tuple(camera["img_size"]), camera["distortion_model"]) for camera in there],
             {n: Camera.from_record(camera["start"]) for n, camera in enumerate(there) if camera["start"]},
             [moment["id"] for moment in record["moments"]],
             [
-                {number[p]: board.view(seen["ids"], seen["points"]) for p, seen in moment["views"].items()}
+                {
+                    number[p]: board.view(record_of_view["ids"], record_of_view["points"])
+                    for p, record_of_view in moment["views"].items()
+                }
                 for moment in record["moments"]
             ],
         )
@@ -69,69 +72,76 @@ def estimate(record: Mapping[str, Any], *, final: bool = False) -> dict[str, Any
     ----------
     record
         `board`; `cameras`: by position `img_size`, `distortion_model` and `start` (a calibration record that
-        may be near, or None), or None where no camera is there yet; `moments`: `id` and `views`, position ->
+        may be near, or None), or None if no camera is there yet; `moments`: `id` and `views`, position ->
         `ids`, `points`; `skipped`: poses (6,) not wanted; `missed`: targets without a pose given up.
 
     Returns
     -------
     dict
-        `fit`, None where there is none, and `problem` why; `unlinked`: positions that share no moment with
+        `fit`, None if there is none, and `problem` why; `unlinked`: positions that share no moment with
         camera 0; `target` and `target_pose`, board -> camera 0. Lengths are in board units.
     """
     rig = _Rig.from_record(record)
     lost = {rig.positions[n] for n in unlinked_cameras(len(rig.positions), rig.moments)}
     lost |= set(range(rig.count)) - set(rig.positions)
-    found, problem = None, None
+    calibration, problem = None, None
     if not lost and rig.moments:
         try:
-            found = fit(rig.moments, rig.cameras, starts=rig.starts, max_points=MAX_ONLINE_POINTS)
+            calibration = fit(rig.moments, rig.cameras, starts=rig.starts, max_points=MAX_ONLINE_POINTS)
         except CalibrationError as error:
             problem = error.message
-        if found is not None and not _is_determined(found):
-            found, problem = None, "the views leave it undetermined"
+        if calibration is not None and not _is_determined(calibration):
+            calibration, problem = None, "the views leave it undetermined"
     if final:
         fitted = None
-        if found is not None:
-            fitted = {**_fit_record(rig, found), "held_out_rms": _held_out(rig, found)}
+        if calibration is not None:
+            fitted = {**_fit_record(rig, calibration), "held_out_rms": _held_out(rig, calibration)}
         return {"fit": fitted, "problem": problem, "unlinked": sorted(lost)}
     skipped = [np.asarray(pose, dtype=np.float64) for pose in record["skipped"]]
     if not rig.positions:
         return {"fit": None, "problem": None, "unlinked": sorted(lost)}
     try:
-        target = next_moment(rig.board, rig.cameras, rig.moments, found, skipped, record["missed"])
-    except CalibrationError:  # a capture goes on without a target
+        target = next_moment(rig.board, rig.cameras, rig.moments, calibration, skipped, record["missed"])
+    except CalibrationError:  # a capture continues without a target
         target = RigTarget(None, {}, "")
     return {
-        "fit": _fit_record(rig, found) if found is not None else None,
+        "fit": _fit_record(rig, calibration) if calibration is not None else None,
         "problem": problem,
         "unlinked": sorted(lost),
-        "target": _target_record(rig, target, found),
+        "target": _target_record(rig, target, calibration),
         "target_pose": None if target.pose is None else target.pose.tolist(),
     }
 
 
-def _is_determined(found: RigCalibration) -> bool:
+def _is_determined(calibration: RigCalibration) -> bool:
     """True if all numbers of a fitted rig are finite."""
-    u = found.uncertainty
-    said = np.array([found.rms, u.rotation_deg, u.translation_percent, u.rms])
-    numbers = (said, found.covariance, found.poses, *(camera.intrinsics for camera in found.cameras))
+    u = calibration.uncertainty
+    said = np.array([calibration.rms, u.rotation_deg, u.translation_percent, u.rms])
+    numbers = (
+        said,
+        calibration.covariance,
+        calibration.poses,
+        *(camera.intrinsics for camera in calibration.cameras),
+    )
     return all(bool(np.isfinite(each).all()) for each in numbers)
 
 
-def _held_out(rig: _Rig, found: RigCalibration) -> float | None:
-    """Cross-validate the rig; None where that is not possible, or takes too long."""
+def _held_out(rig: _Rig, calibration: RigCalibration) -> float | None:
+    """Cross-validate the rig; None if that is not possible, or takes too long."""
     moments = thin(rig.moments, MAX_HELD_OUT_POINTS)
-    return deadline.compute_within(MAX_HELD_OUT_S, lambda: held_out_rms(moments, found), None)
+    return deadline.compute_within(MAX_HELD_OUT_S, lambda: held_out_rms(moments, calibration), None)
 
 
-def _fit_record(rig: _Rig, found: RigCalibration) -> dict[str, Any]:
-    u = found.uncertainty
-    deviations = [np.sqrt(np.maximum(np.diagonal(found.pose_covariance(i)), 0)) for i in range(rig.count)]
+def _fit_record(rig: _Rig, calibration: RigCalibration) -> dict[str, Any]:
+    u = calibration.uncertainty
+    deviations = [
+        np.sqrt(np.maximum(np.diagonal(calibration.pose_covariance(i)), 0)) for i in range(rig.count)
+    ]
     return {
-        "cameras": [_camera_record(rig, found, i) for i in range(rig.count)],
-        "poses": found.poses.tolist(),
+        "cameras": [_camera_record(rig, calibration, i) for i in range(rig.count)],
+        "poses": calibration.poses.tolist(),
         "std": [np.zeros(6).tolist(), *(deviation.tolist() for deviation in deviations[1:])],
-        "rms": found.rms,
+        "rms": calibration.rms,
         "uncertainty": {
             "rotation_deg": u.rotation_deg,
             "translation_percent": u.translation_percent,
@@ -139,33 +149,33 @@ def _fit_record(rig: _Rig, found: RigCalibration) -> dict[str, Any]:
         },
         "set_aside": [
             {"moment": rig.names[m], "position": i, "reason": reason}
-            for (m, i), reason in sorted(found.set_aside.items())
+            for (m, i), reason in sorted(calibration.set_aside.items())
         ],
         "board_poses": [
             {"moment": name, "pose": pose.tolist()}
-            for name, pose in zip(rig.names, found.board_poses, strict=True)
+            for name, pose in zip(rig.names, calibration.board_poses, strict=True)
             if np.isfinite(pose).all()
         ],
-        "turned": [{"moment": rig.names[m], "position": i} for m, i in found.turned],
+        "turned": [{"moment": rig.names[m], "position": i} for m, i in calibration.turned],
     }
 
 
-def _camera_record(rig: _Rig, found: RigCalibration, position: int) -> dict[str, Any]:
+def _camera_record(rig: _Rig, calibration: RigCalibration, position: int) -> dict[str, Any]:
     """Return one camera of the rig as a calibration record."""
-    camera = found.cameras[position]
-    first = sum(len(other.intrinsics) for other in found.cameras[:position])
+    camera = calibration.cameras[position]
+    first = sum(len(other.intrinsics) for other in calibration.cameras[:position])
     part = slice(first, first + len(camera.intrinsics))
     d = projection_jacobian_rotation_free(
         models.get(camera.model), camera.intrinsics, camera.img_size, UNCERTAINTY_GRID
     )
-    square = variance(d, found.covariance[part, part])
+    square = variance(d, calibration.covariance[part, part])
     square = np.maximum(square[np.isfinite(square)], 0)
     if not square.size:
         square = np.array([float(max(camera.img_size)) ** 2])
     counted = [
         (error, len(rig.moments[m][i]))
-        for (m, i), error in found.view_errors.items()
-        if i == position and (m, i) not in found.set_aside and np.isfinite(error)
+        for (m, i), error in calibration.view_errors.items()
+        if i == position and (m, i) not in calibration.set_aside and np.isfinite(error)
     ]
     points = sum(n for _, n in counted)
     return {
@@ -175,14 +185,14 @@ def _camera_record(rig: _Rig, found: RigCalibration, position: int) -> dict[str,
         "distortion_model": camera.model,
         "avg_reprojection_error": float(np.sqrt(sum(e**2 * n for e, n in counted) / max(points, 1))),
         "uncertainty": {"rms": float(np.sqrt(square.mean())), "max": float(np.sqrt(square.max()))},
-        "systematic": found.inflation,
+        "systematic": calibration.inflation,
     }
 
 
-def _target_record(rig: _Rig, target: RigTarget, found: RigCalibration | None) -> dict[str, Any] | None:
+def _target_record(rig: _Rig, target: RigTarget, calibration: RigCalibration | None) -> dict[str, Any] | None:
     if not target.views:
         return None
-    hints = {n: _hint(rig, view, n, found) for n, view in target.views.items()}
+    hints = {n: _hint(rig, view, n, calibration) for n, view in target.views.items()}
     first = hints[min(hints)]
     return {
         "purpose": target.purpose,
@@ -204,13 +214,15 @@ def _target_record(rig: _Rig, target: RigTarget, found: RigCalibration | None) -
     }
 
 
-def _hint(rig: _Rig, target: TargetPose, number: int, found: RigCalibration | None) -> Hint:
+def _hint(rig: _Rig, target: TargetPose, number: int, calibration: RigCalibration | None) -> Hint:
     """Hint how to move the board from its last pose, as one camera sees it."""
-    known = [] if found is None else [pose for pose in found.board_poses if np.isfinite(pose).all()]
-    if found is None or not known:
+    poses = (
+        [] if calibration is None else [pose for pose in calibration.board_poses if np.isfinite(pose).all()]
+    )
+    if calibration is None or not poses:
         return Hint.of(target.hint_code)
-    camera = found.cameras[number]
-    last = RigidMotion.of_vector(found.poses[number]) @ RigidMotion.of_vector(known[-1])
+    camera = calibration.cameras[number]
+    last = RigidMotion.of_vector(calibration.poses[number]) @ RigidMotion.of_vector(poses[-1])
     r: Array = rotation.matrix(target.rvec)
     return largest_difference(
         Placement.of(rig.board, camera, last.r, last.t),

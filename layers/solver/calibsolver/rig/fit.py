@@ -40,10 +40,10 @@ MAX_REJECTIONS = 6
 """Rounds of outlier rejection."""
 MAX_UNSETTLED_ROUNDS = 3
 """Rounds that end without convergence, after which the moments are taken to contradict each other."""
-ROUND = Options(iterations=40)
-"""One round: moments that agree need ten steps or twenty, and the next round goes on where this one ended."""
+ROUND = Options(iterations=40, tolerance=1e-8, one_step=True)
+"""One round: moments that agree need ten steps or twenty, and the next round continues there."""
 MIN_OUTLIER_WIDTHS = 0.003
-"""Distance / image width below which a single point of a good view is no outlier."""
+"""Distance / image width below which a single point of a good view is not an outlier."""
 MAX_TAIL_RMS_RATIO = 1.1
 """Rms of least squares over all but gross outliers / rms of the inliers, up to which all of them count."""
 MIN_MOMENTS_PER_LATE_VIEW = 4
@@ -102,7 +102,7 @@ def fit(
 
 @dataclass(frozen=True, eq=False)
 class _RigFit:
-    """One joint fit: moments, the cameras by themselves, moments that have a pose, the start."""
+    """One joint fit: moments, the single cameras, moments that have a pose, the start."""
 
     given: Sequence[Moment]
     alone: Sequence[Single]
@@ -113,13 +113,13 @@ class _RigFit:
     @cached_property
     def noises(self) -> Array:
         """Noise (c,) of one coordinate of a corner of each camera, px."""
-        found = np.maximum([each.noise for each in self.alone], 1e-12)
-        out: Array = np.minimum(found, MAX_NOISE_RATIO * found.min())
+        result = np.maximum([each.noise for each in self.alone], 1e-12)
+        out: Array = np.minimum(result, MAX_NOISE_RATIO * result.min())
         return out
 
     @cached_property
     def noise(self) -> float:
-        """Noise of the rig as its cameras alone have it, px."""
+        """Noise of the single cameras, px."""
         return float(np.exp(np.log(self.noises).mean()))
 
     @cached_property
@@ -143,7 +143,7 @@ class _RigFit:
 
     @cached_property
     def mask(self) -> Mask:
-        """Points (m, n) that may take part: of views that could be explained by themselves."""
+        """Points (m, n) that may take part: of views that their own camera explains."""
         mask = self.problem.obs.mask.copy()
         for row, m in enumerate(self.linked):
             for i, member in enumerate(self.problem.members):
@@ -167,11 +167,11 @@ class _RigFit:
         for _ in range(len(self.linked) // MIN_MOMENTS_PER_LATE_VIEW):
             if not is_contradictory(problem, state, good, self.noise):
                 break
-            found = without_contradicting_view(problem, state, among)
-            if found is None:
+            outcome = without_contradicting_view(problem, state, among)
+            if outcome is None:
                 break
-            among = found[1]
-            state, good = self._least_squares(*found, among)
+            among = outcome[1]
+            state, good = self._least_squares(*outcome, among)
         check_links(problem, good)
         return self._result(state, good)
 
@@ -215,9 +215,9 @@ class _RigFit:
             return near
         good = near | (mask & (state.square < (MIN_OUTLIER_WIDTHS * self.problem.width) ** 2))
         for member in self.problem.members:
-            kept = near[:, member.slots].sum(axis=1)
+            counts = near[:, member.slots].sum(axis=1)
             there = mask[:, member.slots].sum(axis=1)
-            good[:, member.slots] &= (kept >= np.maximum(MIN_POINTS, outliers.MIN_INLIER_SHARE * there))[
+            good[:, member.slots] &= (counts >= np.maximum(MIN_POINTS, outliers.MIN_INLIER_SHARE * there))[
                 :, None
             ]
         return good
@@ -296,15 +296,15 @@ class _RigFit:
         )
 
     def _check_domain(self, cameras: Sequence[Camera], state: State, good: Mask) -> None:
-        """Raise CalibrationError where many points lie where a camera's model is not one-to-one."""
+        """Raise CalibrationError if many points lie where a camera's model is not one-to-one."""
         in_rig, vectors = (
             state.poses.camera_points(self.problem.obs.points),
             self.problem.camera_poses(state.k),
         )
         for i, (camera, member) in enumerate(zip(cameras, self.problem.members, strict=True)):
             p = RigidMotion.of_vector(vectors[i])(in_rig[:, :, member.slots].transpose(0, 2, 1))
-            seen = camera.valid(p)[good[:, member.slots]]
-            if seen.size and np.mean(~seen) > plausibility.MAX_SHARE_OUTSIDE_DOMAIN:
+            inside = camera.valid(p)[good[:, member.slots]]
+            if inside.size and np.mean(~inside) > plausibility.MAX_SHARE_OUTSIDE_DOMAIN:
                 raise CalibrationError("not_believable", f"camera {i}: its points lie where the model folds")
 
     def _set_aside(self, good: Mask) -> dict[tuple[int, int], str]:

@@ -73,13 +73,13 @@ def write(source: RigSource, name: str) -> ExportedFile:
         raise CalibrationError(
             "unknown_format", f"no format of rigs is called {name!r}; there are {', '.join(WRITERS)}"
         )
-    found = writer(source)
+    files = writer(source)
     stem = f"{formats.slug(source.identifier) if source.identifier else 'rig'}-{name}"
-    if len(found.files) == 1:
-        (filename, content), *_ = found.files.items()
-        return ExportedFile(content, found.media_type, f"{stem}-{filename}", found.error, 1.0, found.warning)
+    if len(files.files) == 1:
+        (filename, content), *_ = files.files.items()
+        return ExportedFile(content, files.media_type, f"{stem}-{filename}", files.error, 1.0, files.warning)
     return ExportedFile(
-        _archive(found.files), "application/zip", f"{stem}.zip", found.error, 1.0, found.warning
+        _archive(files.files), "application/zip", f"{stem}.zip", files.error, 1.0, files.warning
     )
 
 
@@ -110,14 +110,14 @@ def _archive(files: Mapping[str, bytes]) -> bytes:
 
 def _convert(source: RigSource, form: Format) -> list[tuple[ExportSource, Conversion]]:
     """Convert the cameras to those that a format can hold."""
-    found = []
+    conversions = []
     for i, camera in enumerate(source.cameras):
         single = ExportSource(camera, name=source.name(i), identifier=source.identifier)
         try:
-            found.append((single, form.check(form.convert(single))))
+            conversions.append((single, form.check(form.convert(single))))
         except CalibrationError as error:
             raise CalibrationError(error.code, f"camera {i}: {error.message}") from error
-    return found
+    return conversions
 
 
 def _worst(converted: Sequence[tuple[ExportSource, Conversion]]) -> float:
@@ -143,9 +143,15 @@ def _opencv(source: RigSource) -> _RigFiles:
                     value
                 )
         members |= {"R": motion.r, "T": motion.t[:, None], "E": essential, "F": fundamental}
-        found = _rectification(one, other, motion)
-        if found is not None:
-            members |= {"R1": found.r1, "R2": found.r2, "P1": found.p1, "P2": found.p2, "Q": found.q}
+        rectification = _rectification(one, other, motion)
+        if rectification is not None:
+            members |= {
+                "R1": rectification.r1,
+                "R2": rectification.r2,
+                "P1": rectification.p1,
+                "P2": rectification.p2,
+                "Q": rectification.q,
+            }
         body = [
             f"image_width: {one.img_size[0]}",
             f"image_height: {one.img_size[1]}",
@@ -165,15 +171,15 @@ def _ros(source: RigSource) -> _RigFiles:
     """CameraInfo YAML of each camera; of two cameras rectified, as stereo_image_proc wants it."""
     form = ros.Ros()
     converted = _convert(source, form)
-    found = None
+    rectification = None
     if len(source.cameras) == 2:
-        found = _rectification(converted[0][1].camera, converted[1][1].camera, source.motion(1))
+        rectification = _rectification(converted[0][1].camera, converted[1][1].camera, source.motion(1))
     files = {}
     for i, (single, conversion) in enumerate(converted):
-        if found is None:
+        if rectification is None:
             content = form.write(single, conversion)
         else:
-            r, p = ((found.r1, found.p1), (found.r2, found.p2))[i]
+            r, p = ((rectification.r1, rectification.p1), (rectification.r2, rectification.p2))[i]
             content = form.write_rectified(single, conversion, r, p)
         files[f"{('left', 'right')[i] if len(source.cameras) == 2 else f'cam{i}'}.yaml"] = content
     return _RigFiles(files, "application/yaml", _worst(converted))
@@ -289,7 +295,7 @@ def _json(source: RigSource) -> _RigFiles:
 
 
 def _rectification(one: Camera, other: Camera, motion: RigidMotion) -> Rectification | None:
-    """Rectification of two cameras; None where there is none that tools know."""
+    """Rectification of two cameras; None if there is none that tools know."""
     try:
         return rectify(one, other, motion)
     except CalibrationError:

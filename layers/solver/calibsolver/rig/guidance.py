@@ -55,7 +55,7 @@ class RigTarget:
     Attributes
     ----------
     pose
-        (6,) rvec|tvec, board -> camera 0; None where the rig is not known yet.
+        (6,) rvec|tvec, board -> camera 0; None if the rig is not known yet.
     views
         The target as each camera would see it, by position; those that would not see the board are left out.
     purpose
@@ -88,7 +88,7 @@ def next_moment(
     moments
         The moments so far.
     calibration
-        The fit to them; None where there is none, since cameras share no moment yet.
+        The fit to them; None if there is none, since cameras share no moment yet.
     skipped
         (6,) poses, board -> camera 0, that the user could not reach: others are chosen.
     missed
@@ -179,7 +179,7 @@ class _Search:
         self.rays = [RayGrid.of(camera) for camera in self.cameras]
 
     def best(self, index: int) -> tuple[Array, Array] | None:
-        """Find the best pose, board -> camera 0: rotation (3, 3) and translation (3,); None where none is."""
+        """Find the best pose, board -> camera 0: rotation (3, 3) and translation (3,); None if none is."""
         count = len(self.cameras)
         leaders = [(index + i) % count for i in range(min(count, MAX_LEADERS))]
         unit = np.concatenate([candidates.r_sequence(SAMPLES, index)] * len(leaders))

@@ -24,18 +24,18 @@ FOLDS = 5
 
 @undetermined()
 def held_out_rms(moments: Sequence[Moment], calibration: RigCalibration) -> float | None:
-    """Cross-validate a rig: cameras and relative poses from the other moments, board poses fitted anew.
+    """Cross-validate a rig: cameras and relative poses from the other moments, board poses fitted.
 
     Parameters
     ----------
     moments
-        As they were fitted. Views that the fit set aside stay out.
+        Moments of the fit. Views that the fit set aside stay out.
     calibration
         The fit to all of them. What it held is held; what it found is where the parts begin.
 
     Returns
     -------
-    px, root of the mean square distance over all points of the moments left out; None where no part can be
+    px, root of the mean square distance over all points of the moments left out; None if no part can be
     left out without cutting the cameras' links.
     """
     used = [
@@ -84,12 +84,12 @@ def _score(rig: RigCalibration, moments: Sequence[Moment]) -> tuple[float, int]:
         for i, camera in enumerate(rig.cameras)
         if any(i in moment for moment in moments)
     }
-    seen = [
+    usable = [
         ResectedMoment(moment, {i: alone[i].poses[m] for i in moment if m in alone[i].poses})
         for m, moment in enumerate(moments)
     ]
     turns = start.symmetries([view for moment in moments for view in moment.values()])
-    settled = start.locate_boards(rig.cameras, motions, [moment for moment in seen if moment.poses], turns)
+    settled = start.locate_boards(rig.cameras, motions, [moment for moment in usable if moment.poses], turns)
     if not settled:
         return 0.0, 0
     boards, views = [each.board for each in settled], [each.views for each in settled]

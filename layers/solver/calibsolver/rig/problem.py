@@ -147,12 +147,12 @@ class RigProblem(LeastSquares):
             # Contiguous scratch arrays, copied to the camera's slots.
             mine, pixels = rows[:, :, :, member.slots], self.obs.pixels[:, :, member.slots]
             mine[:size] = 0
-            seen, at_board = in_rig[:, :, member.slots], rotated[:, :, member.slots]
-            by_k = np.empty((member.model.size, 2, *seen.shape[1:]))
+            points, at_board = in_rig[:, :, member.slots], rotated[:, :, member.slots]
+            by_k = np.empty((member.model.size, 2, *points.shape[1:]))
             by_p = np.empty((3, *by_k.shape[1:]))
             if i:
                 r, t = rotation.matrix(vectors[i, :3]), vectors[i, 3:]
-                turned = (r @ seen.reshape(3, -1)).reshape(seen.shape)
+                turned = (r @ points.reshape(3, -1)).reshape(points.shape)
                 q = member.model.fill_jacobian(self.intrinsics(k, i), turned + t[:, None, None], by_k, by_p)
                 first = self.offsets[1][i]
                 by_turn = cross(turned, by_p).reshape(3, -1)
@@ -160,7 +160,7 @@ class RigProblem(LeastSquares):
                 mine[first + 3 : first + 6] = by_p
                 by_p = (r.T @ by_p.reshape(3, -1)).reshape(by_p.shape)
             else:  # the frame of the rig is this camera's
-                q = member.model.fill_jacobian(self.intrinsics(k, i), seen, by_k, by_p)
+                q = member.model.fill_jacobian(self.intrinsics(k, i), points, by_k, by_p)
             if member.held is None:
                 mine[self.offsets[0][i] :][: member.model.size] = by_k
             mine[size : size + 3] = cross(at_board, by_p)

@@ -46,7 +46,7 @@ def rectify(one: Camera, other: Camera, motion: RigidMotion) -> Rectification:
     """Rectify two cameras, `motion` camera `one` -> camera `other`.
 
     The common focal length is the smaller of the two, and the common principal point puts the middle of both
-    rectified images into the middle. Raises CalibrationError ``not_representable`` where the cameras are in
+    rectified images into the middle. Raises CalibrationError ``not_representable`` if the cameras are in
     one place, or turned so far that no plane is in front of both.
     """
     length = float(np.linalg.norm(motion.t))
@@ -86,18 +86,18 @@ def rectify(one: Camera, other: Camera, motion: RigidMotion) -> Rectification:
 def _centre(camera: Camera, r: Array) -> Array:
     """Mean (2,) of the rectified image's rim, for unit focal length.
 
-    Raises CalibrationError where the middle of the image lies behind the rectified plane.
+    Raises CalibrationError if the middle of the image lies behind the rectified plane.
     """
     w, h = camera.img_size
     x, y = np.meshgrid(np.linspace(0, w - 1, RIM_SAMPLES), np.linspace(0, h - 1, RIM_SAMPLES))
     rim = (x == 0) | (y == 0) | (x == w - 1) | (y == h - 1)
     pixels = np.stack([x, y], axis=-1)
     rays = camera.unproject(pixels[rim]) @ r.T
-    seen = rays[np.isfinite(rays).all(axis=1) & (rays[:, 2] > 0.2)]
+    visible = rays[np.isfinite(rays).all(axis=1) & (rays[:, 2] > 0.2)]
     middle = camera.unproject(np.array([[(w - 1) / 2, (h - 1) / 2]])) @ r.T
     if not middle[0, 2] > 0.2:
         raise CalibrationError("not_representable", "the cameras look in directions too far apart")
-    if len(seen) < 0.75 * rim.sum():  # of a wide lens the middle says where its picture is
-        seen = middle
-    centre: Array = np.mean(seen[:, :2] / seen[:, 2:], axis=0)
+    if len(visible) < 0.75 * rim.sum():  # of a wide lens the middle says where its picture is
+        visible = middle
+    centre: Array = np.mean(visible[:, :2] / visible[:, 2:], axis=0)
     return centre

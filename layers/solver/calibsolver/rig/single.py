@@ -1,4 +1,4 @@
-"""One camera of a rig by itself: fitted to its own views, or its views resected."""
+"""A single camera of a rig: fitted to its own views, or its views resected."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ Specification = Camera | tuple[tuple[int, int], str]
 
 @dataclass(frozen=True, eq=False)
 class Single:
-    """One camera by itself: intrinsics, whether they are held, poses and reasons by moment, px of noise."""
+    """A single camera: intrinsics, whether they are fixed, poses and reasons by moment, noise in px."""
 
     camera: Camera
     is_held: bool
@@ -42,20 +42,20 @@ def fit_alone(
         if isinstance(given, Camera):
             return _resect(given, numbers, views, robust)
         size, model = given
-        found: Calibration | Approximation
+        result: Calibration | Approximation
         if robust:
-            found = approximate(views, size, model, start=near)
+            result = approximate(views, size, model, start=near)
         else:
-            found = fit(views, size, model, robust=False, start=near)
+            result = fit(views, size, model, robust=False, start=near)
     except CalibrationError as error:
         raise CalibrationError(error.code, f"camera {position}: {error.message}") from error
     poses = {
         m: RigidMotion.of_vector(pose)
-        for i, (m, pose) in enumerate(zip(numbers, found.poses, strict=True))
-        if i not in found.cut_views
+        for i, (m, pose) in enumerate(zip(numbers, result.poses, strict=True))
+        if i not in result.cut_views
     }
-    reasons = {numbers[i]: reason for i, reason in found.cut_views.items()}
-    return Single(found.camera, False, poses, reasons, found.noise)
+    reasons = {numbers[i]: reason for i, reason in result.cut_views.items()}
+    return Single(result.camera, False, poses, reasons, result.noise)
 
 
 def _resect(camera: Camera, numbers: Sequence[int], views: Sequence[View], robust: bool) -> Single:
@@ -66,14 +66,14 @@ def _resect(camera: Camera, numbers: Sequence[int], views: Sequence[View], robus
     obs = check([views[i] for i in usable], camera.img_size)
     poses, square = resect(models.get(camera.model), camera.intrinsics, obs)
     count = obs.mask.sum(axis=1)
-    seen = np.isfinite(square)
-    if not seen.any():
+    finite = np.isfinite(square)
+    if not finite.any():
         raise CalibrationError("no_fit", "no view can be explained with the intrinsics given")
-    spread = square[seen] / np.maximum(2 * count[seen] - 6, 1)
+    spread = square[finite] / np.maximum(2 * count[finite] - 6, 1)
     return Single(
         camera,
         True,
-        {numbers[usable[i]]: RigidMotion(poses.r[i], poses.t[i]) for i in np.flatnonzero(seen).tolist()},
-        {m: "outlier" for i, m in enumerate(numbers) if i not in usable or not seen[usable.index(i)]},
+        {numbers[usable[i]]: RigidMotion(poses.r[i], poses.t[i]) for i in np.flatnonzero(finite).tolist()},
+        {m: "outlier" for i, m in enumerate(numbers) if i not in usable or not finite[usable.index(i)]},
         float(np.sqrt(np.median(spread))),
     )

@@ -86,7 +86,7 @@ class RigStart:
 
 @dataclass(frozen=True, eq=False)
 class ResectedMoment:
-    """A moment's views with the pose of the board in each camera alone (position -> motion)."""
+    """A moment's views with the pose of the board in each single camera (position -> motion)."""
 
     views: Moment
     poses: Mapping[int, RigidMotion]
@@ -104,7 +104,7 @@ class LocatedMoment:
 def start(cameras: Sequence[Camera], moments: Sequence[ResectedMoment]) -> RigStart:
     """Find the relative poses of `cameras`, which are nearly known, from moments.
 
-    Raises CalibrationError ``unlinked`` where some cameras share no moment with the others, directly or by
+    Raises CalibrationError ``unlinked`` if some cameras share no moment with the others, directly or by
     way of third ones.
     """
     turns = symmetries([view for moment in moments for view in moment.views.values()])
@@ -119,8 +119,8 @@ def start(cameras: Sequence[Camera], moments: Sequence[ResectedMoment]) -> RigSt
                 f"camera {lost} never sees the board together with another camera that camera 0 is linked to",
             )
         pair = max(reachable, key=lambda each: (reachable[each], (-each[0], -each[1])))
-        known, new = pair if pair[0] in to_rig else pair[::-1]
-        to_rig[new] = _relative_pose(cameras, known, new, moments, turns) @ to_rig[known]
+        placed, new = pair if pair[0] in to_rig else pair[::-1]
+        to_rig[new] = _relative_pose(cameras, placed, new, moments, turns) @ to_rig[placed]
     motions = tuple(to_rig[i] for i in range(len(cameras)))
     settled = locate_boards(cameras, motions, moments, turns)
     return RigStart(
@@ -158,10 +158,10 @@ def _links(moments: Sequence[ResectedMoment]) -> dict[tuple[int, int], int]:
     """Count the moments that each pair of cameras shares."""
     links: dict[tuple[int, int], int] = {}
     for moment in moments:
-        seen = sorted(moment.poses)
-        for a in range(len(seen)):
-            for b in range(a + 1, len(seen)):
-                links[seen[a], seen[b]] = links.get((seen[a], seen[b]), 0) + 1
+        positions = sorted(moment.poses)
+        for a in range(len(positions)):
+            for b in range(a + 1, len(positions)):
+                links[positions[a], positions[b]] = links.get((positions[a], positions[b]), 0) + 1
     return links
 
 
@@ -198,8 +198,8 @@ class _PaddedViews:
         model, k = models.get(self.camera.model), self.camera.intrinsics
         p = r[..., None, :, :, :] @ self.points + t[..., None, :, :, None]
         p = np.moveaxis(p, -2, 0)
-        seen = model.project(k, p)
-        dx, dy = seen[0] - self.pixels[:, 0], seen[1] - self.pixels[:, 1]
+        projected = model.project(k, p)
+        dx, dy = projected[0] - self.pixels[:, 0], projected[1] - self.pixels[:, 1]
         distance = dx * dx + dy * dy
         distance = np.where(np.isfinite(distance) & model.valid(k[4:], p), distance, np.inf)
         middle = np.isfinite(self.pixels[:, 0]).sum(axis=1) // 2
@@ -220,17 +220,17 @@ def _relative_pose(
 ) -> RigidMotion:
     """Pose camera `one` -> camera `other` that most of the moments they share agree on."""
     shared = [moment for moment in moments if one in moment.poses and other in moment.poses]
-    seen = _PaddedViews.of(cameras[other], [moment.views[other] for moment in shared], turns)
+    padded = _PaddedViews.of(cameras[other], [moment.views[other] for moment in shared], turns)
     width = cameras[other].img_size[0]
     r, t = stack([moment.poses[one] for moment in shared])
     tried = []
     hypotheses = shared[:: -(-len(shared) // MAX_HYPOTHESES)]
-    step = max(1, MAX_POINTS_AT_ONCE // seen.points[:, :, 0].size)
+    step = max(1, MAX_POINTS_AT_ONCE // padded.points[:, :, 0].size)
     for batch in (hypotheses[i : i + step] for i in range(0, len(hypotheses), step)):
         relatives = [each.poses[other] @ each.poses[one].inverse() for each in batch]
         r_h, t_h = stack(relatives)
         r_h = r_h[:, None]
-        errors, turned = seen.errors(r_h @ r, (r_h @ t[:, :, None])[..., 0] + t_h[:, None])
+        errors, turned = padded.errors(r_h @ r, (r_h @ t[:, :, None])[..., 0] + t_h[:, None])
         costs = np.minimum(errors, MAX_START_ERROR_WIDTHS * width).sum(axis=1)
         tried += list(zip(costs.tolist(), relatives, errors, turned, strict=True))
     _, relative, errors, turned = min(tried, key=lambda each: each[0])
@@ -267,8 +267,8 @@ def locate_boards(
             shared = [m for m in with_pose if position in moments[m].views]
             if not shared:
                 continue
-            seen = _PaddedViews.of(camera, [moments[m].views[position] for m in shared], turns)
-            errors, turned = seen.errors(*stack([motions[position] @ boards[m] for m in shared]))
+            padded = _PaddedViews.of(camera, [moments[m].views[position] for m in shared], turns)
+            errors, turned = padded.errors(*stack([motions[position] @ boards[m] for m in shared]))
             for m, error, turn in zip(
                 shared, (errors / camera.img_size[0]).tolist(), turned.tolist(), strict=True
             ):
@@ -286,14 +286,14 @@ def locate_boards(
                 costs[m],
                 reference,
             )
-            known = best[m]
-            if known is None or rank < known[0]:
+            motion = best[m]
+            if motion is None or rank < motion[0]:
                 best[m] = rank, boards[m], labels[m]
     settled = []
-    for moment, found in zip(moments, best, strict=True):
-        if found is None:
+    for moment, motions_of_moment in zip(moments, best, strict=True):
+        if motions_of_moment is None:
             raise CalibrationError("degenerate", "a moment has no view of which the pose is known")
-        _, board, turned_by = found
+        _, board, turned_by = motions_of_moment
         views = {
             position: turn_back(view, turns[turned_by[position]]) if turned_by.get(position) else view
             for position, view in moment.views.items()

@@ -12,7 +12,7 @@ from ..view import View
 from .problem import Moment
 
 MAX_ONLINE_POINTS = 16_000
-"""Points to which whoever answers while somebody waits fits a rig: about a second for eight cameras."""
+"""Maximum points of a rig's fit during a request: about a second for eight cameras."""
 MIN_KEPT_POINTS = 16
 """Points that a view keeps, however many views there are."""
 GOLDEN_RATIO = (np.sqrt(5) - 1) / 2

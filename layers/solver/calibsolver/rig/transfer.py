@@ -26,7 +26,7 @@ MIN_SHARED = 3
 def working_distances(problem: RigProblem, state: State, good: Mask) -> Array:
     """Median distance (c,) of each camera from the board's points that it and another camera saw.
 
-    In board units. Close-ups for one camera alone say nothing of where both look.
+    In board units. Close-ups for a single camera say nothing about where both look.
     """
     views = np.stack([good[:, member.slots].any(axis=1) for member in problem.members], axis=1)
     shared = views.sum(axis=1) > 1
@@ -35,8 +35,8 @@ def working_distances(problem: RigProblem, state: State, good: Mask) -> Array:
     for i, member in enumerate(problem.members):
         p = RigidMotion.of_vector(vectors[i])(in_rig[:, :, member.slots].transpose(0, 2, 1))
         counted = good[:, member.slots] & shared[:, None]
-        seen = np.linalg.norm(p, axis=2)[counted]
-        out[i] = np.median(seen) if seen.size else np.nan
+        distances = np.linalg.norm(p, axis=2)[counted]
+        out[i] = np.median(distances) if distances.size else np.nan
     return np.where(np.isfinite(out), out, np.nanmedian(out))
 
 
@@ -96,8 +96,8 @@ def _pair(problem: RigProblem, k: Array, i: int, j: int, distance: float, *, ins
     if inside:
         q = other.model.project(k_j, x_j)
         w, h = other.img_size
-        kept = other.model.valid(k_j[4:], x_j) & (q[0] > 0) & (q[1] > 0) & (q[0] < w - 1) & (q[1] < h - 1)
-        rays, x_i, in_rig, turned, x_j = (a[:, kept] for a in (rays, x_i, in_rig, turned, x_j))
+        visible = other.model.valid(k_j[4:], x_j) & (q[0] > 0) & (q[1] > 0) & (q[0] < w - 1) & (q[1] < h - 1)
+        rays, x_i, in_rig, turned, x_j = (a[:, visible] for a in (rays, x_i, in_rig, turned, x_j))
         _, by_kj, by_xj = other.model.jacobian(k_j, x_j)
     else:
         by_kj, by_xj = np.zeros((other.model.size, 2, x_j.shape[1])), _by_direction(x_j)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calibsolver import View, fit
-from calibsolver.fitting.board_shape import BoardShape
+from calibsolver.fitting.board_shape import MAX_STRETCH, BoardShape
 from calibsolver.fitting.fit import MIN_SHAPE_VIEWS
 from calibsolver.fitting.resection import reprojection_score
 from calibsolver.quality import held_out
@@ -49,6 +49,27 @@ def test_stretch_of_the_print_is_recovered() -> None:
     assert shape is not None
     assert shape.stretch == pytest.approx(0.005, rel=0.2)
     assert shape.stretch == pytest.approx(0.005, abs=3 * shape.stretch_std)
+
+
+def test_stretch_that_no_printer_causes_is_left_to_the_camera() -> None:
+    """Of a board that is stretched by 3 % and bent, the bend alone is believed."""
+    views = [View(v.object_points * (1.03, 1, 1), v.image_points) for v in captured(hands.BENT)]
+    found, flat = fit(views, CAMERA.img_size, board_shape=True), fit(views, CAMERA.img_size)
+    shape = found.board_shape
+    assert shape is not None
+    assert 0.002 < shape.sag < 0.012
+    assert shape.stretch < 0.005
+    assert found.avg_reprojection_error < 0.9 * flat.avg_reprojection_error
+
+
+@pytest.mark.parametrize("count", [3, 15])
+def test_stretch_beyond_the_limit_is_never_believed(count: int) -> None:
+    for stretch in (1.012, 1.02, 1.05):
+        views = [
+            View(v.object_points * (stretch, 1, 1), v.image_points) for v in captured(hands.STEADY, count)
+        ]
+        shape = fit(views, CAMERA.img_size, board_shape=True).board_shape
+        assert shape is None or shape.stretch <= MAX_STRETCH
 
 
 def test_few_views_tell_no_shape() -> None:

@@ -107,7 +107,7 @@ def test_malformed_files_are_refused_with_a_reason(tmp_path: Path) -> None:
         return {**good, **members}
 
     for data, reason in (
-        ([], "no object"),
+        ([], "not an object"),
         ({}, "no kind"),
         (changed(resolution={"width": 1280}), "resolution.height"),
         (changed(resolution={"width": 1e9, "height": 720}), "resolution.width"),
@@ -124,8 +124,8 @@ def test_malformed_files_are_refused_with_a_reason(tmp_path: Path) -> None:
         assert caught.value.code == "malformed"
     for content, reason in (
         ("{'lensmodel': 'LENSMODEL_CAHVOR', 'intrinsics': [1], 'imagersize': [1, 1]}", "none of"),
-        ("{'lensmodel': __import__('os').getcwd()}", "no Python dictionary"),
-        ("'lensmodel'" + "(" * 5000, "no Python dictionary"),
+        ("{'lensmodel': __import__('os').getcwd()}", "not a Python dictionary"),
+        ("'lensmodel'" + "(" * 5000, "not a Python dictionary"),
         (
             "{'lensmodel': 'LENSMODEL_OPENCV4', 'imagersize': [4, 4],"
             " 'intrinsics': [1, 1, 1, 1, 0, 0, 0, 1e999]}",
@@ -149,9 +149,9 @@ def test_malformed_files_are_refused_with_a_reason(tmp_path: Path) -> None:
             '{"img_size": [1280, %s], "camera_matrix": 0, "distortion_coefficients": 0}' % ("9" * 400),
             "a number",
         ),
-        ("tag.yaml", "!!python/object/apply:os.getcwd []", "no YAML"),
-        ("date.yaml", "img_size: 2001-99-99", "cannot be read|no YAML|img_size"),
-        ("cut.json", json.dumps(good)[:500], "no JSON"),
+        ("tag.yaml", "!!python/object/apply:os.getcwd []", "not YAML"),
+        ("date.yaml", "img_size: 2001-99-99", "cannot be read|not YAML|img_size"),
+        ("cut.json", json.dumps(good)[:500], "not JSON"),
         ("large.yaml", "a: 1\n" * 300_000, "larger than"),
     ):
         path = tmp_path / name

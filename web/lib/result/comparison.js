@@ -1,22 +1,20 @@
 // Comparison of two calibrations of one camera: how far apart they show the world, and their parameters side by side.
-import { el } from "../lib/dom.js";
-import { language, number, rough, t } from "../lib/i18n.js";
-import { lensDifference } from "../lib/lens-difference.js";
-import { isKnownModel } from "../sdk/projection.js";
-import { figure, reading } from "../lib/result/figures-part.js";
-import { intrinsics } from "../lib/result/numbers.js";
-import { heatPlot } from "../lib/result/plots.js";
-import { load } from "../lib/result/source.js";
-import { valueText } from "../lib/result/values.js";
+import { el } from "../dom.js";
+import { dateText, number, rough, t } from "../i18n.js";
+import { lensDifference } from "../lens-difference.js";
+import { isKnownModel } from "../../sdk/projection.js";
+import { figure } from "./tiles.js";
+import { intrinsics } from "./numbers.js";
+import { heatPlot } from "./plots.js";
+import { valueText } from "./values.js";
 
-/** @typedef {Awaited<ReturnType<typeof load>>} Loaded */
+/** @typedef {Awaited<ReturnType<typeof import("./source.js").load>>} Loaded */
 
-/** @param {string} first @param {string} second ids @returns {Promise<HTMLElement>} rejects as `load` does */
-export async function comparisonView(first, second) {
-  const pair = await Promise.all([load(first), load(second)]);
-  const [{ calibration: one }, { calibration: other }] = pair;
+/** @param {Loaded} first @param {Loaded} second of the same size @param {string | null} [name] of the second, instead of its date @returns {HTMLElement} */
+export function comparisonView(first, second, name = null) {
+  const [one, other] = [first.calibration, second.calibration];
   const known = isKnownModel(one.distortion_model) && isKnownModel(other.distortion_model);
-  return el("div", { class: "columns" }, ...(known ? [difference(one, other)] : []), parameters(pair[0], pair[1]));
+  return el("div", { class: "columns" }, ...(known ? [difference(one, other)] : []), parameters(first, second, name));
 }
 
 /** @param {Loaded["calibration"]} one @param {Loaded["calibration"]} other */
@@ -25,13 +23,14 @@ function difference(one, other) {
   const found = { rms: rough(rms), max: rough(max) };
   const made = heatPlot(one.img_size, px, max, t("cameras.difference_label", found));
   const expected = rough(Math.hypot(one.uncertainty.rms, other.uncertainty.rms));
-  return figure({ ...made, caption: t("cameras.difference_caption", { ...found, expected }) }, reading(made));
+  return figure({ ...made, caption: t("cameras.difference_caption", { ...found, expected }) });
 }
 
-/** @param {Loaded} one @param {Loaded} other */
-function parameters(one, other) {
+/** @param {Loaded} one @param {Loaded} other @param {string | null} name */
+function parameters(one, other, name) {
   const rows = [intrinsics(one.calibration, one.report), intrinsics(other.calibration, other.report)];
-  const dates = [one, other].map(({ calibration }) => new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(calibration.calibration_time * 1000)));
+  const dates = [one, other].map(({ calibration }) => dateText(calibration.calibration_time));
+  if (name) dates[1] = name;
   const same = one.calibration.distortion_model === other.calibration.distortion_model;
   const count = same ? rows[0].length : 4; // coefficients of two models say different things
   return el("table", { class: "values" }, el("caption", {}, t("cameras.side_by_side")),

@@ -1,0 +1,141 @@
+"""Calibrations as other tools' files, such files in other formats, and refits without some views."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+from calibdb.camera_key.visible import visible
+from calibdb.compute.values import Budget, board_of, camera_of, in_time, views_of
+from calibdb.errors import InvalidError
+from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery, FitRecord, ReportedCalibration
+from calibdb.schema.fields import label_text
+from calibsolver import Board, CalibrationError, View, fit, formats, image_transform
+from calibsolver.formats import ExportedFile, ExportSource
+
+COMMAND_LINE = re.compile(r"\s*\(--[^()]*\)|: give it \(--[^()]*\)")
+"""Advice in messages of the solver to those who use the operator's command line."""
+MAX_MESSAGE = 1000
+"""Characters of what the solver says about a file, which may quote the file."""
+
+
+@contextmanager
+def computing_file(budget: Budget, name: str, slow: str) -> Iterator[None]:
+    """Compute within the budget; raises InvalidError of a field, or UnavailableError."""
+    with in_time(budget, InvalidError.field(name, slow)):
+        yield
+
+
+def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:
+    """Refit the calibration without these views."""
+    from calibsolver.fitting.coverage import Coverage, record_covered
+    from calibsolver.quality import report
+    from calibsolver.quality.rivals import with_rivals
+
+    unknown = sorted(set(without) - {view.index for view in document.views})
+    if unknown:
+        raise InvalidError.field("without", f"the calibration has no view {unknown[0]}")
+    left = tuple(view for view in document.views if view.index not in without)
+    views = views_of(board_of(document.board), left)
+    try:
+        made = fit(views, document.img_size, document.distortion_model, board_shape=True)
+    except CalibrationError as error:
+        raise InvalidError.field("without", error.message) from error
+    made = with_rivals(made, views)
+    described = report.describe(made, views, [view.index for view in left])
+    fits = {document.distortion_model: FitRecord(**record_covered(made, Coverage.of(made, views)))}
+    return document.model_copy(update={"views": left, "fits": fits, "report": described})
+
+
+def to_file(
+    found: ReportedCalibration, document: CalibrationDocument | None, query: ExportQuery
+) -> ExportedFile:
+    """Write the calibration as a file; raises InvalidError if the format cannot hold it."""
+    board: Board | None = None
+    views: tuple[View, ...] = ()
+    if document is not None:
+        board = board_of(document.board)
+        views = tuple(views_of(board, document.views))
+    subject = formats.ExportSource(
+        camera=camera_of(found),
+        views=views,
+        board=board,
+        name=found.camera,
+        identifier=found.id or "",
+        rms=found.avg_reprojection_error,
+        time=found.calibration_time,
+        record=found.model_dump(exclude={"report", "covariance", "board", "camera_key"}),
+    )
+    try:
+        change = image_transform.identity(found.img_size)
+        if query.crop is not None:
+            change = change.then(image_transform.crop(change.img_size, query.crop[:2], query.crop[2:]))
+        if query.resize is not None:
+            change = change.then(image_transform.resize(change.img_size, query.resize))
+        change = change.then(image_transform.rotate(change.img_size, query.rotate))
+        if query.mirror:
+            change = change.then(image_transform.mirror(change.img_size))
+    except CalibrationError as error:
+        raise InvalidError.field("crop" if query.crop else "resize", error.message) from error
+    try:
+        return formats.write(subject, query.format, change)
+    except CalibrationError as error:
+        raise InvalidError.field("format", error.message) from error
+
+
+def convert_file(request: ConvertRequest) -> ExportedFile:
+    """Return the camera of a file, written in another format.
+
+    Raises InvalidError: of the field `file` where no camera can be read, of `format` where it cannot be held.
+    """
+    from calibsolver.formats.reader_options import ReaderOptions
+    from calibsolver.formats.reading import read_bytes
+
+    options = ReaderOptions(
+        img_size=request.img_size, number=request.number, model=request.distortion_model or ""
+    )
+    try:
+        camera_file = read_bytes(content_of(request), "", options)
+    except CalibrationError as error:
+        said = COMMAND_LINE.sub("", visible(str(error)[:MAX_MESSAGE]))
+        raise InvalidError.field("img_size" if "size of the pictures" in said else "file", said) from error
+    if camera_file.camera is None:
+        raise InvalidError.field("file", "it has corners, and no camera: calibrate with them")
+    name = request.camera or label_text(camera_file.name) or "camera"
+    source = formats.ExportSource(
+        camera_file.camera, name=name, record={"camera": name, "platform": "", "zoom": 0}
+    )
+    if request.format == "photonvision" and camera_file.views:
+        source = with_corners(source, camera_file.views)
+    try:
+        return formats.write(source, request.format)
+    except CalibrationError as error:
+        raise InvalidError.field("format", error.message) from error
+
+
+def with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
+    """Return the source with the corners that its file has: pages read them of PhotonVision's files alone."""
+    from calibsolver.formats.grid import grid
+
+    try:
+        numbered = grid(views)
+        board = Board(numbered.squares, kind="chessboard")  # which has no markers to run out of
+        views_on_board = tuple(
+            board.view(ids, v.image_points) for ids, v in zip(numbered.ids, views, strict=True)
+        )
+    except (CalibrationError, ValueError) as error:
+        raise InvalidError.field("file", f"its corners are those of no board: {error}") from error
+    return replace(source, board=board, views=views_on_board)
+
+
+def content_of(request: ConvertRequest) -> bytes:
+    """Return the bytes of the file."""
+    if request.encoding == "text":
+        return request.file.encode()
+    try:
+        return base64.b64decode(request.file, validate=True)
+    except ValueError as error:  # binascii's is one, and so is what is said of characters beyond ASCII
+        raise InvalidError.field("file", f"it is not base64: {error}") from error

@@ -1,0 +1,176 @@
+"""Refits: the consensus of every model of a mode, computed once from what the index has by now."""
+
+from __future__ import annotations
+
+import functools
+import math
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from calibdb.compute.pooled_consensus import count, pool
+from calibdb.compute.values import FIT_VERSION
+from calibdb.errors import UnavailableError
+from calibdb.lookup import well_known_ids
+from calibdb.rules.refit_plan import Step, input_digest, plan_refit, pool_digest
+from calibdb.rules.votes import with_votes
+from calibdb.schema import DISTORTION_MODELS, ConsensusDocument
+from calibdb.service import Service
+from calibdb.store import IndexedVote, StreamMode
+from calibdb.store.calibrations import CountedCalibration
+from calibsolver import DeadlineError
+
+MAX_ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
+WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # for the same computation; a caller has 25 s
+MAX_PUTS = 5  # while other writers keep winning the conditional put
+
+POOLING_VERSION = 6  # of pooling and counting: results of another version are recomputed
+
+Consensuses = dict[str, ConsensusDocument | None]
+Stored = Mapping[str, ConsensusDocument]
+Guard = AbstractContextManager[None] | None
+
+
+@contextmanager
+def alone(service: Service, mode: StreamMode, models: Sequence[str], context: Any) -> Iterator[None]:
+    """Wait until no other invocation computes the same for a waiting client; raises UnavailableError.
+
+    Clients repeat requests that take long; without this, each would start another computation. Those that
+    wait mostly find it done.
+    """
+    leases, me, name = service.store.leases, str(context.aws_request_id), f"NOW#{'+'.join(models)}"
+    for pause in (*WAITS_S, None):
+        if leases.take(mode, me, service.now, _deadline(service, context), name):
+            break
+        if pause is None:
+            raise UnavailableError("This consensus is still being computed; try again.")
+        time.sleep(pause)
+    try:
+        yield
+    finally:
+        leases.abandon(mode, me, name)
+
+
+def _deadline(service: Service, context: Any) -> int:
+    """Unix seconds at which this invocation has surely ended."""
+    left_ms: int = context.get_remaining_time_in_millis()
+    return service.now + math.ceil(left_ms / 1000)
+
+
+def run_under_lease(service: Service, mode: StreamMode, context: Any) -> None:
+    """Refresh every model's consensus, unless the holder of the lease will do so for this request."""
+    leases, me = service.store.leases, str(context.aws_request_id)
+    until = _deadline(service, context)
+    if not leases.take(mode, me, service.now, until):
+        return
+    done = False
+    try:
+        for _ in range(MAX_ROUNDS):
+            ensure_current(service, mode, DISTORTION_MODELS)
+            done = leases.release(mode, me)
+            if done:
+                return
+            leases.again(mode, me, until)
+    finally:
+        if not done:
+            leases.abandon(mode, me)
+    # The queue delivers this request again, after a while, and requests until then start a computation.
+    raise UnavailableError("New calibrations of this camera keep arriving; try again.")
+
+
+def ensure_current(
+    service: Service, mode: StreamMode, models: Sequence[str], guard: Guard = None
+) -> Consensuses:
+    """Return each model's consensus as it follows from the index; compute and store those that are stale.
+
+    `guard`: entered before anything is computed; reads alone need none.
+    """
+    with ExitStack() as guarded:
+        if guard is not None:
+            consensuses = _try_once(service, mode, models, compute=False)
+            if consensuses is not None:
+                return consensuses
+            guarded.enter_context(guard)
+        for _ in range(MAX_PUTS):
+            consensuses = _try_once(service, mode, models, compute=True)
+            if consensuses is not None:
+                return consensuses
+    raise UnavailableError("Other computations keep updating this consensus; try again.")
+
+
+def _try_once(
+    service: Service, mode: StreamMode, models: Sequence[str], *, compute: bool
+) -> Consensuses | None:
+    """Do what `ensure_current` does; None if another writer won a conditional put.
+
+    Where not to `compute`, None also where something is stale.
+    """
+    store, thresholds = service.store, service.settings.thresholds
+    # Stored consensuses are read first: each was made from what is read after it, or from less.
+    stored: Stored = {c.distortion_model: c for c in store.consensuses.at(mode)}
+    counted = store.calibrations.newest(mode, thresholds.max_calibrations, thresholds.contributor_period)
+    if not counted:
+        return _drop(service, mode, models, stored)
+    votes = store.votes.newest(mode, one_per_source=thresholds.contributor_period > 0)
+    pooled = pool_digest(POOLING_VERSION, [c.id for c in counted], thresholds, FIT_VERSION)
+    basis = input_digest(pooled, [vote.id for vote in votes])
+    steps = plan_refit(models, stored, pooled, basis)
+    if not compute and any(step.action != "keep" for step in steps):
+        return None
+    return _apply(service, Inputs(mode, counted, votes, pooled, basis), steps)
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Calibrations and votes of a mode that its consensuses are computed from, and their digests."""
+
+    mode: StreamMode
+    counted: Sequence[CountedCalibration]
+    votes: Sequence[IndexedVote]
+    pool_digest: str
+    input_digest: str
+
+
+def _apply(service: Service, inputs: Inputs, steps: Sequence[Step]) -> Consensuses | None:
+    """Compute and store what `steps` ask for; None if another writer won a conditional put.
+
+    Raises UnavailableError if the time is up. What was stored until then is whole.
+    """
+    store, thresholds, mode = service.store, service.settings.thresholds, inputs.mode
+    documents = functools.cache(lambda: store.calibrations.read([c.id for c in inputs.counted]))
+    votes = functools.cache(lambda: store.votes.read(inputs.votes))
+    sources = frozenset(c.source for c in inputs.counted)
+    consensuses: Consensuses = {}
+    written, late = 0, False
+    for step in steps:
+        document, groups = step.stored, None
+        if step.action != "keep":
+            try:
+                if step.action == "pool" or document is None:
+                    document, groups = pool(mode, documents(), step.model, thresholds, inputs.pool_digest)
+                counts = count(document, votes() if inputs.votes else [], sources, thresholds)
+            except DeadlineError:
+                late = True
+                break
+            document = with_votes(document, counts, inputs.input_digest, thresholds)
+            if not store.consensuses.put(document, groups, step.stored.basis if step.stored else None):
+                break
+            written += 1
+        consensuses[step.model] = document
+    # Even when another writer won: it may have looked before the first of these was written.
+    if written:
+        well_known_ids.refresh_well_known(store, mode.camera_key, thresholds)
+    if late:
+        raise UnavailableError("This consensus takes longer to compute than is left; try again.")
+    return consensuses if len(consensuses) == len(steps) else None
+
+
+def _drop(service: Service, mode: StreamMode, models: Sequence[str], stored: Stored) -> Consensuses | None:
+    """Drop the consensuses of a mode without calibrations; None if another writer changed one meanwhile."""
+    gone = [stored[model] for model in models if model in stored]
+    dropped = all(map(service.store.consensuses.drop, gone))
+    if gone and dropped:
+        well_known_ids.refresh_well_known(service.store, mode.camera_key, service.settings.thresholds)
+    return dict.fromkeys(models) if dropped else None

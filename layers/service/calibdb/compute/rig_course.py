@@ -1,0 +1,154 @@
+"""Course of a rig: its fit and target, moments undone, and its end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, Protocol
+
+from calibdb.compute.session_course import finished, without_views
+from calibdb.compute.values import FIT_VERSION, Budget, in_time
+from calibdb.errors import ConflictError
+from calibdb.rules import rig_result, rig_rules
+from calibdb.rules.rig_state import Rig, state
+from calibdb.schema import RigDocument, RigEstimateDocument, RigFinish, RigState, SessionDocument
+from calibdb.schema.rig_documents import EndingDocument
+from calibdb.store import Store, endings, running_rigs
+from calibsolver import CalibrationError, DeadlineError
+from calibsolver.rig import estimate
+
+Compute = Callable[[dict[str, Any]], dict[str, Any]]
+
+
+class RigBudget(Budget, Protocol):
+    """Request about a rig: `charged` counts each computation as a view."""
+
+    def charged(self, compute: Compute, timeout: type[Exception]) -> Compute:
+        """Return `compute`, each call counted."""
+
+
+@contextmanager
+def computing_moments(budget: Budget) -> Iterator[None]:
+    """Compute within the budget; raises ConflictError or UnavailableError if that is too short."""
+    with in_time(budget, ConflictError(running_rigs.TOO_SLOW, kind="too-slow")):
+        yield
+
+
+def load(store: Store, rig_id: str) -> tuple[Rig, str]:
+    """Read a running rig and the tag of its state; raises NotFoundError."""
+    return running_rigs.load(store, rig_id, FIT_VERSION)
+
+
+def head_tag(store: Store, rig_id: str) -> str | None:
+    """Return the tag of a running rig's state from the index only, None if it does not run."""
+    return running_rigs.head_tag(store, rig_id, FIT_VERSION)
+
+
+def ensure_estimate(budget: RigBudget, store: Store, rig: Rig) -> RigEstimateDocument:
+    """Return fit and target of a rig, computed now if they are not stored yet: that counts as a view does."""
+    compute = budget.charged(estimate, DeadlineError)
+    return running_rigs.ensure_estimate(store, rig, FIT_VERSION, compute)
+
+
+def state_of(budget: RigBudget, store: Store, rig_id: str, *, running: bool = True) -> tuple[RigState, str]:
+    """Return state and tag of a rig, running or finished; raises NotFoundError.
+
+    `running`: False leaves out fit and target of a rig that is not finished.
+    """
+    document = store.rigs.find(rig_id)
+    ended = document.finish.calibration if document and document.finish else None
+    if document is None:
+        ended = store.rigs.calibration(rig_id)
+    if ended is not None:
+        return ended.state, head_tag(store, rig_id) or f'"{ended.id}"'
+    rig, tag = load(store, rig_id)
+    if not running:
+        return state(rig, RigEstimateDocument()), tag
+    with computing_moments(budget):
+        return state(rig, ensure_estimate(budget, store, rig)), tag
+
+
+def skip(budget: RigBudget, store: Store, rig_id: str, leader: str, now: int) -> None:
+    """Note that the target is not wanted; raises ForbiddenError for others than the leader."""
+    rig, _ = load(store, rig_id)
+    rig_rules.require_leader(rig.document, leader)
+    rig_rules.require_open(rig.document)
+    basis = rig.basis(FIT_VERSION)
+    with computing_moments(budget):
+        current = ensure_estimate(budget, store, rig)
+
+    def change(document: RigDocument) -> tuple[RigDocument, None]:
+        return rig_rules.with_skip(document, basis, current.target_pose), None
+
+    store.rigs.update(rig.document.rig, now, change)
+
+
+def undo_moment(budget: Budget, store: Store, rig_id: str, leader: str, moment: str, now: int) -> None:
+    """Undo a moment in all cameras. Views of it that come late do not count."""
+
+    def change(document: RigDocument) -> tuple[RigDocument | None, None]:
+        rig_rules.require_leader(document, leader)
+        return rig_rules.without_moment(document, moment), None
+
+    def without(session: SessionDocument) -> tuple[SessionDocument | None, None]:
+        left = tuple(view for view in session.views if view.moment != moment)
+        elsewhere = session.rig is None or session.rig.id != rig_id
+        if elsewhere or len(left) == len(session.views) or session.finish is not None:
+            return None, None
+        return without_views(session, left, now, with_target=False), None
+
+    store.rigs.update(rig_id, now, change)
+    rig, _ = load(store, rig_id)
+    with computing_moments(budget):
+        for _, session in rig.present:
+            if any(view.moment == moment for view in session.views):
+                store.sessions.update(session.session, now, without)
+
+
+def finish(budget: Budget, store: Store, rig_id: str, leader: str, now: int) -> int:
+    """End a rig with the moments that agree: fix its result, then publish it and its cameras.
+
+    Returns the number of calibrations, 0 if it had ended.
+    """
+    document, ended = store.rigs.find(rig_id), 0
+    if document is None:
+        return 0
+    rig_rules.require_leader(document, leader)
+    if document.finish is None:
+        rig, _ = load(store, rig_id)
+        outcome = _end(budget, rig, now)
+
+        def change(known: RigDocument) -> tuple[RigDocument | None, RigDocument]:
+            if known.finish is not None:
+                return None, known
+            ended = rig_rules.with_finish(known, rig.document, outcome)
+            return ended, ended
+
+        document = store.rigs.update(rig_id, now, change)
+        ended = len(document.members)
+    endings.publish_rig(store, document, now)
+    return ended
+
+
+def _end(budget: Budget, rig: Rig, now: int) -> RigFinish:
+    """Decide on everything that the end of a rig is to be."""
+    with computing_moments(budget):
+        record = rig.solver_record(rig.basis(FIT_VERSION))
+        estimate_document = RigEstimateDocument(**estimate(record, final=True))
+        fit = rig_result.require_finishable(rig, estimate_document)
+        try:
+            ended = [_ending(rig, session, now) for _, session in rig.present]
+        except CalibrationError as error:
+            raise ConflictError(
+                f"A camera has no calibration: {error.message}", kind="too-few-views"
+            ) from error
+    result = rig_result.finished(rig, estimate_document, fit, ended, FIT_VERSION, now)
+    return RigFinish(calibration=result, endings=tuple(ended))
+
+
+def _ending(rig: Rig, session: SessionDocument, now: int) -> EndingDocument:
+    """Decide on the end of one camera's session, with its views of the moments that count."""
+    counted = {name for name, _ in rig.moments()}
+    views = tuple(view for view in session.views if view.moment in counted)
+    with_counted = session.model_copy(update={"views": views})
+    return rig_rules.ending_of(finished(with_counted, now, session.contributor or "", session.source))

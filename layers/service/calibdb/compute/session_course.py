@@ -1,0 +1,303 @@
+"""Course of a session: views are judged, undone, and lead to its end."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
+
+from pydantic import JsonValue
+
+from calibdb.compute.session_values import (
+    Session,
+    current_camera,
+    estimate_document,
+    history_of,
+    target_poses,
+    view_statuses,
+)
+from calibdb.compute.values import FIT_VERSION, Budget, in_time, views_of
+from calibdb.errors import ConflictError, InvalidError
+from calibdb.rules import rig_rules, session_result, session_rules
+from calibdb.rules.session_state import accepted_result
+from calibdb.schema import BatchRequest, SessionDocument, ViewDocument
+from calibdb.schema.session import BatchResult, Hint, Refusal
+from calibsolver import CalibrationError, DeadlineError, View, fit
+from calibsolver.capture import Estimate, ViewDecision
+from calibsolver.fitting.coverage import Coverage, record_covered
+from calibsolver.guidance import TargetPose
+
+MIN_BATCH_S = 1.0
+"""Time left of a request, s, below which a batch begins no further view: the advice needs it."""
+
+
+@contextmanager
+def computing_views(budget: Budget) -> Iterator[None]:
+    """Compute within the budget; raises ConflictError or UnavailableError if that is too short.
+
+    Raises InvalidError if the corners leave the camera undetermined.
+    """
+    slow = "These corners take longer to compute than a request may; send fewer of them in each view."
+    try:
+        with in_time(budget, ConflictError(slow, kind="too-slow")):
+            yield
+    except CalibrationError as error:
+        raise InvalidError.field("points", error.message) from error
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Result of a view: the session document to store if it changes, and the reason of a refusal."""
+
+    document: SessionDocument | None = None
+    reason: Refusal | None = None
+    hint: Hint | None = None
+    took_ms: float | None = None
+    """Time that judging took; None of a view that was judged before."""
+
+    def shown(self, before: SessionDocument) -> SessionDocument:
+        """Return the document that a response shows; a refusal changes nothing visible, unless it ends."""
+        if self.document is None or (self.reason is not None and self.document.finish is None):
+            return before
+        return self.document
+
+    @property
+    def measurements(self) -> dict[str, float]:
+        """Values to count, by the names of metrics."""
+        if self.took_ms is None:
+            return {}
+        values: dict[str, float] = {"Views": 1, "FitTime": self.took_ms}
+        if self.reason is not None:
+            values["Refusals"] = 1
+        elif self.document is not None and self.document.finish is not None:
+            values |= {"Calibrations": 1, "ViewsPerSession": len(self.document.views)}
+        return values
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Session after a batch of views, their results, and the judgements of those that are new."""
+
+    document: SessionDocument
+    results: list[BatchResult]
+    judged: list[Judgement]
+
+
+class Course:
+    """Course of one session while views are offered to it.
+
+    Parameters
+    ----------
+    document
+        The session. The attribute has the session with all views accepted since.
+    now
+        Unix seconds.
+    who, where
+        Keyed hashes of the contributor and of their source, for a live session, which a view may end.
+    explains
+        False: views are judged without advice, which `explain` adds.
+    """
+
+    def __init__(
+        self, document: SessionDocument, now: int, who: str = "", where: str = "", *, explains: bool = True
+    ) -> None:
+        self.document = document
+        self._now, self._who, self._where, self._explains = now, who, where, explains
+        self._estimate: Estimate | None = None
+        self._session = Session.of(document)
+
+    def judge(self, view: ViewDocument) -> Judgement:
+        """Judge the view. One that contradicts the others is kept as a witness even if it is refused."""
+        begun = time.perf_counter()
+        judged = self._judge(view)
+        return replace(judged, took_ms=round((time.perf_counter() - begun) * 1e3, 1))
+
+    def _judge(self, view: ViewDocument) -> Judgement:
+        document, session = self.document, self._session
+        rules, views, excluded = session.rules, session.views, session.excluded
+        target = None if rules.recorded else open_target(document, session)
+        observation = rules.board.view(view.ids, view.points)
+        quarantined = views_of(rules.board, document.doubted)
+        decision = rules.judge(
+            views, target, observation, excluded, quarantined, history_of(document), explain=self._explains
+        )
+        if decision.seed_rejected:
+            document, rules = session_rules.without_seed(document), rules.without_seed()
+        estimate = decision.estimate
+        if not decision.accepted or estimate is None:
+            hint = Hint(code=decision.hint.code, text=decision.hint.text) if decision.hint else None
+            refused = _refused(document, view, decision)
+            if refused is not None and history_of(refused).is_exhausted(len(views) - len(excluded)):
+                estimate = rules.estimate(views, excluded).with_cause(views)
+                estimate = replace(estimate, progress=1.0, end="nothing_new")
+                refused = self._end(self._with_estimate(refused, estimate), estimate, views)
+            self.document, self._session = refused or self.document, Session(rules, views, excluded)
+            return Judgement(refused, decision.reason, hint)
+        everything = [*views, observation]
+        following = None
+        if not (estimate.converged or rules.recorded):
+            unreached = target_poses((*document.unreached, *document.skipped))
+            following = rules.next_target(everything, estimate, unreached=unreached).to_record()
+        document_of_fit, statuses = estimate_document(estimate, self._now), view_statuses(estimate)
+        changed = session_rules.with_view(
+            document, view, document_of_fit, statuses, following, decision.on_target
+        )
+        if estimate.converged:
+            changed = self._end(changed, estimate, everything)
+        self.document, self._estimate = changed, estimate
+        self._session = Session(rules, everything, dict(estimate.excluded))
+        return Judgement(changed)
+
+    def explain(self) -> None:
+        """Add the advice about the views accepted, unless the time is up."""
+        if self._estimate is not None:
+            with suppress(DeadlineError):
+                estimate = self._session.rules.explain(self._session.views, self._estimate)
+                self.document = session_rules.with_advice(
+                    self.document, estimate_document(estimate, self._now)
+                )
+
+    def _with_estimate(self, document: SessionDocument, estimate: Estimate) -> SessionDocument:
+        estimate_record = estimate_document(estimate, self._now)
+        return session_rules.with_estimate(document, estimate_record, view_statuses(estimate))
+
+    def _end(self, document: SessionDocument, estimate: Estimate, views: Sequence[View]) -> SessionDocument:
+        """Return the document of a session that ends with this estimate of its views."""
+        outcome = _outcome(document, estimate, views)
+        if outcome is None:
+            return document
+        ended = session_rules.with_fit(document, outcome.fit)
+        report = outcome.report
+        return session_result.with_finish(ended, self._now, self._who, FIT_VERSION, report, self._where)
+
+
+def judge_batch(
+    document: SessionDocument, request: BatchRequest, now: int, seconds_left: Callable[[], float]
+) -> Batch:
+    """Judge the views of a batch in their order, as many as the time allows."""
+    session_rules.require_recorded(document)
+    replayed = session_rules.replayed_views(document, request.index, request.views)
+    if document.finish is not None and None in replayed:
+        raise session_rules.already_converged()
+    session_rules.validate_batch(document, request.views, replayed)
+    course = Course(document, now, explains=False)
+    results: list[BatchResult] = []
+    judgements: list[Judgement] = []
+    for view, replay in zip(request.views, replayed, strict=True):
+        if replay is not None:
+            results.append(accepted_result(replay))
+            continue
+        if results and seconds_left() < MIN_BATCH_S:
+            break
+        sent = ViewDocument(index=course.document.next_index, ids=view.ids, points=view.points)
+        try:
+            judged = course.judge(sent)
+        except DeadlineError:
+            if not results:
+                raise
+            break
+        except CalibrationError:
+            judged = Judgement(reason="degenerate", took_ms=0.0)
+        judgements.append(judged)
+        if judged.reason is None:
+            results.append(accepted_result(course.document.views[-1]))
+        else:
+            results.append(BatchResult(accepted=False, index=None, reason=judged.reason, error=None))
+    if len(results) == len(request.views):
+        course.explain()
+    return Batch(course.document, results, judgements)
+
+
+def without_view(document: SessionDocument, index: int, now: int) -> SessionDocument | None:
+    """Undo a view; None if it was undone before. Raises ConflictError or NotFoundError."""
+    if document.rig is not None:
+        raise rig_rules.in_rig()
+    left = session_rules.without_view(document, index)
+    return None if left is None else without_views(document, left, now)
+
+
+def finish(document: SessionDocument, now: int, who: str, where: str) -> SessionDocument | None:
+    """End a recording; None if it has ended. Raises ConflictError or CalibrationError."""
+    if document.finish is not None:
+        return None
+    if document.rig is not None:
+        raise rig_rules.in_rig()
+    session_rules.require_finishable(document)
+    return finished(document, now, who, where)
+
+
+def without_views(
+    document: SessionDocument, left: tuple[ViewDocument, ...], now: int, *, with_target: bool = True
+) -> SessionDocument:
+    """Return the session with the views that are left, fitted again, and another target."""
+    changed = document.model_copy(update={"views": left})
+    session = Session.of(changed)
+    estimate = session.rules.reconcile(session.views, session.excluded)
+    target = None
+    if with_target:
+        unreached = target_poses(document.unreached)
+        target = session.rules.next_target(session.views, estimate, unreached=unreached).to_record()
+    document_of_fit, statuses = estimate_document(estimate, now), view_statuses(estimate)
+    return session_rules.with_views(document, left, document_of_fit, statuses, target)
+
+
+def finished(document: SessionDocument, now: int, who: str, where: str | None) -> SessionDocument:
+    """End a session with the views that agree, however accurate they are.
+
+    Raises CalibrationError if no camera explains the views.
+    """
+    session = Session.of(document)
+    estimate = session.estimate().with_cause(session.views)
+    estimate = replace(estimate, progress=1.0, end="asked")
+    document_of_fit, statuses = estimate_document(estimate, now), view_statuses(estimate)
+    changed = session_rules.with_estimate(document, document_of_fit, statuses)
+    outcome = _outcome(changed, estimate, session.views)
+    if outcome is None:
+        raise CalibrationError("no_fit", "no camera explains these views")
+    changed = session_rules.with_fit(changed, outcome.fit)
+    return session_result.with_finish(changed, now, who, FIT_VERSION, outcome.report, where)
+
+
+def open_target(document: SessionDocument, session: Session) -> TargetPose:
+    """Return the session's open target, chosen now if no pose was asked for."""
+    if document.target is None:
+        return session.rules.next_target(session.views, session.estimate())
+    target = TargetPose.from_dict(document.target)
+    return session.rules.redraw(target, session.active, current_camera(document, session.rules))
+
+
+@dataclass(frozen=True)
+class _Outcome:
+    """Outcome of a capture that ends: the fit's record, with the board's shape and rivals, and a report."""
+
+    fit: dict[str, JsonValue]
+    report: dict[str, JsonValue]
+
+
+def _outcome(document: SessionDocument, estimate: Estimate, views: Sequence[View]) -> _Outcome | None:
+    """Describe a capture that ends with this estimate of its views; None if there is no fit."""
+    from calibsolver.quality import report  # only an end needs it
+    from calibsolver.quality.rivals import with_rivals
+
+    if estimate.calibration is None:
+        return None
+    indices = [view.index for view in document.views if view.set_aside is None]
+    used = [one for i, one in enumerate(views) if i not in estimate.excluded]
+    calibration, camera = estimate.calibration, estimate.calibration.camera
+    try:
+        shaped = fit(used, camera.img_size, camera.model, start=camera, board_shape=True)
+    except CalibrationError:
+        shaped = calibration
+    judged = with_rivals(calibration if shaped.board_shape is None else shaped, used)
+    record = record_covered(judged, Coverage.of(judged, used))
+    return _Outcome(record, report.describe(judged, used, indices))
+
+
+def _refused(document: SessionDocument, view: ViewDocument, decision: ViewDecision) -> SessionDocument | None:
+    """Return the document to store after a refusal; None if nothing changes."""
+    if decision.quarantine:
+        return session_rules.with_quarantined(document, view)
+    if decision.reason == "duplicate":
+        return session_rules.with_duplicate(document)
+    return document if decision.seed_rejected else None

@@ -1,0 +1,89 @@
+"""Target pose of a session: chosen, and drawn as its camera sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Literal
+
+from calibdb.compute.session_course import open_target
+from calibdb.compute.session_values import Session, current_camera, target_poses
+from calibdb.compute.values import Budget, in_time
+from calibdb.errors import ConflictError
+from calibdb.rules import session_rules
+from calibdb.schema import FitRecord, Pose, SessionDocument
+from calibdb.schema.rig import RigTarget
+from calibsolver import Board, CalibrationError, Camera
+from calibsolver.guidance import TargetPose, overlay
+
+PictureFormat = Literal["jpeg", "png"]
+
+
+@contextmanager
+def choosing_target(budget: Budget) -> Iterator[None]:
+    """Compute within the budget; raises ConflictError or UnavailableError if that is too short."""
+    slow = "The views take longer to compute than a request may; undo one."
+    try:
+        with in_time(budget, ConflictError(slow, kind="too-slow")):
+            yield
+    except CalibrationError as error:
+        raise ConflictError(f"No target can be chosen: {error.message}; undo one.") from error
+
+
+@dataclass(frozen=True)
+class DrawnTarget:
+    """A target as a camera sees it."""
+
+    board: Board
+    camera: Camera
+    target: TargetPose
+
+    @classmethod
+    def of(cls, document: SessionDocument) -> DrawnTarget:
+        """Draw the session's open target."""
+        session = Session.of(document)
+        camera = current_camera(document, session.rules)
+        return cls(session.rules.board, camera, open_target(document, session))
+
+    @classmethod
+    def of_rig(cls, document: SessionDocument, target: RigTarget, fit: FitRecord | None) -> DrawnTarget:
+        """Draw the target of the rig that a session is in, for its camera.
+
+        `fit`: of the camera in the rig; None: the session's own. Raises ConflictError if the target is for
+        other cameras.
+        """
+        position = None if document.rig is None else document.rig.position
+        view = next((one for one in target.cameras if one.position == position), None)
+        if view is None:
+            raise not_in_view()
+        rules = Session.of(document).rules
+        if fit is not None:
+            document = document.model_copy(
+                update={"estimate": document.estimate.model_copy(update={"fit": fit})}
+            )
+        values = {**view.model_dump(), "purpose": target.purpose, "gain": 0.0}
+        return cls(rules.board, current_camera(document, rules), TargetPose.from_dict(values))
+
+    def pose(self, index: int) -> Pose:
+        """Return the target as numbers; `index`: of the view that answers it."""
+        return Pose.model_validate({**self.target.to_dict(), "index": index})
+
+    def picture(self, kind: PictureFormat) -> bytes:
+        """Draw the target as a picture to lay over the video."""
+        return overlay.render(self.board, self.camera, self.target, kind)
+
+
+def not_in_view() -> ConflictError:
+    """Make the error of a camera that the rig's target is not for."""
+    return ConflictError(
+        "This camera is not to see the board now: the target is for others.", kind="not-in-view"
+    )
+
+
+def with_chosen_target(document: SessionDocument) -> SessionDocument:
+    """Open the target that helps most, unlike those that the user did not want."""
+    session = Session.of(document)
+    skipped, unreached = map(target_poses, (document.skipped, document.unreached))
+    target = session.rules.next_target(session.views, session.estimate(), skipped, unreached)
+    return session_rules.with_target(document, target.to_record())

@@ -1,0 +1,111 @@
+"""Reports of lookups: misses are counted by camera, and names under which a camera was found become aliases.
+
+One instance reports its first miss at once and the others now and then, and each name once per day.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import Counter, OrderedDict
+from collections.abc import Callable
+
+from calibdb.camera_key import identify, public_label, public_platform
+from calibdb.lookup.camera_lookup import LookupResult
+from calibdb.lookup.camera_search import is_listed
+from calibdb.schema import LookupRequest, NewAlias, RefitRequest
+from calibdb.store import CameraRecords, Store
+from calibdb.store.aliases import alias_digest
+from calibdb.store.miss_counts import USB
+
+REPORT_S = 600  # seconds between two reports of an instance; what an instance that ends has counted is lost
+MAX_CAMERAS = 50  # that are counted until then
+
+_DAY_S = 86_400
+_MAX_ALIASES = 4096  # that are remembered
+
+
+class MissCounter:
+    """Counts of cameras since the last report. Safe from many threads at once."""
+
+    def __init__(self) -> None:
+        self._counts: Counter[str] = Counter()
+        self._next_report = 0.0
+        self._lock = threading.Lock()
+
+    def count(self, camera: str, now: float) -> dict[str, int]:
+        """Count a miss; return what is to be reported now, mostly nothing."""
+        with self._lock:
+            if camera in self._counts or len(self._counts) < MAX_CAMERAS:
+                self._counts[camera] += 1
+            if now < self._next_report:
+                return {}
+            counts, self._counts = dict(self._counts), Counter()
+            self._next_report = now + REPORT_S
+            return counts
+
+
+class AliasFilter:
+    """Aliases of the last day. Safe from many threads at once."""
+
+    def __init__(self) -> None:
+        self._seen: OrderedDict[tuple[str, str], int] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def admit(self, name: tuple[str, str], now: float) -> bool:
+        """True for the first lookup under a label and platform on a day."""
+        day = int(now) // _DAY_S
+        with self._lock:
+            if self._seen.get(name) == day:
+                return False
+            self._seen[name] = day
+            self._seen.move_to_end(name)
+            if len(self._seen) > _MAX_ALIASES:
+                self._seen.popitem(last=False)
+            return True
+
+
+def miss_report(
+    counter: MissCounter,
+    request: LookupRequest,
+    read: Callable[[str], CameraRecords],
+    found: LookupResult,
+    now: float,
+    min_contributors: int,
+) -> RefitRequest | None:
+    """Count that a camera was asked for that is not known; return the counts if they are due.
+
+    By its key only if others have calibrated it: a key has parts of a label, which is whatever its sender
+    wrote. Else by its USB id.
+    """
+    if not found.key:
+        return None
+    consensuses = read(found.key).consensuses
+    usb_id = identify(request.camera, request.platform).usb_id
+    if consensuses and is_listed(consensuses, max(2, min_contributors)):
+        camera = found.key
+    elif usb_id is not None:
+        camera = USB + usb_id
+    else:
+        return None
+    counted = counter.count(camera, now)
+    return RefitRequest(camera=found.key, img_size=request.img_size, misses=counted) if counted else None
+
+
+def alias_report(
+    seen: AliasFilter, store: Store, request: LookupRequest, key: str, now: float, sender: str
+) -> RefitRequest | None:
+    """Return the request to store the name of a lookup as an alias of a camera; None if it is not new."""
+    name = request.camera, request.platform
+    if not seen.admit(name, now) or not is_public(name):
+        return None
+    alias = store.aliases.get(alias_digest(*name))
+    if alias is not None and alias.is_fresh(now):
+        return None
+    new = NewAlias(label=request.camera, platform=request.platform, source=sender)
+    return RefitRequest(camera=key, img_size=request.img_size, zoom=request.zoom, alias=new)
+
+
+def is_public(name: tuple[str, str]) -> bool:
+    """True if a label contains nothing of a person, so that it may be stored."""
+    label, platform = name
+    return public_label(label) == label and public_platform(platform) == platform

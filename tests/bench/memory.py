@@ -1,0 +1,79 @@
+"""Memory of a server's processes under a mixed load: `make bench DOCS=memory` with MINUTES=10.
+
+Two processes serve lookups, pages, dumps and captures. The resident memory of each is read every ten seconds.
+"""
+
+import json
+import os
+import statistics
+import subprocess
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+from infra.measure.load_test import drive
+from infra.server.server import DEVELOPMENT_TOKEN, Server
+from tests.bench import raw_load
+from tests.helpers.service.client import CAMERA, TOKEN
+from tests.helpers.service.published import asked, calibration, mode_of, store
+from tests.helpers.stack.processes import LocalProcess
+
+WORKERS, REQUESTS, SAMPLE_S = 2, 10_000, 10.0
+LABEL = "Measured camera (046d:0825)"
+
+
+def memory_mb(parent: int) -> list[float]:
+    """Resident memory of the children of a process, MB."""
+    children = subprocess.run(["pgrep", "-P", str(parent)], capture_output=True, text=True, check=True)
+    sizes = []
+    for child in children.stdout.split():
+        status = Path(f"/proc/{child}/status").read_text()
+        sizes.append(int(status.partition("VmRSS:")[2].split()[0]) / 1024)
+    return sizes
+
+
+def lookups(url: str, requests: int) -> None:
+    """Send lookups of a known camera."""
+    body = json.dumps({**CAMERA, "camera": LABEL, "img_size": [1280, 720]})
+    headers = {"authorization": f"Bearer {TOKEN}", "content-type": "application/json"}
+    raw_load.drive(url, "POST", "/v1/lookup", headers, body, requests=requests, clients=8)
+
+
+def mixed_load(url: str, end: float) -> None:
+    """Send lookups, pages and captures until a time of the monotonic clock."""
+    while time.monotonic() < end:
+        lookups(url, 2000)
+        for path in ("/", "/calibrate/", "/docs/api/", "/healthz"):
+            raw_load.drive(url, "GET", path, {"accept-encoding": "gzip"}, "", requests=200, clients=4)
+        drive(url, DEVELOPMENT_TOKEN, 6, 4, faults=0.0, seed=round(time.monotonic()))
+
+
+def main() -> None:
+    """Print the memory after the lookups, and its course under the mixed load."""
+    minutes = float(os.environ.get("MINUTES", "10"))
+    with tempfile.TemporaryDirectory() as place:
+        data_dir = Path(place, "data")
+        with Server(data_dir) as stack:
+            for n in range(5):
+                store(stack).calibrations.publish(document := calibration(LABEL, n, views=3))
+            store(stack).refit.now(asked(mode_of(document)))
+        with LocalProcess(data_dir, {"WORKERS": str(WORKERS)}) as server:
+            lookups(server.url, WORKERS * REQUESTS)
+            print(f"after {REQUESTS} lookups each: {max(memory_mb(server.process.pid)):.0f} MB at most")
+            end = time.monotonic() + 60 * minutes
+            load = threading.Thread(target=mixed_load, args=(server.url, end))
+            load.start()
+            samples = []
+            while load.is_alive():
+                time.sleep(SAMPLE_S)
+                samples.append(max(memory_mb(server.process.pid)))
+    parts = [samples[len(samples) * n // 5 : len(samples) * (n + 1) // 5] for n in range(5)]
+    course = ", ".join(f"{statistics.median(part):.0f}" for part in parts if part)
+    print(
+        f"{minutes:g} minutes of mixed load: {course} MB (median of each fifth), {max(samples):.0f} at most"
+    )
+
+
+if __name__ == "__main__":
+    main()
