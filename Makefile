@@ -114,7 +114,7 @@ kills fuzz:
 	@$(MAKE) --no-print-directory thorough ONLY=$@
 
 bench: export PYTHONPATH := $(PYTHONPATH):clients/python
-bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,consensus,uncertainty,honesty,real-views,board-shape,contributors,rigs,frc,keys,estimates,load,memory,cost,slowest,page-speed
+bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,hand,consensus,uncertainty,extrapolation,domain,honesty,real-views,board-shape,contributors,rigs,frc,keys,estimates,load,memory,cost,slowest,page-speed
 ifdef DOCS
 	@set -e; for name in $(call words_of,$(DOCS)); do $(MAKE) --no-print-directory .bench-$$name; done
 else
@@ -207,8 +207,8 @@ CHECKOV := .build/checkov/bin/checkov
 $(CHECKOV):
 	$(PYTHON) -m venv .build/checkov && .build/checkov/bin/pip install --quiet checkov==3.3.30
 
-verify: $(SETUP) ## check the deployment with other people's programs; ONLY=checkov,conformance,rehearsal
-	@set -e; for name in $(call words_of,$(or $(ONLY),checkov,conformance,rehearsal)); do $(MAKE) --no-print-directory .verify-$$name; done
+verify: $(SETUP) ## check the deployment with other people's programs; ONLY=checkov,conformance,rehearsal,pins
+	@set -e; for name in $(call words_of,$(or $(ONLY),checkov,conformance,rehearsal,pins)); do $(MAKE) --no-print-directory .verify-$$name; done
 
 # infra/checkov.yaml argues for the rules that are not followed.
 .verify-checkov: $(CHECKOV)
@@ -219,11 +219,15 @@ verify: $(SETUP) ## check the deployment with other people's programs; ONLY=chec
 .verify-conformance: $(MINISTACK)
 	@$(PY) -m infra.ci.conformance
 
+# calibsolver and the client with the lowest and the highest versions of Python, numpy and OpenCV
+.verify-pins: $(UV) .venv/.made
+	@UV=$(abspath $(UV)) $(PY) -m infra.ci.pins
+
 # A deployment into another program's AWS on this machine
 .verify-rehearsal: $(UV) $(SAM) $(MINISTACK)
 	@$(PY) -m infra.deploy.rehearsal
 
-checkov conformance rehearsal:
+checkov conformance rehearsal pins:
 	@$(MAKE) --no-print-directory verify ONLY=$@
 
 clean: ## remove everything that make made

@@ -13,10 +13,10 @@ from calibdb.access.tokens import Ticket
 from calibdb.camera_key import public_label, public_platform
 from calibdb.compute import view_checks
 from calibdb.compute.view_checks import MeasuredViews, computing_check
-from calibdb.errors import MAX_FIELD_ERRORS, InvalidError, NotFoundError
+from calibdb.errors import NotFoundError
 from calibdb.http import application
 from calibdb.lookup.checked_consensus import consensus_of_model, find_checked, refit_now
-from calibdb.rules.corners import corner_errors
+from calibdb.rules.corners import require_corners
 from calibdb.rules.votes import view_digest, vote_id
 from calibdb.schema import CheckAnswer, CheckRequest, RefitRequest, VoteDocument
 from calibdb.store import StreamMode
@@ -26,13 +26,7 @@ def check(call: application.Call) -> Response:
     """Return whether the consensus fits the views, and what checks say of it, or the comparison asked for."""
     ticket = call.session(charge="views")
     request = call.json(CheckRequest)
-    wrong = [
-        error
-        for n, view in enumerate(request.views)
-        for error in corner_errors(request.board, request.img_size, view.ids, view.points, f"views.{n}.")
-    ]
-    if wrong:
-        raise InvalidError(wrong[:MAX_FIELD_ERRORS])
+    require_corners(request.board, request.img_size, request.views)
     if request.calibration is not None:
         with computing_check(call):
             return application.json_response(view_checks.check_given(request, request.calibration))

@@ -18,7 +18,16 @@ from calibdb.http import application, metrics
 from calibdb.lookup import reports
 from calibdb.lookup.camera_lookup import LookupQuery, LookupResult, find, find_by_digest
 from calibdb.lookup.estimation import estimate_for
-from calibdb.schema import ConsensusDocument, LookupRequest, Miss, NoCalibration, RefitRequest, UnknownCamera
+from calibdb.rules.corners import require_corners
+from calibdb.schema import (
+    ConsensusDocument,
+    FittingGroup,
+    LookupRequest,
+    Miss,
+    NoCalibration,
+    RefitRequest,
+    UnknownCamera,
+)
 from calibdb.schema.lookup import Reason
 
 # By browsers, and at the edge for the same token from the same origin; both may be refused.
@@ -43,6 +52,7 @@ def visit(call: application.Call) -> Response:
 
 
 def _answer(call: application.Call, request: LookupRequest) -> Response:
+    require_corners(request.board, request.img_size, request.views)
     found = _find(call, request)
     now = call.service.clock()
     if found.answer is not None:
@@ -51,7 +61,7 @@ def _answer(call: application.Call, request: LookupRequest) -> Response:
             found.answer, headers=_PUBLIC_CACHE if call.request.method != "POST" else None
         )
     url = call.service.settings.guidance_url + "?" + request.key_query
-    likely = estimate_for(request, found.known)
+    likely = estimate_for(request, found.known, _fitting_group(call, request, found))
     miss = Miss(guidance_url=url, reason=found.reason, detail=found.detail, estimate=likely)
     if request.miss == "ok":
         metrics.count(now, Lookups=1, Misses=1)
@@ -84,6 +94,17 @@ def _find(call: application.Call, request: LookupRequest) -> LookupResult:
     if report is not None:
         service.write_later(functools.partial(store.refit.report, report))  # no response depends on it
     return found
+
+
+def _fitting_group(
+    call: application.Call, request: LookupRequest, found: LookupResult
+) -> FittingGroup | None:
+    """Return the group of the camera's calibrations that fits the views sent, if they fall into groups."""
+    if not request.views or found.reason != "disagree" or not found.key:
+        return None
+    call.require_thread()
+    asked = RefitRequest.of_views(found.key, request)
+    return call.service.store.refit.now(asked).fitting
 
 
 def known(call: application.Call) -> Response:

@@ -12,6 +12,7 @@ import json
 import os
 from typing import Any
 
+from calibdb.compute.mode_group import fitting_group
 from calibdb.compute.refits import Consensuses, alone, ensure_current, run_under_lease
 from calibdb.compute.values import time_limit
 from calibdb.http import metrics
@@ -36,6 +37,7 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
     service = Service.of(os.environ)
     mode = StreamMode(request.camera, request.img_size, request.zoom)
     consensuses: Consensuses = {}
+    fitting = None
     with time_limit(lambda: context.get_remaining_time_in_millis() / 1000 - MIN_PUBLISHING_S):
         if request.misses:
             service.store.miss_counts.add(request.misses, service.now)
@@ -47,4 +49,6 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
         else:
             models = [m for m in DISTORTION_MODELS if m in request.models or not request.models]
             consensuses = ensure_current(service, mode, models, alone(service, mode, models, context))
-    return RefitAnswer.model_validate({"models": consensuses}).model_dump(mode="json")
+            document = consensuses.get(models[0]) if request.seen and models else None
+            fitting = fitting_group(service, document, request.seen) if document and request.seen else None
+    return RefitAnswer.model_validate({"models": consensuses, "fitting": fitting}).model_dump(mode="json")

@@ -26,7 +26,7 @@ _LOOKUP = query_of(
         "miss": "`ok`: 200 with `calibration: null` instead of the redirect.",
     },
     deprecated=("userAgent", "imsize"),
-    body_only=("reported",),
+    body_only=("reported", "board", "views"),
 )
 _REDIRECT = next(node for node in _LOOKUP if node["name"] == "redirect")
 _STATE = Content("The session's state.", schema.SessionState)

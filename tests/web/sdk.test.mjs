@@ -81,6 +81,17 @@ test("a phone's model is part of the camera's key", async () => {
   assert.deepEqual(platforms, Array(2).fill("iPhone; CPU iPhone OS 17_5 like Mac OS X; iPhone14,5"));
 });
 
+test("views and their board are sent with a lookup", async () => {
+  const likely = { ...LIKELY, basis: "views", group: "78°" };
+  const { asked, options } = service(json(200, { calibration: null, ...MISS, estimate: likely }));
+  const seen = { views: [{ ids: [0, 1], points: [[10, 20], [30, 40]] }], board: { squares: [9, 6] } };
+  const { estimate } = await lookup(KEY, { ...options, ...seen });
+  assert.deepEqual([asked[0].body.views, asked[0].body.board], [seen.views, seen.board]);
+  assert.equal(estimate.group, "78°");
+  await lookup(KEY, options);
+  assert.ok(!("views" in asked[1].body));
+});
+
 test("an estimate is never cached", async () => {
   const cache = storage();
   const { options } = service(json(200, { calibration: null, ...MISS, estimate: LIKELY }));

@@ -44,6 +44,7 @@ import { lensOf } from "./projection.js";
  * @property {number} hfov_deg horizontal field of view, degrees
  * @property {{hfov_deg: [number, number]}} interval_90 contains the true value with a probability of 90 %
  * @property {"calibrations" | "views" | "device" | "other_size" | "published" | "family" | "population"} basis best evidence
+ * @property {string} [group] name of the group of calibrations that fits the views sent
  * @property {{title: string, url: string}[]} sources publications that it rests on
  *
  * @typedef {CameraData & OnlyEstimated} EstimateData of a camera of which nothing reliable is known

@@ -21,11 +21,15 @@ import { LookupError, address, ask, calibrationIn } from "./request.js";
  * @property {"calibration" | "estimate"} [accept] "estimate": `camera` may be an estimate
  * @property {string} [model] distortion model, "rectilinear" unless told
  * @property {string} [device] model identifier of the phone, "iPhone17,3", if the application knows it
+ * @property {View[]} [views] one to five views of `board`: they pick the mode of a camera whose calibrations disagree
+ * @property {Record<string, unknown>} [board] the board of the views, as in the API; calibDB's own unless told
  * @property {boolean} [exact] nothing but what is known of this very size, or verified for it
  * @property {number} [maxError] px: largest uncertainty, and largest difference between the calibrations that agree
  * @property {(answer: Answer) => void} [onNeedCalibration] told when nothing is known
  * @property {Cache | null} [cache] the tab's `sessionStorage` unless told, in a worker the worker's memory; null: none
  * @property {Offline} [bundle] calibrations that came with the application, asked first; see bundle.js
+ *
+ * @typedef {{ids: number[], points: [number, number][]}} View corners of a board in one frame, px
  *
  * @typedef {{getItem: (name: string) => string | null, setItem: (name: string, value: string) => void}} Cache as a Storage
  *
@@ -61,7 +65,7 @@ const worker = {
  * @returns {Promise<Answer>} rejects with LookupError, with a TypeError for a track that shows nothing, or as its signal says
  */
 export async function lookup(source, options) {
-  const { model = "rectilinear", accept = "calibration", device, exact = false, maxError = Infinity, onNeedCalibration, cache = tabs(), bundle, ...manner } = /** @type {Options} */ (options ?? {});
+  const { model = "rectilinear", accept = "calibration", device, views, board, exact = false, maxError = Infinity, onNeedCalibration, cache = tabs(), bundle, ...manner } = /** @type {Options} */ (options ?? {});
   const key = await keyOf(source, device);
   manner.signal?.throwIfAborted();
   const guidance = () => guidanceUrl(key, model, manner.api);
@@ -70,7 +74,7 @@ export async function lookup(source, options) {
   /** @type {Found} */
   let answer = { calibration: known, guidanceUrl: null, reason: null };
   if (!known && bundle && !manner.token) answer = { ...answer, guidanceUrl: guidance(), reason: "unknown_camera" };
-  else if (!known) answer = await fetchCalibration(key, model, /** @type {RequestOptions} */ (manner), missesOf(cache, name));
+  else if (!known) answer = await fetchCalibration(key, model, /** @type {RequestOptions} */ (manner), missesOf(cache, name), views && { views, board });
   if (answer.calibration && !known) keep(cache, name, answer.calibration);
   const enough = applyRequirements(answer, { accept, exact, maxError }, guidance);
   if (!enough.calibration) onNeedCalibration?.(enough);
@@ -137,17 +141,17 @@ export function guidanceUrl(key, model, api) {
 
 /**
  * Asks the edge, and then the service. Where the edge is slow, both are asked side by side, and whoever knows the camera first answers.
- * @param {CameraKey} key @param {string} model @param {RequestOptions} options @param {Misses} misses
+ * @param {CameraKey} key @param {string} model @param {RequestOptions} options @param {Misses} misses @param {object} [seen] views and their board
  * @returns {Promise<Found>}
  */
-async function fetchCalibration(key, model, options, misses) {
+async function fetchCalibration(key, model, options, misses, seen) {
   const atEdge = misses.recent() ? Promise.resolve(UNASKED) : askEdge(key, model, options);
   const early = await within(EDGE_TIMEOUT_MS, atEdge);
   if (early?.calibration) return answerOf(early.calibration);
   if (early?.outcome === "missing") misses.keep();
   const enough = new AbortController();
   const signal = options.signal ? AbortSignal.any([options.signal, enough.signal]) : enough.signal;
-  const service = askService(key, model, { ...options, signal });
+  const service = askService(key, model, { ...options, signal }, seen);
   if (early) return service.catch((error) => Promise.reject(explain(error, early)));
   return new Promise((resolve, reject) => {
     atEdge.then(({ calibration }) => {
@@ -198,12 +202,12 @@ function explain(error, { outcome }) {
 }
 
 /**
- * @param {CameraKey} key @param {string} model @param {RequestOptions} options
+ * @param {CameraKey} key @param {string} model @param {RequestOptions} options @param {object} [seen]
  * @returns {Promise<Found>}
  */
-async function askService(key, model, options) {
+async function askService(key, model, options, seen) {
   // A redirect's Location is hidden from fetch(), and browsers report a 404 as an error: ask for a miss in words.
-  const asked = { ...key, distortion_model: model, redirect: false, miss: "ok" };
+  const asked = { ...key, distortion_model: model, redirect: false, miss: "ok", ...seen };
   const answer = await ask("lookup", { method: "POST", body: JSON.stringify(asked) }, options);
   const { calibration, guidance_url: guidanceUrl, reason = null, estimate = null } = answer.body;
   // 404: as a service answers that does not know `miss`.

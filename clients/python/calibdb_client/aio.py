@@ -97,10 +97,11 @@ class AsyncClient:
         model: str = DEFAULT_MODEL,
         device: str | None = None,
         reported: Mapping[str, float] | None = None,
+        views: Recording | None = None,
     ) -> Answer:
         """Look up the calibration of a camera, as `Client.lookup` does."""
         key = key_of(camera, platform, size, zoom).with_device(device)
-        facts = {"reported": dict(reported)} if reported else {}
+        facts = flows.facts(reported, views)
         return await self._run(flows.lookup(key, checked_model(model), self._edge, Calibration, facts))
 
     async def calibration(self, identifier: str) -> Calibration:

@@ -73,9 +73,13 @@ def check(
 
 def body_of(recording: Recording, count: int) -> dict[str, Any]:
     """Return the members of a check that say what was seen, in `count` views at most."""
+    return {**recording.key.record(), **views_of(recording, count)}
+
+
+def views_of(recording: Recording, count: int) -> dict[str, Any]:
+    """Return the members of a request that say what was seen: the board, and `count` views at most."""
     views = most_different(recording, count)
     return {
-        **recording.key.record(),
         "board": recording.board.record(),
         "views": [{"ids": list(view.ids), "points": [list(q) for q in view.points]} for view in views],
     }

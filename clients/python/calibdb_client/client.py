@@ -105,6 +105,7 @@ class Client:
         model: str = DEFAULT_MODEL,
         device: str | None = None,
         reported: Mapping[str, float] | None = None,
+        views: Recording | None = None,
     ) -> Answer:
         """Look up the calibration of a camera.
 
@@ -121,9 +122,12 @@ class Client:
         reported
             Field of view that the device reports: ``focal_35mm`` in mm, ``hfov_deg`` or ``dfov_deg``. Only
             the estimate uses it.
+        views
+            Views of the camera in the mode in which it is. Where its calibrations fall into groups, the
+            estimate is the group that fits; at most five views are sent.
         """
         key = key_of(camera, platform, size, zoom).with_device(device)
-        facts = {"reported": dict(reported)} if reported else {}
+        facts = flows.facts(reported, views)
         return self._run(flows.lookup(key, checked_model(model), self._edge, self._calibration, facts))
 
     def calibration(self, identifier: str) -> Calibration:

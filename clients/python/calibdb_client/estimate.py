@@ -81,6 +81,12 @@ class Estimate:
         return str(self.record.get("basis", ""))
 
     @property
+    def group(self) -> str | None:
+        """Name of the group of calibrations that fits the views sent, such as ``78°``; None otherwise."""
+        group = self.record.get("group")
+        return None if group is None else str(group)
+
+    @property
     def sources(self) -> tuple[tuple[str, str], ...]:
         """Titles and addresses of the publications that it rests on."""
         return tuple((str(each["title"]), str(each["url"])) for each in self.record.get("sources", ()))

@@ -21,10 +21,13 @@ from .wire import Reply, Request
 if TYPE_CHECKING:
     from .calibration import Calibration
     from .estimate import Estimate
+    from .recording import Recording
 
 T = TypeVar("T")
 Flow = Generator[Request, Reply, T]
 
+MAX_LOOKUP_VIEWS = 5
+"""Views that a lookup takes."""
 MAX_PAGES = 200
 """Pages of a search that are read, at most."""
 
@@ -43,6 +46,21 @@ class Edge:
 
     site: str
     cache: Cache | None
+
+
+def facts(reported: Mapping[str, float] | None, views: Recording | None) -> dict[str, Any]:
+    """Return the members of a lookup that only the estimate uses.
+
+    Raises UsageError for views of a board that the service does not take.
+    """
+    out: dict[str, Any] = {"reported": dict(reported)} if reported else {}
+    if views is not None:
+        from .checks import views_of
+
+        if views.board.kind.endswith("circles"):
+            raise UsageError("the service takes no grids of circles: send views of another board")
+        out |= views_of(views, MAX_LOOKUP_VIEWS)
+    return out
 
 
 def lookup(

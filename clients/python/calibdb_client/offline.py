@@ -17,6 +17,8 @@ from .session import CaptureResult, calibrate_offline
 if TYPE_CHECKING:
     from typing import Unpack
 
+    from calibsolver.fitting.constraint import Fix
+
     from .board import Board
     from .calibration import Calibration
     from .capture.operation import CaptureOptions, Keep
@@ -46,11 +48,16 @@ def calibrate_images(
     *,
     board: Board | None = None,
     model: str = AUTO,
+    fix: Fix = (),
+    start: Calibration | None = None,
 ) -> CaptureResult:
-    """Calibrate a camera from pictures, or one video. Parameters as of `Client.calibrate_images`."""
+    """Calibrate a camera from pictures, or one video.
+
+    Parameters as of `Client.calibrate_images` and of `calibrate_recording`.
+    """
     from .images import recording_of
 
-    return calibrate_recording(recording_of(paths, camera, board), model)
+    return calibrate_recording(recording_of(paths, camera, board), model, fix=fix, start=start)
 
 
 def calibrate_rig(
@@ -86,9 +93,21 @@ def check(recording: Recording, calibration: Calibration) -> Comparison:
     return compare(recording, calibration)
 
 
-def calibrate_recording(recording: Recording, model: str = AUTO) -> CaptureResult:
-    """Calibrate from captured corners. Raises CaptureError if they do not suffice."""
-    return calibrate_offline(recording, model, int(time.time()))
+def calibrate_recording(
+    recording: Recording, model: str = AUTO, *, fix: Fix = (), start: Calibration | None = None
+) -> CaptureResult:
+    """Calibrate from captured corners.
+
+    Parameters
+    ----------
+    recording, model
+        The corners, and the distortion model.
+    fix, start
+        What is not estimated, and a calibration that may be near, as in `calibsolver.fit`.
+
+    Raises CaptureError if they do not suffice, UsageError if a parameter cannot be fixed.
+    """
+    return calibrate_offline(recording, model, int(time.time()), fix, start)
 
 
 def _run(flow: Generator[Any, Any, CaptureResult]) -> CaptureResult:

@@ -116,12 +116,15 @@ def fit_again(recording: Recording, calibration: Calibration) -> tuple[Fit, list
     """
     import calibsolver
     from calibsolver.board import CIRCLES
+    from calibsolver.quality.rivals import with_rivals
 
     try:
         views = recording.board.views([{"ids": view.ids, "points": view.points} for view in recording.views])
         lens = calibration.lens
         bends = recording.board.kind not in CIRCLES
-        return calibsolver.fit(views, lens.img_size, lens.model, start=lens, board_shape=bends), views
+        fixed = calibration.record.get("fixed", ())
+        fit = calibsolver.fit(views, lens.img_size, lens.model, start=lens, fix=fixed, board_shape=bends)
+        return with_rivals(fit, views), views
     except (calibsolver.CalibrationError, ValueError) as error:
         raise CaptureError(f"the corners determine no calibration: {error}") from None
 

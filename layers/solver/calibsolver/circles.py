@@ -8,6 +8,7 @@ from . import rotation
 from .arrays import Array
 from .camera import Camera
 from .fitting.calibration import Calibration
+from .fitting.constraint import Fix
 from .fitting.fit import fit
 from .view import View
 
@@ -38,21 +39,27 @@ def centre_bias(camera: Camera, view: View, pose: Array, radius: float) -> Array
 
 
 def fit_circles(
-    views: Sequence[View], img_size: tuple[int, int], radius: float, model: str = "rectilinear"
+    views: Sequence[View],
+    img_size: tuple[int, int],
+    radius: float,
+    model: str = "rectilinear",
+    *,
+    start: Camera | None = None,
+    fix: Fix = (),
 ) -> tuple[Calibration, tuple[View, ...]]:
     """Fit a camera to centroids of circles, corrected by their bias; also return the corrected views.
 
-    Raises CalibrationError as `fit` does.
+    `start` and `fix` as for `fit`. Raises CalibrationError as `fit` does.
     """
     corrected = tuple(views)
-    calibration = fit(corrected, img_size, model)
+    calibration = fit(corrected, img_size, model, start=start, fix=fix)
     for _ in range(ROUNDS - 1):
         moved = []
         for view, pose in zip(views, calibration.poses, strict=True):
             bias = np.zeros((len(view), 2))
             if np.isfinite(pose).all():
                 bias = np.nan_to_num(centre_bias(calibration.camera, view, pose, radius))
-            moved.append(View(view.object_points, view.image_points - bias))
+            moved.append(View(view.object_points, view.image_points - bias, view.weights))
         corrected = tuple(moved)
-        calibration = fit(corrected, img_size, model, start=calibration.camera)
+        calibration = fit(corrected, img_size, model, start=calibration.camera, fix=calibration.fixed)
     return calibration, corrected

@@ -30,9 +30,9 @@ class BoardPose:
         (6, 6) of a small turn of the board in the camera frame, radians (R becomes exp(w) R), and of t. It
         counts the noise of the corners, and what the camera's own covariance leaves open.
     rms
-        px, root of the mean square distance between the points and their projections.
+        px, root of the (weighted) mean square distance between the points and their projections.
     noise
-        px, standard deviation of one coordinate of a corner, as estimated.
+        px, standard deviation of one coordinate of a corner, as estimated; of mean weight.
     """
 
     rvec: Array
@@ -75,11 +75,14 @@ def locate(camera: Camera | Calibration, view: View, *, noise: float | None = No
         raise CalibrationError("too_few_points", f"a pose needs {MIN_POINTS} points, not {len(view)}")
     known = camera.camera if isinstance(camera, Calibration) else camera
     model, k = models.get(known.model), known.intrinsics
-    poses, square = resect(model, k, Observations.of([view]))
+    obs = Observations.of([view])
+    poses, square = resect(model, k, obs)
     if not np.isfinite(square[0]):
         raise CalibrationError("not_believable", "the camera cannot see the points anywhere")
     turned = poses.r[0] @ view.object_points.T
     _, by_k, by_point = model.jacobian(k, turned + poses.t[0][:, None])
+    if obs.scale is not None:
+        by_k, by_point = by_k * obs.scale[0], by_point * obs.scale[0]
     # d(exp(w) R X) = w x (R X)
     by_turn = np.cross(turned.T[:, None, :], by_point.transpose(2, 1, 0))
     rows = np.concatenate([by_turn, by_point.transpose(2, 1, 0)], axis=2).reshape(-1, 6)

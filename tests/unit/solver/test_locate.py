@@ -105,3 +105,19 @@ def test_poses_in_real_photographs_are_opencvs() -> None:
 def test_too_few_points_are_refused() -> None:
     with pytest.raises(CalibrationError, match="6 points"):
         locate(camera_of("fisheye"), View(BOARD.points[:5], np.zeros((5, 2))))
+
+
+def test_weights_make_poses_of_uneven_corners_certain() -> None:
+    """Every third corner is five times as noisy: the covariance still covers, and is smaller than without."""
+    rng = np.random.default_rng(8)
+    sigma = np.where(np.arange(BOARD.corner_count) % 3 == 0, 1.5, NOISE)
+    camera, squares, shares = camera_of("rectilinear"), [], []
+    for r, t in poses("rectilinear", 200, rng):
+        q = camera.project(BOARD.points @ r.T + t) + sigma[:, None] * rng.normal(size=(len(sigma), 2))
+        found = locate(camera, View(BOARD.points, q, sigma**-2.0))
+        off = np.append(rotation.vector(r @ rotation.matrix(np.asarray(found.rvec)).T), t - found.tvec)
+        squares.append(off @ np.linalg.solve(found.covariance, off))
+        plain = locate(camera, View(BOARD.points, q))
+        shares.append(np.trace(found.covariance[3:, 3:]) / np.trace(plain.covariance[3:, 3:]))
+    assert np.mean(np.array(squares) < CHI2_95) == pytest.approx(0.95, abs=0.05)
+    assert np.median(shares) < 0.5

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..board import opencv
+from ..calibration import Calibration
 from ..errors import CalibDBError, CaptureError, MirroredError, MissingPackageError, UsageError
 from ..files import write_whole
 from ..key import UNNAMED, CameraKey
@@ -16,7 +17,7 @@ from ..recording import Recording
 from ..session import calibrate_offline
 from . import live, options
 from .board import chosen_board
-from .capture_options import add_licence, add_source, kind_of, licence_of, new_name
+from .capture_options import add_fix, add_licence, add_source, fix_of, kind_of, licence_of, new_name
 from .conclusion import NO_TARGET, Target, conclude, target_of
 from .output import Output
 from .progress import progress
@@ -37,6 +38,7 @@ def add(commands: Any) -> None:
     )
     parser.add_argument("--mirrored", action="store_true", help="the pictures are mirrored: turn them back")
     options.add_file(parser, "a new one")
+    add_fix(parser)
     parser.add_argument("-v", "--verbose", action="store_true", help="print a row for each picture")
     add_licence(parser)
     options.add_service(parser)
@@ -47,7 +49,12 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     """Find the corners, keep them, and calibrate."""
     kind = kind_of(chosen.source)
     target = target_of(chosen)
+    fix_of(chosen)  # refused before anything is read
     if kind == "camera":
+        if chosen.fix or chosen.start:
+            raise UsageError(
+                "--fix and --start are for pictures: capture first, then `calibdb submit FILE --fix`"
+            )
         return live.run(chosen, output)
     if not (chosen.label or chosen.offline):
         raise UsageError("which camera took them? Say --label, or --offline to calibrate for yourself alone")
@@ -129,7 +136,8 @@ def finish(
     """Calibrate from a recording that is in a file, write the result there, and print it."""
     try:
         if chosen.offline:
-            result = calibrate_offline(recording, chosen.model, int(time.time()))
+            start = Calibration.load(chosen.start) if chosen.start else None
+            result = calibrate_offline(recording, chosen.model, int(time.time()), fix_of(chosen), start)
         else:
             with options.client(chosen) as client, progress("views") as advance:
                 result = client.submit(recording, chosen.model, advance, licence=chosen.licence)

@@ -35,6 +35,37 @@ def add_model(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_fix(parser: argparse.ArgumentParser) -> None:
+    """Add the options of what a calibration on this machine does not estimate."""
+    parser.add_argument(
+        "--fix",
+        metavar="NAME[=VALUE],…",
+        help="with --offline: what is not estimated, such as aspect, center, tangential, k3, fx=812,fy=812",
+    )
+    parser.add_argument(
+        "--start",
+        metavar="FILE",
+        help="with --offline: calibration to start from; --fix without values holds what it has",
+    )
+
+
+def fix_of(chosen: argparse.Namespace) -> dict[str, float | None]:
+    """Return the values by name that `--fix` says, None if it says none.
+
+    Raises UsageError for a value that is no number, or if the service would calibrate.
+    """
+    if not chosen.offline and (chosen.fix or chosen.start):
+        raise UsageError("the service estimates all parameters: --fix and --start need --offline")
+    out: dict[str, float | None] = {}
+    for part in filter(None, (part.strip() for part in (chosen.fix or "").split(","))):
+        name, given, value = part.partition("=")
+        try:
+            out[name.strip()] = float(value) if given else None
+        except ValueError:
+            raise UsageError(f"--fix {part}: {value!r} is not a number") from None
+    return out
+
+
 def add_licence(parser: argparse.ArgumentParser) -> None:
     """Add the option by which a contributor agrees to the licence."""
     parser.add_argument(

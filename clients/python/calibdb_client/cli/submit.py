@@ -13,7 +13,7 @@ from ..pictures import PLATFORM
 from ..recording import Recording
 from . import options
 from .calibrate import finish
-from .capture_options import add_licence, add_model, licence_of
+from .capture_options import add_fix, add_licence, add_model, fix_of, licence_of
 from .output import Output
 
 
@@ -31,6 +31,7 @@ def add(commands: Any) -> None:
         "--offline", action="store_true", help="calibrate here, with calibsolver; send nothing"
     )
     add_model(parser)
+    add_fix(parser)
     add_licence(parser)
     options.add_service(parser)
     parser.set_defaults(run=run)
@@ -38,6 +39,7 @@ def add(commands: Any) -> None:
 
 def run(chosen: argparse.Namespace, output: Output) -> int:
     """Read the file and calibrate."""
+    fix_of(chosen)  # refused before anything is read
     path = Path(chosen.file)
     recording = Recording.load(path)
     if not (chosen.offline or chosen.label) and recording.key.camera == UNNAMED:

@@ -16,6 +16,8 @@ from .corners import Corners, refine
 
 COARSE_SIDE_PX = 512
 """Longer side of a picture in which a board is followed that takes long to find."""
+MAX_MISPLACED = 0.4
+"""Distance of a circle from its place / distance of neighbours, above which it is another one."""
 Finder = Callable[[Any], tuple[Any, Any] | None]
 """Finds ids (n,) and coarse points (n, 2) px in a grey picture (h, w)."""
 
@@ -42,7 +44,9 @@ class Detector:
         elif board.kind in CIRCLES:
             self._find = self._circles
         else:
-            self._charuco_detector = self._cv2.aruco.CharucoDetector(board.opencv())
+            parameters = self._cv2.aruco.CharucoParameters()
+            parameters.minMarkers = 1  # the picture or a finger may cut off the other one
+            self._charuco_detector = self._cv2.aruco.CharucoDetector(board.opencv(), parameters)
             self._find = self._charuco
 
     @property
@@ -92,8 +96,23 @@ class Detector:
         for flags in (kind, kind | cv2.CALIB_CB_CLUSTERING):
             is_there, points = cv2.findCirclesGrid(grey, self.board.squares, flags=flags)
             if is_there:
-                return np.arange(self.board.corner_count), np.asarray(points).reshape(-1, 2)
+                points = np.asarray(points).reshape(-1, 2)
+                placed = np.flatnonzero(self._misplaced(points) < MAX_MISPLACED)
+                return placed, points[placed]
         return None
+
+    def _misplaced(self, points: Any) -> Any:
+        """Distance (n,) of points from their places on the board / distance of neighbours.
+
+        OpenCV 4.10 takes circles of another column for those of the first now and then.
+        """
+        board = self.board.points[:, :2].astype(np.float32)
+        homography, _ = self._cv2.findHomography(board, points, self._cv2.LMEDS)
+        if homography is None:
+            return np.full(len(points), np.inf)
+        expected = self._cv2.perspectiveTransform(board[None], homography)[0]
+        spacing = np.median(np.linalg.norm(np.diff(points, axis=0), axis=1))
+        return np.linalg.norm(expected - points, axis=1) / spacing
 
     def _chessboard(self, grey: Any) -> tuple[Any, Any] | None:
         columns, rows = (n - 1 for n in self.board.squares)

@@ -33,6 +33,7 @@ def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> Ca
     """Refit the calibration without these views."""
     from calibsolver.fitting.coverage import Coverage, record_covered
     from calibsolver.quality import report
+    from calibsolver.quality.rivals import with_rivals
 
     unknown = sorted(set(without) - {view.index for view in document.views})
     if unknown:
@@ -43,6 +44,7 @@ def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> Ca
         made = fit(views, document.img_size, document.distortion_model, board_shape=True)
     except CalibrationError as error:
         raise InvalidError.field("without", error.message) from error
+    made = with_rivals(made, views)
     described = report.describe(made, views, [view.index for view in left])
     fits = {document.distortion_model: FitRecord(**record_covered(made, Coverage.of(made, views)))}
     return document.model_copy(update={"views": left, "fits": fits, "report": described})

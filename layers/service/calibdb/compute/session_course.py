@@ -269,15 +269,16 @@ def open_target(document: SessionDocument, session: Session) -> TargetPose:
 
 @dataclass(frozen=True)
 class _Outcome:
-    """Outcome of a capture that ends: the fit's record if the board's shape changed it, and a report."""
+    """Outcome of a capture that ends: the fit's record, with the board's shape and rivals, and a report."""
 
-    fit: dict[str, JsonValue] | None
+    fit: dict[str, JsonValue]
     report: dict[str, JsonValue]
 
 
 def _outcome(document: SessionDocument, estimate: Estimate, views: Sequence[View]) -> _Outcome | None:
     """Describe a capture that ends with this estimate of its views; None if there is no fit."""
     from calibsolver.quality import report  # only an end needs it
+    from calibsolver.quality.rivals import with_rivals
 
     if estimate.calibration is None:
         return None
@@ -288,10 +289,9 @@ def _outcome(document: SessionDocument, estimate: Estimate, views: Sequence[View
         shaped = fit(used, camera.img_size, camera.model, start=camera, board_shape=True)
     except CalibrationError:
         shaped = calibration
-    if shaped.board_shape is None:
-        return _Outcome(None, report.describe(calibration, used, indices))
-    record = record_covered(shaped, Coverage.of(shaped, used))
-    return _Outcome(record, report.describe(shaped, used, indices))
+    judged = with_rivals(calibration if shaped.board_shape is None else shaped, used)
+    record = record_covered(judged, Coverage.of(judged, used))
+    return _Outcome(record, report.describe(judged, used, indices))
 
 
 def _refused(document: SessionDocument, view: ViewDocument, decision: ViewDecision) -> SessionDocument | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from calibdb.estimate.angles import Size, log_tan, log_tan_sigma
 from calibdb.estimate.crops import transfer
@@ -33,6 +34,11 @@ def calibrated(kind: str, value: float, count: int, *, disagree: bool = False) -
     # Another unit deviates from their mean by its own deviation as well.
     spread = sigma * math.sqrt(0.5 + 0.5 / max(1, count))
     return Evidence("calibrations", value, math.hypot(spread, _DISAGREE_SIGMA) if disagree else spread)
+
+
+def seen(kind: str, value: float, count: int) -> Evidence:
+    """Evidence of the one group of `count` calibrations, whose `log_tan` is `value`, that fits views."""
+    return replace(calibrated(kind, value, count), basis="views")
 
 
 def other_size(kind: str, value: float, size: Size, asked: Size, count: int) -> Evidence:

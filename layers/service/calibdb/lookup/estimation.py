@@ -11,10 +11,10 @@ from calibdb.estimate.crops import zoom_change
 from calibdb.estimate.device import device_of
 from calibdb.estimate.estimator import EstimateQuery, estimate
 from calibdb.estimate.evidence import Evidence
-from calibdb.estimate.own import calibrated, other_size, reported
+from calibdb.estimate.own import calibrated, other_size, reported, seen
 from calibdb.lookup.projection import axis_focal, distort_ray, is_projectable
 from calibdb.lookup.selection import closeness
-from calibdb.schema import Calibration, ConsensusDocument, LookupRequest
+from calibdb.schema import Calibration, ConsensusDocument, FittingGroup, LookupRequest
 from calibdb.schema.estimate import Estimate
 from calibdb.schema.lookup import CROPPED
 
@@ -23,11 +23,19 @@ _FOCAL_SIGMA = 0.02  # of a photograph's focal length, which EXIF data round
 _MAX_OTHER_SIZES = 2  # the closest; others are evidence of the same calibrations
 
 
-def estimate_for(request: LookupRequest, known: Sequence[ConsensusDocument]) -> Estimate:
-    """Estimate the camera of a lookup; `known`: its consensuses, none of which is reliable here."""
+def estimate_for(
+    request: LookupRequest, known: Sequence[ConsensusDocument], fitting: FittingGroup | None = None
+) -> Estimate:
+    """Estimate the camera of a lookup.
+
+    `known`: its consensuses, none of which is reliable here. `fitting`: the group of its calibrations that
+    fits the views sent.
+    """
     kind = _kind(request) if known or request.reported else ""
-    here = _calibration_here(request, known)
+    here = None if fitting else _calibration_here(request, known)
     evidence = [*_reports(request, kind), *_other_sizes(request, known, kind)]
+    if fitting is not None:
+        evidence.append(seen(kind, calibrated_log_tan(fitting.calibration), fitting.calibration.calibrations))
     if here is not None and here.calibration is not None:
         count, disagree = here.calibration.calibrations, here.reason == "disagree"
         value = calibrated_log_tan(here.calibration)
@@ -44,6 +52,9 @@ def estimate_for(request: LookupRequest, known: Sequence[ConsensusDocument]) -> 
     )
     if result.basis == "calibrations" and here is not None and here.calibration is not None:
         return _with_lens_of(result, here.calibration)
+    if fitting is not None and result.basis == "views":
+        likely = _with_lens_of(result, fitting.calibration)
+        return likely.model_copy(update={"group": f"{likely.hfov_deg:.0f}°"})
     return result
 
 

@@ -4,10 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from calibdb.errors import FieldError
+from calibdb.errors import MAX_FIELD_ERRORS, FieldError, InvalidError
 from calibdb.schema.board import Board
+from calibdb.schema.observed_corners import ObservedCorners
 
 _EDGE_PX = 0.5  # px; a pixel centre at 0 reaches from -0.5 to 0.5
+
+
+def require_corners(board: Board, img_size: tuple[int, int], views: Sequence[ObservedCorners]) -> None:
+    """Raise InvalidError for views with corners that the board does not have, or outside the image."""
+    wrong = [
+        error
+        for n, view in enumerate(views)
+        for error in corner_errors(board, img_size, view.ids, view.points, f"views.{n}.")
+    ]
+    if wrong:
+        raise InvalidError(wrong[:MAX_FIELD_ERRORS])
 
 
 def corner_errors(

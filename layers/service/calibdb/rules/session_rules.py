@@ -284,10 +284,8 @@ def estimate_document(record: Mapping[str, JsonValue], now: int) -> EstimateDocu
     return EstimateDocument.model_validate({**record, "time": now})
 
 
-def with_fit(document: SessionDocument, record: Mapping[str, JsonValue] | None) -> SessionDocument:
-    """Replace the fit of the document's estimate; None: it stays."""
-    if record is None:
-        return document
+def with_fit(document: SessionDocument, record: Mapping[str, JsonValue]) -> SessionDocument:
+    """Replace the fit of the document's estimate."""
     fitted = document.estimate.model_copy(update={"fit": FitRecord.model_validate(record)})
     return document.model_copy(update={"estimate": fitted})
 

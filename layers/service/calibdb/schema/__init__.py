@@ -50,7 +50,15 @@ from calibdb.schema.managed_token import (
 )
 from calibdb.schema.prior import PriorDocument
 from calibdb.schema.problem import FieldProblem, LookupProblem, Problem
-from calibdb.schema.refit import BackfillAnswer, BackfillBatch, NewAlias, RefitAnswer, RefitRequest
+from calibdb.schema.refit import (
+    BackfillAnswer,
+    BackfillBatch,
+    FittingGroup,
+    ModeViews,
+    NewAlias,
+    RefitAnswer,
+    RefitRequest,
+)
 from calibdb.schema.rig import MomentRequest, RigOpened, RigRequest, RigResult, RigState
 from calibdb.schema.rig_documents import (
     RigCalibrationDocument,
@@ -106,6 +114,7 @@ __all__ = [
     "FieldProblem",
     "Finish",
     "FitRecord",
+    "FittingGroup",
     "GivenCalibration",
     "GroupsDocument",
     "Health",
@@ -117,6 +126,7 @@ __all__ = [
     "LookupRequest",
     "ManagedToken",
     "Miss",
+    "ModeViews",
     "MomentRequest",
     "NewAlias",
     "NoCalibration",

@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from calibdb.schema.fields import DistortionModel, ImgSize, Open, Row
+from calibdb.schema.membership import is_none
 
 EstimateBasis = Literal["calibrations", "views", "device", "other_size", "published", "family", "population"]
 
@@ -37,5 +38,10 @@ class Estimate(Open):
         description="Best evidence that it rests on: too few calibrations here; views that were sent; what "
         "the device reports; this camera at another size; a published value of this model; other cameras of "
         "its maker; its kind of device."
+    )
+    group: str | None = Field(
+        None,
+        exclude_if=is_none,
+        description="Name of the group of calibrations that fits the views, by its field of view.",
     )
     sources: tuple[Source, ...] = ()

@@ -8,6 +8,7 @@ from urllib.parse import urlencode
 
 from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field, model_validator
 
+from calibdb.schema.board import Board
 from calibdb.schema.deferred import Deferred
 from calibdb.schema.estimate import Estimate
 from calibdb.schema.fields import (
@@ -22,8 +23,10 @@ from calibdb.schema.fields import (
     size_text,
     zoom_text,
 )
+from calibdb.schema.observed_corners import ObservedCorners
 
 Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors", "imprecise"]
+MAX_LOOKUP_VIEWS = 5
 ResizeMode = Annotated[str, Field(max_length=64)]
 ESTIMATE_TEXT = "Likely camera, with its interval: never a calibration. See the document on estimates."
 CROPPED = "crop-and-scale"  # the one of them that cuts the picture
@@ -91,6 +94,13 @@ class LookupRequest(Deferred):
     device: DeviceModel | None = Field(None, description=DEVICE_TEXT)
     reported: Reported | None = Field(
         None, description="A field of view that the device reports. Only the estimate uses it."
+    )
+    board: Board = Board()
+    views: tuple[ObservedCorners, ...] = Field(
+        (),
+        max_length=MAX_LOOKUP_VIEWS,
+        description="Frames of the board, tilted differently. If the calibrations of the camera fall into "
+        "groups, the estimate is the group that fits. Not in a query.",
     )
     redirect: Annotated[bool, BeforeValidator(_flag)] = True
     miss: Literal["ok"] | None = Field(

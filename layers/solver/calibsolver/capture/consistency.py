@@ -189,7 +189,7 @@ def thin(view: View) -> View:
     if len(view) <= MAX_TRIAL_POINTS:
         return view
     kept = np.linspace(0, len(view) - 1, MAX_TRIAL_POINTS).round().astype(np.int64)
-    return View(view.object_points[kept], view.image_points[kept])
+    return view.subset(kept)
 
 
 def common_points(one: View, other: View) -> tuple[IntArray, IntArray]:

@@ -53,7 +53,7 @@ def compare(camera: Camera, views: Sequence[View]) -> Comparison:
     """
     own = fit(views, camera.img_size, camera.model, board_shape=True)
     used = [
-        View(view.object_points[mask], view.image_points[mask])
+        view.subset(mask)
         for view, mask in zip(own.shaped(views), own.used, strict=True)
         if mask.sum() >= MIN_POSE_POINTS
     ]

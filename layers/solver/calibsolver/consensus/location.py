@@ -292,4 +292,4 @@ def thin(view: View, used: Mask) -> tuple[View, float]:
     count = len(chosen)
     if count > MAX_VIEW_POINTS:
         chosen = chosen[np.linspace(0, count - 1, MAX_VIEW_POINTS).round().astype(np.intp)]
-    return View(view.object_points[chosen], view.image_points[chosen]), count / len(chosen)
+    return view.subset(chosen), count / len(chosen)

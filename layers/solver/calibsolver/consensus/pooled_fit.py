@@ -68,7 +68,7 @@ def _inliers(view: View, used: Mask) -> View:
     """Select the inliers of a view, where they are enough for a pose; else the view."""
     if used.sum() < MIN_POSE_POINTS:
         return view
-    return View(view.object_points[used], view.image_points[used])
+    return view.subset(used)
 
 
 def cross_validate_views(group: Sequence[FittedMember], pooled: Camera) -> Array:

@@ -147,4 +147,4 @@ class BoardShape:
 
     def apply(self, view: View) -> View:
         """Return the view of the board in this shape."""
-        return View(self.moved(view.object_points.T).T, view.image_points)
+        return View(self.moved(view.object_points.T).T, view.image_points, view.weights)

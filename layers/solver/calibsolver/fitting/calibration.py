@@ -12,7 +12,11 @@ from ..camera import Camera
 from ..view import View
 from . import description
 from .board_shape import BoardShape
+from .rivals import Rivals
 from .uncertainty import Uncertainty, projection_jacobian_rotation_free, variance
+
+BORDER_GRID = (40, 30)
+"""Grid whose outermost cells reach the border, where rivals differ most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,9 +39,9 @@ class Calibration:
         (`robust_covariance`), and from other optima that they allow (`focal_profile`).
     information
         (p, p) Fisher information of the intrinsics, with the prior: what white noise of the corners would
-        leave known. What a further view adds is compared with it.
+        leave known. What a further view adds is compared with it. 0 in the directions that were fixed.
     noise
-        px, standard deviation of one coordinate of a corner, as estimated.
+        px, standard deviation of one coordinate of a corner, as estimated; of mean weight.
     inflation
         Variance that the intrinsics see / variance that white noise of the corners gives them, >= 1: what is
         systematic in the views.
@@ -51,6 +55,10 @@ class Calibration:
         Views wholly left out of the fit: index -> why (``outlier``, ``mirrored``, ``degenerate``).
     board_shape
         Bend and stretch of the board, which poses and residuals refer to; None: it was taken as drawn.
+    fixed
+        Names of the parameters that were not estimated (`constraint`).
+    rivals
+        Other models' cameras that explain the views as well (`quality.rivals`); None: not looked for.
     """
 
     camera: Camera
@@ -66,6 +74,8 @@ class Calibration:
     prior_used: bool
     cut_views: Mapping[int, str] = field(default_factory=dict)
     board_shape: BoardShape | None = None
+    fixed: tuple[str, ...] = ()
+    rivals: Rivals | None = None
 
     def shaped(self, views: Sequence[View]) -> list[View]:
         """Return views of the same board in its shape."""
@@ -92,21 +102,27 @@ class Calibration:
 
         At the centre of each cell: root of the trace of the 2x2 covariance of the projection of the ray
         seen there, to first order, with the rotation of the camera frame that fits best over the grid
-        removed. NaN outside the model's one-to-one domain.
+        removed. Outside the hull of the corners with the error if a rival is right, if there are any. NaN
+        outside the model's one-to-one domain.
         """
         model = models.get(self.camera.model)
         d = projection_jacobian_rotation_free(model, self.camera.intrinsics, self.camera.img_size, grid)
         with np.errstate(invalid="ignore"):
-            std: Array = np.sqrt(np.maximum(variance(d, self.covariance), 0)).reshape(grid[1], grid[0])
+            square = np.maximum(variance(d, self.covariance), 0)
+            if self.rivals is not None:
+                square = square + self.rivals.square_error(self.camera, grid)
+            std: Array = np.sqrt(square).reshape(grid[1], grid[0])
         return std
 
     def uncertainty(self, grid: tuple[int, int] = (20, 15)) -> Uncertainty:
         """Predict rms and maximum of |true - estimated projection| over the image, px (`projection_std`)."""
         std = self.projection_std(grid)
-        seen = std[np.isfinite(std)]
+        known = np.isfinite(std)
+        seen = std[known]
+        largest = std if self.rivals is None else self.projection_std(BORDER_GRID)
         if not seen.size:  # not even the middle of the image has a ray: nothing is known
-            return Uncertainty(float(max(self.camera.img_size)), float(max(self.camera.img_size)))
-        return Uncertainty(float(np.sqrt(np.mean(seen**2))), float(seen.max()))
+            return Uncertainty(float(max(self.camera.img_size)), float(max(self.camera.img_size)), 0.0)
+        return Uncertainty(float(np.sqrt(np.mean(seen**2))), float(np.nanmax(largest)), float(known.mean()))
 
     def record(self) -> dict[str, Any]:
         """Return the calibration as plain values, under the names of the published file format."""
@@ -120,4 +136,5 @@ class Calibration:
             "uncertainty": {"rms": uncertainty.rms, "max": uncertainty.max},
             "systematic": self.inflation,
             **({} if shape is None else {"board_shape": shape.figures()}),
+            **({"fixed": list(self.fixed)} if self.fixed else {}),
         }

@@ -15,11 +15,10 @@ from ..arrays import Array, Mask
 from ..camera import pixel_grid
 from ..view import View
 from .calibration import Calibration
+from .rivals import Hull
 from .uncertainty import projection_jacobian_rotation_free, variance
 
 COVERAGE_GRID = (40, 30)
-DIRECTIONS = 72
-"""Directions in which the hull is bounded by its outermost corner."""
 MIN_CELLS = 4
 """Cells in the hull below which only the error over the whole image is stated."""
 
@@ -57,12 +56,7 @@ class Coverage:
 
 def hull(points: Array, img_size: tuple[int, int]) -> Mask:
     """Tell (n,) which cells of COVERAGE_GRID have their centre in the convex hull of `points` (m, 2), px."""
-    angle = np.linspace(0, 2 * np.pi, DIRECTIONS, endpoint=False)
-    direction = np.stack([np.cos(angle), np.sin(angle)])
-    farthest = (points @ direction).max(axis=0, initial=-np.inf)
-    cells = pixel_grid(img_size, COVERAGE_GRID).reshape(2, -1).T
-    inside: Mask = (cells @ direction <= farthest).all(axis=1)
-    return inside
+    return Hull.of(points).contains(pixel_grid(img_size, COVERAGE_GRID).reshape(2, -1).T)
 
 
 def record_covered(calibration: Calibration, coverage: Coverage) -> dict[str, Any]:

@@ -74,7 +74,10 @@ def _intrinsics(calibration: Described) -> list[tuple[str, str]]:
     deviations: Array = np.sqrt(np.maximum(np.diagonal(calibration.covariance), 0))
     digits = (2,) * 4 + (5,) * len(camera.distortion)
     numbers = zip(names, camera.intrinsics, deviations, digits, strict=True)
-    return [(name, f"{value:.{d}f} ± {sigma:.{d}f}") for name, value, sigma, d in numbers]
+    return [
+        (name, f"{value:.{d}f} ± {sigma:.{d}f}" if sigma > 0 else f"{value:.{d}f} (fixed)")
+        for name, value, sigma, d in numbers
+    ]
 
 
 def _facts(calibration: Described) -> list[tuple[str, str]]:

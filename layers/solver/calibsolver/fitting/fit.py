@@ -13,25 +13,27 @@ from ..errors import CalibrationError, undetermined
 from ..models import Model
 from ..view import View
 from . import (
+    constraint,
+    domain,
     focal_profile,
     initial_guess,
     levenberg_marquardt,
     normal_equations,
     outliers,
     plausibility,
-    prior,
     resection,
     robust_covariance,
     systematic_effects,
     validation,
 )
 from .calibration import Calibration
+from .constraint import Fix
 from .degenerate_views import with_degenerate_views
 from .levenberg_marquardt import Options, Problem, State
 from .mixed_fit import MixedFit
 from .mixed_model import SHAPE_SIZE, marginal_information
-from .multistart import MultiStart
-from .normal_equations import Poses
+from .multistart import MultiStart, constrained
+from .normal_equations import POSE_SIZE, Poses
 from .observations import Order
 from .validation import MIN_POINTS, check, degenerate_views, pack
 
@@ -62,6 +64,7 @@ def fit(
     robust: bool = True,
     *,
     start: Camera | None = None,
+    fix: Fix = (),
     board_shape: bool = False,
 ) -> Calibration:
     """Fit a camera model to views of a planar board.
@@ -79,8 +82,10 @@ def fit(
         are cut and the rest fitted by least squares together with the model's weak prior. Otherwise plain
         least squares over all points; with the prior only where the points leave something open.
     start
-        A camera that may be near: where the fit starts first. The result depends on it only where the views
-        allow two optima (`focal_profile`).
+        A camera that may be near: where the fit starts first. The result depends on it only if the views
+        allow two optima (`focal_profile`), and by what `fix` holds there.
+    fix
+        What is not estimated (`constraint`): names, or a mapping of names to values; variance 0.
     board_shape
         Estimate bend and stretch of the board with the rest, if at least MIN_SHAPE_VIEWS views take part and
         a shape explains them better than chance and motion do. Otherwise, and in plain least squares (not
@@ -90,19 +95,20 @@ def fit(
     ------
     CalibrationError
         ``no_views``, ``too_few_points``, ``degenerate``, ``not_planar``, ``out_of_range``,
-        ``outside_image``, ``mirrored``, ``unknown_model``, ``no_fit``, ``not_converged`` or
-        ``not_believable``: never is nonsense returned.
+        ``outside_image``, ``mirrored``, ``unknown_model``, ``unknown_parameter``, ``no_value``,
+        ``no_fit``, ``not_converged`` or ``not_believable``: never is nonsense returned.
     """
     camera_model = models.get(model)
     views = list(views or ())
     given = pack(views, img_size)
+    basis, origin = constraint.of(camera_model, img_size, fix, start)
     degenerate = degenerate_views(given)
     if degenerate.any():
         if degenerate.all() or not robust:
             check(views, img_size)  # raises: too little is left, or nothing may be left out
         kept = [views[i] for i in np.flatnonzero(~degenerate)]
         return with_degenerate_views(
-            fit(kept, img_size, model, start=start, board_shape=board_shape), views, degenerate
+            fit(kept, img_size, model, start=start, fix=fix, board_shape=board_shape), views, degenerate
         )
     mirrored = validation.mirrored_views(given)
     if mirrored.any() and not robust:
@@ -111,8 +117,9 @@ def fit(
     obs, order = given.sort_canonically()
     # Far from the solution numbers may overflow; every step is tested before it is taken.
     with np.errstate(all="ignore"):
-        problem = Problem(camera_model, obs, img_size)
-        return _Fit(problem, order, mirrored[order.views], robust, start, board_shape).run()
+        problem = Problem(camera_model, obs, img_size, basis, origin)
+        found = _Fit(problem, order, mirrored[order.views], robust, start, board_shape).run()
+    return replace(found, fixed=constraint.names(fix))
 
 
 @undetermined()
@@ -174,6 +181,10 @@ class _Fit:
         found = self._shaped(state, good) or self._result(state, good, with_prior=True)
         if near is not None:
             return found.calibration
+        covering = domain.covering(self.problem, state, good, found.calibration)
+        if covering is not None:
+            other = replace(self, problem=covering[0])
+            found = other._shaped(covering[1], good) or other._result(covering[1], good, with_prior=True)
         covariance = focal_profile.covariance_of_optima(
             found.problem, found.state, found.good, found.calibration
         )
@@ -275,7 +286,7 @@ class _Fit:
             other = (
                 self.multistart.starts(problem)
                 if model.start_families > 1
-                else initial_guess.from_vanishing_points(model, obs, size)
+                else constrained(problem, initial_guess.from_vanishing_points(model, obs, size))
             )
             begun = [state, *(problem.at(s.k, s.poses) for s in other)]
             free = [problem.solve(s, self.multistart.unit_weights, FREE) for s in begun]
@@ -299,7 +310,7 @@ class _Fit:
         focal = float(self.model.focal(state.k)[0]) / self.width
         labels = robust_covariance.same_pose_labels(poses, obs, good, focal)
         row = systematic_effects.row_position(obs.pixels[:, 1], self.problem.img_size[1])
-        effects = systematic_effects.displacements(rows[self.model.size : -1], poses, obs.points, row)
+        effects = systematic_effects.displacements(rows[-POSE_SIZE - 1 : -1], poses, obs.points, row)
         if good.all():
             return robust_covariance.Evidence.of(rows, effects, poses, labels)
         evidence = robust_covariance.Evidence.of(rows, effects, poses, labels, used=good)
@@ -330,7 +341,8 @@ class _Fit:
     def _sigma(self, state: State, good: Mask) -> float:
         """Noise of one coordinate, px: least squares estimate, corrected for the degrees of freedom."""
         used = 2 * float(good.sum())
-        free = used - self.model.size - 6 * float(good.any(axis=1).sum())
+        unknowns = len(state.rows) - 1 - POSE_SIZE + POSE_SIZE * int(good.any(axis=1).sum())
+        free = used - unknowns
         noise = float(np.sqrt(state.square[good].sum() / max(free, 0.1 * used, 1.0)))
         return max(noise, levenberg_marquardt.ROUNDOFF * self.width)
 
@@ -368,11 +380,12 @@ class _Fit:
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size
         # No point is farther off than the image is large: of a view that no pose explains the model says
         # anything.
-        square = np.minimum(np.where(mask, state.square, 0.0), float(np.hypot(*img_size)) ** 2)
+        scale = 1.0 if problem.obs.scale is None else problem.obs.scale
+        square = np.minimum(np.where(mask, state.square / scale**2, 0.0), float(np.hypot(*img_size)) ** 2)
         rms = float(np.sqrt(square.sum() / mask.sum()))
         sigma = self._sigma(state, good)
         # Below any detector's noise it keeps some weight: corners without any would leave nothing of it.
-        believed = prior.information(self.model, k, img_size) if with_prior else None
+        believed = state.prior_jacobian.T @ state.prior_jacobian if with_prior else None
         if believed is not None:
             believed *= max(sigma, 1e-5 * img_size[0]) ** 2
         if mixed is None:
@@ -381,13 +394,17 @@ class _Fit:
         else:
             spread = mixed.spread(optimum, good, sigma, self.mask)
             covariance = spread.covariance[SHAPE_SIZE:, SHAPE_SIZE:]
-            information = marginal_information(spread.information, self.model.size)
+            information = marginal_information(spread.information, len(state.rows) - 1 - POSE_SIZE)
             shape = mixed.problem.shape(optimum)
             shape = replace(shape, covariance=frozen(spread.covariance[:SHAPE_SIZE, :SHAPE_SIZE]))
         if not (np.isfinite(rms) and np.isfinite(spread.covariance).all()):
             raise CalibrationError("not_believable", "the fit has no finite error")
         measured, back = self.order.points_back(mask), self.order.points_back
-        signed = np.stack([back(-axis) for axis in state.rows[-1]], axis=-1)  # observed - projected
+        signed = np.stack([back(-axis / scale) for axis in state.rows[-1]], axis=-1)  # observed - projected
+        if problem.basis is not None:
+            covariance = problem.basis @ covariance @ problem.basis.T
+            inverse = np.linalg.pinv(problem.basis)
+            information = inverse.T @ information @ inverse
         calibration = Calibration(
             camera=Camera.from_intrinsics(self.model.name, k, img_size),
             poses=frozen(self.order.back(state.poses.vectors())),

@@ -5,10 +5,12 @@ and the views are tilted alike. The profile then has two minima, and a second ca
 one, farther away than the curvature of either tells. (Bates & Watts 1988, chapter 6, for profiles.)
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..arrays import Array, Mask, frozen, symmetric_inverse
-from . import outliers, plausibility
+from . import outliers, plausibility, prior
 from .calibration import Calibration
 from .levenberg_marquardt import Options, Problem, State
 from .normal_equations import Poses
@@ -34,7 +36,7 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
     Parameters
     ----------
     problem, state, good
-        All intrinsics are free; the optimum, and the points (v, n) that took part.
+        The optimum, and the points (v, n) that took part.
     found
         The calibration there.
     """
@@ -44,7 +46,9 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
     if good.any(axis=1).sum() < MIN_DETERMINING_VIEWS or MAX_STEP_DEVIATIONS * deviation < STEP:
         return covariance
     # What views share (bend, motion, what the model lacks) counts in the likelihood as it does in the bars.
-    white = gradient @ symmetric_inverse(np.asarray(found.information)) @ gradient
+    basis = np.eye(len(gradient)) if problem.basis is None else problem.basis
+    information, along = basis.T @ found.information @ basis, gradient @ basis
+    white = along @ symmetric_inverse(information) @ along
     variance = found.noise**2 * max(deviation**2 / float(white), 1.0)
     moments = covariance.copy()
     for step in (-STEP, STEP):
@@ -67,10 +71,12 @@ def optimum_beside(problem: Problem, state: State, good: Mask, step: float) -> S
     factor = float(np.exp(step))
     k, weights = state.k.copy(), outliers.unit_weights(good)
     k[:2] *= factor
+    k = problem.nearest(k)
     poses = Poses(state.poses.r, state.poses.t * (1, 1, factor))  # of the same size in the image
     # All directions but the one in which the focal length grows.
-    basis = np.linalg.svd(log_focal_gradient(problem, state)[None])[2][1:].T
-    held = Problem(problem.model, problem.obs, problem.img_size, basis)
+    free = np.eye(len(k)) if problem.basis is None else problem.basis
+    basis = np.linalg.svd((log_focal_gradient(problem, state) @ free)[None])[2][1:].T
+    held = replace(problem, basis=free @ basis)
     best = held.solve(held.at(k, poses), weights, HELD)
     return problem.solve(problem.at(best.k, best.poses), weights, ALONG_VALLEY)
 
@@ -86,5 +92,6 @@ def is_taken(problem: Problem, other: State, good: Mask) -> bool:
 
 def log_focal_gradient(problem: Problem, state: State) -> Array:
     """Gradient (p,) of the logarithm of the focal length: the prior's first residual is that, whitened."""
-    gradient: Array = state.prior_jacobian[0] * problem.model.prior.focal_sigma
+    by_k = prior.residuals(problem.model, state.k, problem.img_size)[1]
+    gradient: Array = by_k[0] * problem.model.prior.focal_sigma
     return gradient

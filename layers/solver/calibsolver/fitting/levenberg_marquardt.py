@@ -8,6 +8,7 @@ or the square, sigma the noise that the residuals themselves show. (Marquardt 19
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -38,8 +39,6 @@ MIN_GAIN_RATIO = 0.25
 """Gain ratio (actual / predicted decrease) below which the damping is raised."""
 MIN_DAMPING, MIN_RAISED_DAMPING, MAX_DAMPING = 1e-12, 1e-8, 1e8
 """Bounds of the damping: when lowered, when raised, and beyond which no step leads downhill."""
-ACCELERATE_AFTER_ITERATIONS = 4
-"""Iterations after which the valley is taken for a curved one."""
 MAX_ACCELERATION_RATIO = 0.75
 """Length of the geodesic acceleration / length of the step, at most: else neither is trusted."""
 SHORT_STEP = 1e-6
@@ -143,9 +142,12 @@ class LeastSquares(ABC):
     ----------
     obs
         Points and pixels.
+    straight_iterations
+        Iterations after which the valley is taken for a curved one.
     """
 
     obs: Observations
+    straight_iterations: ClassVar[int] = 6
 
     @property
     @abstractmethod
@@ -185,7 +187,7 @@ class LeastSquares(ABC):
             cost, irls_weights = objective.of(state)
             system = state.system(irls_weights, objective.prior_weight)
             tolerance = options.tolerance * cost + tolerance_abs
-            accelerated = iteration >= ACCELERATE_AFTER_ITERATIONS
+            accelerated = iteration >= self.straight_iterations
             while True:
                 if damping > MAX_DAMPING:
                     return state
@@ -268,12 +270,16 @@ class Problem(LeastSquares):
     ----------
     basis
         (p, a): the directions T in which the intrinsics may go, k + T da; None: all are free.
+    origin
+        (p,) intrinsics that satisfy the constraint of the basis; None: every start does.
     """
 
     model: Model
     obs: Observations
     img_size: tuple[int, int]
     basis: Array | None = None
+    origin: Array | None = None
+    straight_iterations: ClassVar[int] = 4
 
     @property
     def width(self) -> int:
@@ -287,17 +293,35 @@ class Problem(LeastSquares):
     def at(self, k: Array, poses: Poses) -> State:
         """Linearize at given intrinsics (p,) and poses."""
         rows, square = residual_rows(self.model, k, poses, self.obs)
+        return State(k, poses, self.free_rows(rows), square, *self.prior(k))
+
+    def free_rows(self, rows: Array, before: int = 0) -> Array:
+        """Rows (before + a + ..., 2, v, n) by the free intrinsics, of rows by all of them."""
+        if self.basis is None:
+            return rows
+        after = before + self.model.size
+        free = np.tensordot(self.basis.T, rows[before:after], 1)
+        return np.concatenate([rows[:before], free, rows[after:]])
+
+    def prior(self, k: Array) -> tuple[Array, Array]:
+        """Whitened residuals (m,) of the prior at intrinsics k (p,), and their Jacobian (m, a)."""
         r, j = prior.residuals(self.model, k, self.img_size)
-        if self.basis is not None:
-            size = self.model.size
-            rows = np.concatenate([np.tensordot(self.basis.T, rows[:size], 1), rows[size:]])
-            j = j @ self.basis
-        return State(k, poses, rows, square, r, j)
+        return r, j if self.basis is None else j @ self.basis
+
+    def nearest(self, k: Array) -> Array:
+        """Intrinsics (p,) that satisfy the constraint, near to k (p,)."""
+        if self.basis is None or self.origin is None:
+            return k
+        nearest: Array = (
+            self.origin + self.basis @ np.linalg.lstsq(self.basis, k - self.origin, rcond=None)[0]
+        )
+        return nearest
 
     def residuals(self, k: Array, poses: Poses) -> Array:
         """Compute the residuals (2, v, n) at given intrinsics (p,) and poses, px."""
         q = normal_equations.project(self.model, k, poses, self.obs.points)
-        return (q - self.obs.pixels).transpose(1, 0, 2)
+        r: Array = (q - self.obs.pixels).transpose(1, 0, 2)
+        return r if self.obs.scale is None else r * self.obs.scale
 
     def free(self, da: Array) -> Array:
         """Change (p,) of the intrinsics by a step (a,) of the free ones."""
@@ -307,8 +331,11 @@ class Problem(LeastSquares):
         """Intrinsics and poses after steps (a,) and (v, 6), along the curve that keeps the picture.
 
         A longer focal length moves the boards away, and leaves each coefficient's effect in px: the long
-        valley between focal length, distortion and distance is then nearly straight.
+        valley between focal length, distortion and distance is then nearly straight. A constraint is kept by
+        straight steps.
         """
+        if self.origin is not None:
+            return super().retract(k, poses, da, dp)
         change = self.free(da)
         across, down = float(change[0] / k[0]), float(change[1] / k[1])
         longer = (across + down) / 2
@@ -326,11 +353,13 @@ def residual_rows(
 ) -> tuple[Array, Array]:
     """Jacobian and residuals (p + 7, 2, v, n) at k (p,), and the residuals' squared lengths (v, n), px^2.
 
-    As many rows before them are left empty as are asked for.
+    Weighted, where the observations have weights. As many rows before them are left empty as are asked for.
     """
     q, rows = normal_equations.linearize(model, k, poses, obs.points, 1, rows_before)
     r = rows[-1]
     np.subtract(q, obs.pixels.transpose(1, 0, 2), out=r)
+    if obs.scale is not None:
+        rows[rows_before:] *= obs.scale
     return rows, r[0] * r[0] + r[1] * r[1]
 
 

@@ -6,6 +6,7 @@ would be taken for it. It counts in the covariance.
 """
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from . import (
     levenberg_marquardt,
     normal_equations,
     outliers,
-    prior,
     robust_covariance,
     systematic_effects,
 )
@@ -70,6 +70,7 @@ class ShapedProblem(LeastSquares):
     frame: BoardShape
     displacements: Array
     variances: Variances
+    straight_iterations: ClassVar[int] = Problem.straight_iterations
 
     @classmethod
     def of(cls, drawn: Problem, variances: Variances) -> "ShapedProblem":
@@ -87,7 +88,7 @@ class ShapedProblem(LeastSquares):
         """Observations of the board in a shape (SHAPE_SIZE,)."""
         moved = (shape @ self.displacements.reshape(SHAPE_SIZE, -1)).reshape(self.obs.points.shape)
         moved += self.obs.points
-        return Observations(moved, self.obs.pixels, self.obs.mask)
+        return replace(self.obs, points=moved)
 
     def is_feasible(self, k: Array) -> bool:
         """True if the model has a picture at all with k."""
@@ -117,16 +118,17 @@ class ShapedProblem(LeastSquares):
         rows, square = levenberg_marquardt.residual_rows(
             self.drawn.model, k[SHAPE_SIZE:], poses, obs, SHAPE_SIZE
         )
-        return self._with_shape(k, poses, rows, square)
+        return self._with_shape(k, poses, self.drawn.free_rows(rows, SHAPE_SIZE), square)
 
     def residuals(self, k: Array, poses: Poses) -> Array:
         """Compute the residuals (2, v, n) at a shape and intrinsics k, and poses, px."""
         points = self.reshaped(k[:SHAPE_SIZE]).points
         q = normal_equations.project(self.drawn.model, k[SHAPE_SIZE:], poses, points)
-        return (q - self.obs.pixels).transpose(1, 0, 2)
+        r: Array = (q - self.obs.pixels).transpose(1, 0, 2)
+        return r if self.obs.scale is None else r * self.obs.scale
 
     def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
-        """Shape, intrinsics and poses after steps (SHAPE_SIZE + p,) and (v, 6)."""
+        """Shape, intrinsics and poses after steps (SHAPE_SIZE + a,) and (v, 6)."""
         camera, moved = self.drawn.retract(k[SHAPE_SIZE:], poses, da[SHAPE_SIZE:], dp)
         return np.append(k[:SHAPE_SIZE] + da[:SHAPE_SIZE], camera), moved
 
@@ -146,14 +148,14 @@ class ShapedProblem(LeastSquares):
         return replace(self.frame, parameters=tuple(state.k[:SHAPE_SIZE].tolist()))
 
     def _with_shape(self, k: Array, poses: Poses, rows: Array, square: Array) -> State:
-        """State of rows (SHAPE_SIZE + p + 7, 2, v, n), the first of which are filled here."""
+        """State of rows (SHAPE_SIZE + a + 7, 2, v, n), the first of which are filled here."""
         by_x, by_y, by_z = np.einsum("vij,iavn->javn", poses.r, rows[-4:-1])
         for i in range(BEND_SIZE):
             np.multiply(by_z, self.displacements[i, :, 2], out=rows[i])
         np.multiply(by_x, self.displacements[3, :, 0], out=rows[3])
         rows[3] += by_y * self.displacements[3, :, 1]
         np.multiply(by_x, self.displacements[4, :, 0], out=rows[4])
-        r, j = prior.residuals(self.drawn.model, k[SHAPE_SIZE:], self.drawn.img_size)
+        r, j = self.drawn.prior(k[SHAPE_SIZE:])
         certain = 1 / self.variances.shape_deviations()
         jacobian = block_diagonal(np.diag(certain), j)
         return State(k, poses, rows, square, np.append(k[:SHAPE_SIZE] * certain, r), jacobian)

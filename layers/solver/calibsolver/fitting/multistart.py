@@ -1,7 +1,7 @@
 """Multistart: from several initial guesses to near the optimum, robustly, whichever views are bad."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -64,7 +64,7 @@ class MultiStart:
             begun = None if first is None else self.follow(problem, first, self.unit_weights, self.mask)
             if begun is not None and self.is_clear(problem, begun, self.mask):
                 return begun
-        trial = Problem(problem.model, obs.subset(trial_views), problem.img_size)
+        trial = replace(problem, obs=obs.subset(trial_views))
         found = self.rank_optima(trial, self.unit_weights[trial_views], self.mask[trial_views])
         # Where a few views leave it open which camera it is, all of them decide.
         states = []
@@ -111,7 +111,10 @@ class MultiStart:
         return outliers.rank_states(found, trial, mask)
 
     def starts(self, trial: Problem) -> Iterator[initial_guess.Start]:
-        """Yield the starts, the likeliest first."""
+        """Yield the starts, the likeliest first, with intrinsics that satisfy the problem's constraint."""
+        yield from constrained(trial, self._unconstrained_starts(trial))
+
+    def _unconstrained_starts(self, trial: Problem) -> Iterator[initial_guess.Start]:
         model, obs, size = trial.model, trial.obs, trial.img_size
         if self.known is not None and self.known.img_size == size:
             yield initial_guess.at(model, obs, initial_guess.convert_intrinsics(model, self.known))
@@ -155,6 +158,15 @@ class MultiStart:
         return bool(np.abs(state.prior_residuals[1:4]).max() < MAX_PRIOR_Z)
 
 
+def constrained(problem: Problem, starts: Iterable[initial_guess.Start]) -> Iterator[initial_guess.Start]:
+    """Yield starts with intrinsics that satisfy the constraint of a problem, and the poses for these."""
+    for start in starts:
+        if problem.origin is None:
+            yield start
+        else:
+            yield initial_guess.with_robust_poses(problem.model, problem.obs, problem.nearest(start.k))
+
+
 def reinitialize_outlying_poses(problem: Problem, state: State, weights: Array, mask: Mask) -> State:
     """Reinitialize the poses of views that fit badly from the LMedS inliers among their points.
 
@@ -165,7 +177,7 @@ def reinitialize_outlying_poses(problem: Problem, state: State, weights: Array, 
         bad = outliers.views_beyond_threshold(state, mask)
         if not bad.size:
             break
-        part = Problem(problem.model, problem.obs.subset(bad), problem.img_size)
+        part = replace(problem, obs=problem.obs.subset(bad))
         rays = initial_guess.unproject_observations(problem.model, part.obs, state.k)
         homographies, _ = robust_homography.fit_homographies_lmeds(part.obs.points, rays, mask[bad], 0.0)
         poses = homographies.poses(part.obs.points[:, 2, 0])

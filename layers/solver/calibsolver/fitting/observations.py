@@ -29,11 +29,15 @@ class Observations:
         (v, 2, n) px.
     mask
         (v, n) true where a point was measured.
+    scale
+        (v, n) roots of the weights, of mean square 1 over all points: factors of the residuals and their
+        derivatives. None: all are 1.
     """
 
     points: Array
     pixels: Array
     mask: Mask
+    scale: Array | None = None
 
     @classmethod
     def of(cls, views: Sequence[View]) -> "Observations":
@@ -43,7 +47,7 @@ class Observations:
         if (lengths == n).all():
             points = np.ascontiguousarray(np.stack([view.object_points.T for view in views]))
             pixels = np.ascontiguousarray(np.stack([view.image_points.T for view in views]))
-            return cls(points, pixels, np.ones((len(views), n), dtype=bool))
+            return cls(points, pixels, np.ones((len(views), n), dtype=bool), _scale(views, n))
         index = np.minimum(np.arange(n), lengths[:, None] - 1)
         points = np.stack([view.object_points[i] for view, i in zip(views, index, strict=True)])
         pixels = np.stack([view.image_points[i] for view, i in zip(views, index, strict=True)])
@@ -52,6 +56,7 @@ class Observations:
             np.ascontiguousarray(points.transpose(0, 2, 1)),
             np.ascontiguousarray(pixels.transpose(0, 2, 1)),
             mask,
+            _scale(views, n),
         )
 
     @property
@@ -66,7 +71,8 @@ class Observations:
 
     def subset(self, index: IntArray) -> "Observations":
         """Return the observations of some of the views."""
-        return Observations(self.points[index], self.pixels[index], self.mask[index])
+        scale = None if self.scale is None else self.scale[index]
+        return Observations(self.points[index], self.pixels[index], self.mask[index], scale)
 
     def sort_canonically(self) -> tuple["Observations", "Order"]:
         """Return the same observations in an order that does not depend on the one they came in."""
@@ -77,11 +83,13 @@ class Observations:
         points, mask = points[views], self.mask[views]
         # what stands for points that are not there must not depend on the order either
         filled = np.where(mask, points, points[:, :1])[:, None]
+        scale = None if self.scale is None else np.take_along_axis(self.scale[views], filled[:, 0], axis=1)
         return (
             Observations(
                 np.take_along_axis(self.points[views], filled, axis=2),
                 np.take_along_axis(self.pixels[views], filled, axis=2),
                 mask,
+                scale,
             ),
             Order(views, points),
         )
@@ -105,3 +113,16 @@ class Order:
         found = np.empty_like(values)
         np.put_along_axis(found, self.points, values, axis=1)
         return self.back(found)
+
+
+def _scale(views: Sequence[View], n: int) -> Array | None:
+    """Return the roots (v, n) of weights, of mean square 1 over all points; None if all are equal."""
+    if all(view.weights is None for view in views):
+        return None
+    out = np.ones((len(views), n))
+    for row, view in zip(out, views, strict=True):
+        if view.weights is not None:
+            row[: len(view)] = np.sqrt(view.weights)
+    measured = np.arange(n) < np.array([[len(view)] for view in views])
+    out /= np.sqrt(np.mean(np.sort(out[measured]) ** 2))  # sorted: the same in any order of views
+    return None if np.allclose(out[measured], 1, rtol=0, atol=1e-12) else out

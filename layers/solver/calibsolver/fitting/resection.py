@@ -1,7 +1,7 @@
 """Resection: the poses of views under a given camera, by reprojection error (PnP for all views at once)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -49,7 +49,7 @@ class ReprojectionScore:
 
 @undetermined()
 def reprojection_score(camera: Camera, views: Sequence[View]) -> ReprojectionScore:
-    """Measure the reprojection error of `views` under `camera`, every pose fitted, nothing left out.
+    """Measure the reprojection error of `views` under `camera`: all poses fitted, all points alike.
 
     Raises CalibrationError (``no_views``, ``too_few_points``, ``out_of_range``).
     """
@@ -57,7 +57,7 @@ def reprojection_score(camera: Camera, views: Sequence[View]) -> ReprojectionSco
         raise CalibrationError("no_views", "there is no view to score")
     if min(len(view) for view in views) < MIN_POSE_POINTS:
         raise CalibrationError("too_few_points", f"a pose needs {MIN_POSE_POINTS} points")
-    obs = in_range(Observations.of(views), camera.img_size)
+    obs = replace(in_range(Observations.of(views), camera.img_size), scale=None)
     poses, square = resect(models.get(camera.model), camera.intrinsics, obs)
     count = obs.mask.sum(axis=1)
     with np.errstate(all="ignore"):

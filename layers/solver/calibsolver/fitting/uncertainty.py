@@ -21,10 +21,19 @@ ANGLE_STEPS = 256
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Predicted error of a projection, px: root mean square and maximum over a grid of the image."""
+    """Predicted error of a projection over a grid of the image.
+
+    Attributes
+    ----------
+    rms, max
+        px, root mean square and maximum where the model has a ray.
+    coverage
+        Share of the image for which they stand.
+    """
 
     rms: float
     max: float
+    coverage: float = 1.0
 
 
 def projection_jacobian_rotation_free(

@@ -30,7 +30,7 @@ def at_optimum(source: ExportSource, conversion: Conversion) -> Conversion:
     used = conversion.used or used_points(camera, source.views)
     if conversion.error == 0:
         return replace(conversion, used=used)
-    views = [View(v.object_points[m], v.image_points[m]) for v, m in zip(source.views, used, strict=True)]
+    views = [v.subset(m) for v, m in zip(source.views, used, strict=True)]
     views = [view for view in views if len(view) >= MIN_USED_POINTS]
     model, obs = models.get(camera.model), Observations.of(views)
     try:
@@ -61,7 +61,7 @@ def used_points(camera: Camera, views: Sequence[View]) -> tuple[Mask, ...]:
 def resect_used(camera: Camera, views: Sequence[View], used: Sequence[Mask]) -> Array:
     """Return the poses (v, 6) of views by the points of each that count."""
     kept = [
-        View(view.object_points[mask], view.image_points[mask]) if mask.sum() >= MIN_USED_POINTS else view
+        view.subset(mask) if mask.sum() >= MIN_USED_POINTS else view
         for view, mask in zip(views, used, strict=True)
     ]
     return np.array(resection.reprojection_score(camera, kept).poses)

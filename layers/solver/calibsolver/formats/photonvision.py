@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from .. import models, rotation
-from ..arrays import Array
+from ..arrays import Array, Mask
 from ..errors import CalibrationError
 from ..fitting import resection
 from ..view import View
@@ -116,10 +116,12 @@ def _view(item: object) -> View:
         view = View(p, q)
     except ValueError as error:
         raise text.refuse(f"an observation makes no sense: {error}") from None
-    keep = (q >= -0.5).all(axis=1)  # corners that were not seen are written as negative pixels
+    keep: Mask = np.asarray(
+        (q >= -0.5).all(axis=1)
+    )  # corners that were not seen are written as negative pixels
     if isinstance(used, list) and len(used) == len(p):
         keep &= np.array([bool(flag) for flag in used])
-    return View(view.object_points[keep], view.image_points[keep])
+    return view.subset(keep)
 
 
 def _points(items: object, axes: str) -> Array:

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, frozen
+from ..camera import Camera
 from ..errors import CalibrationError, undetermined
+from ..fitting.constraint import Fix
 from ..fitting.fit import fit
 from ..fitting.resection import reprojection_score
 from ..fitting.validation import degenerate_views, pack
@@ -42,12 +44,14 @@ def held_out(
     split: Sequence[int] | None = None,
     *,
     board_shape: bool = False,
+    start: Camera | None = None,
+    fix: Fix = (),
 ) -> HeldOut:
     """Cross-validate: intrinsics from the training views, the poses of the held-out views fitted.
 
     Parameters
     ----------
-    views, img_size, model, board_shape
+    views, img_size, model, board_shape, start, fix
         As for `fit`.
     folds
         Number of parts; every view is left out once, view i in part i mod folds. With fewer views than
@@ -71,7 +75,7 @@ def held_out(
     errors, counts = np.full(len(views), np.nan), np.array([len(view) for view in views])
     for left in parts:
         training = [view for i, view in enumerate(views) if i not in left]
-        found = fit(training, img_size, model, board_shape=board_shape)
+        found = fit(training, img_size, model, start=start, fix=fix, board_shape=board_shape)
         shaped = found.shaped([views[i] for i in left])
         errors[left] = reprojection_score(found.camera, shaped).view_errors
 

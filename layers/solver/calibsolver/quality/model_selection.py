@@ -94,7 +94,7 @@ def without_outliers(views: Sequence[View], fits: Sequence[Calibration]) -> list
     for i, view in enumerate(views):
         used = np.logical_or.reduce([c.used[i] for c in fits])
         if used.sum() >= MIN_POINTS:
-            out.append(View(view.object_points[used], view.image_points[used]))
+            out.append(view.subset(used))
     return out
 
 

@@ -31,7 +31,7 @@ def prediction_ratio(calibration: Calibration, view: View, use: Mask, min_noise:
     """
     if use.sum() < MIN_POINTS:
         return 1.0
-    seen = View(view.object_points[use], view.image_points[use])
+    seen = view.subset(use)
     model, k = models.get(calibration.camera.model), calibration.camera.intrinsics
     obs = Observations.of(calibration.shaped([seen]))
     poses, square = resect(model, k, obs)

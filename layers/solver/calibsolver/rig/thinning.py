@@ -38,4 +38,4 @@ def thin_view(view: View, count: int) -> View:
         return view
     order = np.argsort(np.arange(1, len(view) + 1) * GOLDEN_RATIO % 1.0)
     kept = np.sort(np.argsort(order, kind="stable")[:count])
-    return View(view.object_points[kept], view.image_points[kept])
+    return view.subset(kept)

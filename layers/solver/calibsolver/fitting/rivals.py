@@ -1,0 +1,98 @@
+"""Rivals of a calibration: cameras of other models that explain its views as well.
+
+They draw the same picture where the board has been. Elsewhere only the form of the model says what it is.
+The covariance takes the model for granted, so there the distance of the rivals is part of the error.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import models, rotation
+from ..arrays import Array, Mask
+from ..camera import Camera, pixel_grid
+from .uncertainty import projection_jacobian_rotation_free, variance
+
+DIRECTIONS = 72
+"""Directions in which the hull is bounded by its outermost corner."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hull:
+    """Convex hull of corners, by its outermost ones.
+
+    Attributes
+    ----------
+    farthest
+        (DIRECTIONS,) px, largest coordinate along each direction.
+    """
+
+    farthest: Array
+
+    @classmethod
+    def of(cls, points: Array) -> "Hull":
+        """Hull of points (m, 2), px."""
+        return cls((points @ _directions()).max(axis=0, initial=-np.inf))
+
+    def contains(self, pixels: Array) -> Mask:
+        """Tell (n,) which pixels (n, 2) lie in the hull."""
+        return np.asarray((pixels @ _directions() <= self.farthest).all(axis=1))
+
+
+def _directions() -> Array:
+    angle = np.linspace(0, 2 * np.pi, DIRECTIONS, endpoint=False)
+    return np.stack([np.cos(angle), np.sin(angle)])
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """Camera of another model, and the covariance (p, p) of its intrinsics."""
+
+    camera: Camera
+    covariance: Array
+
+    def variance(self, grid: tuple[int, int]) -> Array:
+        """Variance (rows * columns,) px^2 of its own projections, 0 where it has none."""
+        model, camera = models.get(self.camera.model), self.camera
+        d = projection_jacobian_rotation_free(model, camera.intrinsics, camera.img_size, grid)
+        with np.errstate(invalid="ignore"):
+            return np.nan_to_num(np.maximum(variance(d, self.covariance), 0), nan=0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Rivals:
+    """Cameras that explain the views as well, and the hull of the corners.
+
+    Attributes
+    ----------
+    rivals
+        Cameras of other models.
+    hull
+        Outside it they count.
+    """
+
+    rivals: tuple[Rival, ...]
+    hull: Hull
+
+    def square_error(self, camera: Camera, grid: tuple[int, int]) -> Array:
+        """Largest square error (rows * columns,) px^2 of a camera, if a rival is right, at grid cells.
+
+        Its square distance from the rival's projections, and the variance of these. 0 in the hull. A turn of
+        the camera that makes both alike in the hull is no difference (Kabsch 1976). Rivals do not count where
+        they have no picture.
+        """
+        q = pixel_grid(camera.img_size, grid).reshape(2, -1)
+        inside = self.hull.contains(q.T)
+        largest = np.zeros(q.shape[1])
+        with np.errstate(all="ignore"):  # at the edge of a domain numbers may overflow
+            rays = models.get(camera.model).unproject(camera.intrinsics, q)
+            for rival in self.rivals:
+                theirs = models.get(rival.camera.model).unproject(rival.camera.intrinsics, q)
+                shared = inside & np.isfinite(rays[0]) & np.isfinite(theirs[0])
+                if not shared.any():
+                    continue
+                turn = rotation.nearest(theirs[:, shared] @ rays[:, shared].T)
+                away = rival.camera.project((turn @ rays).T) - q.T
+                square = np.sum(away**2, axis=1) + rival.variance(grid)
+                largest = np.fmax(largest, np.where(inside, 0.0, square))
+        return largest

@@ -1,0 +1,73 @@
+"""Parameters that the command holds: `--fix` and `--start`."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from calibdb_client import Calibration, UsageError, offline
+from calibdb_client.cli import main
+from calibdb_client.report import fit_again
+from tests.helpers.recordings import recording_of
+
+
+@pytest.fixture
+def corners(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    path = Path("corners.json")
+    path.write_bytes(recording_of("opencv_left").content())
+    return path
+
+
+def test_submit_fixes_values_and_keeps_their_names(corners: Path) -> None:
+    assert (
+        main(["submit", str(corners), "--offline", "--model", "rectilinear", "--fix", "cx=320,cy=240,k3"])
+        == 0
+    )
+    found = Calibration.load(corners)
+    assert found.camera_matrix[:2, 2].tolist() == [320, 240]
+    assert found.distortion_coefficients[4] == 0
+    assert found.record["fixed"] == ["cx", "cy", "k3"]
+    assert found.covariance is not None
+    assert np.diagonal(found.covariance)[[2, 3, 8]].tolist() == [0, 0, 0]
+    assert found.recording is not None
+    again, _ = fit_again(found.recording, found)  # of reports
+    assert again.camera.matrix[:2, 2].tolist() == [320, 240]
+
+
+def test_start_gives_model_and_values(corners: Path) -> None:
+    first = offline.calibrate_recording(recording_of("opencv_left"), "fisheye").calibration
+    first.save("first.json")
+    assert main(["submit", str(corners), "--offline", "--start", "first.json", "--fix", "fx,fy"]) == 0
+    found = Calibration.load(corners)
+    assert found.distortion_model == "fisheye"
+    assert found.camera_matrix[0, 0] == first.camera_matrix[0, 0]
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--fix", "center"], "--offline"),
+        (["--offline", "--fix", "fx=wide"], "not a number"),
+        (["--offline", "--fix", "skew"], "to fix, only fx"),
+        (["--offline", "--fix", "fx"], "fx needs a value"),
+    ],
+)
+def test_what_cannot_be_fixed_is_a_usage_error(
+    corners: Path, options: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["submit", str(corners), "--label", "Camera", "--model", "rectilinear", *options]) == 2
+    assert says in capsys.readouterr().err
+
+
+def test_live_captures_are_refused_with_the_way_to_go() -> None:
+    assert main(["calibrate", "0", "--offline", "--fix", "center"]) == 2
+
+
+def test_python_takes_the_same() -> None:
+    recording = recording_of("opencv_left")
+    result = offline.calibrate_recording(recording, "rectilinear", fix="aspect")
+    matrix = result.calibration.camera_matrix
+    assert matrix[0, 0] == pytest.approx(matrix[1, 1], rel=1e-12)
+    with pytest.raises(UsageError, match="only fx"):
+        offline.calibrate_recording(recording, "rectilinear", fix="k9")

@@ -1,0 +1,177 @@
+"""Fits with fixed parameters: OpenCV's own with its flags on real photographs, and covariances that hold."""
+
+import cv2
+import numpy as np
+import pytest
+
+from calibsolver import Board, CalibrationError, Camera, View, fit, rotation
+from calibsolver.fitting.constraint import Fix
+from tests.helpers.data import available, corner_views
+
+SETS = available(["opencv_left", "jy_left", "pv_charuco_480", "pv_picam_640", "derlunz"])
+CRITERIA = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 300, 1e-14)
+CASES: dict[str, tuple[Fix, int]] = {
+    "center": ("center", cv2.CALIB_FIX_PRINCIPAL_POINT),
+    "aspect": ("aspect", cv2.CALIB_FIX_ASPECT_RATIO),
+    "tangential and k3": (("tangential", "k3"), cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K3),
+    "pinhole": (
+        ("k1", "k2", "k3", "tangential"),
+        cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST,
+    ),
+}
+TRUE = np.array([900.0, 905.0, 652.0, 351.0, -0.3, 0.1, 0.0005, -0.0004, -0.02])
+SIZE = (1280, 720)
+BOARD = Board((9, 6))
+
+
+def opencv(name: str, flags: int, matrix: np.ndarray | None) -> tuple[float, np.ndarray, np.ndarray]:
+    views, size = corner_views(name)
+    objects = [v.object_points.astype(np.float32) for v in views]
+    pixels = [v.image_points.astype(np.float32) for v in views]
+    rms, matrix, distortion, _, _ = cv2.calibrateCamera(
+        objects, pixels, size, matrix, None, flags=flags, criteria=CRITERIA
+    )
+    return rms, matrix, distortion.ravel()[:5]
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("name", SETS)
+def test_fixed_parameters_equal_opencv(name: str, case: str) -> None:
+    views, size = corner_views(name)
+    fix, flags = CASES[case]
+    square_pixels = np.array([[1000.0, 0, (size[0] - 1) / 2], [0, 1000.0, (size[1] - 1) / 2], [0, 0, 1]])
+    rms, matrix, distortion = opencv(name, flags, square_pixels if case == "aspect" else None)
+    ours = fit(views, size, robust=False, fix=fix)
+    assert ours.avg_reprojection_error == pytest.approx(rms, abs=1e-5)
+    np.testing.assert_allclose(ours.camera.matrix, matrix, atol=0.002)
+    np.testing.assert_allclose(ours.camera.distortion, distortion, atol=1e-4)
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_focal_lengths_of_a_start_are_held(name: str) -> None:
+    views, size = corner_views(name)
+    free = fit(views, size, robust=False).camera
+    start = Camera.from_intrinsics(free.model, free.intrinsics * (1.01, 1.01, *[1] * 7), size)
+    flags = cv2.CALIB_FIX_FOCAL_LENGTH | cv2.CALIB_USE_INTRINSIC_GUESS
+    rms, matrix, _ = opencv(name, flags, start.matrix.copy())
+    ours = fit(views, size, robust=False, start=start, fix=("fx", "fy"))
+    np.testing.assert_array_equal(ours.camera.intrinsics[:2], start.intrinsics[:2])
+    assert ours.avg_reprojection_error == pytest.approx(rms, abs=1e-5)
+    np.testing.assert_allclose(ours.camera.matrix, matrix, atol=0.002)
+    again = fit(views, size, robust=False, fix={"fx": start.intrinsics[0], "fy": start.intrinsics[1]})
+    np.testing.assert_allclose(again.camera.intrinsics, ours.camera.intrinsics, atol=1e-4)
+
+
+@pytest.mark.parametrize("model", ["rectilinear", "fisheye", "rational", "omnidirectional"])
+@pytest.mark.parametrize("name", available(["jy_left", "opencv_left"]))
+def test_robust_fit_holds_the_value_and_has_no_variance_there(name: str, model: str) -> None:
+    views, size = corner_views(name)
+    found = fit(views, size, model, fix={"cx": size[0] / 2 + 3, "aspect": 1.0}, board_shape=True)
+    k, deviations = found.camera.intrinsics, np.sqrt(np.diagonal(found.covariance))
+    assert k[2] == size[0] / 2 + 3
+    assert k[0] == pytest.approx(k[1], rel=1e-12)
+    assert deviations[2] == 0
+    assert deviations[0] == pytest.approx(deviations[1], rel=1e-9)
+    assert (np.delete(deviations, 2) > 0).all()
+    assert found.fixed == ("cx", "aspect") == tuple(found.record()["fixed"])
+    assert "(fixed)" in found.summary()
+
+
+def noisy_views(rng: np.random.Generator, sigma: np.ndarray) -> list[View]:
+    """Twelve tilted views; `sigma` px, of each corner."""
+    camera = Camera.from_intrinsics("rectilinear", TRUE, SIZE)
+    places, out = np.random.default_rng(7), []
+    middle = np.array([*BOARD.points[:, :2].mean(axis=0), 0])
+    for _ in range(12):
+        r = rotation.matrix(np.append(places.uniform(-0.6, 0.6, 2), places.uniform(-0.4, 0.4)))
+        t = places.uniform([-3, -2, 10], [3, 2, 14]) - r @ middle
+        q = camera.project(BOARD.points @ r.T + t)
+        out.append(View(BOARD.points, q + sigma[:, None] * rng.normal(size=q.shape), sigma**-2.0))
+    return out
+
+
+def test_covariance_of_fixed_and_weighted_fits_holds_over_simulations() -> None:
+    """Squared errors in units of the covariance have the mean of chi square: the 6 free parameters."""
+    sigma = np.where(np.arange(BOARD.corner_count) % 3 == 0, 1.0, 0.2)
+    fixed = {"aspect": TRUE[0] / TRUE[1], "cx": TRUE[2], "k3": TRUE[8]}
+    free = [0, 3, 4, 5, 6, 7]
+    rng, squares = np.random.default_rng(1), []
+    for _ in range(100):
+        found = fit(noisy_views(rng, sigma), SIZE, fix=fixed)
+        off = (found.camera.intrinsics - TRUE)[free]
+        squares.append(off @ np.linalg.solve(found.covariance[np.ix_(free, free)], off))
+    assert np.mean(squares) == pytest.approx(6, abs=3 * np.sqrt(12 / 100))
+
+
+def test_weights_count_as_repeated_points() -> None:
+    views, size = corner_views("opencv_left")
+    doubled = [
+        View(np.concatenate([v.object_points, v.object_points[::2]]),
+             np.concatenate([v.image_points, v.image_points[::2]]))
+        for v in views
+    ]  # fmt: skip
+    weights = [np.where(np.arange(len(v)) % 2 == 0, 2.0, 1.0) for v in views]
+    weighted = [View(v.object_points, v.image_points, w) for v, w in zip(views, weights, strict=True)]
+    one, other = fit(weighted, size, robust=False), fit(doubled, size, robust=False)
+    np.testing.assert_allclose(one.camera.intrinsics, other.camera.intrinsics, rtol=1e-6, atol=1e-6)
+    plain = fit(views, size, robust=False)
+    assert abs(one.camera.intrinsics[0] - plain.camera.intrinsics[0]) > 0.01
+    residual = views[3].image_points - one.camera.project(
+        views[3].object_points @ rotation.matrix(one.poses[3, :3]).T + one.poses[3, 3:]
+    )
+    np.testing.assert_allclose(one.residuals[3], residual, atol=1e-9)  # in px, not weighted
+
+
+def test_equal_weights_change_nothing_and_unequal_ones_favour_their_view() -> None:
+    views, size = corner_views("opencv_left")
+    equal = [View(v.object_points, v.image_points, 5.0) for v in views]
+    plain = fit(views, size, robust=False)
+    same = fit(equal, size, robust=False)
+    np.testing.assert_array_equal(same.camera.intrinsics, plain.camera.intrinsics)
+    heavy = [View(v.object_points, v.image_points, 400.0 if i == 2 else 1.0) for i, v in enumerate(views)]
+    assert fit(heavy, size, robust=False).view_errors[2] < 0.95 * plain.view_errors[2]
+
+
+def test_weighted_fits_do_not_depend_on_the_order_of_views() -> None:
+    rng = np.random.default_rng(3)
+    views, size = corner_views("opencv_left")
+    weighted = [View(v.object_points, v.image_points, rng.uniform(0.2, 5, len(v))) for v in views]
+    order = rng.permutation(len(views))
+    shuffled = [weighted[i].subset(rng.permutation(len(weighted[i]))) for i in order]
+    one, other = fit(weighted, size, board_shape=True), fit(shuffled, size, board_shape=True)
+    np.testing.assert_array_equal(one.camera.intrinsics, other.camera.intrinsics)
+
+
+@pytest.mark.parametrize(
+    ("fix", "code", "says"),
+    [
+        ("focal", "unknown_parameter", "only fx, fy, cx, cy"),
+        ("fx", "no_value", "fx needs a value"),
+        ({"center": 3.0}, "no_value", "pass cx and cy"),
+        ({"k1": float("nan")}, "no_value", "pass a number"),
+        ({"fx": -2.0}, "no_value", "pass a positive number"),
+        ({"fx": 500.0, "fy": 500.0, "aspect": None}, "no_value", "not all three"),
+        ({"fx": 500.0, "fy": 500.0, "center": None, "tangential": None, "k1": 0, "k2": 0, "k3": 0},
+         "no_value", "nothing is left"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_fixed_is_refused(fix: Fix, code: str, says: str) -> None:
+    views, size = corner_views("opencv_left")
+    with pytest.raises(CalibrationError, match=says) as raised:
+        fit(views, size, fix=fix)
+    assert raised.value.code == code
+
+
+def test_names_without_values_refuse_a_start_of_another_model() -> None:
+    views, size = corner_views("opencv_left")
+    other = fit(views, size, "fisheye").camera
+    with pytest.raises(CalibrationError, match="no rectilinear camera"):
+        fit(views, size, fix="center", start=other)
+    assert fit(views, size, fix={"k3": 0.0}, start=other).camera.distortion[4] == 0
+
+
+@pytest.mark.parametrize("weights", [np.ones(3), np.zeros(54), np.full(54, np.nan), -1.0])
+def test_weights_that_make_no_sense_are_refused(weights: np.ndarray | float) -> None:
+    views, _ = corner_views("opencv_left")
+    with pytest.raises(ValueError, match="weights must be"):
+        View(views[0].object_points, views[0].image_points, weights)
