@@ -172,7 +172,7 @@ def is_reliable(members: Sequence[Member], img_size: tuple[int, int]) -> bool:
 
 
 def is_within_rule(cameras: Sequence[Camera]) -> bool:
-    """Whether focal lengths and centres spread by less than the rule's 5 % and 2 %: no draw can do better."""
+    """True if focal lengths and centres spread by less than the rule's 5 % and 2 %: no draw can do better."""
     k = np.stack([camera.intrinsics[:4] for camera in cameras])
     focal = k[:, :2].std(axis=0) / k[:, :2].mean(axis=0)
     return bool((focal < 0.05).all() and (k[:, 2:].std(axis=0) / cameras[0].img_size < 0.02).all())

@@ -45,12 +45,12 @@ class Trial:
 
     @property
     def reliable(self) -> bool:
-        """Whether there is a reliable answer in spite of the lies."""
+        """True if there is a reliable answer in spite of the lies."""
         return self.attacked is not None and self.attacked.reliable
 
     @property
     def wrong(self) -> bool:
-        """Whether a reliable answer moved by more than half a pixel over the image."""
+        """True if a reliable answer moved by more than half a pixel over the image."""
         return self.reliable and self.moved > MOVED
 
 
