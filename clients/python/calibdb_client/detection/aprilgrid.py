@@ -17,6 +17,8 @@ BORDERS = (2, 1)
 """Cells of black around a tag: Kalibr prints two, OpenCV and the AprilTag library one."""
 MIN_CERTAIN_TAGS = 4
 """Tags of one border after which the other is not looked for any more."""
+MIN_SMOOTHED_TAGS = 6
+"""Tags from which neighbours tell where a corner is: fewer are large, and a lens bends them."""
 REWEIGHTINGS = 8
 MIN_STRAY_PX = 1.0
 """Distance from where its neighbours say up to which a corner is none of another thing."""
@@ -76,7 +78,7 @@ class AprilGridFinder:
         Contours run from a tag into the squares that are printed into the corners between tags: single
         corners lie some pixels off, a smooth map of their neighbours does not.
         """
-        if len(ids) < MIN_CERTAIN_TAGS:
+        if len(ids) < MIN_SMOOTHED_TAGS:
             return tags
         corners = (4 * ids[:, None] + np.arange(4)).reshape(-1)
         return _smoothed(self.board, corners, tags.reshape(-1, 2)).reshape(-1, 4, 2)
