@@ -89,7 +89,7 @@ def _find(call: application.Call, request: LookupRequest) -> LookupResult:
     if found.answer is None:
         report = reports.miss_report(service.misses, request, read, found, service.clock(), least)
     elif call.request.method == "POST":
-        sender = service.source(call.address)
+        sender = functools.partial(service.source, call.address)  # computed only for new names
         report = reports.alias_report(service.aliases, store, request, found.key, service.clock(), sender)
     if report is not None:
         service.write_later(functools.partial(store.refit.report, report))  # no response depends on it

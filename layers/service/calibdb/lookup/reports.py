@@ -92,7 +92,12 @@ def miss_report(
 
 
 def alias_report(
-    seen: AliasFilter, store: Store, request: LookupRequest, key: str, now: float, sender: str
+    seen: AliasFilter,
+    store: Store,
+    request: LookupRequest,
+    key: str,
+    now: float,
+    sender: Callable[[], str],
 ) -> RefitRequest | None:
     """Return the request to store the name of a lookup as an alias of a camera; None if it is not new."""
     name = request.camera, request.platform
@@ -101,7 +106,7 @@ def alias_report(
     alias = store.aliases.get(alias_digest(*name))
     if alias is not None and alias.is_fresh(now):
         return None
-    new = NewAlias(label=request.camera, platform=request.platform, source=sender)
+    new = NewAlias(label=request.camera, platform=request.platform, source=sender())
     return RefitRequest(camera=key, img_size=request.img_size, zoom=request.zoom, alias=new)
 
 
