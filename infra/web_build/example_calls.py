@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from infra.web_build.operation_texts import text_of
 from infra.web_build.operations import OPERATIONS
 
 TOKEN = "cdb_dev_local"  # noqa: S105 - that of local stacks; pages put the visitor's in its place
@@ -41,10 +40,18 @@ def calls() -> Iterator[Call]:
     """Yield the example of each operation in the order of `SCENARIO`, with its placeholders."""
     operations = {operation.name: operation for operation in OPERATIONS}
     for name in SCENARIO:
-        operation, text = operations[name], text_of(name)
+        operation = operations[name]
         credential = next((CREDENTIALS[one] for one in operation.credentials if one in CREDENTIALS), None)
-        path = operation.path.format(**text.path)
-        yield Call(name, operation.method.upper(), path, credential, text.body, dict(text.query), text.accept)
+        path = operation.path.format(**operation.example_path)
+        yield Call(
+            name,
+            operation.method.upper(),
+            path,
+            credential,
+            operation.example,
+            dict(operation.example_query),
+            operation.example_accept,
+        )
 
 
 def learn(values: dict[str, str], name: str, answer: Any) -> None:

@@ -15,16 +15,14 @@ from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
 from calibdb import __version__, schema
-from infra.web_build.field_texts import describe_fields
-from infra.web_build.operation import JSON, PROBLEM, PROBLEMS, Content, Operation
-from infra.web_build.operation_texts import TAGS, text_of
+from infra.web_build.operation import JSON, PROBLEM, PROBLEMS, TAGS, Content, Operation
 from infra.web_build.operations import OPERATIONS
 from infra.web_build.parameters import Node
 
 __all__ = ["OPENAPI_KEY", "OPERATIONS", "document", "text"]
 
 EXAMPLES_PATH = Path(__file__).with_name("examples.json")
-"""Answers to the examples of `operation_texts`, written by `infra.web_build.recorded_examples`."""
+"""Answers to the examples of `operations`, written by `infra.web_build.recorded_examples`."""
 OPENAPI_KEY = "openapi.json"
 RATE_LIMITED = ("RateLimit-Policy", "RateLimit")
 """Headers of every response under a plan with limits."""
@@ -39,7 +37,6 @@ def document() -> Node:
         *((model, "serialization") for model in answers),
     ]
     names, definitions = models_json_schema(models_and_modes, ref_template=_REFERENCE)
-    describe_fields(definitions["$defs"])
     examples = json.loads(EXAMPLES_PATH.read_text(encoding="utf-8"))
     paths: dict[str, Node] = {}
     for operation in OPERATIONS:
@@ -105,18 +102,17 @@ def _operation(operation: Operation, names: Any, example: Any) -> Node:
     shown = responses[min(operation.answers)].get("content", {}).get(JSON)
     if example is not None and shown is not None:
         shown["example"] = example
-    text = text_of(operation.name)
     node: Node = {
         "operationId": operation.name,
-        "tags": [text.tag],
+        "tags": [operation.tag],
         "summary": operation.summary,
-        "description": text.description,
+        "description": operation.description,
         "responses": {str(status): responses[status] for status in sorted(responses)},
     }
     if operation.parameters:
         node["parameters"] = list(operation.parameters)
     if operation.body:
-        content = {JSON: {"schema": reference(operation.body, "validation"), "example": text.body}}
+        content = {JSON: {"schema": reference(operation.body, "validation"), "example": operation.example}}
         node["requestBody"] = {"required": operation.body_required, "content": content}
     if operation.credentials:
         node["security"] = [{name: []} for name in operation.credentials]

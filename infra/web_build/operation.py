@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 from pydantic import BaseModel
 
@@ -12,6 +13,16 @@ from infra.web_build.parameters import Node
 
 JSON, PROBLEM, JPEG, PNG = "application/json", "application/problem+json", "image/jpeg", "image/png"
 SVG = "image/svg+xml"
+
+TAGS = {
+    "Lookup": "Find the calibration of a camera.",
+    "Capture": "Calibrate a camera, view by view. The guidance page makes these calls; any client can.",
+    "Rigs": "Calibrate several fixed cameras together, each from its own client.",
+    "Database": "Search cameras, read stored calibrations, write them as another tool's file.",
+    "Tokens": "Create and manage API tokens. Anyone can create one.",
+    "Service": "State of the service.",
+}
+"""Groups of calls, in the order of the reference."""
 
 PROBLEMS = {
     400: "The body is not JSON.",
@@ -57,3 +68,9 @@ class Operation:
     body: type[BaseModel] | None = None
     parameters: tuple[Node, ...] = ()
     body_required: bool = True
+    tag: str = "Service"  # one of `TAGS`
+    description: str = ""
+    example: Any = None  # body of a request
+    example_query: Mapping[str, str] = field(default_factory=dict)
+    example_path: Mapping[str, str] = field(default_factory=dict)
+    example_accept: str | None = None

@@ -5,6 +5,16 @@ from __future__ import annotations
 from calibdb import schema
 from calibdb.schema.cameras import CamerasRequest
 from calibdb.schema.fields import MAX_INDEX
+from calibdb.store.aliases import alias_digest
+from infra.web_build.examples import (
+    EXAMPLE_BOARD,
+    EXAMPLE_CAMERA,
+    EXAMPLE_FILE,
+    EXAMPLE_IDS,
+    EXAMPLE_KEY,
+    EXAMPLE_PLATFORM,
+    EXAMPLE_POINTS,
+)
 from infra.web_build.operation import JPEG, JSON, PNG, PROBLEM, SVG, Content, Operation
 from infra.web_build.parameters import SWITCH, path, query, query_of
 from infra.web_build.rig_operations import RIG_OPERATIONS
@@ -54,6 +64,14 @@ _TOKENS = (
         {201: Content("The token. Its two secrets are shown this once.", schema.TokenCreated)},
         (400, 403, 413, 415, 422, 429, 500, 503),
         body=schema.TokenRequest,
+        tag="Tokens",
+        description=(
+            "Creates an API token for pages of some origins, and for programs. Origins of the machine "
+            "itself, such as `http://localhost`, need no proof. For an `https://` origin the response "
+            "contains the proof to place there. The token and its management token are shown only once. "
+            "One source can create five per day."
+        ),
+        example={"origins": ["http://localhost", "https://page.example"], "name": "My page"},
     ),
     Operation(
         "get",
@@ -63,6 +81,11 @@ _TOKENS = (
         {200: _MANAGED_TOKEN},
         _ASKED,
         _MANAGEMENT,
+        tag="Tokens",
+        description=(
+            "Returns the facts about a token, its limits, and its use by hour for two days and "
+            "by day for thirty."
+        ),
     ),
     Operation(
         "patch",
@@ -73,6 +96,9 @@ _TOKENS = (
         (400, *_ASKED, 413, 422),
         _MANAGEMENT,
         schema.TokenChange,
+        tag="Tokens",
+        description=("Replaces the origins or the name of a token. Origins that stay keep their state."),
+        example={"origins": ["http://localhost", "https://www.page.example"]},
     ),
     Operation(
         "delete",
@@ -82,6 +108,8 @@ _TOKENS = (
         {204: Content("Revoked.")},
         _ASKED,
         _MANAGEMENT,
+        tag="Tokens",
+        description=("Revokes a token for good, within a minute. The call is idempotent."),
     ),
     Operation(
         "post",
@@ -91,6 +119,11 @@ _TOKENS = (
         {200: _MANAGED_TOKEN},
         _ASKED,
         _MANAGEMENT,
+        tag="Tokens",
+        description=(
+            "Looks for the proofs of all pending origins, at `https://<origin>/.well-known/calibdb.txt`. "
+            "`failure` and `detail` of an origin explain what is missing."
+        ),
     ),
     Operation(
         "post",
@@ -102,6 +135,12 @@ _TOKENS = (
         _MANAGEMENT,
         schema.RotationRequest,
         body_required=False,
+        tag="Tokens",
+        description=(
+            "Issues another secret, which is shown only once. The previous one works for another day, "
+            "or for `grace_s` seconds; 0 ends all earlier secrets."
+        ),
+        example={"grace_s": 3600},
     ),
     Operation(
         "get",
@@ -111,6 +150,11 @@ _TOKENS = (
         {200: Content("Limits and use.", schema.UsageAnswer)},
         _ASKED,
         _TOKEN,
+        tag="Tokens",
+        description=(
+            "Returns the limits of an API token's plan, and its use in this hour by all users and "
+            "from your address. It counts as a lookup."
+        ),
     ),
 )
 
@@ -123,6 +167,11 @@ OPERATIONS = (
         {201: Content("A session id, signed and short-lived.", schema.SessionOpened)},
         _ASKED,
         _TOKEN,
+        tag="Capture",
+        description=(
+            "Exchanges an API token for a session id, the signed credential of one guided capture. "
+            "It is valid for 30 minutes. All calls of that capture use it instead of the token."
+        ),
     ),
     Operation(
         "post",
@@ -133,9 +182,28 @@ OPERATIONS = (
         (400, *_ASKED, 409, 413, 422),
         _SESSION,
         schema.SessionRequest,
+        tag="Capture",
+        description=(
+            'Starts the capture of one camera at one size and zoom. Use `capture: "recorded"` for views '
+            "that exist already: photos, a video, or another program's corners. Then every agreeing view "
+            "counts, and `POST /v1/session/finish` ends the session. The call is idempotent; different "
+            "content is 409."
+        ),
+        example={**EXAMPLE_KEY, "board": EXAMPLE_BOARD},
     ),
     Operation(
-        "get", "/v1/session", "showSession", "State of a capture", {200: _STATE}, (*_ASKED, 404), _SESSION
+        "get",
+        "/v1/session",
+        "showSession",
+        "State of a capture",
+        {200: _STATE},
+        (*_ASKED, 404),
+        _SESSION,
+        tag="Capture",
+        description=(
+            "Returns the session's state: its views, its progress, the current calibration and its expected "
+            "error."
+        ),
     ),
     Operation(
         "delete",
@@ -145,6 +213,8 @@ OPERATIONS = (
         {204: Content("Forgotten.")},
         (*_ASKED, 404, 409),
         _SESSION,
+        tag="Capture",
+        description=("Ends the session and deletes its views. A published calibration stays."),
     ),
     Operation(
         "get",
@@ -161,6 +231,13 @@ OPERATIONS = (
         (*_ASKED, 404, 406, 409, 422),
         _SESSION,
         parameters=(query("skip", SWITCH, "`1`: a pose of another kind instead of the open one."),),
+        tag="Capture",
+        description=(
+            "Returns the target pose of the board, which stays the same until a view answers it. `Accept` "
+            "chooses between an image to lay over the video (JPEG, PNG) and numbers. 409 once the session "
+            "has converged."
+        ),
+        example_accept="application/json",
     ),
     Operation(
         "post",
@@ -171,6 +248,14 @@ OPERATIONS = (
         (400, *_ASKED, 404, 409, 413, 422),
         _SESSION,
         schema.ViewRequest,
+        tag="Capture",
+        description=(
+            "Submits the board's corners in one frame: their ids, and their positions in px, where "
+            "the centre of the top-left pixel is (0, 0). At least six, not all on a line. `accepted` "
+            "is true if the view became part of the session; otherwise `reason` explains the refusal. "
+            "The call is idempotent."
+        ),
+        example={"index": 0, "ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS},
     ),
     Operation(
         "post",
@@ -181,6 +266,13 @@ OPERATIONS = (
         (400, *_ASKED, 404, 409, 413, 422),
         _SESSION,
         schema.BatchRequest,
+        tag="Capture",
+        description=(
+            "Submits several views of a session that was started with `capture: recorded`. The service "
+            "judges them in their order and returns a result for each. If a view has invalid fields, no "
+            "view is judged, and `errors` has an entry for each invalid view."
+        ),
+        example={"index": 0, "views": [{"ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS}]},
     ),
     Operation(
         "delete",
@@ -193,6 +285,9 @@ OPERATIONS = (
         parameters=(
             path("index", {"type": "integer", "minimum": 0, "maximum": MAX_INDEX}, "Index of the view."),
         ),
+        tag="Capture",
+        description=("Removes a view from the session. Its index is not used again."),
+        example_path={"index": "0"},
     ),
     Operation(
         "post",
@@ -202,6 +297,11 @@ OPERATIONS = (
         {200: _STATE},
         (*_ASKED, 404, 409),
         _SESSION,
+        tag="Capture",
+        description=(
+            "Ends a session with the views that agree, publishes the calibration, and returns the state. "
+            "At least four views must agree. The call is idempotent."
+        ),
     ),
     Operation(
         "post",
@@ -212,6 +312,12 @@ OPERATIONS = (
         (400, *_ASKED, 404, 409, 413, 422),
         _SESSION,
         schema.LicenceRequest,
+        tag="Capture",
+        description=(
+            "Adds the licence to a session and to the calibration that it published. A licence cannot be "
+            "withdrawn or replaced."
+        ),
+        example={"licence": "CC0-1.0", "licence_version": "2026-11-22"},
     ),
     Operation(
         "post",
@@ -223,6 +329,15 @@ OPERATIONS = (
         _TOKEN,
         schema.LookupRequest,
         (_REDIRECT,),
+        tag="Lookup",
+        description=(
+            "Returns the calibration of a camera: its camera matrix, its distortion, and how far to trust "
+            'them. Name the camera as the browser does. If nothing reliable is known, `miss: "ok"` returns '
+            "200 with `calibration: null`, the `reason`, an `estimate`, and the `guidance_url` of the page "
+            "that calibrates the camera. `redirect: false` returns 404 with the same. Otherwise the "
+            "response is a redirect to that page, which `fetch()` cannot read."
+        ),
+        example={**EXAMPLE_KEY, "zoom": 0, "miss": "ok"},
     ),
     Operation(
         "get",
@@ -233,6 +348,18 @@ OPERATIONS = (
         (*_ASKED, 422),
         ("apiToken", "apiTokenInQuery", "apiTokenInOldQuery"),
         parameters=_LOOKUP,
+        tag="Lookup",
+        description=(
+            "Same as `POST /v1/lookup`, with the names as query parameters. A browser can navigate to it "
+            "with the API token in `key`. If nothing reliable is known, it is redirected to the guidance "
+            "page."
+        ),
+        example_query={
+            "camera": EXAMPLE_CAMERA,
+            "platform": EXAMPLE_PLATFORM,
+            "img_size": "1280x720",
+            "redirect": "false",
+        },
     ),
     Operation(
         "get",
@@ -256,6 +383,13 @@ OPERATIONS = (
             path("id", {"type": "string"}, "As a session or a lookup returned it."),
             *query_of(schema.ExportQuery),
         ),
+        tag="Database",
+        description=(
+            "Returns a stored calibration with the report of its session, or a consensus. `format` returns "
+            "another tool's file; `crop`, `resize`, `rotate` and `mirror` convert it to a changed image. "
+            "`without` refits the calibration without some views and stores nothing."
+        ),
+        example_path={"id": "CALIBRATION_ID"},
     ),
     Operation(
         "post",
@@ -276,6 +410,13 @@ OPERATIONS = (
         (400, *_ASKED, 413, 422),
         _TOKEN,
         body=schema.ConvertRequest,
+        tag="Database",
+        description=(
+            "Reads the camera matrix and distortion of another program's file (OpenCV, ROS, Kalibr, COLMAP, "
+            "mrcal, Gyroflow and others) and returns the file in `format`. Nothing is stored. Files above "
+            "100,000 characters are refused. Only `photonvision` keeps the corners of a file."
+        ),
+        example={"file": EXAMPLE_FILE, "format": "kalibr"},
     ),
     Operation(
         "post",
@@ -292,6 +433,13 @@ OPERATIONS = (
         (400, *_ASKED, 404, 413, 422),
         _SESSION,
         schema.CheckRequest,
+        tag="Capture",
+        description=(
+            "Compares the stored consensus of a camera with one to five fresh views, and counts the "
+            "result as a vote. Only the poses are fitted to the views. With `calibration` it compares that "
+            "calibration with a fit of the views instead, without a vote. The session need not be started."
+        ),
+        example={**EXAMPLE_KEY, "views": [{"ids": EXAMPLE_IDS, "points": EXAMPLE_POINTS}]},
     ),
     Operation(
         "get",
@@ -302,6 +450,12 @@ OPERATIONS = (
         (*_ASKED, 422),
         _TOKEN,
         parameters=query_of(CamerasRequest),
+        tag="Database",
+        description=(
+            "Finds cameras by name: each word of `query` must begin a word of the name. "
+            "Without a query it lists all cameras. Pass `next` as `after` for the following page."
+        ),
+        example_query={"query": "c920"},
     ),
     Operation(
         "get",
@@ -312,6 +466,12 @@ OPERATIONS = (
         (*_ASKED, 404),
         _TOKEN,
         parameters=(path("key", {"type": "string"}, "As a search returned it."),),
+        tag="Database",
+        description=(
+            "Returns everything that is known about a camera: by size and zoom, the calibrations, "
+            "the groups in which they agree, and the consensus of each model."
+        ),
+        example_path={"key": "CAMERA_KEY"},
     ),
     Operation(
         "get",
@@ -329,6 +489,17 @@ OPERATIONS = (
             path("zoom", {"type": "string"}, "Up to six decimals, without zeros at the end: `0`, `1.5`."),
             path("file", {"type": "string"}, "Distortion model and `.json`, as in `rectilinear.json`."),
         ),
+        tag="Lookup",
+        description=(
+            "Looks a camera up by the digest of its label and platform. It needs neither a credential nor a "
+            "preflight, and caches keep the response. Ask here first, and by POST after a 404."
+        ),
+        example_path={
+            "digest": alias_digest(EXAMPLE_CAMERA, EXAMPLE_PLATFORM),
+            "size": "1280x720",
+            "zoom": "0",
+            "file": "rectilinear.json",
+        },
     ),
     Operation(
         "get",
@@ -341,6 +512,12 @@ OPERATIONS = (
             path("key", {"type": "string"}, "As a search returned it."),
             path("file", {"type": "string"}, "Width, x, height and `.svg`, as in `1280x720.svg`."),
         ),
+        tag="Database",
+        description=(
+            "Returns an image for a README or a page: whether a camera is calibrated at a size, and with "
+            "which error. It needs no credential."
+        ),
+        example_path={"key": "CAMERA_KEY", "file": "1280x720.svg"},
     ),
     *RIG_OPERATIONS,
     *_TOKENS,
@@ -357,5 +534,7 @@ OPERATIONS = (
         parameters=(
             query("deep", SWITCH, "`1`: check table, bucket, edge and solver, each with its latency."),
         ),
+        tag="Service",
+        description=("Returns 200 if the service works. It needs no credential."),
     ),
 )

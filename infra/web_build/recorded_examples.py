@@ -1,4 +1,4 @@
-"""Answers of the service to the examples of `operation_texts`: `python -m infra.web_build.recorded_examples`.
+"""Answers of the service to the examples of `operations`: `python -m infra.web_build.recorded_examples`.
 
 A stack in memory gets five calibrations of one synthetic camera; then every example of `example_calls` is
 sent to it. `examples.json` has what it answers; the OpenAPI document and the reference take it from there.
@@ -23,10 +23,12 @@ from calibsolver import rotation as rotations
 from calibsolver.guidance import FixedPlan, TargetPose
 from infra.server.server import DEVELOPMENT_TOKEN, Server
 from infra.web_build.example_calls import calls, fill_in, learn
+from infra.web_build.examples import EXAMPLE_CAMERA, EXAMPLE_PLATFORM
 from infra.web_build.openapi import EXAMPLES_PATH
-from infra.web_build.operation_texts import EXAMPLE_CAMERA, EXAMPLE_PLATFORM, TEXTS
+from infra.web_build.operations import OPERATIONS
 from infra.web_build.site import ROOT
 
+EXAMPLES = {operation.name: operation.example for operation in OPERATIONS}
 IMG_SIZE = (1280, 720)
 CALIBRATIONS = 5
 _VIEWS = 6
@@ -47,9 +49,7 @@ def prepare(stack: Server) -> None:
     for session in [record(stack, index) for index in range(CALIBRATIONS)]:  # one refit may do for several
         send(stack, "POST", "/v1/session/finish", session)
     end = time.monotonic() + _CONSENSUS_TIMEOUT_S
-    while json.loads(send(stack, "POST", "/v1/lookup", DEVELOPMENT_TOKEN, TEXTS["lookup"].body)).get(
-        "reason"
-    ):
+    while json.loads(send(stack, "POST", "/v1/lookup", DEVELOPMENT_TOKEN, EXAMPLES["lookup"])).get("reason"):
         if time.monotonic() > end:
             raise ValueError("the calibrations of the examples did not become a consensus")
         time.sleep(0.02)
@@ -88,14 +88,14 @@ def prepare_call(stack: Server, name: str, values: dict[str, str]) -> None:
 def start(stack: Server, options: dict[str, Any]) -> str:
     """Start a session; return its id."""
     session: str = json.loads(send(stack, "POST", "/v1/auth", DEVELOPMENT_TOKEN))["session_id"]
-    send(stack, "POST", "/v1/session", session, {**TEXTS["startSession"].body, **options})
+    send(stack, "POST", "/v1/session", session, {**EXAMPLES["startSession"], **options})
     return session
 
 
 def capture_rig(stack: Server) -> tuple[str, str]:
     """Capture moments with two cameras; return the session of the first and the id of the rig."""
     leader = start(stack, {})
-    made = json.loads(send(stack, "POST", "/v1/rigs", leader, TEXTS["createRig"].body))
+    made = json.loads(send(stack, "POST", "/v1/rigs", leader, EXAMPLES["createRig"]))
     rig = f"/v1/rigs/{made['rig_id']}"
     sessions = leader, start(stack, {"rig": {"code": made["join_code"]}})
     for number, views in enumerate(zip(_views(1), _views(2, (-2.0, 0.0, 0.0)), strict=True)):

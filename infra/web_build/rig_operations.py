@@ -30,6 +30,15 @@ RIG_OPERATIONS = (
         (400, *_ASKED, 404, 409, 413, 422),
         _SESSION,
         schema.RigRequest,
+        tag="Rigs",
+        description=(
+            "Creates a rig of two to eight cameras. The session, which has no views yet, is camera 0 and "
+            "leads. Other cameras join with `POST /v1/session` and `rig: {code, position?}`, from any "
+            "device. The code is valid for 15 minutes and until all cameras have joined; the same request "
+            "again returns the same rig and a fresh code. The board must not look the same after half a "
+            "turn. With `square_size` lengths are in metres."
+        ),
+        example={"cameras": 2, "square_size": 0.03},
     ),
     Operation(
         "get",
@@ -40,6 +49,13 @@ RIG_OPERATIONS = (
         (*_ASKED, 404, 409, 422),
         ("sessionId", "apiToken"),
         parameters=(_ID, query("skip", SWITCH, "`1`, of the leader: a target of another kind.")),
+        tag="Rigs",
+        description=(
+            "Returns the state of a rig: its cameras, its moments and what is set aside of them, the "
+            "expected error, and the next pose of the board as each camera sees it. Poll once a second "
+            "with `If-None-Match`: 304 does not count against the plan."
+        ),
+        example_path={"id": "RIG_ID"},
     ),
     Operation(
         "delete",
@@ -50,6 +66,9 @@ RIG_OPERATIONS = (
         (*_ASKED, 404, 409),
         _SESSION,
         parameters=(_ID,),
+        tag="Rigs",
+        description=("Deletes a running rig with the sessions of its cameras. A finished rig stays."),
+        example_path={"id": "RIG_ID"},
     ),
     Operation(
         "post",
@@ -61,6 +80,14 @@ RIG_OPERATIONS = (
         _SESSION,
         schema.MomentRequest,
         parameters=(_ID,),
+        tag="Rigs",
+        description=(
+            "Opens a moment: one pose of the board, held still, under an id that the leader chooses. Each "
+            "camera then sends its view of it with `POST /v1/session/views` and `moment`, at any later "
+            "time. A rig has at most 100 moments."
+        ),
+        example={"moment": "m1"},
+        example_path={"id": "RIG_ID"},
     ),
     Operation(
         "delete",
@@ -71,6 +98,9 @@ RIG_OPERATIONS = (
         (*_ASKED, 404, 409, 422),
         _SESSION,
         parameters=(_ID, _moment()),
+        tag="Rigs",
+        description=("Undoes a moment. Its views are removed from all cameras, and late ones are refused."),
+        example_path={"id": "RIG_ID", "moment": "m1"},
     ),
     Operation(
         "post",
@@ -81,6 +111,12 @@ RIG_OPERATIONS = (
         (*_ASKED, 404, 409),
         _SESSION,
         parameters=(_ID,),
+        tag="Rigs",
+        description=(
+            "Ends a rig whose cameras are all linked and have four agreeing views. Each camera's session is "
+            "published as a calibration; the rig contains their poses."
+        ),
+        example_path={"id": "RIG_ID"},
     ),
     Operation(
         "get",
@@ -103,5 +139,11 @@ RIG_OPERATIONS = (
                 "format", {"type": "string", "enum": list(RIG_FORMATS)}, "File format; `json` unless given."
             ),
         ),
+        tag="Rigs",
+        description=(
+            "Returns the cameras as they were fitted together, and the pose of each relative to camera 0. "
+            "`format` chooses files of OpenCV (`opencv_stereo`), ROS, Kalibr, COLMAP, mrcal or glTF."
+        ),
+        example_path={"id": "RIG_ID"},
     ),
 )

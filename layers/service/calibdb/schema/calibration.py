@@ -18,8 +18,8 @@ Relation = Literal["scale", "crop", "scale+crop", "neither"]
 class Uncertainty(Open):
     """Predicted projection error, px, over the image and inside the part that the boards have shown."""
 
-    rms: float
-    max: float
+    rms: float = Field(description="Root mean square, px.")
+    max: float = Field(description="At the worst place of the image, px.")
     inside: float | None = Field(
         None,
         description="rms inside the part of the image that the boards have shown, the convex hull of their "
@@ -65,18 +65,26 @@ class Calibration(Open):
 
     img_size: ImgSize
     camera_matrix: tuple[Row, Row, Row] = Field(description="Row-major; pixel centres at whole numbers.")
-    distortion_coefficients: tuple[float, ...]
-    distortion_model: DistortionModel
+    distortion_coefficients: tuple[float, ...] = Field(
+        description="In the order of the model; see the conventions."
+    )
+    distortion_model: DistortionModel = Field(
+        description="Model of the lens; its name gives the order of the coefficients."
+    )
     avg_reprojection_error: float = Field(description="rms over all measurements, px")
-    id: str | None
-    camera: str
-    platform: str
-    zoom: float
+    id: str | None = Field(
+        description="Name of the calibration or consensus, for `GET /v1/calibrations/{id}`."
+    )
+    camera: str = Field(description="`MediaStreamTrack.label` of the camera.")
+    platform: str = Field(description="The parenthesised part of the user agent.")
+    zoom: float = Field(description="`zoom` of the track; 0 if there is none.")
     calibrations: int = Field(description="Number of agreeing calibrations.")
     contributors: int = Field(description="Number of their contributors.")
-    reliable: bool
+    reliable: bool = Field(description="True if enough calibrations agree, or votes confirm it.")
     exact_size: bool = Field(description="false: the closest known size, not the requested one.")
-    uncertainty: Uncertainty
+    uncertainty: Uncertainty = Field(
+        description="Predicted error of a projection over the image, px; null before the first fit."
+    )
     calibration_time: int = Field(description="Unix time, seconds.")
     systematic: float | None = Field(
         None,
@@ -140,9 +148,11 @@ class Adapted(Open):
     """The calibration, carried to the requested size or zoom."""
 
     img_size: ImgSize
-    zoom: float
+    zoom: float = Field(description="`zoom` of the track; 0 if there is none.")
     camera_matrix: tuple[Row, Row, Row] = Field(description="Row-major; pixel centres at whole numbers.")
-    distortion_coefficients: tuple[float, ...]
+    distortion_coefficients: tuple[float, ...] = Field(
+        description="In the order of the model; see the conventions."
+    )
     interpolated: bool = Field(False, description="true: between two calibrated zooms.")
 
 

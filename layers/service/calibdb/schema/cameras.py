@@ -47,7 +47,7 @@ class CameraSize(Open):
     """Calibrations and consensus of a camera at one size and zoom."""
 
     img_size: ImgSize
-    zoom: float
+    zoom: float = Field(description="`zoom` of the track; 0 if there is none.")
     models: tuple[DistortionModel, ...] = Field(description="That were computed.")
     calibrations: int = Field(description="Calibrations that count, agreeing or not.")
     contributors: int = Field(description="Of those that agree.")
@@ -61,32 +61,32 @@ class CameraSize(Open):
 class CameraEntry(Open):
     """A camera that was found."""
 
-    key: str
-    camera: str
-    platform: str
+    key: str = Field(description="Name of the camera in the database, for `GET /v1/cameras/{key}`.")
+    camera: str = Field(description="`MediaStreamTrack.label` of the camera.")
+    platform: str = Field(description="The parenthesised part of the user agent.")
     usb_id: str | None = Field(description="`vid:pid`; null: no label has one.")
     vendor: str | None = Field(description="Name of the USB vendor; null: not known.")
-    sizes: tuple[CameraSize, ...]
+    sizes: tuple[CameraSize, ...] = Field(description="Calibrated sizes and zooms.")
 
 
 class CameraList(Open):
     """Matching cameras, and `next`. A page may have fewer than requested, even none, although more follow."""
 
-    cameras: tuple[CameraEntry, ...]
+    cameras: tuple[CameraEntry, ...] = Field(description="Matching cameras, or cameras of the rig.")
     next: str | None = Field(description="`after` of the next page; null: there is none.")
 
 
 class CameraMember(Open):
     """One calibration of the camera, by the model that its session fitted; px."""
 
-    id: str
+    id: str = Field(description="Name of the calibration or consensus, for `GET /v1/calibrations/{id}`.")
     time: int = Field(description="Unix time, seconds.")
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-    rms: float
-    model: str
+    fx: float = Field(description="Focal length across, px.")
+    fy: float = Field(description="Focal length down, px.")
+    cx: float = Field(description="Principal point, px from the left.")
+    cy: float = Field(description="Principal point, px from the top.")
+    rms: float = Field(description="Root mean square, px.")
+    model: str = Field(description="Distortion model of the fit.")
     in_group: bool = Field(description="It is one of those that agree.")
 
 
@@ -94,9 +94,9 @@ class CameraMode(Open):
     """A camera at one size and zoom."""
 
     img_size: ImgSize
-    zoom: float
-    calibrations: int
-    contributors: int
+    zoom: float = Field(description="`zoom` of the track; 0 if there is none.")
+    calibrations: int = Field(description="Number of calibrations.")
+    contributors: int = Field(description="Number of contributors.")
     agreeing: int = Field(description="How many calibrations agree.")
     required: int = Field(description="Number of calibrations that must agree before lookups return them.")
     reason: Reason | None = Field(description="Why it is not reliable by any model; null: it is.")
@@ -108,9 +108,9 @@ class CameraMode(Open):
 class CameraDetail(Open):
     """All that is known of a camera."""
 
-    key: str
-    camera: str
-    platform: str
+    key: str = Field(description="Name of the camera in the database, for `GET /v1/cameras/{key}`.")
+    camera: str = Field(description="`MediaStreamTrack.label` of the camera.")
+    platform: str = Field(description="The parenthesised part of the user agent.")
     usb_id: str | None = Field(description="`vid:pid`; null: no label has one.")
     vendor: str | None = Field(description="Name of the USB vendor; null: not known.")
-    modes: tuple[CameraMode, ...]
+    modes: tuple[CameraMode, ...] = Field(description="Calibrations and consensus by size and zoom.")

@@ -38,8 +38,12 @@ class GivenCalibration(Open):
 
     img_size: ImgSize
     camera_matrix: tuple[Row, Row, Row] = Field(description="Row-major; pixel centres at whole numbers.")
-    distortion_coefficients: tuple[float, ...] = Field(max_length=MAX_COEFFICIENTS)
-    distortion_model: DistortionModel
+    distortion_coefficients: tuple[float, ...] = Field(
+        max_length=MAX_COEFFICIENTS, description="In the order of the model; see the conventions."
+    )
+    distortion_model: DistortionModel = Field(
+        description="Model of the lens; its name gives the order of the coefficients."
+    )
 
 
 class CheckRequest(Strict, Licensed):
@@ -50,11 +54,13 @@ class CheckRequest(Strict, Licensed):
     device: DeviceModel | None = Field(None, description=DEVICE_TEXT)
     img_size: ImgSize
     zoom: Zoom = 0.0
-    distortion_model: DistortionModel = "rectilinear"
+    distortion_model: DistortionModel = Field(
+        "rectilinear", description="Model of the lens; its name gives the order of the coefficients."
+    )
     resize_mode: ResizeMode | None = Field(
         None, description="`resizeMode` of the track: a stream that the browser crops is another picture."
     )
-    board: Board = Board()
+    board: Board = Field(Board(), description="The board; default: a ChArUco board of 9 x 6 squares.")
     views: tuple[CheckView, ...] = Field(
         min_length=1, max_length=MAX_VIEWS, description="Views with different tilts."
     )
@@ -73,7 +79,7 @@ class CheckRequest(Strict, Licensed):
 class CheckAnswer(Open):
     """Result of a check: whether the stored consensus fits these views."""
 
-    fits: Literal["fits", "does_not_fit"]
+    fits: Literal["fits", "does_not_fit"] = Field(description="`fits` if the consensus explains these views.")
     error: float = Field(description="px rms of the views under the consensus; only poses are fitted.")
     expected: float = Field(description="px rms of these views under their own fit.")
     counted: bool = Field(
@@ -87,7 +93,7 @@ class CheckAnswer(Open):
 class ComparisonAnswer(Open):
     """Result of a check of a given calibration: how far it is from a fit of these views."""
 
-    fits: Literal["fits", "does_not_fit"]
+    fits: Literal["fits", "does_not_fit"] = Field(description="`fits` if the consensus explains these views.")
     error: float | None = Field(
         description="px rms of the views under the calibration; null: it explains none."
     )

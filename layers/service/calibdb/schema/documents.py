@@ -125,8 +125,8 @@ class CalibrationDocument(CaptureDocument):
 class Votes(Open):
     """Numbers of contributors whose own views fit a consensus, and did not."""
 
-    agree: int = 0
-    disagree: int = 0
+    agree: int = Field(0, description="Checks that agree with the consensus.")
+    disagree: int = Field(0, description="Checks that contradict the consensus.")
 
 
 class ShapeDocument(Open):

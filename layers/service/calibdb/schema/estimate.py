@@ -15,14 +15,14 @@ EstimateBasis = Literal["calibrations", "views", "device", "other_size", "publis
 class Source(Open):
     """Publication that an estimate rests on."""
 
-    title: str
-    url: str
+    title: str = Field(description="Name of the publication.")
+    url: str = Field(description="Address of the publication.")
 
 
 class EstimateInterval(Open):
     """Interval that contains the true value with a probability of 90 %."""
 
-    hfov_deg: tuple[float, float]
+    hfov_deg: tuple[float, float] = Field(description="Lowest and highest horizontal field of view, degrees.")
 
 
 class Estimate(Open):
@@ -30,8 +30,12 @@ class Estimate(Open):
 
     img_size: ImgSize
     camera_matrix: tuple[Row, Row, Row] = Field(description="Row-major; pixel centres at whole numbers.")
-    distortion_model: DistortionModel
-    distortion_coefficients: tuple[float, ...]
+    distortion_model: DistortionModel = Field(
+        description="Model of the lens; its name gives the order of the coefficients."
+    )
+    distortion_coefficients: tuple[float, ...] = Field(
+        description="In the order of the model; see the conventions."
+    )
     hfov_deg: float = Field(description="Horizontal field of view, degrees.")
     interval_90: EstimateInterval
     basis: EstimateBasis = Field(
@@ -44,4 +48,4 @@ class Estimate(Open):
         exclude_if=is_none,
         description="Name of the group of calibrations that fits the views, by its field of view.",
     )
-    sources: tuple[Source, ...] = ()
+    sources: tuple[Source, ...] = Field((), description="Publications that the estimate rests on.")

@@ -17,8 +17,8 @@ CanaryStep = Literal["lookup", "open", "pose", "view", "result"]
 class PartHealth(Open):
     """One part, checked within a time of its own."""
 
-    part: PartName
-    ok: bool
+    part: PartName = Field(description="Name of the part.")
+    ok: bool = Field(description="True if it works.")
     latency_ms: float | None = Field(description="Time of the check; null: it failed, or took longer.")
     limit_ms: int = Field(description="Time that the check had.")
 
@@ -26,23 +26,23 @@ class PartHealth(Open):
 class CanaryRun(Open):
     """Last lookup and capture that the service made of itself, if it makes any."""
 
-    ok: bool
+    ok: bool = Field(description="True if it works.")
     at: int = Field(description="Unix seconds.")
-    took_ms: int
-    failed_at: CanaryStep | None = None
+    took_ms: int = Field(description="Duration, ms.")
+    failed_at: CanaryStep | None = Field(None, description="The step that failed; null: none.")
 
 
 class DeepHealth(Health):
     """Every part works."""
 
     checked_at: int = Field(description="Unix seconds. An answer is remembered for ten seconds.")
-    parts: tuple[PartHealth, ...]
+    parts: tuple[PartHealth, ...] = Field(description="Each part of the service.")
     canary: CanaryRun | None = Field(description="Null: there is none, or it has not run for two hours.")
 
 
 class HealthProblem(Problem):
     """Some part does not work, or the canary failed."""
 
-    checked_at: int
-    parts: tuple[PartHealth, ...]
-    canary: CanaryRun | None
+    checked_at: int = Field(description="Time of the check, unix seconds.")
+    parts: tuple[PartHealth, ...] = Field(description="Each part of the service.")
+    canary: CanaryRun | None = Field(description="Last lookup and capture that the service made of itself.")

@@ -79,13 +79,18 @@ class LookupRequest(Deferred):
 
     model_config = ConfigDict(frozen=True, strict=True, extra="ignore", allow_inf_nan=False)
 
-    camera: Label
-    platform: Label = Field(validation_alias=AliasChoices("platform", "userAgent"))
+    camera: Label = Field(description="`MediaStreamTrack.label` of the camera.")
+    platform: Label = Field(
+        validation_alias=AliasChoices("platform", "userAgent"),
+        description="The parenthesised part of the user agent.",
+    )
     img_size: Annotated[ImgSize, BeforeValidator(_size)] = Field(
         validation_alias=AliasChoices("img_size", "imsize")
     )
     zoom: Annotated[Zoom, BeforeValidator(_number)] = 0.0
-    distortion_model: DistortionModel = "rectilinear"
+    distortion_model: DistortionModel = Field(
+        "rectilinear", description="Model of the lens; its name gives the order of the coefficients."
+    )
     resize_mode: ResizeMode | None = Field(
         None,
         validation_alias=AliasChoices("resize_mode", "resizeMode"),
@@ -95,14 +100,16 @@ class LookupRequest(Deferred):
     reported: Reported | None = Field(
         None, description="A field of view that the device reports. Only the estimate uses it."
     )
-    board: Board = Board()
+    board: Board = Field(Board(), description="The board; default: a ChArUco board of 9 x 6 squares.")
     views: tuple[ObservedCorners, ...] = Field(
         (),
         max_length=MAX_LOOKUP_VIEWS,
         description="Frames of the board, tilted differently. If the calibrations of the camera fall into "
         "groups, the estimate is the group that fits. Not in a query.",
     )
-    redirect: Annotated[bool, BeforeValidator(_flag)] = True
+    redirect: Annotated[bool, BeforeValidator(_flag)] = Field(
+        True, description="`false`: 404 with `guidance_url` instead of a redirect."
+    )
     miss: Literal["ok"] | None = Field(
         None, description="`ok`: a miss returns 200 with `calibration: null` instead of 307 or 404."
     )
@@ -129,9 +136,11 @@ class LookupRequest(Deferred):
 class NoCalibration(Open):
     """Answer with 200 where nothing reliable is known (`miss: "ok"`)."""
 
-    calibration: None = None
-    reason: Reason
-    guidance_url: str
+    calibration: None = Field(
+        None, description="The calibration; null: none yet, or nothing reliable is known."
+    )
+    reason: Reason = Field(description="Reason, for programs.")
+    guidance_url: str = Field(description="Page that calibrates the camera.")
     detail: str = Field(description="Explanation for people.")
     estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)
 
@@ -139,14 +148,14 @@ class NoCalibration(Open):
 class UnknownCamera(Open):
     """Reason why `GET /known/v1/…` has no answer; the body of its 404."""
 
-    reason: Reason
+    reason: Reason = Field(description="Reason, for programs.")
 
 
 class Miss(Open):
     """Address of the guidance page, and the reason for the miss; the body of the 307."""
 
-    guidance_url: str
-    reason: Reason
+    guidance_url: str = Field(description="Page that calibrates the camera.")
+    reason: Reason = Field(description="Reason, for programs.")
     detail: str = Field(
         "The database has no reliable calibration of this camera.", description="Explanation for people."
     )

@@ -58,14 +58,14 @@ class TokenRequest(Strict):
     """A new token."""
 
     origins: Origins
-    name: TokenName | None = None
+    name: TokenName | None = Field(None, description="Label that only you see.")
 
 
 class TokenChange(Strict):
     """Change of a token; what is left out stays."""
 
-    origins: Origins | None = None
-    name: TokenName | None = None
+    origins: Origins | None = Field(None, description="All origins from now on.")
+    name: TokenName | None = Field(None, description="Label that only you see.")
 
 
 class RotationRequest(Strict):
@@ -82,15 +82,17 @@ class RotationRequest(Strict):
 class OriginProof(Open):
     """File that proves an origin: `content` is one of its lines."""
 
-    url: str
-    content: str
+    url: str = Field(description="Required address of the proof.")
+    content: str = Field(description="Required line of the proof.")
 
 
 class OriginState(Open):
     """One origin of a token."""
 
-    origin: str
-    state: Literal["verified", "pending"]
+    origin: str = Field(description="Origin of pages, `https://page.example`.")
+    state: Literal["verified", "pending"] = Field(
+        description="`verified`: pages may use the token. `pending`: the proof is missing."
+    )
     proof: OriginProof | None = Field(None, description="File to place at a pending origin.")
     failure: ProofFailure | None = Field(None, description="Reason why no proof was found.")
     detail: str | None = Field(None, description="Explanation for people.")
@@ -99,88 +101,96 @@ class OriginState(Open):
 class PlanLimits(Open):
     """Calls in one hour by kind; null: as many as are wanted."""
 
-    sessions: int | None
-    views: int | None
-    poses: int | None
-    lookups: int | None
+    sessions: int | None = Field(description="Captures opened.")
+    views: int | None = Field(description="Views submitted, undone, checked; calibrations converted.")
+    poses: int | None = Field(
+        description="Target poses and their images; captures started, read and deleted."
+    )
+    lookups: int | None = Field(description="Lookups and other reads.")
 
 
 class HourlyLimits(Open):
     """Limits of all users of a token together, and of each one."""
 
-    together: PlanLimits
-    each: PlanLimits
+    together: PlanLimits = Field(description="All users of the token.")
+    each: PlanLimits = Field(description="Each user.")
 
 
 class UseCounts(Open):
     """Calls by kind. Lookups are written down in batches, so that the last ones may be missing."""
 
-    sessions: int = 0
-    views: int = 0
-    poses: int = 0
-    lookups: int = 0
+    sessions: int = Field(0, description="Captures opened.")
+    views: int = Field(0, description="Views submitted, undone, checked; calibrations converted.")
+    poses: int = Field(0, description="Target poses and their images; captures started, read and deleted.")
+    lookups: int = Field(0, description="Lookups and other reads.")
 
 
 class HourOfUse(UseCounts):
     """Calls of one hour, UTC."""
 
-    hour: str = Field(examples=["2026-11-22T16"])
+    hour: str = Field(examples=["2026-11-22T16"], description="Start of the hour (UTC), unix seconds.")
 
 
 class DayOfUse(UseCounts):
     """Calls of one day, UTC."""
 
-    day: str = Field(examples=["2026-11-22"])
+    day: str = Field(examples=["2026-11-22"], description="Start of the day (UTC), unix seconds.")
 
 
 class TokenUse(Open):
     """Calls of the last two days by hour, and of the last 30 days by day; the oldest first."""
 
-    hours: tuple[HourOfUse, ...]
-    days: tuple[DayOfUse, ...]
+    hours: tuple[HourOfUse, ...] = Field(description="The last two days.")
+    days: tuple[DayOfUse, ...] = Field(description="The last thirty days.")
 
 
 class TokenFacts(Open):
     """All about a token but its secrets. Times are unix seconds."""
 
-    id: str
-    name: str | None
-    plan: str
-    origins: tuple[OriginState, ...]
-    created: int
+    id: str = Field(description="Name of the token; not secret.")
+    name: str | None = Field(description="Label that only you see.")
+    plan: str = Field(description="Plan of the token.")
+    origins: tuple[OriginState, ...] = Field(
+        description="Origins whose pages may use the token, each with its state."
+    )
+    created: int = Field(description="Unix seconds.")
     expires: int | None = Field(description="Expiry of an unused trial token, unix seconds.")
     former_until: int | None = Field(description="Expiry of the previous secret, unix seconds.")
-    limits: HourlyLimits
+    limits: HourlyLimits = Field(description="Limits of the plan, by hour.")
 
 
 class ManagedToken(TokenFacts):
     """All about a token, with its use."""
 
-    use: TokenUse
+    use: TokenUse = Field(description="Calls by hour and by day.")
 
 
 class TokenCreated(TokenFacts):
     """A new token. Both secrets are shown this once."""
 
-    token: str
-    management_token: str
+    token: str = Field(description="The API token, shown only once.")
+    management_token: str = Field(
+        description="Secret that manages the token, shown only once. Keep it out of pages."
+    )
 
 
 class TokenRotated(Open):
     """The token with its new secret, shown this once."""
 
-    id: str
-    token: str
-    former_until: int | None
+    id: str = Field(description="Name of the token; not secret.")
+    token: str = Field(description="The API token, shown only once.")
+    former_until: int | None = Field(
+        description="Expiry of the previous secret, unix seconds; null: expired."
+    )
 
 
 class UsageAnswer(Open):
     """Use of a token in this hour."""
 
-    plan: str
-    period_s: int
+    plan: str = Field(description="Plan of the token.")
+    period_s: int = Field(description="Length of the period that the limits are for, seconds.")
     resets_at: int = Field(description="Start of the next hour, unix seconds.")
-    limits: HourlyLimits
+    limits: HourlyLimits = Field(description="Limits of the plan, by hour.")
     used: UseCounts = Field(description="Use by all users of the token.")
     used_here: UseCounts = Field(description="Use from your address, without lookups.")
 

@@ -42,5 +42,5 @@ class RigJoin(Strict):
 class RigMembership(Open):
     """The rig of a session, and the position of its camera."""
 
-    id: str
+    id: str = Field(description="Name of the calibration or consensus, for `GET /v1/calibrations/{id}`.")
     position: int

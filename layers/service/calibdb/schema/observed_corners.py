@@ -11,7 +11,9 @@ from calibdb.schema.fields import MAX_CORNERS, CornerId, Point, Strict
 class ObservedCorners(Strict):
     """One frame: the board corners seen."""
 
-    ids: tuple[CornerId, ...] = Field(min_length=1, max_length=MAX_CORNERS)
+    ids: tuple[CornerId, ...] = Field(
+        min_length=1, max_length=MAX_CORNERS, description="Ids of the board's corners."
+    )
     points: tuple[Point, ...] = Field(min_length=1, max_length=MAX_CORNERS, description="px, one for each id")
 
     @field_validator("ids")

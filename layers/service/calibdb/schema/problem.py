@@ -12,23 +12,25 @@ from calibdb.schema.lookup import ESTIMATE_TEXT, Reason
 class FieldProblem(Open):
     """One field of the request, its path joined by dots, and what is wrong with it."""
 
-    field: str
-    detail: str
+    field: str = Field(description="Path of the field.")
+    detail: str = Field(description="Explanation for people.")
 
 
 class Problem(Open):
     """Problem details (RFC 9457). `errors` is there on 422."""
 
-    type: str
-    title: str
-    status: int
-    detail: str
-    errors: tuple[FieldProblem, ...] = ()
+    type: str = Field(description="Address of a page that explains what to do.")
+    title: str = Field(description="Kind of problem, for people.")
+    status: int = Field(description="HTTP status.")
+    detail: str = Field(description="Explanation for people.")
+    errors: tuple[FieldProblem, ...] = Field(
+        (), description="The fields that are wrong, each with the reason."
+    )
 
 
 class LookupProblem(Problem):
     """Nothing reliable is known, and where to go instead (`redirect=false`)."""
 
-    guidance_url: str
-    reason: Reason
+    guidance_url: str = Field(description="Page that calibrates the camera.")
+    reason: Reason = Field(description="Reason, for programs.")
     estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)

@@ -57,8 +57,12 @@ class RigCamera(Open):
     position: int
     camera: str | None = Field(description="Label of the camera; null until a camera has joined.")
     img_size: ImgSize | None
-    distortion_model: DistortionModel | None
-    status: Literal["waiting", "capturing", "finished"]
+    distortion_model: DistortionModel | None = Field(
+        description="Model of the lens; its name gives the order of the coefficients."
+    )
+    status: Literal["waiting", "capturing", "finished"] = Field(
+        description="`waiting`, `capturing` or `finished`."
+    )
     views: int = Field(description="Views of moments that count.")
 
 
@@ -66,21 +70,23 @@ class MomentSetAside(Open):
     """View of a moment that takes no part in the fit."""
 
     position: int
-    reason: SetAsideReason
-    detail: str
+    reason: SetAsideReason = Field(description="Reason, for programs.")
+    detail: str = Field(description="Explanation for people.")
 
 
 class LatestMoment(Open):
     """The moment that was opened last."""
 
-    id: str
+    id: str = Field(description="Name of the calibration or consensus, for `GET /v1/calibrations/{id}`.")
     positions: tuple[int, ...] = Field(description="Positions of the cameras that have sent a view of it.")
 
 
 class RigMoment(LatestMoment):
     """One moment, and what of it is set aside."""
 
-    set_aside: tuple[MomentSetAside, ...] = ()
+    set_aside: tuple[MomentSetAside, ...] = Field(
+        (), description="Reason why the view no longer counts; null: it counts."
+    )
 
 
 class RigUncertainty(Open):
@@ -102,11 +108,11 @@ class RigTargetView(Open):
     position: int
     rvec: Row
     tvec: Row = Field(description="Translation, squares.")
-    ids: tuple[int, ...]
-    corners: tuple[Pixel, ...]
+    ids: tuple[int, ...] = Field(description="Ids of the board's corners.")
+    corners: tuple[Pixel, ...] = Field(description="Positions of these corners in the image, px.")
     outline: tuple[Pixel, ...]
     hint: str
-    hint_code: HintCode
+    hint_code: HintCode = Field(description="The next movement, for programs.")
 
 
 class RigTarget(Open):
@@ -114,7 +120,7 @@ class RigTarget(Open):
 
     purpose: str
     hint: str
-    hint_code: HintCode
+    hint_code: HintCode = Field(description="The next movement, for programs.")
     cameras: tuple[RigTargetView, ...] = Field(description="Cameras that are absent would not see it.")
 
 
@@ -123,8 +129,8 @@ class RigAdvice(Open):
 
     code: Literal[
         "waiting", "unlinked", "no_fit", "contradicts", "set_aside", "turned", "too_few_views", "converged"
-    ]
-    text: str
+    ] = Field(description="Identifier for programs.")
+    text: str = Field(description="Text for people.")
     positions: tuple[int, ...] = ()
 
 
@@ -168,7 +174,9 @@ class RigResult(Open):
     held_out_rms: float | None = Field(
         None, description="rms px of moments under a rig that was fitted without them; null: too few moments."
     )
-    uncertainty: RigUncertainty
+    uncertainty: RigUncertainty = Field(
+        description="Predicted error of a projection over the image, px; null before the first fit."
+    )
     verdict: RigVerdict
     board_poses: tuple[MomentPose, ...] = Field((), description="Boards of the moments that count.")
 
@@ -177,20 +185,22 @@ class RigState(Open):
     """Progress of the rig."""
 
     rig_id: str
-    status: Literal["capturing", "finished"]
-    board: Board
+    status: Literal["capturing", "finished"] = Field(description="`capturing` or `finished`.")
+    board: Board = Field(description="The board; default: a ChArUco board of 9 x 6 squares.")
     square_size: float | None
     unit: RigUnit
-    cameras: tuple[RigCamera, ...]
+    cameras: tuple[RigCamera, ...] = Field(description="Matching cameras, or cameras of the rig.")
     moment: LatestMoment | None
     moments: tuple[RigMoment, ...]
-    uncertainty: RigUncertainty | None
+    uncertainty: RigUncertainty | None = Field(
+        description="Predicted error of a projection over the image, px; null before the first fit."
+    )
     target_error: float = Field(description="px; the `uncertainty.rms` at which the rig has converged.")
-    progress: float = Field(ge=0, le=1)
+    progress: float = Field(ge=0, le=1, description="Progress, 0 to 1.")
     unlinked: tuple[int, ...] = Field(
         description="Positions of the cameras that share no moment with camera 0, not even by way of others."
     )
-    rms: float | None
+    rms: float | None = Field(description="Root mean square, px.")
     target: RigTarget | None
-    advice: tuple[RigAdvice, ...]
+    advice: tuple[RigAdvice, ...] = Field(description="What to improve, most important first.")
     result: RigResult | None

@@ -59,13 +59,13 @@ HintCode = Literal[
 class Health(Open):
     """The service is there."""
 
-    status: Literal["ok"] = "ok"
+    status: Literal["ok"] = Field("ok", description="`ok`.")
 
 
 class SessionOpened(Open):
     """The credential of one guided capture."""
 
-    session_id: str
+    session_id: str = Field(description="Credential of the session's calls.")
     expires_at: int = Field(description="Unix time, seconds.")
 
 
@@ -75,11 +75,13 @@ class Track(Open):
     A page may send all settings of the track; what is not listed here, such as ids of devices, is not kept.
     """
 
-    focusMode: Fact | None = None  # noqa: N815 - names of the MediaStreamTrack's settings
-    focusDistance: Quantity | None = None  # noqa: N815
-    facingMode: Fact | None = None  # noqa: N815
-    resizeMode: Fact | None = None  # noqa: N815
-    frameRate: Quantity | None = None  # noqa: N815
+    focusMode: Fact | None = Field(None, description="As the track reports it.")  # noqa: N815 - names of the MediaStreamTrack's settings
+    focusDistance: Quantity | None = Field(None, description="As the track reports it.")  # noqa: N815
+    facingMode: Fact | None = Field(None, description="As the track reports it.")  # noqa: N815
+    resizeMode: Fact | None = Field(  # noqa: N815
+        None, description="As the track reports it. Cropped streams have different intrinsics."
+    )
+    frameRate: Quantity | None = Field(None, description="As the track reports it.")  # noqa: N815
 
 
 class LicenceRequest(Strict, Licensed):
@@ -96,13 +98,17 @@ class SessionRequest(Strict, Licensed):
     device: DeviceModel | None = Field(None, description=DEVICE_TEXT)
     img_size: ImgSize
     zoom: Zoom = 0.0
-    distortion_model: DistortionModel = "rectilinear"
-    board: Board = Board()
-    guidance: Guidance = "projection-uncertainty"
+    distortion_model: DistortionModel = Field(
+        "rectilinear", description="Model of the lens; its name gives the order of the coefficients."
+    )
+    board: Board = Field(Board(), description="The board; default: a ChArUco board of 9 x 6 squares.")
+    guidance: Guidance = Field("projection-uncertainty", description="How the next pose is chosen.")
     target_error: TargetError | None = Field(
         None, description="px over the image at which the session ends; default 0.3 at 1280 px image width."
     )
-    track: Track = Track()
+    track: Track = Field(
+        Track(), description="Facts about the `MediaStreamTrack`. Stored, never part of the key."
+    )
     capture: CaptureKind = Field(
         "live",
         description="`recorded`: the views are all there already (photographs, a video, corners that another "
@@ -137,7 +143,11 @@ class BatchRequest(Strict):
         description="Index that the first accepted view takes: 0, later one more than that of the last "
         "accepted view. The same request again returns the same indices."
     )
-    views: tuple[ObservedCorners, ...] = Field(min_length=1, max_length=MAX_RECORDED_VIEWS)
+    views: tuple[ObservedCorners, ...] = Field(
+        min_length=1,
+        max_length=MAX_RECORDED_VIEWS,
+        description="Frames in the order in which they are judged.",
+    )
 
 
 class SetAside(Open):
@@ -147,18 +157,20 @@ class SetAside(Open):
         description="`outlier`: found wrong once others were there; `disagrees`: more views contradict it; "
         "`degenerate`: its corners lie on a line (of imported views)."
     )
-    detail: str
+    detail: str = Field(description="Explanation for people.")
 
 
 class ViewState(Open):
     """One accepted view."""
 
-    index: int
-    points: int
+    index: int = Field(description="Index of the view.")
+    points: int = Field(description="Number of points.")
     rms: float | None = Field(
         description="px; null as long as there is no fit. Of a view set aside: with only its pose fitted."
     )
-    set_aside: SetAside | None = None
+    set_aside: SetAside | None = Field(
+        None, description="Reason why the view no longer counts; null: it counts."
+    )
     on_target: bool | None = Field(
         None, description="true: the board was held at the target. null: there was no target."
     )
@@ -174,22 +186,22 @@ class Advice(Open):
         "board_bent",
         "motion",
         "focus_changed",
-    ]
-    text: str
+    ] = Field(description="Identifier for programs.")
+    text: str = Field(description="Text for people.")
 
 
 class Hint(Open):
     """Hint that leads to the next view."""
 
-    code: HintCode
+    code: HintCode = Field(description="Identifier for programs.")
     text: str = Field(description="English, at most six words.")
 
 
 class VerdictReason(Open):
     """Reason why a calibration is not good: a code for programs, a sentence for people."""
 
-    code: str
-    text: str
+    code: str = Field(description="Identifier for programs.")
+    text: str = Field(description="Text for people.")
 
 
 class Verdict(Open):
@@ -202,27 +214,39 @@ class Verdict(Open):
 class SessionState(Open):
     """Progress of the capture."""
 
-    status: Literal["capturing", "converged"]
-    camera: str
-    platform: str
+    status: Literal["capturing", "converged"] = Field(description="`capturing` or `converged`.")
+    camera: str = Field(description="`MediaStreamTrack.label` of the camera.")
+    platform: str = Field(description="The parenthesised part of the user agent.")
     img_size: ImgSize
-    zoom: float
-    distortion_model: DistortionModel
-    board: Board
-    guidance: Guidance
-    target_error: float
-    capture: CaptureKind = "live"
+    zoom: float = Field(description="`zoom` of the track; 0 if there is none.")
+    distortion_model: DistortionModel = Field(
+        description="Model of the lens; its name gives the order of the coefficients."
+    )
+    board: Board = Field(description="The board; default: a ChArUco board of 9 x 6 squares.")
+    guidance: Guidance = Field(description="How the next pose is chosen.")
+    target_error: float = Field(description="Predicted error at which the session ends, px.")
+    capture: CaptureKind = Field(
+        "live", description="`live`: views arrive one by one; `recorded`: all views exist already."
+    )
     rig: RigMembership | None = Field(None, description="The rig that the session is in; null: none.")
     licence: Licence | None = Field(
         None, description="As the session was started, or as the contributor agreed later."
     )
-    licence_version: LicenceVersion | None = None
-    views: tuple[ViewState, ...]
-    progress: float = Field(ge=0, le=1)
-    uncertainty: Uncertainty | None
+    licence_version: LicenceVersion | None = Field(
+        None, description="Date of the text that the contributor agreed to."
+    )
+    views: tuple[ViewState, ...] = Field(description="The views of the session.")
+    progress: float = Field(ge=0, le=1, description="Progress, 0 to 1.")
+    uncertainty: Uncertainty | None = Field(
+        description="Predicted error of a projection over the image, px; null before the first fit."
+    )
     systematic: float | None = Field(None, description="As in `calibration`; null: there is no fit yet.")
-    calibration: Calibration | None
-    calibration_id: str | None
+    calibration: Calibration | None = Field(
+        description="The calibration; null: none yet, or nothing reliable is known."
+    )
+    calibration_id: str | None = Field(
+        description="Name of the published calibration; null before the session's end."
+    )
     end: End | None = Field(
         None,
         description="Reason why the capture ended. `target`: the target error is reached. `plateau`: the "
@@ -230,7 +254,7 @@ class SessionState(Open):
         "`asked`: the user ended it. null: it has not ended.",
     )
     verdict: Verdict | None = Field(None, description="Verdict on the result; null: there is none yet.")
-    advice: tuple[Advice, ...] = ()
+    advice: tuple[Advice, ...] = Field((), description="What to improve, most important first.")
     suggested_model: DistortionModel | None = Field(
         None, description="The model that explains these views better, where this one is too simple."
     )
@@ -239,15 +263,15 @@ class SessionState(Open):
 class ViewAnswer(SessionState):
     """The session's state, and whether the view became part of it."""
 
-    accepted: bool
-    reason: Refusal | None
+    accepted: bool = Field(description="True if the view became part of the session.")
+    reason: Refusal | None = Field(description="Reason, for programs.")
     hint: Hint | None = Field(None, description="What to do after a refusal.")
 
 
 class BatchResult(Open):
     """Result of one view of a batch."""
 
-    accepted: bool
+    accepted: bool = Field(description="True if the view became part of the session.")
     index: int | None = Field(description="Index of the view in the session; null: it was refused.")
     reason: Refusal | None = Field(description="Reason of a refusal.")
     error: float | None = Field(
@@ -271,9 +295,9 @@ class Pose(Open):
     index: int = Field(description="The index that a view answering this pose carries.")
     rvec: Row = Field(description="Rotation vector, board to camera, rad.")
     tvec: Row = Field(description="Translation, squares.")
-    ids: tuple[int, ...]
-    corners: tuple[Pixel, ...]
+    ids: tuple[int, ...] = Field(description="Ids of the board's corners.")
+    corners: tuple[Pixel, ...] = Field(description="Positions of these corners in the image, px.")
     outline: tuple[Pixel, ...] = Field(description="The board's edge as the camera would see it.")
     purpose: str = Field(description="What this view is for, in English.")
     hint: str = Field(description="What to do next, in English, at most six words; sides are the picture's.")
-    hint_code: HintCode
+    hint_code: HintCode = Field(description="The next movement, for programs.")
