@@ -12,6 +12,7 @@ const worker = self;
 const BASE = new URL("./", location.href);
 const SHELL = new URL("shell.json", BASE).href;
 const CACHE = "calibdb";
+const OFFLINE = "offline.html"; // shown instead of a page that is not kept
 const DEVELOPED = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
 const LANGUAGE = /^(de|uk)\//; // folders of pages
 const DETECTING = /\/(calibrate|rig|photos|ar)\/$/;
@@ -91,9 +92,13 @@ async function tryUpdate() {
 /** @param {Request} request @param {string} name */
 async function answer(request, name) {
   const cache = await caches.open(CACHE);
-  const hash = (await current(cache))?.files[name];
+  const files = (await current(cache))?.files ?? {};
+  const hash = files[name];
   const kept = hash && (await cache.match(keyOf(name, hash)));
-  if (!kept) return fetch(request);
+  if (!kept) {
+    const instead = request.mode === "navigate" && files[OFFLINE] ? await cache.match(keyOf(OFFLINE, files[OFFLINE])) : null;
+    return instead ? fetch(request).catch(() => instead) : fetch(request);
+  }
   return DEVELOPED ? fetch(request).catch(() => kept) : kept;
 }
 

@@ -9,7 +9,7 @@ import ast
 import re
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -32,6 +32,9 @@ RIDDLE = re.compile(
     r"|(Returns?|Says?|Gives?) (what|who|which|how|where)\b"
 )
 """Opening words that leave out the noun that a docstring describes."""
+_PYTHON_RIDDLE = re.compile(rf"{RIDDLE.pattern}|Whether\b")
+ACTORLESS = re.compile(r"\b(?:nobody|somebody|anybody|everybody|whoever|anew)\b", re.IGNORECASE)
+MAX_ACTORLESS = 15  # in Python outside tests
 _FIRST_COMMENT = re.compile(r"\s*(?://|/\*+)\s*\**\s*([^\n]*)")
 _JSDOC = re.compile(r"/\*\*\s*\**\s*([^\n]*)")
 
@@ -77,10 +80,20 @@ def opening_problems(path: str, text: str) -> list[str]:
     """Describe docstrings, or comments of JavaScript, whose first words leave out the noun."""
     if path.endswith(".py"):
         openings = list(docstrings(ast.parse(text)))
+        riddle = _PYTHON_RIDDLE
     else:
         first = _FIRST_COMMENT.match(text)
         openings = [*([first[1]] if first else []), *_JSDOC.findall(text)]
-    return [f"{path}: {each.splitlines()[0]!r} names no noun" for each in openings if RIDDLE.match(each)]
+        riddle = RIDDLE
+    return [f"{path}: {each.splitlines()[0]!r} names no noun" for each in openings if riddle.match(each)]
+
+
+def actor_problems(texts: Mapping[str, str]) -> list[str]:
+    """Describe words without an actor in texts by path, if there are too many."""
+    hits = [f"\n  {path}: {match[0]}" for path, text in texts.items() for match in ACTORLESS.finditer(text)]
+    if len(hits) <= MAX_ACTORLESS:
+        return []
+    return [f"{len(hits)} words without an actor in Python, at most {MAX_ACTORLESS} allowed{''.join(hits)}"]
 
 
 def subject_problems(subject: str) -> list[str]:
@@ -108,6 +121,8 @@ def main() -> int:
         problems += document_problems(path, (ROOT / path).read_text(encoding="utf-8"))
     for path in git_lines("ls-files", "*.py", "web/*.js", "tests/web/*.mjs", "infra/*.mjs"):
         problems += opening_problems(path, (ROOT / path).read_text(encoding="utf-8"))
+    sources = [path for path in git_lines("ls-files", "*.py") if not path.startswith("tests/")]
+    problems += actor_problems({path: (ROOT / path).read_text(encoding="utf-8") for path in sources})
     for subject in git_lines("log", "--no-merges", "--format=%s", f"{BASE}..HEAD"):
         problems += subject_problems(subject)
     print("\n".join(problems) or "wording: no problems")

@@ -40,7 +40,7 @@ class Outcome:
 
     @property
     def complete(self) -> bool:
-        """Whether there is a result for the whole set and for every fold."""
+        """True if there is a result for the whole set and for every fold."""
         return not self.failure and not self.note
 
     def cells(self) -> list[str]:

@@ -23,18 +23,17 @@ import os, socket
 from starlette.applications import Starlette
 from starlette.responses import Response
 from starlette.routing import Route
-from infra.server.server import HttpServer, bind
+from infra.server.server import bind, http_server
 
 async def empty(request):
     return Response(b"")
 
 listener = bind("127.0.0.1", 0)
-listener.listen(1024)
 print(f"http://127.0.0.1:{listener.getsockname()[1]}", flush=True)
 for _ in range(1, WORKERS):
     if os.fork() == 0:
         break
-HttpServer(Starlette(routes=[Route("/", empty)])).run([listener])
+http_server(Starlette(routes=[Route("/", empty)])).run([listener])
 """
 
 

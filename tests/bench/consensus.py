@@ -1,12 +1,11 @@
 """`make bench DOCS=consensus`: how far liars get, and what published lens profiles become.
 
-`python -m tests.bench.consensus [CAMERAS]`: 1,000 simulated cameras unless told otherwise. Writes to docs/;
-`ONLY=poisoning`, `ONLY="honest worlds"` or `ONLY="lens profiles"` one table.
+`CAMERAS=1000` simulated cameras; `ONLY=poisoning`, `ONLY="honest worlds"` or `ONLY="lens profiles"`: one
+table.
 """
 
 import itertools
 import os
-import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,12 +21,23 @@ from tests.helpers.solver import attacks, populations, synthetic
 MAX_DRAWS = 60
 """Of one mode at most; of the smaller ones all there are."""
 LENS_DRAWS = 500
+ATTACKS: tuple[tuple[float, str, int, float], ...] = (
+    (0.0, "as others", 2, 1.0),
+    (0.001, "as others", 2, 0.3),
+    (0.003, "as others", 2, 0.3),
+    (0.001, "as others", 1, 0.3),
+    *((0.001, views, liars, 0.2) for views in attacks.EFFORTS for liars in (1, 2)),
+)
+"""Spread of specimens, views of the liars, liars, and share of the cameras."""
 HEADER = [
     "spread of specimens",
+    "liars",
+    "their views",
     "cameras",
     "reliable without lies",
     "reliable with lies",
     "moved by > 0.5 px",
+    "moved by > 1 px",
     "largest move",
     "95th percentile",
     "moved by > 0.5 px and > the stated spread",
@@ -38,7 +48,7 @@ HEADER = [
 
 
 def main() -> int:
-    cameras = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
+    cameras = int(os.environ.get("CAMERAS", "1000"))
     only = set(filter(None, os.environ.get("ONLY", "").split(",")))
     parts = {
         "poisoning": lambda: poisoning(cameras),
@@ -55,16 +65,14 @@ def main() -> int:
 def poisoning(cameras: int) -> str:
     """Table of rates: what was answered where 40 % of a camera's calibrations are lies."""
     rows = []
-    for variation, share in ((0.0, 1.0), (0.001, 0.2), (0.003, 0.2)):
-        number = int(cameras * share)
-        trials = [run_trial(i, variation) for i in track(range(number), f"variation {variation}", number)]
-        rows.append(row(variation, trials))
-        print(*rows[-1], flush=True)
-    for name, effort in attacks.EFFORTS.items():
-        number = int(cameras * 0.1)
-        trials = [run_trial(i, 0.001, effort) for i in track(range(number), name, number)]
-        rows.append(row(0.001, trials, f", attackers with {name}"))
-        print(*rows[-1], flush=True)
+    for variation, views, liars, share in ATTACKS:
+        number, effort = int(cameras * share), attacks.EFFORTS.get(views)
+        trials = [
+            run_trial(i, variation, effort, liars)
+            for i in track(range(number), f"variation {variation}, {liars}, {views}", number)
+        ]
+        rows.append([f"{variation:.1%}", str(liars), views, *cells(trials)])
+        print(*rows[-1], sep=" | ", flush=True)
     return document.table(HEADER, rows)
 
 
@@ -82,27 +90,33 @@ class Outcome:
     by_honest: float | None
 
 
-def run_trial(number: int, variation: float, effort: attacks.Effort | None = None) -> Outcome:
+def run_trial(number: int, variation: float, effort: attacks.Effort | None = None, liars: int = 2) -> Outcome:
     """Run the trial of this number, the same one every time."""
     rng, others = np.random.default_rng((7, number)), np.random.default_rng((8, number))
     trial = attacks.trial(
-        rng, attacks.KINDS[number % 4], int(rng.integers(5, 13)), variation, others=others, effort=effort
+        rng,
+        attacks.KINDS[number % 4],
+        int(rng.integers(5, 13)),
+        variation,
+        others=others,
+        effort=effort,
+        liars=liars,
     )
     clean = trial.clean.total < 5 or trial.clean.reliable
     spread = trial.attacked.spread if trial.attacked else 0.0
     return Outcome(clean, trial.reliable, trial.moved, spread, trial.by_honest)
 
 
-def row(variation: float, trials: Sequence[Outcome], remark: str = "") -> list[str]:
+def cells(trials: Sequence[Outcome]) -> list[str]:
     answered = [t for t in trials if t.reliable]
     moved = [t.moved for t in answered]
     scatter = [t.by_honest for t in trials if t.by_honest is not None]
     return [
-        f"{variation:.1%}{remark}",
         f"{len(trials):,}",
         f"{np.mean([t.clean for t in trials]):.1%}",
         f"{len(answered) / len(trials):.1%}",
         str(sum(m > attacks.MOVED for m in moved)),
+        str(sum(m > 1 for m in moved)),
         f"{np.max(moved):.2f} px",
         f"{np.quantile(moved, 0.95):.2f} px",
         str(sum(t.moved > max(attacks.MOVED, t.spread) for t in answered)),
@@ -158,7 +172,7 @@ def is_reliable(members: Sequence[Member], img_size: tuple[int, int]) -> bool:
 
 
 def is_within_rule(cameras: Sequence[Camera]) -> bool:
-    """Whether focal lengths and centres spread by less than the rule's 5 % and 2 %: no draw can do better."""
+    """True if focal lengths and centres spread by less than the rule's 5 % and 2 %: no draw can do better."""
     k = np.stack([camera.intrinsics[:4] for camera in cameras])
     focal = k[:, :2].std(axis=0) / k[:, :2].mean(axis=0)
     return bool((focal < 0.05).all() and (k[:, 2:].std(axis=0) / cameras[0].img_size < 0.02).all())

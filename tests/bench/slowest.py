@@ -62,7 +62,7 @@ class Scenario:
 
     @property
     def is_ordinary(self) -> bool:
-        """Whether people have such a board."""
+        """True if people have such a board."""
         return self.board < ORDINARY_BOARDS
 
 

@@ -23,7 +23,7 @@ from tests.helpers.data import data_dir, external_data
 from .conftest import OUTPUT
 
 READ = {
-    "landing": ("/", "#lens polyline"),
+    "landing": ("/", "#lens path"),
     "board": ("/board/", "#papers a"),
     "photos": ("/photos/", "#board:not(:empty)"),
     "import": ("/import/", "#model option"),

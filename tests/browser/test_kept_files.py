@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, Response, Route
+from playwright.sync_api import Browser, BrowserContext, Page, Response, Route, expect
 
 from tests.helpers.browser.waiting import TIMEOUT_S, until
 
@@ -60,6 +60,9 @@ def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(visitor
     page.locator("#description", has_text="8 × 5").wait_for()
     page.goto("/cameras/")
     page.locator("#status", has_text="cannot be reached").wait_for()
+    page.goto("/docs/quickstart/")
+    expect(page.locator("h1")).to_have_text("No connection")
+    page.goto("/cameras/")
     visitor.set_offline(False)
     page.reload()
     page.locator("#status", has_text="cannot be reached").wait_for(state="hidden")

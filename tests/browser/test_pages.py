@@ -24,7 +24,7 @@ from tests.helpers.browser.waiting import address, hear, listen, requests_within
 
 def test_pages_one_reads(page: Page) -> None:
     page.goto("/")
-    page.locator("#lens polyline").first.wait_for(state="attached")
+    page.locator("#lens path").first.wait_for(state="attached")
     for link in page.locator("main a[href]").evaluate_all("links => links.map((link) => link.href)"):
         assert page.request.head(link).ok, link
     for scheme in SCHEMES:

@@ -30,7 +30,7 @@ def data_dir() -> Path:
 
 
 def is_committed(name: str) -> bool:
-    """Whether a corner set belongs to this repository."""
+    """True if a corner set belongs to this repository."""
     return (COMMITTED / f"{name}.json").exists()
 
 

@@ -106,7 +106,7 @@ class Killed:
 
 
 def are_enough(tokens: list[dict[str, Any]]) -> bool:
-    """Whether every token was rotated and named, and all of them often."""
+    """True if every token was rotated and named, and all of them often."""
     return all("name" in token for token in tokens) and sum(token["secrets"] for token in tokens) >= 24
 
 

@@ -2,7 +2,6 @@
 import { DEFAULT_BOARD } from "../lib/board.js";
 import { el, part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
-import { drawLine, gridThrough } from "../lib/figure.js";
 import { hasMessage, number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { lookup } from "../sdk/lookup.js";
@@ -10,6 +9,8 @@ import { loadSettings } from "../lib/settings.js";
 import { phoneModel } from "../lib/phone-model.js";
 import { sceneOf, scenePlot } from "../lib/scene-plot.js";
 import { liveRegion } from "../lib/live-region.js";
+import { gridLines } from "../lib/result/grid-picture.js";
+import { make, short } from "../lib/svg.js";
 import { knownCard, unknownCard } from "./answer-card.js";
 import { LENS, SIZE as PICTURE, TARGETS, captureLoop } from "./capture-loop.js";
 import { countCameras } from "./counts.js";
@@ -23,13 +24,10 @@ const lens = (k1) => ({
 
 /** A regular grid, and the same through a lens. @param {number} k1 */
 function drawFigure(k1) {
-  const svg = document.getElementById("lens");
-  if (!svg) return;
-  svg.replaceChildren();
-  for (const line of gridThrough(lens(0), SIZE, 40)) drawLine(svg, line, "ideal");
-  for (const line of gridThrough(lens(k1), SIZE, 40)) drawLine(svg, line, "true");
-  drawLine(svg, [[306, 200], [334, 200]], "axis");
-  drawLine(svg, [[320, 186], [320, 214]], "axis");
+  const path = (/** @type {number[][][]} */ lines, /** @type {string} */ name) =>
+    make("path", { d: lines.map((line) => `M${line.map((point) => point.map(short).join(" ")).join("L")}`).join(""), class: name });
+  const lines = gridLines({ ...lens(k1), img_size: SIZE });
+  part("lens", SVGElement).replaceChildren(path(lines.map(({ ideal }) => ideal), "ideal"), path(lines.map(({ seen }) => seen), "true"), path([[[306, 200], [334, 200]], [[320, 186], [320, 214]]], "axis"));
 }
 
 /** Access to cameras, loaded when somebody asks for theirs. @type {typeof import("../lib/camera.js") | null} */

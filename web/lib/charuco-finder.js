@@ -26,6 +26,7 @@ export function createCharucoFinder(cv, board) {
   const size = new cv.Size(columns, rows);
   const refinement = new cv.aruco_RefineParameters(10, 3, true);
   const charucoParameters = new cv.aruco_CharucoParameters();
+  charucoParameters.minMarkers = 1; // beside a corner: the picture or a finger may cut off the other one
   /** @type {{delete: () => void}[]} */
   const held = [noIds, refinement, charucoParameters];
 

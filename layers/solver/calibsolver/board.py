@@ -171,6 +171,28 @@ class Board:
         return frozen(np.stack([column + 1, row + 1, np.zeros(self.corner_count)], axis=1))
 
     @cached_property
+    def support(self) -> Array:
+        """Points that a camera must see for a detector to find each corner, (n, g, m, 3), board units.
+
+        All m of one of g groups suffice: the corners of either marker beside a corner of a ChArUco board,
+        those of the tag on an AprilGrid, the ends of a circle, and a chessboard's corner itself.
+        """
+        points = self.points[:, None, None]
+        if self.kind == "aprilgrid":
+            return frozen(np.repeat(self.points.reshape(-1, 1, 4, 3), 4, axis=1).reshape(-1, 1, 4, 3))
+        if self.kind in CIRCLES:
+            ends = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0]])
+            return frozen(points + self.marker_ratio / 2 * ends)
+        if self.kind == "chessboard":
+            return frozen(points)
+        square = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+        below = 0.5 * np.array([1, 1, 0]) + self.marker_ratio / 2 * square
+        falling = np.stack([-below, below])
+        first_has_marker = self.legacy and self.squares[1] % 2 == 0
+        is_falling = (self.points[:, :2].sum(axis=1) % 2 == 0) == first_has_marker
+        return frozen(points + np.where(is_falling[:, None, None, None], falling, falling * [1, -1, 1]))
+
+    @cached_property
     def outline(self) -> Array:
         """The corners of the board's edge, clockwise from the top left, (4, 3), board units and frame."""
         w, h = self.size

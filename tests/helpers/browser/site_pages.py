@@ -83,7 +83,7 @@ _AMISS = """() => {
   const room = (each, style) =>
     each.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight) + 1;
   const words = (each) => (each.textContent ?? "").trim().slice(0, 40);
-  const skipped = ".unseen, .skip, pre, svg, .wide, .scroll, .stage > :not(.sheet)";
+  const skipped = ".unseen, .skip, pre, svg, .wide, .scroll, .tiles, ol.views, .stage > :not(.sheet)";
   for (const each of document.querySelectorAll("body *")) {
     if (!each.checkVisibility({ visibilityProperty: true }) || each.closest(skipped)) continue;
     const style = getComputedStyle(each);

@@ -45,12 +45,12 @@ class Trial:
 
     @property
     def reliable(self) -> bool:
-        """Whether there is a reliable answer in spite of the lies."""
+        """True if there is a reliable answer in spite of the lies."""
         return self.attacked is not None and self.attacked.reliable
 
     @property
     def wrong(self) -> bool:
-        """Whether a reliable answer moved by more than half a pixel over the image."""
+        """True if a reliable answer moved by more than half a pixel over the image."""
         return self.reliable and self.moved > MOVED
 
 
@@ -62,11 +62,13 @@ def trial(
     views: int = 5,
     others: np.random.Generator | None = None,
     effort: Effort | None = None,
+    liars: int = 2,
 ) -> Trial:
-    """Forty in a hundred of a camera's calibrations are lies, all from two contributors.
+    """Forty in a hundred of a camera's calibrations are lies, all from `liars` contributors.
 
     `variation` is the standard deviation of the focal lengths of honest specimens, as a share; that of the
-    principal point is as many image widths. `others` makes two honest contributors to compare the liars with.
+    principal point is as many image widths. `others` makes as many honest contributors to compare
+    the liars with.
     `effort`: what the attackers' views are like; None: like those of the others.
     """
     effort = effort or Effort(views)
@@ -77,20 +79,20 @@ def trial(
         Member(f"h{i}", f"h{i}", tuple(populations.views(vary(camera, variation, rng), rng, count=views)))
         for i in range(total - bad)
     ]
-    liars = [
-        Member(f"l{i}", f"l{i % 2}", seen)
+    false = [
+        Member(f"l{i}", f"l{i % liars}", seen)
         for i, seen in enumerate(lies(kind, camera, bad, variation, rng, effort))
     ]
     size = camera.img_size
     clean = pool(honest, size, "rectilinear", RULE)
-    everybody = [*liars, *honest]
+    everybody = [*false, *honest]
     members = [everybody[i] for i in rng.permutation(total)]
     by_honest = None
     if others is not None:
         more = [
             Member(
                 f"x{i}",
-                f"x{i % 2}",
+                f"x{i % liars}",
                 tuple(populations.views(vary(camera, variation, others), others, count=views)),
             )
             for i in range(bad)

@@ -1,4 +1,4 @@
-"""Whether predicted errors are the errors that happen: many captures of cameras whose truth is known."""
+"""Comparison of predicted and actual errors: many captures of cameras whose truth is known."""
 
 from dataclasses import dataclass
 

@@ -31,6 +31,13 @@ def test_document_may_have_as_many_findings_as_allowed(monkeypatch: pytest.Monke
     assert len(wording.document_problems("docs/new.md", "anew " * (wording.MAX_FINDINGS + 1))) == 1
 
 
+def test_python_may_have_few_words_without_an_actor() -> None:
+    few = " ".join(["nobody"] * wording.MAX_ACTORLESS)
+    assert wording.actor_problems({"a.py": few, "b.py": "the caller"}) == []
+    (problem,) = wording.actor_problems({"a.py": few, "b.py": "anew"})
+    assert "b.py: anew" in problem
+
+
 @pytest.mark.parametrize(
     ("subject", "problems"),
     [

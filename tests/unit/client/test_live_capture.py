@@ -116,7 +116,7 @@ def test_command_keeps_a_live_capture_and_says_how_to_go_on(
     monkeypatch.setattr(offline, "calibrate", virtual)
     assert main(["calibrate", "0", "--offline", "--squares", "9x6"]) == 130
     (path,) = tmp_path.iterdir()
-    assert f"`calibdb resume {path.name}` goes on" in capfd.readouterr().err
+    assert f"`calibdb resume {path.name}` continues" in capfd.readouterr().err
     monkeypatch.setattr(listener, "taken", taken)
     assert main(["resume", path.name, "0", "--offline", "--json"]) == 0
     calibration = Calibration.load(path)

@@ -23,6 +23,9 @@ BOARDS = {
     "many squares": Board((14, 9), marker_ratio=0.75, dictionary="DICT_5X5_1000"),
     "aprilgrid": Board((6, 6), kind="aprilgrid", dictionary="DICT_APRILTAG_36h11"),
     "chessboard": Board((11, 8), kind="chessboard"),
+    "few squares": Board((4, 5), marker_ratio=0.75),
+    "fewest squares": Board((3, 4)),
+    "few tags": Board((2, 2), kind="aprilgrid", dictionary="DICT_APRILTAG_36h11"),
 }
 HD = {"most squares": Board((24, 17), marker_ratio=0.7, dictionary="DICT_7X7_1000")}
 """Boards whose markers a picture of 640 px cannot show."""

@@ -38,6 +38,23 @@ def test_aprilgrid_is_numbered_as_by_kalibr() -> None:
     assert ((APRILGRID.points >= low) & (APRILGRID.points <= high)).all()
 
 
+@pytest.mark.parametrize(
+    "board", [Board((5, 4)), Board((4, 6), legacy=True), Board((4, 5), legacy=True), APRILGRID], ids=repr
+)
+def test_support_of_a_corner_is_the_markers_beside_it(board: Board) -> None:
+    """As drawn: OpenCV finds a marker at each group of four points, and none elsewhere."""
+    side = 80
+    picture = cv2.copyMakeBorder(draw_board(board, side), 60, 60, 60, 60, cv2.BORDER_CONSTANT, value=255)
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.markerBorderBits = 2 if board.kind == "aprilgrid" else 1
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board.dictionary))
+    corners, _, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(picture)
+    drawn = np.mean(corners, axis=2)[:, 0]
+    expected = (board.support[..., :2].mean(axis=2) - board.outline[0, :2]) * side + 59.5
+    nearest = np.linalg.norm(expected[:, :, None] - drawn, axis=-1).min(axis=2)
+    assert nearest.max() < 2
+
+
 def test_half_turn_leaves_a_chessboard_of_equal_corners() -> None:
     assert Board(kind="chessboard", squares=(9, 7)).is_half_turn_symmetric
     assert not CHESSBOARD.is_half_turn_symmetric

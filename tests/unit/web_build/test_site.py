@@ -117,7 +117,7 @@ def test_a_page_contains_the_messages_that_it_may_show_in_its_language(
     assert german.keys() == texts("board/index.html").keys() == texts("uk/board/index.html").keys()
     assert not [key for key in german if key.startswith(("capture.", "rig.", "result."))]
     # Shown by modules that are loaded at the end of a capture.
-    assert {"result.part_numbers", "formats.writing"} <= texts("calibrate/index.html").keys()
+    assert {"result.tab_numbers", "formats.writing"} <= texts("calibrate/index.html").keys()
     for key, page in pages(made).items():
         marked = set(re.findall(r'data-t(?:-label|-title|-alt|-content)?="([\w.]+)"', page))
         if 'id="messages"' in page:

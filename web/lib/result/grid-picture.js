@@ -3,7 +3,7 @@ import { axialMatrix } from "../../sdk/pinhole.js";
 import { lensOf } from "../../sdk/projection.js";
 import { el } from "../dom.js";
 
-/** @typedef {import("./numbers.js").Calibration} Calibration */
+/** @typedef {import("../../sdk/projection.js").Intrinsics & {img_size: [number, number]}} Calibration */
 
 const SQUARES = 18; // across what the lens sees
 const MAX_TANGENT = 2.5; // of the angle to the axis, 68°: beyond it a plane grid is all edge

@@ -42,11 +42,14 @@ def refine(grey: Any, board: Board, ids: Any, coarse: Any) -> Corners | None:
     # A window that holds no other edge than those that meet in the corner
     width = sides * (min(board.tag_spacing, 1.0) if board.kind == "aprilgrid" else 1.0)
     fine = np.ascontiguousarray(coarse, dtype=np.float32).copy()
+    inside = ((coarse >= 0) & (coarse <= np.array(grey.shape[::-1]) - 1)).all(axis=1)
     for n, room in enumerate(width):
+        if not inside[n]:  # of a tag that the picture cuts off
+            continue
         half = int(np.clip(round(float(room) / 8), 2, 6))
         cv2.cornerSubPix(grey, fine[n : n + 1], (half, half), (-1, -1), _STEPS)
     moved = np.linalg.norm(fine - coarse, axis=1)
-    indices = np.flatnonzero((sides >= MIN_SQUARE_PX) & (moved <= MAX_REFINEMENT_PX))
+    indices = np.flatnonzero(inside & (sides >= MIN_SQUARE_PX) & (moved <= MAX_REFINEMENT_PX))
     if len(indices) < MIN_CORNERS:
         return None
     return Corners(tuple(int(n) for n in ids[indices]), fine[indices].astype(np.float64))

@@ -44,7 +44,9 @@ class Detector:
         elif board.kind in CIRCLES:
             self._find = self._circles
         else:
-            self._charuco_detector = self._cv2.aruco.CharucoDetector(board.opencv())
+            parameters = self._cv2.aruco.CharucoParameters()
+            parameters.minMarkers = 1  # the picture or a finger may cut off the other one
+            self._charuco_detector = self._cv2.aruco.CharucoDetector(board.opencv(), parameters)
             self._find = self._charuco
 
     @property

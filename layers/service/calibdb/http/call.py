@@ -100,7 +100,7 @@ class Call:
     def charged(self, compute: Compute, timeout: type[Exception]) -> Compute:
         """Return `compute`, each call counted as a view; `too_slow` if it uses up the processor time.
 
-        Where it ends in `timeout` before, since the machine is busy, that is raised.
+        Raises `timeout` if the invocation ends first, on a busy machine.
         """
 
         def run(record: dict[str, Any]) -> dict[str, Any]:

@@ -1,7 +1,4 @@
-"""Memory of fits to members' views.
-
-A camera is pooled again with each new calibration, and under another rule: all members but one are old.
-"""
+"""Cache of fits to members' views: a new calibration repools a camera whose other members are unchanged."""
 
 import hashlib
 from collections.abc import Sequence

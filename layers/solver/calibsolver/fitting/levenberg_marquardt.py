@@ -8,6 +8,7 @@ or the square, sigma the noise that the residuals themselves show. (Marquardt 19
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -38,8 +39,6 @@ MIN_GAIN_RATIO = 0.25
 """Gain ratio (actual / predicted decrease) below which the damping is raised."""
 MIN_DAMPING, MIN_RAISED_DAMPING, MAX_DAMPING = 1e-12, 1e-8, 1e8
 """Bounds of the damping: when lowered, when raised, and beyond which no step leads downhill."""
-ACCELERATE_AFTER_ITERATIONS = 4
-"""Iterations after which the valley is taken for a curved one."""
 MAX_ACCELERATION_RATIO = 0.75
 """Length of the geodesic acceleration / length of the step, at most: else neither is trusted."""
 SHORT_STEP = 1e-6
@@ -143,9 +142,12 @@ class LeastSquares(ABC):
     ----------
     obs
         Points and pixels.
+    straight_iterations
+        Iterations after which the valley is taken for a curved one.
     """
 
     obs: Observations
+    straight_iterations: ClassVar[int] = 6
 
     @property
     @abstractmethod
@@ -185,7 +187,7 @@ class LeastSquares(ABC):
             cost, irls_weights = objective.of(state)
             system = state.system(irls_weights, objective.prior_weight)
             tolerance = options.tolerance * cost + tolerance_abs
-            accelerated = iteration >= ACCELERATE_AFTER_ITERATIONS
+            accelerated = iteration >= self.straight_iterations
             while True:
                 if damping > MAX_DAMPING:
                     return state
@@ -277,6 +279,7 @@ class Problem(LeastSquares):
     img_size: tuple[int, int]
     basis: Array | None = None
     origin: Array | None = None
+    straight_iterations: ClassVar[int] = 4
 
     @property
     def width(self) -> int:

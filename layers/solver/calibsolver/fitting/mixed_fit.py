@@ -6,6 +6,7 @@ would be taken for it. It counts in the covariance.
 """
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -69,6 +70,7 @@ class ShapedProblem(LeastSquares):
     frame: BoardShape
     displacements: Array
     variances: Variances
+    straight_iterations: ClassVar[int] = Problem.straight_iterations
 
     @classmethod
     def of(cls, drawn: Problem, variances: Variances) -> "ShapedProblem":

@@ -13,8 +13,8 @@ from ..fitting.normal_equations import Poses
 from ..rotation import rotation_to_ray
 
 DIMENSIONS = 6
-BORDER_WIDTHS = 0.025
-"""Border / image width within which corners do not count as visible: a hand misses a pose by some."""
+SUPPORT_BORDER_WIDTHS = 0.005
+"""Border / image width in which a marker counts as cut off."""
 MAX_OUTSIDE_VIEW_DEG = 15.0
 """Angle by which a part of the board may lie outside the field of view."""
 
@@ -37,6 +37,8 @@ class PoseLimits:
         Angle between a ray and the board's normal, degrees: beyond it corners blur.
     min_spacing
         Distance of neighbouring corners / image width.
+    border
+        Border / image width within which corners do not count as visible: a hand misses a pose by some.
     """
 
     width: tuple[float, float] = (0.30, 1.4)
@@ -45,6 +47,7 @@ class PoseLimits:
     min_visible: float = 0.6
     max_incidence_deg: float = 66.0
     min_spacing: float = 16 / 1280
+    border: float = 0.025
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +64,8 @@ class CornerGrid:
         Largest distance of neighbours, squares, across and down.
     multiplicity
         Corners of the board that each of these stands for.
+    support
+        (g, m, 2, n) what a camera must see to find each (`Board.support`), squares right and down of it.
     """
 
     points: Array
@@ -68,6 +73,7 @@ class CornerGrid:
     columns: int
     step: tuple[float, float]
     multiplicity: float
+    support: Array
 
     @classmethod
     def of(cls, board: Board, max_columns: int | None) -> "CornerGrid":
@@ -75,10 +81,13 @@ class CornerGrid:
         rows, columns = board.lattice.shape
         x = np.arange(columns) if max_columns is None else subsample(columns, max_columns)
         y = np.arange(rows) if max_columns is None else subsample(rows, max_columns - 1)
-        kept = board.points[board.lattice[y][:, x]]
+        ids = board.lattice[y][:, x]
+        kept = board.points[ids]
         step = (float(np.diff(kept[0, :, 0]).max()), float(np.diff(kept[:, 0, 1]).max()))
         points = kept.reshape(-1, 3)
-        return cls(np.ascontiguousarray(points.T), len(y), len(x), step, rows * columns / len(points))
+        support = (board.support[ids.ravel()] - points[:, None, None])[..., :2].transpose(1, 2, 3, 0)
+        multiplicity = rows * columns / len(points)
+        return cls(np.ascontiguousarray(points.T), len(y), len(x), step, multiplicity, support)
 
 
 def subsample(count: int, max_count: int) -> IntArray:
@@ -201,9 +210,11 @@ def concentrate_centre(u: Array) -> Array:
 
 
 def check_visibility(
-    p: Array, q: Array, normal: Array, corners: CornerGrid, camera: Camera, limits: PoseLimits
+    p: Array, q: Array, axes: Array, corners: CornerGrid, camera: Camera, limits: PoseLimits
 ) -> tuple[Mask, Mask]:
     """Test which corners (c, n) of poses are visible, and which of the poses (c,) respect the limits.
+
+    A detector has to find the visible corners, too: enough of a pose's markers must be whole.
 
     Parameters
     ----------
@@ -211,14 +222,18 @@ def check_visibility(
         (c, 3, n) corners in the camera frame, squares.
     q
         (c, 2, n) their projections, px.
-    normal
-        (c, 3) normals of the boards, away from the viewer, camera frame.
+    axes
+        (c, 3, 3) rotations of the boards, board -> camera.
     """
     w, h = camera.img_size
-    border = BORDER_WIDTHS * w
-    x, y = q[:, 0], q[:, 1]
-    visible = models.get(camera.model).valid(np.asarray(camera.distortion), p.transpose(1, 0, 2))
-    visible &= (x >= border) & (y >= border) & (x <= w - 1 - border) & (y <= h - 1 - border)
+
+    def is_inside(x: Array, y: Array, border: float) -> Mask:
+        inside: Mask = (x >= border) & (y >= border) & (x <= w - 1 - border) & (y <= h - 1 - border)
+        return inside
+
+    model = models.get(camera.model)
+    visible = model.valid(np.asarray(camera.distortion), p.transpose(1, 0, 2))
+    visible &= is_inside(q[:, 0], q[:, 1], limits.border * w)
     pixels = q.reshape(-1, 2, corners.rows, corners.columns)
     shown = visible.reshape(-1, corners.rows, corners.columns)
     # The spacing of corners that are not visible does not count: outside the domain they lie anywhere.
@@ -228,11 +243,19 @@ def check_visibility(
         np.sqrt(np.where(beside, (across**2).sum(axis=1), np.inf).min(axis=(1, 2))) / corners.step[0],
         np.sqrt(np.where(below, (down**2).sum(axis=1), np.inf).min(axis=(1, 2))) / corners.step[1],
     )
-    cos_incidence = np.einsum("ci,cin->cn", normal, p) / np.sqrt(np.einsum("cin,cin->cn", p, p))
-    feasible = visible.mean(axis=1) >= limits.min_visible
-    feasible &= spacing >= limits.min_spacing * w
+    cos_incidence = np.einsum("ci,cin->cn", axes[:, :, 2], p) / np.sqrt(np.einsum("cin,cin->cn", p, p))
+    feasible = spacing >= limits.min_spacing * w
     max_incidence = np.radians(limits.max_incidence_deg)
     feasible &= np.where(visible, cos_incidence, 1.0).min(axis=1) >= np.cos(max_incidence)
+    feasible &= visible.mean(axis=1) >= limits.min_visible
+    use = np.flatnonzero(feasible)
+    # What a detector needs around the corners, (3, u, g, m, n) and projected (2, u, g, m, n).
+    offsets = np.einsum("cij,gmjn->icgmn", axes[use, :, :2], corners.support)
+    around = p[use].transpose(1, 0, 2)[:, :, None, None] + offsets
+    x, y = model.project(camera.intrinsics, around.reshape(3, len(use), corners.support[:, :, 0].size))
+    whole: Mask = is_inside(x, y, SUPPORT_BORDER_WIDTHS * w).reshape(offsets.shape[1:])
+    found = visible[use] & np.any(np.all(whole, axis=2), axis=1)
+    feasible[use] = found.mean(axis=1) >= limits.min_visible
     return visible, feasible
 
 

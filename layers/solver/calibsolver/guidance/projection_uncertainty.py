@@ -30,8 +30,10 @@ from .target import TargetPose
 
 NO_LIMITS = PoseLimits(min_visible=0.0, max_incidence_deg=90.0, min_spacing=0.0)
 """For a pose that is chosen already."""
-MIN_CORNERS = 10
+MIN_CORNERS = 8
 """Corners that a target shows, of a board that has so many: a hand misses a pose by some."""
+WHOLE_BORDER = 0.05
+"""Border of a picture in which all of the board must be found (`PoseLimits.border`)."""
 EASY_LIMITS = PoseLimits(width=(0.45, 0.75), max_tilt_deg=30.0, max_roll_deg=15.0, min_visible=1.0)
 """For a user who could not reach the last target: little tilt, all of the board in the picture."""
 TIE_RATIO = 1.02
@@ -122,10 +124,13 @@ class ProjectionUncertainty:
         # A part of a board without markers does not say which part it is.
         min_visible = min(1.0, MIN_CORNERS / self.board.corner_count) if self.board.has_markers else 1.0
         low, high = limits.width
+        if min_visible == 1:
+            high = min(high, max(low, self._whole_width()))
         min_width = posterior.rays.focal / (MAX_DISTANCE_LENGTHS * max(self.img_size))
         limits = replace(
             limits,
             min_visible=max(limits.min_visible, min_visible),
+            border=WHOLE_BORDER if min_visible == 1 else limits.border,
             width=(min(max(low, min_width), max(low, 0.6 * high)), high),
         )
         found = Search(self.board, posterior, limits, skipped, history).best(index, ahead)
@@ -154,8 +159,7 @@ class ProjectionUncertainty:
 
     def _first(self, posterior: IntrinsicsPosterior, current: IntrinsicsPosterior) -> TargetPose:
         """First target, placed by one posterior; its gain is that over the `current` one."""
-        image, board = sorted(self.img_size), sorted(self.board.size)
-        length = min(0.72, 0.72 * image[0] * board[1] / (image[1] * board[0]))
+        length = 0.72 * self._whole_width()
         limits = PoseLimits(width=(length, length), max_tilt_deg=44.0, max_roll_deg=0.0)
         unit = np.array([[0.5, 0.5, 0.5, 1.0, 0.82, 0.5]])
         poses = candidates.poses_from_unit_cube(unit, self.board, posterior.rays, limits)
@@ -163,6 +167,11 @@ class ProjectionUncertainty:
         return TargetPose.seen(
             self.board, posterior.camera, poses.r[0], poses.t[0], "a first look", current.gain(s[0])
         )
+
+    def _whole_width(self) -> float:
+        """Largest apparent length of the board's longer side / the image's, with all of it in the picture."""
+        image, board = sorted(self.img_size), sorted(self.board.size)
+        return min(1.0, image[0] * board[1] / (image[1] * board[0]))
 
     def _movement(self, poses: normal_equations.Poses, last: Placement) -> Array:
         """Movement (c,) of the hand: logarithm of the distances' ratio, and the change of the normal."""

@@ -187,7 +187,7 @@ def fisher_information(
     """
     p = poses.r @ corners.points + poses.t[:, :, None]
     q = posterior.model.project(posterior.k, p.transpose(1, 0, 2)).transpose(1, 0, 2)
-    visible, feasible = candidates.check_visibility(p, q, poses.r[:, :, 2], corners, posterior.camera, limits)
+    visible, feasible = candidates.check_visibility(p, q, poses.r, corners, posterior.camera, limits)
     use = np.flatnonzero(feasible)
     s = np.zeros((len(feasible), posterior.model.size, posterior.model.size))
     if use.size:

@@ -27,7 +27,7 @@ class TargetPose:
     rvec, tvec
         (3,), board -> camera, squares.
     ids
-        (k,) corners inside the image.
+        (k,) corners that a detector finds: they and what it needs to find them are inside the image.
     corners
         (k, 2) px, where those appear.
     outline
@@ -69,7 +69,9 @@ class TargetPose:
     ) -> "TargetPose":
         """Target at rotation (3, 3) and translation (3,) as `camera` sees it; `last`: last placement."""
         q = camera.project(board.points @ r.T + t)
-        inside = in_image(q, camera.img_size)
+        support = camera.project(board.support.reshape(-1, 3) @ r.T + t).reshape(*board.support.shape[:3], 2)
+        whole = np.all(in_image(support, camera.img_size), axis=2)
+        inside = in_image(q, camera.img_size) & np.any(whole, axis=1)
         edge = camera.project(edge_points(board) @ r.T + t)
         hint = Hint.of("first")
         if last is not None:

@@ -1,6 +1,7 @@
 """Guidance in the closed loop: few views, calibrated predictions, feasible poses."""
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -98,6 +99,47 @@ def test_poses_are_near_and_visible(kind: str) -> None:
         assert target.gain > 0
 
 
+@pytest.mark.parametrize("family", ["rectilinear", "fisheye"])
+@pytest.mark.parametrize(
+    "board",
+    [
+        Board((4, 5), marker_ratio=0.75),
+        Board((3, 4)),
+        Board((4, 4)),
+        Board((5, 7)),
+        Board((2, 2), kind="aprilgrid", dictionary="DICT_APRILTAG_36h11"),
+        Board((3, 2), kind="aprilgrid", dictionary="DICT_APRILTAG_36h11"),
+        Board((9, 7), kind="chessboard"),
+    ],
+    ids=lambda board: f"{board.kind}-{board.squares[0]}x{board.squares[1]}",
+)
+def test_poses_show_enough_whole_markers(board: Board, family: str) -> None:
+    """Of each asked pose a detector finds enough for a view, and captures of boards with few squares end."""
+    cameras = synthetic.rectilinear_cameras() if family == "rectilinear" else synthetic.fisheye_cameras()
+    needed = min(8, board.corner_count) if board.has_markers else board.corner_count
+    for i in (1, 8):
+        guide = Recorder(board, cameras[i].img_size, family)
+        session = synthetic.run(
+            cameras[i], np.random.default_rng(i), board=board, views=3, max_views=15, guide=guide
+        )
+        assert session.attempts <= 2 * len(session.views)
+        assert len(session.views) == 15 or session.stopped
+        for target in guide.targets:
+            assert len(target.ids) >= needed
+
+
+class Recorder(ProjectionUncertainty):
+    """The guidance, and the targets that it chose."""
+
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self.targets: list[TargetPose] = []
+
+    def next_pose(self, *arguments: Any) -> TargetPose:
+        self.targets.append(super().next_pose(*arguments))
+        return self.targets[-1]
+
+
 def test_skipped_target_is_followed_by_an_easier_dissimilar_one() -> None:
     board, camera = Board(), synthetic.rectilinear_cameras()[6]
     guide = ProjectionUncertainty(board, camera.img_size)
@@ -186,12 +228,12 @@ def test_portrait_capture_stops_after_five_views(img_size: tuple[int, int]) -> N
 
 
 @pytest.mark.parametrize(
-    ("squares", "most"), [((4, 4), 8), ((5, 4), 6), ((3, 12), 7), ((30, 20), 5), ((44, 44), 7)]
+    ("squares", "most"), [((4, 4), 10), ((5, 4), 6), ((3, 12), 7), ((30, 20), 5), ((44, 44), 7)]
 )
 def test_capture_with_an_unusual_board_stops(squares: tuple[int, int], most: int) -> None:
     board = Board(squares, dictionary="DICT_4X4_1000")
     camera = synthetic.rectilinear_cameras()[6]
-    session = synthetic.run(camera, np.random.default_rng(0), board=board, noise=0.15, views=8)
+    session = synthetic.run(camera, np.random.default_rng(0), board=board, noise=0.15, views=most)
     assert session.stopped is not None
     assert session.stopped <= most
 
