@@ -16,6 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PINS = {"lowest": ("3.10", "lowest-direct"), "highest": ("3.13", "highest")}
 PACKAGES = ("./layers/solver[opencv]", "./clients/python[opencv]")
 TOOLS = ("pytest", "pytest-xdist", "hypothesis")
+SELECTED = "not thorough and not external_data"
 TESTS = (
     "tests/unit/solver/fitting/test_fit.py",
     "tests/unit/solver/fitting/test_constraint.py",
@@ -50,7 +51,7 @@ def main() -> int:
         versions = "import sys, numpy, cv2; print(sys.version.split()[0], numpy.__version__, cv2.__version__)"
         print(f"{name}: Python, numpy, OpenCV", end=" ", flush=True)
         subprocess.run([interpreter, "-c", versions], check=True)  # noqa: S603
-        tests = [interpreter, "-m", "pytest", "-q", "--noconftest", "-m", "not thorough", *TESTS]
+        tests = [interpreter, "-m", "pytest", "-q", "--noconftest", "-m", SELECTED, *TESTS]
         elsewhere = {**os.environ, "PYTHONPATH": str(ROOT)}
         if status := subprocess.run(tests, cwd=ROOT, env=elsewhere, check=False).returncode:  # noqa: S603
             return status
