@@ -20,7 +20,7 @@ TWO := -n 2 --dist worksteal
 # Three at a time: a fifth of the time they wait for processes that they start and stop, or for a browser.
 MODULES := -n 3 --dist loadscope --no-loadscope-reorder
 # The longest first, for two at a time; each begins as soon as the packages that it needs are there.
-CHECKS := .mypy .cfn-lint .tsc .ruff .wording .imports .audit
+CHECKS := .mypy .cfn-lint .tsc .prettier .ruff .wording .imports .audit
 # Tests under node that have OpenCV draw boards
 DRAWN := tests/web/geometry.test.mjs
 PAIRED := --no-print-directory --jobs 2 --output-sync
@@ -45,7 +45,7 @@ test: ## run everything below up to browser
 lint: ## check style, types, imports, wording, the template, and dependencies for known vulnerabilities
 	@$(MAKE) $(PAIRED) $(CHECKS)
 
-.node .drawn .tsc: web/vendor/api.d.ts
+.node .drawn .tsc .prettier: web/vendor/api.d.ts
 .drawn .ruff .wording .imports .mypy .cfn-lint .audit: .venv/.made
 
 .node:
@@ -70,6 +70,9 @@ lint: ## check style, types, imports, wording, the template, and dependencies fo
 .cfn-lint:
 	@$(PY) -m infra.deploy.package .build/template.yaml
 	.venv/bin/cfn-lint .build/template.yaml
+
+.prettier:
+	npx --no-install prettier --check --log-level warn '{web,infra,tests}/**/*.{js,mjs}'
 
 .tsc:
 	npx --no-install tsc -p web

@@ -1,6 +1,8 @@
-// Redirect before anything is drawn: it leads who reads German or Ukrainian from a page's English address to the page in that language.
+// Redirect before anything is drawn: it leads who reads German or Ukrainian from a page's English address to the page
+// in that language.
 //
-// An address with a language ("/de/board/") decides; one without is English unless "?lang=", the language chosen before, or
+// An address with a language ("/de/board/") decides; one without is English unless "?lang=", the language chosen
+// before, or
 // the browser's own says otherwise. A classic script, for it must run before the page.
 (() => {
   const script = /** @type {HTMLScriptElement} */ (document.currentScript);
@@ -19,7 +21,8 @@
     }
   };
   const inQuery = languageOf(query.get("lang"));
-  const wanted = inQuery ?? (here === "en" ? kept() ?? navigator.languages.map(languageOf).find(Boolean) ?? "en" : here);
+  const wanted =
+    inQuery ?? (here === "en" ? (kept() ?? navigator.languages.map(languageOf).find(Boolean) ?? "en") : here);
   if (wanted === here) return;
   const rest = here === "en" ? path : path.slice(3);
   if (wanted !== "en") query.delete("lang");

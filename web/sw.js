@@ -1,7 +1,8 @@
 // Service worker: caches the pages' files under the hashes of their contents. Nothing of the API is ever cached.
 //
 // `shell.json` names every file with the hash of its content; it is written by whoever serves the pages
-// (infra/web_build/precache_manifest.py). A visit is served from the files of one such list, all old or all new: the next list is taken up only once
+// (infra/web_build/precache_manifest.py). A visit is served from the files of one such list, all old or all new: the
+// next list is taken up only once
 // all of its files are here. OpenCV is kept when it is first used, or while a page is open that will use it.
 // Where pages are developed, on this very machine, the network comes first and what is kept only stands in for it.
 
@@ -20,7 +21,8 @@ const DETECTING = /\/(calibrate|rig|photos|ar)\/$/;
 /** The file a request is for, "" and "board/" being pages; null where it is none of ours. @param {Request} request */
 function fileOf({ method, url, headers }) {
   const { origin, pathname } = new URL(url);
-  if (method !== "GET" || origin !== BASE.origin || !pathname.startsWith(BASE.pathname) || headers.has("authorization")) return null;
+  if (method !== "GET" || origin !== BASE.origin || !pathname.startsWith(BASE.pathname) || headers.has("authorization"))
+    return null;
   const path = pathname.slice(BASE.pathname.length);
   if (path === "" || path.endsWith("/")) return `${path}index.html`;
   return /\.(html|js|css|svg|json|woff2|wasm)$/.test(path) && !path.startsWith("known/") ? path : null;
@@ -47,7 +49,8 @@ async function keep(cache, name, hash) {
   if (await cache.match(key)) return;
   const response = await fetch(new URL(name, BASE), { cache: "no-cache" });
   // Somebody deploys just now: the whole is tried again at the next visit.
-  if (!response.ok || !await isContent(response.clone(), hash)) throw new TypeError(`${name} is not what the list says`);
+  if (!response.ok || !(await isContent(response.clone(), hash)))
+    throw new TypeError(`${name} is not what the list says`);
   await cache.put(key, response);
 }
 
@@ -58,7 +61,10 @@ async function update() {
   const cache = await caches.open(CACHE);
   const before = await current(cache);
   const pages = await worker.clients.matchAll({ type: "window", includeUncontrolled: true });
-  /** Pages in English are for everybody, those in another language for who has one of them open. @param {string} name */
+  /**
+   * Pages in English are for everybody, those in another language for who has one of them open.
+   * @param {string} name
+   */
   const isSpoken = (name) => {
     const folder = LANGUAGE.exec(name)?.[0];
     return !folder || pages.some((/** @type {{url: string}} */ { url }) => url.startsWith(`${BASE.href}${folder}`));
@@ -70,10 +76,17 @@ async function update() {
     await Promise.all(now.map(([name, hash]) => keep(cache, name, hash)));
     await cache.put(SHELL, response);
     // Pages that are open still go by the list before.
-    const wanted = new Set([SHELL, ...[shell, before].flatMap((list) => Object.entries(list?.files ?? {}).map(([name, hash]) => keyOf(name, hash)))]);
+    const wanted = new Set([
+      SHELL,
+      ...[shell, before].flatMap((list) => Object.entries(list?.files ?? {}).map(([name, hash]) => keyOf(name, hash))),
+    ]);
     for (const { url } of await cache.keys()) if (!wanted.has(url)) await cache.delete(url);
   }
-  await Promise.all(Object.entries(shell.files).filter(([name]) => LANGUAGE.test(name) && isSpoken(name)).map(([name, hash]) => keep(cache, name, hash)));
+  await Promise.all(
+    Object.entries(shell.files)
+      .filter(([name]) => LANGUAGE.test(name) && isSpoken(name))
+      .map(([name, hash]) => keep(cache, name, hash)),
+  );
   if (pages.some((/** @type {{url: string}} */ { url }) => DETECTING.test(new URL(url).pathname))) {
     await Promise.all(shell.late.map((name) => keep(cache, name, shell.files[name])));
   }
@@ -96,7 +109,8 @@ async function answer(request, name) {
   const hash = files[name];
   const kept = hash && (await cache.match(keyOf(name, hash)));
   if (!kept) {
-    const instead = request.mode === "navigate" && files[OFFLINE] ? await cache.match(keyOf(OFFLINE, files[OFFLINE])) : null;
+    const instead =
+      request.mode === "navigate" && files[OFFLINE] ? await cache.match(keyOf(OFFLINE, files[OFFLINE])) : null;
     return instead ? fetch(request).catch(() => instead) : fetch(request);
   }
   return DEVELOPED ? fetch(request).catch(() => kept) : kept;

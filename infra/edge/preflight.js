@@ -2,16 +2,16 @@
 // gateway would, and passes on everything else.
 function handler(event) {
   var request = event.request;
-  if (request.method !== 'OPTIONS' || !request.headers['access-control-request-method']) return request;
+  if (request.method !== "OPTIONS" || !request.headers["access-control-request-method"]) return request;
   return {
     statusCode: 204,
-    statusDescription: 'No Content',
+    statusDescription: "No Content",
     headers: {
-      'access-control-allow-origin': { value: '*' },
-      'access-control-allow-methods': { value: 'GET,POST,PATCH,DELETE,OPTIONS' },
-      'access-control-allow-headers': { value: 'authorization,content-type,accept,if-none-match' },
-      'access-control-max-age': { value: '86400' },
-      'cache-control': { value: 'no-store' },
+      "access-control-allow-origin": { value: "*" },
+      "access-control-allow-methods": { value: "GET,POST,PATCH,DELETE,OPTIONS" },
+      "access-control-allow-headers": { value: "authorization,content-type,accept,if-none-match" },
+      "access-control-max-age": { value: "86400" },
+      "cache-control": { value: "no-store" },
     },
   };
 }

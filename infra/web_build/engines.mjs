@@ -8,7 +8,8 @@ const modules = fileURLToPath(new URL("../../node_modules/", import.meta.url));
 const buffer = fileURLToPath(new URL("./buffer.mjs", import.meta.url));
 
 const ENGINES = {
-  three: 'export { BoxGeometry, Group, Mesh, MeshBasicMaterial, PerspectiveCamera, PlaneGeometry, Scene, WebGLRenderer } from "three";',
+  three:
+    'export { BoxGeometry, Group, Mesh, MeshBasicMaterial, PerspectiveCamera, PlaneGeometry, Scene, WebGLRenderer } from "three";',
   "@babylonjs/core": `
     export { FreeCamera } from "@babylonjs/core/Cameras/freeCamera.js";
     export { Engine } from "@babylonjs/core/Engines/engine.js";
@@ -31,8 +32,12 @@ const withoutStrings = {
   setup({ onLoad }) {
     onLoad({ filter: /layout-bmfont-text[\\/]index\.js$/ }, ({ path }) => {
       const source = readFileSync(path, "utf8");
-      const contents = source.replace(/return \(?new Function\(\[.*?\]\.join\('\\n'\)\)\)?\(\)/s, "return function () { return this['_' + name]; }");
-      if (contents === source || contents.includes("new Function")) throw new Error("layout-bmfont-text is not written as expected");
+      const contents = source.replace(
+        /return \(?new Function\(\[.*?\]\.join\('\\n'\)\)\)?\(\)/s,
+        "return function () { return this['_' + name]; }",
+      );
+      if (contents === source || contents.includes("new Function"))
+        throw new Error("layout-bmfont-text is not written as expected");
       return { contents };
     });
   },
@@ -45,12 +50,24 @@ export async function vendorEngines(folder) {
   for (const [name, contents] of Object.entries(ENGINES)) {
     const file = NAMES[/** @type {keyof typeof NAMES} */ (name)];
     await build({
-      stdin: { contents, resolveDir: modules, sourcefile: `${file}.js` }, outfile: `${outdir}/${file}.js`, bundle: true, minify: true, format: "esm",
-      define: { "process.env.NODE_ENV": '"production"', INSPECTOR_VERSION: '""' }, plugins: [withoutStrings], inject: file === "aframe" ? [buffer] : [], logLevel: "error",
+      stdin: { contents, resolveDir: modules, sourcefile: `${file}.js` },
+      outfile: `${outdir}/${file}.js`,
+      bundle: true,
+      minify: true,
+      format: "esm",
+      define: { "process.env.NODE_ENV": '"production"', INSPECTOR_VERSION: '""' },
+      plugins: [withoutStrings],
+      inject: file === "aframe" ? [buffer] : [],
+      logLevel: "error",
     });
     const names = [...contents.matchAll(/export \{([^}]*)\}/g)].flatMap(([, list]) => list.split(","));
-    const types = names.map((each) => `export const ${each.trim()}: any;\n`).join("") || "declare const engine: any;\nexport default engine;\n";
+    const types =
+      names.map((each) => `export const ${each.trim()}: any;\n`).join("") ||
+      "declare const engine: any;\nexport default engine;\n";
     writeFileSync(`${outdir}/${file}.d.ts`, types);
-    copyFileSync(`${modules}${name}/${name === "@babylonjs/core" ? "license.md" : "LICENSE"}`, `${outdir}/${file}.LICENSE`);
+    copyFileSync(
+      `${modules}${name}/${name === "@babylonjs/core" ? "license.md" : "LICENSE"}`,
+      `${outdir}/${file}.LICENSE`,
+    );
   }
 }

@@ -15,14 +15,27 @@ import { LANGUAGES } from "../../web/lib/i18n.js";
 
 /** Groups and links of the navigation: [message, page] or [message, [[message, page], …]]. */
 const NAVIGATION = [
-  ["common.calibrate", [["common.webcam", "calibrate/"], ["common.photos_video", "photos/"], ["common.import_file", "import/"], ["common.board", "board/"]]],
+  [
+    "common.calibrate",
+    [
+      ["common.webcam", "calibrate/"],
+      ["common.photos_video", "photos/"],
+      ["common.import_file", "import/"],
+      ["common.board", "board/"],
+    ],
+  ],
   ["common.cameras", "cameras/"],
   ["common.mine", "mine/"],
   ["common.docs", "docs/"],
   ["common.examples", "examples/"],
 ];
 const FOOTER = [
-  ["common.docs", "docs/"], ["common.api", "docs/api/"], ["common.developers", "developers/"], ["common.data", "data/"], ["common.privacy", "privacy/"], ["common.terms", "terms/"],
+  ["common.docs", "docs/"],
+  ["common.api", "docs/api/"],
+  ["common.developers", "developers/"],
+  ["common.data", "data/"],
+  ["common.privacy", "privacy/"],
+  ["common.terms", "terms/"],
   ["common.status", "status/"],
 ];
 const OPERATORS = { contact: "common.contact", imprint: "common.imprint", source: "common.source" };
@@ -40,9 +53,12 @@ export function frame(document, place) {
   const select = document.querySelector("header.rim > #language");
   if (select && place.translated) select.outerHTML = languageSelect(place.language);
   // Where one looks through a camera there is no room for more than the way back.
-  document.querySelector("header.rim > .brand")?.insertAdjacentHTML("afterend", `<a class="back" href="${toPage("", place)}" data-t="common.back"></a>`);
+  document
+    .querySelector("header.rim > .brand")
+    ?.insertAdjacentHTML("afterend", `<a class="back" href="${toPage("", place)}" data-t="common.back"></a>`);
   // The result of a capture is read like any page.
-  if (document.getElementById("done")) document.querySelector("header.rim > .fill")?.insertAdjacentHTML("afterend", navigation(place, "site"));
+  if (document.getElementById("done"))
+    document.querySelector("header.rim > .fill")?.insertAdjacentHTML("afterend", navigation(place, "site"));
   const column = document.querySelector(".page");
   if (column) {
     column.querySelector(":scope > footer.foot")?.remove();
@@ -54,29 +70,55 @@ export function frame(document, place) {
 /** @param {Document} document @param {Place} place */
 function head(document, { key, language, translated, origin, preloads }) {
   const viewport = document.querySelector("meta[name=viewport]");
-  const classic = [...translated ? ["language"] : [], ...document.querySelector("script[type=module]") ? ["early-clicks"] : []];
+  const classic = [
+    ...(translated ? ["language"] : []),
+    ...(document.querySelector("script[type=module]") ? ["early-clicks"] : []),
+  ];
   viewport?.insertAdjacentHTML("afterend", classic.map((name) => `\n  <script src="/${name}.js"></script>`).join(""));
   for (const link of document.querySelectorAll("link[rel=modulepreload]:not([as])")) link.remove();
   const [style] = [...document.querySelectorAll("link[rel=stylesheet]")].slice(-1);
   const alphabets = language === "uk" ? ["latin", "cyrillic"] : ["latin"];
-  const fonts = alphabets.map((name) => `<link rel="preload" href="/vendor/font/geologica-${name}.woff2" as="font" type="font/woff2" crossorigin>`);
-  const scripts = document.querySelector("header.masthead") ? ['<script type="module" src="/lib/header.js"></script>'] : [];
-  const lines = ['<link rel="manifest" href="/manifest.json">', ...fonts, ...preloads.map((path) => `<link rel="modulepreload" href="${path}">`), ...scripts, ...addresses(key, language, translated, origin)];
+  const fonts = alphabets.map(
+    (name) =>
+      `<link rel="preload" href="/vendor/font/geologica-${name}.woff2" as="font" type="font/woff2" crossorigin>`,
+  );
+  const scripts = document.querySelector("header.masthead")
+    ? ['<script type="module" src="/lib/header.js"></script>']
+    : [];
+  const lines = [
+    '<link rel="manifest" href="/manifest.json">',
+    ...fonts,
+    ...preloads.map((path) => `<link rel="modulepreload" href="${path}">`),
+    ...scripts,
+    ...addresses(key, language, translated, origin),
+  ];
   const social = [
-    ["og:type", "website"], ["og:site_name", "calibDB"], ["og:image", origin && `${origin}/social.png`],
-    ["og:title", document.title], ["og:description", document.querySelector("meta[name=description]")?.getAttribute("content") ?? ""],
-  ].filter(([name, content]) => content && !document.querySelector(`meta[property="${name}"]`))
+    ["og:type", "website"],
+    ["og:site_name", "calibDB"],
+    ["og:image", origin && `${origin}/social.png`],
+    ["og:title", document.title],
+    ["og:description", document.querySelector("meta[name=description]")?.getAttribute("content") ?? ""],
+  ]
+    .filter(([name, content]) => content && !document.querySelector(`meta[property="${name}"]`))
     .map(([name, content]) => `<meta property="${name}" content="${escape(content)}">`);
   (style ?? viewport)?.insertAdjacentHTML("afterend", [...lines, ...social].map((line) => `\n  ${line}`).join(""));
 }
 
-/** Links to the page in each language. Search engines want whole addresses; without an origin these are from the root. */
+/**
+ * Links to the page in each language. Search engines want whole addresses; without an origin these are from the root.
+ */
 function addresses(key, language, translated, origin) {
   if (!key.endsWith("index.html")) return [];
   const canonical = `<link rel="canonical" href="${origin}${addressOf(key, language)}">`;
   if (!translated) return [canonical];
-  const alternates = Object.keys(LANGUAGES).map((code) => `<link rel="alternate" hreflang="${code}" href="${origin}${addressOf(key, code)}">`);
-  return [canonical, ...alternates, `<link rel="alternate" hreflang="x-default" href="${origin}${addressOf(key, "en")}">`];
+  const alternates = Object.keys(LANGUAGES).map(
+    (code) => `<link rel="alternate" hreflang="${code}" href="${origin}${addressOf(key, code)}">`,
+  );
+  return [
+    canonical,
+    ...alternates,
+    `<link rel="alternate" hreflang="x-default" href="${origin}${addressOf(key, "en")}">`,
+  ];
 }
 
 /** Path from this page to another one in the same language. @param {string} page "board/" @param {Place} place */
@@ -105,8 +147,11 @@ function navigation(place, name = "") {
   const there = ([, page]) => place.pages.has(`${page}index.html`);
   const parts = NAVIGATION.map(([message, target]) => {
     if (typeof target === "string") return there([message, target]) ? item([message, target]) : "";
-    const inside = target.some(([, page]) => page === here) ? " class=\"within\"" : "";
-    const links = target.filter(there).map((one) => `<li>${item(one)}</li>`).join("");
+    const inside = target.some(([, page]) => page === here) ? ' class="within"' : "";
+    const links = target
+      .filter(there)
+      .map((one) => `<li>${item(one)}</li>`)
+      .join("");
     return `<details class="menu"><summary${inside}><span data-t="${message}"></span></summary><ul>${links}</ul></details>`;
   });
   return `<nav${name && ` class="${name}"`} aria-label="Pages" data-t-label="common.pages">${parts.join("")}</nav>`;
@@ -114,19 +159,27 @@ function navigation(place, name = "") {
 
 /** @param {string} spoken */
 function languageSelect(spoken) {
-  const options = Object.entries(LANGUAGES).map(([code, name]) => `<option value="${code}" lang="${code}"${code === spoken ? " selected" : ""}>${name}</option>`);
+  const options = Object.entries(LANGUAGES).map(
+    ([code, name]) => `<option value="${code}" lang="${code}"${code === spoken ? " selected" : ""}>${name}</option>`,
+  );
   return `<select class="language" id="language" data-t-label="common.language" aria-label="Language">${options.join("")}</select>`;
 }
 
 /** @param {Place} place */
 function foot(place) {
-  const links = FOOTER.filter(([, page]) => place.pages.has(`${page}index.html`))
-    .map(([message, page]) => `<li><a href="${toPage(page, place)}" data-t="${message}"></a></li>`);
-  const outside = Object.entries(OPERATORS).filter(([name]) => place.contacts[name])
+  const links = FOOTER.filter(([, page]) => place.pages.has(`${page}index.html`)).map(
+    ([message, page]) => `<li><a href="${toPage(page, place)}" data-t="${message}"></a></li>`,
+  );
+  const outside = Object.entries(OPERATORS)
+    .filter(([name]) => place.contacts[name])
     .map(([name, message]) => `<li><a href="${escape(place.contacts[name])}" data-t="${message}"></a></li>`);
   const languages = place.translated
-    ? Object.entries(LANGUAGES).filter(([code]) => code !== place.language)
-      .map(([code, name]) => `<li><a href="${addressOf(place.key, code)}${code === "en" ? "?lang=en" : ""}" lang="${code}" hreflang="${code}">${name}</a></li>`)
+    ? Object.entries(LANGUAGES)
+        .filter(([code]) => code !== place.language)
+        .map(
+          ([code, name]) =>
+            `<li><a href="${addressOf(place.key, code)}${code === "en" ? "?lang=en" : ""}" lang="${code}" hreflang="${code}">${name}</a></li>`,
+        )
     : [];
   return `<footer class="foot">
       <nav aria-label="Footer" data-t-label="common.footer"><ul>${[...links, ...outside].join("")}</ul></nav>

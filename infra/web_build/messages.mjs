@@ -10,14 +10,23 @@ import { readFileSync, readdirSync } from "node:fs";
  */
 export function readMessages(web, language) {
   const folder = `${web}/messages/${language}`;
-  return Object.fromEntries(readdirSync(folder).filter((file) => file.endsWith(".json")).sort().flatMap((file) => {
-    const catalog = file.slice(0, -".json".length);
-    return Object.entries(JSON.parse(readFileSync(`${folder}/${file}`, "utf8"))).map(([key, text]) => [`${catalog}.${key}`, text]);
-  }));
+  return Object.fromEntries(
+    readdirSync(folder)
+      .filter((file) => file.endsWith(".json"))
+      .sort()
+      .flatMap((file) => {
+        const catalog = file.slice(0, -".json".length);
+        return Object.entries(JSON.parse(readFileSync(`${folder}/${file}`, "utf8"))).map(([key, text]) => [
+          `${catalog}.${key}`,
+          text,
+        ]);
+      }),
+  );
 }
 
 /**
- * Keys that sources mention. Besides whole keys: "catalog.part_" and `catalog.part_${code}` mention all keys that begin so,
+ * Keys that sources mention. Besides whole keys: "catalog.part_" and `catalog.part_${code}` mention all keys that begin
+ * so,
  * `catalog.${name}` those whose names the same source contains, and `${catalog}.name` that name in any catalog.
  * @param {readonly string[]} sources @param {readonly string[]} keys
  * @returns {string[]}
@@ -27,11 +36,21 @@ export function mentionedKeys(sources, keys) {
   const written = new RegExp(`(?<=["'\`])(?:${catalogs.join("|")})\\.[a-z0-9_.]+`, "g");
   const whole = new Set(sources.flatMap((source) => source.match(written) ?? []));
   const beginnings = [...whole].filter((key) => /[._]$/.test(key));
-  const composed = new Set(sources.flatMap((source) => [...source.matchAll(/["'`](\w+)\.\$?\{/g)].flatMap(([, catalog]) =>
-    [...source.matchAll(/["'`](\w+)["'`]/g)].map(([, key]) => `${catalog}.${key}`))));
+  const composed = new Set(
+    sources.flatMap((source) =>
+      [...source.matchAll(/["'`](\w+)\.\$?\{/g)].flatMap(([, catalog]) =>
+        [...source.matchAll(/["'`](\w+)["'`]/g)].map(([, key]) => `${catalog}.${key}`),
+      ),
+    ),
+  );
   const names = new Set(sources.flatMap((source) => [...source.matchAll(/\$\{\w+\}\.(\w+)`/g)].map(([, key]) => key)));
-  return keys.filter((key) => whole.has(key) || composed.has(key) || names.has(key.slice(key.indexOf(".") + 1))
-    || beginnings.some((beginning) => key.startsWith(beginning)));
+  return keys.filter(
+    (key) =>
+      whole.has(key) ||
+      composed.has(key) ||
+      names.has(key.slice(key.indexOf(".") + 1)) ||
+      beginnings.some((beginning) => key.startsWith(beginning)),
+  );
 }
 
 /** An element with a page's messages, for web/lib/i18n.js. @param {Texts} texts */

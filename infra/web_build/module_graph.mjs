@@ -8,23 +8,41 @@ const UNWRITTEN = "/unwritten"; // esbuild's paths to files it was told to leave
 /**
  * @param {string} web folder of the client
  * @param {string[]} entries keys of the modules that pages begin with, "board/main.js"
- * @returns {Promise<Record<string, {now: string[], all: string[]}>>} for each entry: it and all that it imports, near ones first; `all`
+ * @returns {Promise<Record<string, {now: string[], all: string[]}>>} for each entry: it and all that it imports, near
+ *   ones first; `all`
  *    also what is imported dynamically
  */
 export async function moduleGraph(web, entries) {
   const present = entries.filter((entry) => existsSync(`${web}/${entry}`));
   if (!present.length) return {};
   const { metafile } = await build({
-    absWorkingDir: web, entryPoints: present, outdir: UNWRITTEN, bundle: true, write: false, metafile: true, format: "esm",
-    external: [`${web}/vendor/*`], logLevel: "silent",
+    absWorkingDir: web,
+    entryPoints: present,
+    outdir: UNWRITTEN,
+    bundle: true,
+    write: false,
+    metafile: true,
+    format: "esm",
+    external: [`${web}/vendor/*`],
+    logLevel: "silent",
   });
-  return Object.fromEntries(present.map((entry) => [entry, {
-    now: reached(metafile.inputs, entry, web, ["import-statement"]),
-    all: reached(metafile.inputs, entry, web, ["import-statement", "dynamic-import"]),
-  }]));
+  return Object.fromEntries(
+    present.map((entry) => [
+      entry,
+      {
+        now: reached(metafile.inputs, entry, web, ["import-statement"]),
+        all: reached(metafile.inputs, entry, web, ["import-statement", "dynamic-import"]),
+      },
+    ]),
+  );
 }
 
-/** @param {import("esbuild").Metafile["inputs"]} inputs @param {string} entry @param {string} web @param {string[]} kinds of imports */
+/**
+ * @param {import("esbuild").Metafile["inputs"]} inputs
+ * @param {string} entry
+ * @param {string} web
+ * @param {string[]} kinds of imports
+ */
 function reached(inputs, entry, web, kinds) {
   const found = new Set([entry]);
   for (const name of found) {

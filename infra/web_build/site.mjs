@@ -1,7 +1,9 @@
-// Makes the site's files of their sources: pages in one frame and every language, scripts and styles without comments and
+// Makes the site's files of their sources: pages in one frame and every language, scripts and styles without comments
+// and
 // indentation. `site.py` runs it.
 //
-// In: {web, pages: {key: source}, origin, contacts}, JSON. Out: {key: content}, JSON; "de/board/index.html" is the German page.
+// In: {web, pages: {key: source}, origin, contacts}, JSON. Out: {key: content}, JSON; "de/board/index.html" is the
+// German page.
 import { existsSync, readFileSync, readdirSync } from "node:fs";
 import { readFile } from "node:fs/promises";
 import { posix } from "node:path";
@@ -20,7 +22,8 @@ const HERE = "https://here.invalid";
 const AS_WRITTEN = /^(vendor|examples)\//;
 
 /**
- * Makes addresses right for a page that lies in a folder of its language: files from the root; other pages stay relative,
+ * Makes addresses right for a page that lies in a folder of its language: files from the root; other pages stay
+ * relative,
  * so that they are in the same language.
  * @param {Document} document @param {string} key of the page in English @param {Set<string>} inAllLanguages
  */
@@ -38,16 +41,24 @@ function rewriteAddresses(document, key, inAllLanguages) {
   }
 }
 
-/** Puts in what several pages share: `<div data-part="consent">` gives way to `parts/consent.html`. @param {Document} document */
+/**
+ * Puts in what several pages share: `<div data-part="consent">` gives way to `parts/consent.html`.
+ * @param {Document} document
+ */
 function insertParts(document) {
   for (const place of document.querySelectorAll("[data-part]")) {
-    place.outerHTML = readFileSync(new URL(`parts/${place.getAttribute("data-part")}.html`, import.meta.url), "utf8").trim();
+    place.outerHTML = readFileSync(
+      new URL(`parts/${place.getAttribute("data-part")}.html`, import.meta.url),
+      "utf8",
+    ).trim();
   }
 }
 
 /** Keys of the modules a page begins with. @param {Document} document */
-const entriesOf = (document) => [...document.querySelectorAll("script[type=module][src]")]
-  .map((script) => (script.getAttribute("src") ?? "").replace(/^\//, ""));
+const entriesOf = (document) =>
+  [...document.querySelectorAll("script[type=module][src]")].map((script) =>
+    (script.getAttribute("src") ?? "").replace(/^\//, ""),
+  );
 
 /** @param {{web: string, pages: Record<string, string>, origin: string, contacts: Record<string, string>}} input */
 export async function buildPages({ web, pages, origin, contacts }) {
@@ -58,11 +69,16 @@ export async function buildPages({ web, pages, origin, contacts }) {
   const inAllLanguages = new Set([...keys].filter((key) => pages[key].includes("data-t=")));
   const entries = new Set(["lib/header.js"]);
   for (const [key, source] of Object.entries(pages)) {
-    for (const [, src] of source.matchAll(/<script type="module" src="([^"]+)"/g)) entries.add(posix.join(posix.dirname(key), src));
+    for (const [, src] of source.matchAll(/<script type="module" src="([^"]+)"/g))
+      entries.add(posix.join(posix.dirname(key), src));
   }
   const graph = await moduleGraph(web, [...entries]);
-  const texts = Object.fromEntries([...new Set(Object.values(graph).flatMap(({ all }) => all))]
-    .map((path) => [path, existsSync(`${web}/${path}`) ? readFileSync(`${web}/${path}`, "utf8") : ""]));
+  const texts = Object.fromEntries(
+    [...new Set(Object.values(graph).flatMap(({ all }) => all))].map((path) => [
+      path,
+      existsSync(`${web}/${path}`) ? readFileSync(`${web}/${path}`, "utf8") : "",
+    ]),
+  );
   /** @type {Record<string, string>} */
   const made = {};
   for (const [key, source] of Object.entries(pages)) {
@@ -74,15 +90,25 @@ export async function buildPages({ web, pages, origin, contacts }) {
       rewriteAddresses(document, key, inAllLanguages);
       const own = entriesOf(document);
       const framed = document.querySelector("header.masthead") ? ["lib/header.js"] : [];
-      const preloads = [...new Set([...own, ...framed].flatMap((entry) => graph[entry]?.now ?? []))].map((path) => `/${path}`);
+      const preloads = [...new Set([...own, ...framed].flatMap((entry) => graph[entry]?.now ?? []))].map(
+        (path) => `/${path}`,
+      );
       translate(document.documentElement);
       frame(document, { key, language, translated, pages: keys, inAllLanguages, origin, contacts, preloads });
       translate(document.documentElement);
       const modules = new Set([...own, ...framed].flatMap((entry) => graph[entry]?.all ?? []));
       const sources = [document.toString(), ...[...modules].map((path) => texts[path])];
-      const shown = mentionedKeys(sources, Object.keys(messages[language])).map((name) => [name, messages[language][name]]);
-      if (modules.has("lib/i18n.js")) document.body.insertAdjacentHTML("beforeend", messagesElement(Object.fromEntries(shown)));
-      made[addressOf(key, language).slice(1).replace(/(^|\/)$/, "$1index.html")] = `${document.toString()}\n`;
+      const shown = mentionedKeys(sources, Object.keys(messages[language])).map((name) => [
+        name,
+        messages[language][name],
+      ]);
+      if (modules.has("lib/i18n.js"))
+        document.body.insertAdjacentHTML("beforeend", messagesElement(Object.fromEntries(shown)));
+      made[
+        addressOf(key, language)
+          .slice(1)
+          .replace(/(^|\/)$/, "$1index.html")
+      ] = `${document.toString()}\n`;
     }
   }
   return made;
@@ -93,19 +119,27 @@ export async function buildPages({ web, pages, origin, contacts }) {
  * @param {string} web folder of the client
  */
 export async function buildAssets(web) {
-  const keys = readdirSync(web, { recursive: true }).map((name) => String(name).replaceAll("\\", "/"))
-    .filter((name) => /\.(js|css)$/.test(name) && !AS_WRITTEN.test(name)).sort();
-  const stripped = await Promise.all(keys.map(async (key) => {
-    const source = await readFile(`${web}/${key}`, "utf8");
-    const { code } = await transform(source, {
-      loader: key.endsWith(".css") ? "css" : "js", minifyWhitespace: true, minifySyntax: true, legalComments: "none", charset: "utf8",
-    });
-    return [key, code];
-  }));
+  const keys = readdirSync(web, { recursive: true })
+    .map((name) => String(name).replaceAll("\\", "/"))
+    .filter((name) => /\.(js|css)$/.test(name) && !AS_WRITTEN.test(name))
+    .sort();
+  const stripped = await Promise.all(
+    keys.map(async (key) => {
+      const source = await readFile(`${web}/${key}`, "utf8");
+      const { code } = await transform(source, {
+        loader: key.endsWith(".css") ? "css" : "js",
+        minifyWhitespace: true,
+        minifySyntax: true,
+        legalComments: "none",
+        charset: "utf8",
+      });
+      return [key, code];
+    }),
+  );
   return Object.fromEntries(stripped);
 }
 
 if (existsSync(process.argv[1] ?? "") && import.meta.url === pathToFileURL(process.argv[1]).href) {
   const task = JSON.parse(readFileSync(0, "utf8"));
-  process.stdout.write(JSON.stringify({ ...await buildAssets(task.web), ...await buildPages(task) }));
+  process.stdout.write(JSON.stringify({ ...(await buildAssets(task.web)), ...(await buildPages(task)) }));
 }

@@ -47,7 +47,8 @@ function vendorFont() {
   mkdirSync(`${vendor}font`, { recursive: true });
   for (const [name, scripts] of Object.entries({ geologica: ["latin", "cyrillic"], "geist-mono": ["latin"] })) {
     const from = `${root}node_modules/@fontsource-variable/${name}/`;
-    for (const script of scripts) copyFileSync(`${from}files/${name}-${script}-wght-normal.woff2`, `${vendor}font/${name}-${script}.woff2`);
+    for (const script of scripts)
+      copyFileSync(`${from}files/${name}-${script}-wght-normal.woff2`, `${vendor}font/${name}-${script}.woff2`);
     copyFileSync(`${from}LICENSE`, `${vendor}font/${name === "geologica" ? "" : `${name}.`}LICENSE`);
   }
 }
@@ -65,19 +66,29 @@ function vendorQr() {
 function vendorSearch() {
   const from = `${root}node_modules/minisearch/`;
   buildSync({
-    stdin: { contents: 'export { default as MiniSearch } from "minisearch";', resolveDir: root }, outfile: `${vendor}minisearch/minisearch.js`,
-    bundle: true, minify: true, format: "esm", logLevel: "error",
+    stdin: { contents: 'export { default as MiniSearch } from "minisearch";', resolveDir: root },
+    outfile: `${vendor}minisearch/minisearch.js`,
+    bundle: true,
+    minify: true,
+    format: "esm",
+    logLevel: "error",
   });
-  writeFileSync(`${vendor}minisearch/minisearch.d.ts`, `
+  writeFileSync(
+    `${vendor}minisearch/minisearch.d.ts`,
+    `
     export class MiniSearch {
       constructor(options: { fields: string[]; storeFields: string[]; searchOptions: object });
       addAll(documents: readonly object[]): void;
       search(words: string): ({ id: number; terms: string[] } & Record<string, any>)[];
-    }\n`);
+    }\n`,
+  );
   copyFileSync(`${from}LICENSE.txt`, `${vendor}minisearch/LICENSE`);
 }
 
-/** The parts of the WebXR polyfill that an own device needs: no headsets, no phones' lenses, no navigator that is replaced unasked. */
+/**
+ * The parts of the WebXR polyfill that an own device needs: no headsets, no phones' lenses, no navigator that is
+ * replaced unasked.
+ */
 function vendorWebXR() {
   const from = `${root}node_modules/webxr-polyfill/`;
   const contents = `
@@ -85,13 +96,21 @@ function vendorWebXR() {
       export { default as classes } from "./src/api/index.js";
       export { PRIVATE as SESSION } from "./src/api/XRSession.js";`;
   buildSync({
-    stdin: { contents, resolveDir: from }, outfile: `${vendor}webxr/polyfill.js`, bundle: true, minify: true, format: "esm",
-    define: { "process.env.NODE_ENV": '"production"' }, logLevel: "error",
+    stdin: { contents, resolveDir: from },
+    outfile: `${vendor}webxr/polyfill.js`,
+    bundle: true,
+    minify: true,
+    format: "esm",
+    define: { "process.env.NODE_ENV": '"production"' },
+    logLevel: "error",
   });
-  writeFileSync(`${vendor}webxr/polyfill.d.ts`, `
+  writeFileSync(
+    `${vendor}webxr/polyfill.d.ts`,
+    `
     export const XRDevice: new (global: object) => EventTarget & { dispatchEvent(type: string, data: unknown): void; environmentBlendMode: string };
     export const classes: Record<string, new (...parameters: any[]) => any>;
-    export const SESSION: unique symbol;\n`);
+    export const SESSION: unique symbol;\n`,
+  );
   copyFileSync(`${from}LICENSE`, `${vendor}webxr/LICENSE`);
 }
 

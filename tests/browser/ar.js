@@ -2,13 +2,14 @@
 async () => {
   const stage = document.getElementById("stage");
   const layers = document.getElementById("layers");
-  const shown = () => new Promise((done) => {
-    const observer = new MutationObserver(() => {
-      observer.disconnect();
-      done();
+  const shown = () =>
+    new Promise((done) => {
+      const observer = new MutationObserver(() => {
+        observer.disconnect();
+        done();
+      });
+      observer.observe(stage, { attributes: true, attributeFilter: ["data-shown"] });
     });
-    observer.observe(stage, { attributes: true, attributeFilter: ["data-shown"] });
-  });
   // In the task in which it was drawn: a moment later the browser has taken what WebGL drew.
   const read = (canvas) => {
     const copy = document.createElement("canvas");
@@ -17,7 +18,11 @@ async () => {
     const { x, y, width, height } = canvas.getBoundingClientRect();
     return { png: copy.toDataURL("image/png"), place: [x, y, width, height] };
   };
-  const look = () => ({ picture: read(layers.firstChild), overlay: read(layers.lastChild), said: document.querySelector(".off").textContent });
+  const look = () => ({
+    picture: read(layers.firstChild),
+    overlay: read(layers.lastChild),
+    said: document.querySelector(".off").textContent,
+  });
   const pixels = ({ width, height }) => {
     const copy = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
     copy.drawImage(layers.firstChild, 0, 0);
@@ -42,4 +47,4 @@ async () => {
     }
   }
   return seen;
-}
+};

@@ -1,6 +1,7 @@
 // An application as three.js' own examples are: of the camera, its lens and this project it knows nothing.
 const application = async (points) => {
-  const { Mesh, MeshBasicMaterial, PerspectiveCamera, Scene, SphereGeometry, WebGLRenderer } = await import("/three/three.module.js");
+  const { Mesh, MeshBasicMaterial, PerspectiveCamera, Scene, SphereGeometry, WebGLRenderer } =
+    await import("/three/three.module.js");
   const { ARButton } = await import("/three/ARButton.js");
   const renderer = new WebGLRenderer({ antialias: true, alpha: true });
   renderer.setSize(window.innerWidth / 2, window.innerHeight);

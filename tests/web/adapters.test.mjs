@@ -12,13 +12,46 @@ import { applyCalibration as applyToThree } from "../../web/sdk/adapters/three.j
 
 /** Landscape, portrait, pixels that are not square, and principal points far off the centre. */
 const CAMERAS = [
-  { img_size: [1280, 720], camera_matrix: [[1013.7, 0, 652.3], [0, 1009.1, 348.8], [0, 0, 1]] },
-  { img_size: [720, 1280], camera_matrix: [[990, 0, 301.25], [0, 991, 702.5], [0, 0, 1]] },
-  { img_size: [640, 480], camera_matrix: [[700, 0, 40], [0, 350, 455], [0, 0, 1]] },
+  {
+    img_size: [1280, 720],
+    camera_matrix: [
+      [1013.7, 0, 652.3],
+      [0, 1009.1, 348.8],
+      [0, 0, 1],
+    ],
+  },
+  {
+    img_size: [720, 1280],
+    camera_matrix: [
+      [990, 0, 301.25],
+      [0, 991, 702.5],
+      [0, 0, 1],
+    ],
+  },
+  {
+    img_size: [640, 480],
+    camera_matrix: [
+      [700, 0, 40],
+      [0, 350, 455],
+      [0, 0, 1],
+    ],
+  },
 ];
-const VIEWPORTS = [[1280, 720], [390, 844], [2560, 720], [1000, 1000], [320, 240]];
+const VIEWPORTS = [
+  [1280, 720],
+  [390, 844],
+  [2560, 720],
+  [1000, 1000],
+  [320, 240],
+];
 const FITS = ["cover", "contain", "fill", "none", "scale-down"];
-const POINTS = [[0.1, -0.2, 1.5], [-1.3, 0.8, 3], [0, 0, 0.5], [2, 1, 7.7], [-0.3, -0.4, 90]];
+const POINTS = [
+  [0.1, -0.2, 1.5],
+  [-1.3, 0.8, 3],
+  [0, 0, 0.5],
+  [2, 1, 7.7],
+  [-0.3, -0.4, 90],
+];
 const BOUND = 1e-9; // px
 
 /** Layout of a picture by CSS: its top-left corner, and its size. */
@@ -34,11 +67,17 @@ function expected({ img_size, camera_matrix: [[fx, , cx], [, fy, cy]] }, viewpor
   return [at.left + ((fx * x) / z + cx + 0.5) * at.x, at.top + ((fy * y) / z + cy + 0.5) * at.y];
 }
 function everywhere(check) {
-  for (const camera of CAMERAS) for (const viewport of VIEWPORTS) for (const fit of FITS) for (const point of POINTS) {
-    const [x, y] = check(camera, { viewport, fit }, point);
-    const [u, v] = expected(camera, viewport, fit, point);
-    assert.ok(Math.hypot(((x + 1) / 2) * viewport[0] - u, ((1 - y) / 2) * viewport[1] - v) < BOUND, `${viewport} ${fit} ${point}: ${x} ${y}, not ${u} ${v}`);
-  }
+  for (const camera of CAMERAS)
+    for (const viewport of VIEWPORTS)
+      for (const fit of FITS)
+        for (const point of POINTS) {
+          const [x, y] = check(camera, { viewport, fit }, point);
+          const [u, v] = expected(camera, viewport, fit, point);
+          assert.ok(
+            Math.hypot(((x + 1) / 2) * viewport[0] - u, ((1 - y) / 2) * viewport[1] - v) < BOUND,
+            `${viewport} ${fit} ${point}: ${x} ${y}, not ${u} ${v}`,
+          );
+        }
 }
 
 test("three.js projects as our pinhole does, and back", () => {
@@ -68,7 +107,12 @@ test("what three.js does with its camera on the way does not undo it", () => {
 });
 
 test("depth is as three.js would have it, for every kind of depth buffer", () => {
-  for (const [coordinateSystem, reversed] of [[undefined, false], [WebGPUCoordinateSystem, false], [undefined, true], [WebGPUCoordinateSystem, true]]) {
+  for (const [coordinateSystem, reversed] of [
+    [undefined, false],
+    [WebGPUCoordinateSystem, false],
+    [undefined, true],
+    [WebGPUCoordinateSystem, true],
+  ]) {
     const [own, ours] = [0, 1].map(() => {
       const eye = new PerspectiveCamera(50, 1, 0.05, 500);
       if (coordinateSystem) eye.coordinateSystem = coordinateSystem;
@@ -106,7 +150,13 @@ for (const rightHanded of [false, true]) {
 test("depth is as Babylon.js would have it, infinitely far planes and reversed buffers included", () => {
   const engine = new NullEngine({ useHighPrecisionMatrix: true });
   const scene = new Scene(engine);
-  for (const [reversed, half, maxZ] of [[false, false, 500], [true, false, 500], [false, true, 500], [true, true, 500], [false, false, 0]]) {
+  for (const [reversed, half, maxZ] of [
+    [false, false, 500],
+    [true, false, 500],
+    [false, true, 500],
+    [true, true, 500],
+    [false, false, 0],
+  ]) {
     engine.useReverseDepthBuffer = reversed;
     const eye = new FreeCamera("eye", BabylonVector.Zero(), scene);
     [eye.minZ, eye.maxZ] = [0.05, maxZ];
@@ -114,7 +164,9 @@ test("depth is as Babylon.js would have it, infinitely far planes and reversed b
     Object.defineProperty(engine, "isNDCHalfZRange", { value: half, configurable: true }); // WebGPU's engine says so
     applyToBabylon(eye, CAMERAS[0]);
     for (const z of [0.05, 0.3, 20, 500]) {
-      const [full, ours] = [own, eye.getProjectionMatrix()].map((matrix) => BabylonVector.TransformCoordinates(new BabylonVector(0, 0, z), matrix).z);
+      const [full, ours] = [own, eye.getProjectionMatrix()].map(
+        (matrix) => BabylonVector.TransformCoordinates(new BabylonVector(0, 0, z), matrix).z,
+      );
       const depths = [half ? (full + 1) / 2 : full, ours];
       assert.ok(Math.abs(depths[0] - depths[1]) < 1e-9, `${reversed} ${half} ${maxZ} ${z}: ${depths}`);
     }
@@ -129,7 +181,10 @@ test("A-Frame's component hands its camera over, and again when the scene is res
   assert.deepEqual([definition.name, definition.dependencies], ["calibrated", ["camera"]]);
   const eye = new PerspectiveCamera(50, 1, 0.05, 500);
   const sceneEl = Object.assign(new EventTarget(), { canvas: { clientWidth: 1000, clientHeight: 1000 } });
-  const component = Object.assign(Object.create(definition), { el: { sceneEl, getObject3D: () => eye }, data: { fit: "contain" } });
+  const component = Object.assign(Object.create(definition), {
+    el: { sceneEl, getObject3D: () => eye },
+    data: { fit: "contain" },
+  });
   component.init();
   component.update();
   const before = eye.projectionMatrix.clone();

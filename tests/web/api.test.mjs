@@ -7,7 +7,10 @@ import { CaptureSession, isUnavailable } from "../../web/lib/session.js";
 import { viewCount } from "../../web/calibrate/state.js";
 
 const json = (status, body, headers = {}) =>
-  new Response(body === null ? null : JSON.stringify(body), { status, headers: { "content-type": "application/json", ...headers } });
+  new Response(body === null ? null : JSON.stringify(body), {
+    status,
+    headers: { "content-type": "application/json", ...headers },
+  });
 
 /** A service that answers from a list, and remembers what it was asked and how long it was waited for. */
 function service(answers) {
@@ -15,7 +18,12 @@ function service(answers) {
   const waits = [];
   const api = new Api("/v1/", {
     fetch: async (address, { method, headers, body }) => {
-      calls.push({ call: `${method} ${address}`, credential: headers.authorization, accept: headers.accept, body: body && JSON.parse(body) });
+      calls.push({
+        call: `${method} ${address}`,
+        credential: headers.authorization,
+        accept: headers.accept,
+        body: body && JSON.parse(body),
+      });
       const answer = typeof answers === "function" ? answers(calls.at(-1)) : answers.shift();
       if (answer instanceof Error) throw answer;
       return answer;
@@ -27,7 +35,10 @@ function service(answers) {
 
 test("a lost network and a busy service are waited for, and asked the same again", async () => {
   const { api, calls, waits } = service([
-    new OfflineError(), json(503, {}), json(429, {}, { "retry-after": "3" }), json(200, { views: [] }),
+    new OfflineError(),
+    json(503, {}),
+    json(429, {}, { "retry-after": "3" }),
+    json(200, { views: [] }),
   ]);
   assert.deepEqual(await api.json("POST", "/session/views", "sid", { body: { index: 1 } }), { views: [] });
   assert.equal(new Set(calls.map(({ body }) => JSON.stringify(body))).size, 1);
@@ -35,22 +46,37 @@ test("a lost network and a busy service are waited for, and asked the same again
 });
 
 test("an hour that is used up is said at once", async () => {
-  const { api, calls, waits } = service([json(429, { detail: "The calls of this hour are used up." }, { "retry-after": "1800" })]);
-  await assert.rejects(api.json("POST", "/auth", "token"), (error) =>
-    error instanceof ApiError && error.status === 429 && error.message === "The calls of this hour are used up.");
+  const { api, calls, waits } = service([
+    json(429, { detail: "The calls of this hour are used up." }, { "retry-after": "1800" }),
+  ]);
+  await assert.rejects(
+    api.json("POST", "/auth", "token"),
+    (error) =>
+      error instanceof ApiError && error.status === 429 && error.message === "The calls of this hour are used up.",
+  );
   assert.deepEqual([calls.length, waits], [1, []]);
 });
 
 test("retries end after a minute", async () => {
   const { api, waits } = service(() => new OfflineError());
   await assert.rejects(api.json("GET", "/session", "sid"), OfflineError);
-  assert.equal(waits.reduce((sum, ms) => sum + ms), 60_500);
+  assert.equal(
+    waits.reduce((sum, ms) => sum + ms),
+    60_500,
+  );
 });
 
 test("a refusal is said in the service's words and not repeated", async () => {
-  const { api, calls } = service([json(422, { detail: "The request is not valid.", errors: [{ field: "img_size", detail: "too small" }] })]);
-  await assert.rejects(api.json("POST", "/session", "sid", { body: {} }), (error) =>
-    error instanceof ApiError && error.status === 422 && error.message === "The request is not valid. img_size: too small");
+  const { api, calls } = service([
+    json(422, { detail: "The request is not valid.", errors: [{ field: "img_size", detail: "too small" }] }),
+  ]);
+  await assert.rejects(
+    api.json("POST", "/session", "sid", { body: {} }),
+    (error) =>
+      error instanceof ApiError &&
+      error.status === 422 &&
+      error.message === "The request is not valid. img_size: too small",
+  );
   assert.equal(calls.length, 1);
 });
 
@@ -103,8 +129,16 @@ test("what is asked for the first time is said to be, by kind and not by view", 
     return json(200, { index: 0, status: "capturing", accepted: true, views: [] });
   });
   const asked = [];
-  for (const expected of [[true, true, true, false, true, false, true, false], [false, false, false, false, false, false, false, false]]) {
-    const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] }, { answered });
+  for (const expected of [
+    [true, true, true, false, true, false, true, false],
+    [false, false, false, false, false, false, false, false],
+  ]) {
+    const capture = new CaptureSession(
+      api,
+      "token",
+      { camera: "c", platform: "p", img_size: [640, 480] },
+      { answered },
+    );
     capture.onRequest = (isFirst) => asked.push(isFirst);
     await capture.start();
     await capture.pose(); // as numbers and as a picture
@@ -121,7 +155,8 @@ test("an expired session is begun anew with the views it had", async () => {
   const { api, calls } = service(({ call, credential, body }) => {
     if (call === "POST /v1/auth") return json(201, { session_id: `s${++sessions}`, expires_at: 0 });
     const session = credential.replace("Bearer ", "");
-    if (session === "s1" && known.get("expired")) return json(403, { type: "https://calibdb.example/problems/session-expired", detail: "expired" });
+    if (session === "s1" && known.get("expired"))
+      return json(403, { type: "https://calibdb.example/problems/session-expired", detail: "expired" });
     if (call === "POST /v1/session") return json(201, { status: "capturing", views: [] });
     if (call === "GET /v1/session/pose") return json(200, { index });
     known.set(`${session} ${index++}`, body.ids);
@@ -133,7 +168,10 @@ test("an expired session is begun anew with the views it had", async () => {
   await capture.submit(1, { ids: [2], points: [[2, 2]] });
   known.set("expired", true);
   await capture.submit(2, { ids: [3], points: [[3, 3]] });
-  assert.deepEqual([...known].filter(([key]) => key.startsWith("s2")).map(([, ids]) => ids), [[1], [2], [3]]);
+  assert.deepEqual(
+    [...known].filter(([key]) => key.startsWith("s2")).map(([, ids]) => ids),
+    [[1], [2], [3]],
+  );
   assert.equal(calls.filter(({ call }) => call === "POST /v1/auth").length, 2);
 });
 
@@ -166,14 +204,18 @@ test("views taken while the service is away are sent in their order once it is b
     if (away) return json(503, {});
     if (call === "POST /v1/auth") return json(201, { session_id: "s", expires_at: 0 });
     if (call === "GET /v1/session/pose") return json(200, { index: taken.length });
-    if (call !== "POST /v1/session/views") return json(200, { status: "capturing", views: taken.map((_, index) => ({ index })) });
+    if (call !== "POST /v1/session/views")
+      return json(200, { status: "capturing", views: taken.map((_, index) => ({ index })) });
     const accepted = body.ids[0] !== 3; // one of them brings nothing new
     if (accepted) taken.push(body.ids[0]);
     return json(200, { accepted, status: "capturing", views: taken.map((_, index) => ({ index })) });
   });
   const view = (id) => ({ ids: [id], points: [[id, id]] });
   const request = { camera: "c", platform: "p", img_size: [640, 480] };
-  const capture = new CaptureSession(api, "token", request, { about: "c", save: (now) => (saved = structuredClone(now)) });
+  const capture = new CaptureSession(api, "token", request, {
+    about: "c",
+    save: (now) => (saved = structuredClone(now)),
+  });
   await capture.start();
   await capture.submit(0, view(1));
   away = true;
@@ -205,9 +247,21 @@ test("a capture begun without the service is sent when it is there, and may be s
   capture.store({ ids: [2], points: [[2, 2]] });
   assert.deepEqual([capture.size, capture.waiting, capture.lastIsTaken], [2, 2, false]);
   const back = await capture.resume(undefined, { onSending: () => (told += 1) });
-  assert.deepEqual([calls[0].call, taken, back.taken, told, capture.lastIsTaken], ["POST /v1/auth", [1, 2], 2, 1, true]);
+  assert.deepEqual(
+    [calls[0].call, taken, back.taken, told, capture.lastIsTaken],
+    ["POST /v1/auth", [1, 2], 2, 1, true],
+  );
   const { credential, views } = capture.unsent();
-  assert.deepEqual([credential, views.map(({ index, taken: sent }) => [index, sent])], ["", [[null, false], [null, false]]]);
+  assert.deepEqual(
+    [credential, views.map(({ index, taken: sent }) => [index, sent])],
+    [
+      "",
+      [
+        [null, false],
+        [null, false],
+      ],
+    ],
+  );
   capture.track({ focusMode: "manual" });
   await capture.start();
   assert.deepEqual(calls.at(-1).body.track, { focusMode: "manual" });
@@ -238,9 +292,13 @@ test("nothing more is asked once the run has ended", async () => {
 
 test("the picture is asked for as JPEG, and a skip is asked for once", async () => {
   const { api, calls } = service(({ accept }) =>
-    accept === "image/jpeg" ? new Response("picture", { status: 200 }) : json(200, { index: 4 }));
+    accept === "image/jpeg" ? new Response("picture", { status: 200 }) : json(200, { index: 4 }),
+  );
   const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });
   const { pose, picture } = await capture.pose({ skip: true });
   assert.deepEqual([pose.index, await picture.text()], [4, "picture"]);
-  assert.deepEqual(calls.map(({ call }) => call), ["GET /v1/session/pose?skip=1", "GET /v1/session/pose"]);
+  assert.deepEqual(
+    calls.map(({ call }) => call),
+    ["GET /v1/session/pose?skip=1", "GET /v1/session/pose"],
+  );
 });

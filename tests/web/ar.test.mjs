@@ -9,12 +9,30 @@ import { lensOf } from "../../web/sdk/projection.js";
 import { rotationMatrix } from "../../web/lib/pose.js";
 
 const SIZE = [1280, 720];
-const MATRIX = [[1000, 0, 650], [0, 1010, 352], [0, 0, 1]];
+const MATRIX = [
+  [1000, 0, 650],
+  [0, 1010, 352],
+  [0, 0, 1],
+];
 const LENSES = {
   rectilinear: [MATRIX, [-0.3, 0.04, 0.001, -0.0008, 0]],
-  fisheye: [[[480, 0, 650], [0, 485, 352], [0, 0, 1]], [-0.03, 0.01, -0.004, 0.001]],
+  fisheye: [
+    [
+      [480, 0, 650],
+      [0, 485, 352],
+      [0, 0, 1],
+    ],
+    [-0.03, 0.01, -0.004, 0.001],
+  ],
   rational: [MATRIX, [1.2, 0.3, 0.0005, -0.0004, 0.02, 1.5, 0.6, 0.06]],
-  omnidirectional: [[[900, 0, 650], [0, 909, 352], [0, 0, 1]], [1.2, -0.1, 0.02, 0.0006, -0.0003]],
+  omnidirectional: [
+    [
+      [900, 0, 650],
+      [0, 909, 352],
+      [0, 0, 1],
+    ],
+    [1.2, -0.1, 0.02, 0.0006, -0.0003],
+  ],
 };
 const lensNamed = (distortion_model) => {
   const [camera_matrix, distortion_coefficients] = LENSES[distortion_model];
@@ -41,7 +59,11 @@ test("the board's pose is found to a millionth of a square, through every model"
       assert.ok(points.length >= 16, `${model}, stop ${stop}: ${points.length} corners`);
       const found = rigidTransform(poseOf(lens, points, pixels));
       const truth = rigidTransform(pose);
-      for (const corner of [[0, 0, 0], [9, 0, 0], [9, 6, -2]]) {
+      for (const corner of [
+        [0, 0, 0],
+        [9, 0, 0],
+        [9, 6, -2],
+      ]) {
         const [a, b] = [found(corner), truth(corner)];
         assert.ok(Math.hypot(...a.map((value, axis) => value - b[axis])) < 1e-6, `${model}, stop ${stop}`);
       }
@@ -55,14 +77,26 @@ test("too few corners, or corners on one line, tell no pose", () => {
   assert.equal(poseOf(lens, points.slice(0, 5), pixels.slice(0, 5)), null);
   const row = points.map((_, index) => index).filter((index) => points[index][1] === 2);
   assert.ok(row.length >= 6);
-  assert.equal(poseOf(lens, row.map((index) => points[index]), row.map((index) => pixels[index])), null);
+  assert.equal(
+    poseOf(
+      lens,
+      row.map((index) => points[index]),
+      row.map((index) => pixels[index]),
+    ),
+    null,
+  );
 });
 
 test("who knows the matrix only is more than 8 px off at the outermost corner, who knows the lens is not", () => {
   const lens = lensNamed("rectilinear");
   const { points, pixels } = view(lens, stopAt(DEFAULT_BOARD, calibration, 0));
-  const plain = lensOf({ camera_matrix: MATRIX, distortion_model: "rectilinear", distortion_coefficients: [0, 0, 0, 0, 0] });
-  const off = (used) => misalignment({ seen: (pixel) => pixel, drawn: used.project }, poseOf(used, points, pixels), points, pixels, SIZE);
+  const plain = lensOf({
+    camera_matrix: MATRIX,
+    distortion_model: "rectilinear",
+    distortion_coefficients: [0, 0, 0, 0, 0],
+  });
+  const off = (used) =>
+    misalignment({ seen: (pixel) => pixel, drawn: used.project }, poseOf(used, points, pixels), points, pixels, SIZE);
   assert.ok(off(plain).outermost > 8 && off(plain).rms > 5, JSON.stringify(off(plain)));
   assert.ok(off(lens).outermost < 1e-6 && off(lens).rms < 1e-6, JSON.stringify(off(lens)));
 });
@@ -70,19 +104,43 @@ test("who knows the matrix only is more than 8 px off at the outermost corner, w
 test("misalignment is rms over all corners, and that of the corner nearest to the picture's", () => {
   const pose = { rvec: [0, 0, 0], tvec: [0, 0, 1] };
   const mode = { seen: (pixel) => (pixel[0] < 0 ? null : pixel), drawn: ([x, y]) => [x, y] };
-  const points = [[10, 10], [600, 300], [5, 5]];
-  assert.deepEqual(misalignment(mode, pose, points, [[13, 14], [600, 300], [-1, -1]], SIZE), { rms: Math.sqrt(25 / 2), outermost: 5 });
+  const points = [
+    [10, 10],
+    [600, 300],
+    [5, 5],
+  ];
+  assert.deepEqual(
+    misalignment(
+      mode,
+      pose,
+      points,
+      [
+        [13, 14],
+        [600, 300],
+        [-1, -1],
+      ],
+      SIZE,
+    ),
+    { rms: Math.sqrt(25 / 2), outermost: 5 },
+  );
   assert.equal(misalignment(mode, pose, [[1, 1]], [[-1, -1]], SIZE), null);
 });
 
 test("the model stands on the board, towards who looks at it, and its crosses are at the outermost corners", () => {
   const numbers = model(DEFAULT_BOARD);
   assert.equal(numbers.length % 18, 0, "whole triangles");
-  const vertices = Array.from({ length: numbers.length / 6 }, (_, index) => [...numbers.subarray(6 * index, 6 * index + 6)]);
+  const vertices = Array.from({ length: numbers.length / 6 }, (_, index) => [
+    ...numbers.subarray(6 * index, 6 * index + 6),
+  ]);
   assert.ok(vertices.every(([x, y, z]) => x >= -0.1 && x <= 9.1 && y >= -0.1 && y <= 6.1 && z <= 0));
   assert.ok(vertices.every((vertex) => vertex.slice(3).every((value) => value >= 0 && value <= 1)));
   const blue = vertices.filter(([, , , red, , b]) => red === 0 && b === 1);
-  for (const [x, y] of [[1, 1], [8, 1], [8, 5], [1, 5]]) {
+  for (const [x, y] of [
+    [1, 1],
+    [8, 1],
+    [8, 5],
+    [1, 5],
+  ]) {
     const near = blue.filter(([u, v]) => Math.hypot(u - x, v - y) < 1);
     assert.equal(near.length, 12);
     for (const axis of [0, 1]) {

@@ -6,17 +6,33 @@ import { troubleOf } from "../../web/lib/capture/diagnosis.js";
 
 const CHESSBOARD = { ...DEFAULT_BOARD, kind: "chessboard", squares: [10, 7] };
 const lattice = ([columns, rows], [left, top] = [300, 200]) => ({
-  squares: [columns, rows], isPlain: true,
-  points: Array.from({ length: (columns - 1) * (rows - 1) }, (_, n) => [left + 40 * (n % (columns - 1)), top + 40 * Math.floor(n / (columns - 1))]),
+  squares: [columns, rows],
+  isPlain: true,
+  points: Array.from({ length: (columns - 1) * (rows - 1) }, (_, n) => [
+    left + 40 * (n % (columns - 1)),
+    top + 40 * Math.floor(n / (columns - 1)),
+  ]),
 });
 const nothing = { family: null, markers: [], inverted: false, mirrored: false, size: [1280, 720], chessboard: null };
 const chessboard = (squares, place) => ({ ...nothing, chessboard: lattice(squares, place) });
 const charuco = (board, more = {}, rows = Infinity) => ({
-  ...nothing, family: "DICT_4X4_1000", ...more,
-  markers: markers(board).filter(({ y }) => y < rows).map(({ id, x, y }) => {
-    const [left, top, side] = [200 + 60 * x + 10, 100 + 60 * y + 10, 40];
-    return { id, corners: [[left, top], [left + side, top], [left + side, top + side], [left, top + side]] };
-  }),
+  ...nothing,
+  family: "DICT_4X4_1000",
+  ...more,
+  markers: markers(board)
+    .filter(({ y }) => y < rows)
+    .map(({ id, x, y }) => {
+      const [left, top, side] = [200 + 60 * x + 10, 100 + 60 * y + 10, 40];
+      return {
+        id,
+        corners: [
+          [left, top],
+          [left + side, top],
+          [left + side, top + side],
+          [left, top + side],
+        ],
+      };
+    }),
 });
 const after = (expected, ...sightings) => {
   const watch = new BoardWatch();
@@ -33,7 +49,11 @@ test("another board is suggested once two looks agree, and the expected one is n
 
 test("a board that may go on beyond the picture's edge is said to be cut off", () => {
   assert.equal(after(DEFAULT_BOARD, chessboard([10, 7], [20, 200]), chessboard([10, 7], [20, 200])).isCut, true);
-  assert.equal(after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]), chessboard([10, 6])).isCut, true, "the looks differ");
+  assert.equal(
+    after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]), chessboard([10, 6])).isCut,
+    true,
+    "the looks differ",
+  );
 });
 
 test("the upper rows of the expected board are no other board, and what is not plain is no chessboard", () => {
@@ -43,10 +63,17 @@ test("the upper rows of the expected board are no other board, and what is not p
 });
 
 test("a mirrored picture is trouble of its own, be the board the expected one", () => {
-  const found = after(DEFAULT_BOARD, charuco(DEFAULT_BOARD, { mirrored: true }), charuco(DEFAULT_BOARD, { mirrored: true }));
+  const found = after(
+    DEFAULT_BOARD,
+    charuco(DEFAULT_BOARD, { mirrored: true }),
+    charuco(DEFAULT_BOARD, { mirrored: true }),
+  );
   assert.equal(found.mirrored, true);
   assert.equal(troubleOf(found, DEFAULT_BOARD), "mirrored");
-  assert.equal(troubleOf({ ...found, mirrored: false, board: { ...DEFAULT_BOARD, legacy: true } }, DEFAULT_BOARD), "legacy");
+  assert.equal(
+    troubleOf({ ...found, mirrored: false, board: { ...DEFAULT_BOARD, legacy: true } }, DEFAULT_BOARD),
+    "legacy",
+  );
   assert.equal(troubleOf({ ...found, mirrored: false, board: CHESSBOARD }, DEFAULT_BOARD), "wrong_board");
 });
 

@@ -1,6 +1,15 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { DEFAULT_BOARD, boardFrom, boardQuery, corners, impossible, isSameBoard, markers, outline } from "../../web/lib/board.js";
+import {
+  DEFAULT_BOARD,
+  boardFrom,
+  boardQuery,
+  corners,
+  impossible,
+  isSameBoard,
+  markers,
+  outline,
+} from "../../web/lib/board.js";
 import { blackRectangles, exactScale } from "../../web/lib/board-drawing.js";
 import { PRESETS } from "../../web/lib/board-presets.js";
 import { recognise } from "../../web/lib/board-recognition.js";
@@ -10,21 +19,42 @@ import { fitGrid } from "../../web/lib/marker-grid.js";
 import { cameraOfNames } from "../../web/photos/files.js";
 
 const VIEW = [40, 6, 90, -4, 38, 320, 0.008, 0.011, 1]; // board to picture
-const APRILGRID = { kind: "aprilgrid", squares: [6, 5], marker_ratio: 0.65, dictionary: "DICT_APRILTAG_36h11", legacy: false, tag_spacing: 0.25 };
+const APRILGRID = {
+  kind: "aprilgrid",
+  squares: [6, 5],
+  marker_ratio: 0.65,
+  dictionary: "DICT_APRILTAG_36h11",
+  legacy: false,
+  tag_spacing: 0.25,
+};
 
 /** Markers of a board as a picture shows them; turned: quarter turns of the tags on an AprilGrid. */
 function seen(board, { turned = 0, keep = () => true } = {}) {
   const isGrid = board.kind === "aprilgrid";
-  return markers(board).filter(keep).map(({ id, x, y }) => {
-    const pitch = 1 + (board.tag_spacing ?? 0.3);
-    const margin = isGrid ? 0 : (1 - board.marker_ratio) / 2;
-    const side = isGrid ? 1 : board.marker_ratio;
-    const [left, top] = isGrid ? [x * pitch, -y * pitch - 1] : [x + margin, y + margin];
-    const clockwise = [[left, top], [left + side, top], [left + side, top + side], [left, top + side]];
-    return { id, corners: [0, 1, 2, 3].map((n) => apply(VIEW, clockwise[(n + turned) % 4])) };
-  });
+  return markers(board)
+    .filter(keep)
+    .map(({ id, x, y }) => {
+      const pitch = 1 + (board.tag_spacing ?? 0.3);
+      const margin = isGrid ? 0 : (1 - board.marker_ratio) / 2;
+      const side = isGrid ? 1 : board.marker_ratio;
+      const [left, top] = isGrid ? [x * pitch, -y * pitch - 1] : [x + margin, y + margin];
+      const clockwise = [
+        [left, top],
+        [left + side, top],
+        [left + side, top + side],
+        [left, top + side],
+      ];
+      return { id, corners: [0, 1, 2, 3].map((n) => apply(VIEW, clockwise[(n + turned) % 4])) };
+    });
 }
-const sighting = (family, found, more = {}) => ({ family, markers: found, inverted: false, chessboard: null, size: [1280, 720], ...more });
+const sighting = (family, found, more = {}) => ({
+  family,
+  markers: found,
+  inverted: false,
+  chessboard: null,
+  size: [1280, 720],
+  ...more,
+});
 
 test("boards of all kinds go through an address and back", () => {
   for (const { board } of PRESETS) assert.deepEqual(boardFrom(boardQuery(board)), { board, problem: null });
@@ -37,33 +67,72 @@ test("boards of all kinds go through an address and back", () => {
 test("boards of other kinds have limits of their own", () => {
   const code = (more) => impossible({ ...APRILGRID, ...more })?.code ?? null;
   assert.equal(code({}), null);
-  assert.deepEqual([code({ dictionary: "DICT_4X4_50" }), code({ tag_spacing: 0 }), code({ squares: [1, 1] }), code({ squares: [50, 50] }), code({ kind: "dots" })],
-    ["family", "spacing", "few_corners", "many_corners", "kind"]);
-  assert.equal(impossible({ ...DEFAULT_BOARD, kind: "chessboard", squares: [40, 40] }), null, "no markers, so none can be missing");
+  assert.deepEqual(
+    [
+      code({ dictionary: "DICT_4X4_50" }),
+      code({ tag_spacing: 0 }),
+      code({ squares: [1, 1] }),
+      code({ squares: [50, 50] }),
+      code({ kind: "dots" }),
+    ],
+    ["family", "spacing", "few_corners", "many_corners", "kind"],
+  );
+  assert.equal(
+    impossible({ ...DEFAULT_BOARD, kind: "chessboard", squares: [40, 40] }),
+    null,
+    "no markers, so none can be missing",
+  );
 });
 
 test("an AprilGrid is numbered as Kalibr numbers it", () => {
   const points = corners(APRILGRID);
-  assert.deepEqual(points.slice(0, 5), [[0, 0], [1, 0], [1, -1], [0, -1], [1.25, 0]]);
+  assert.deepEqual(points.slice(0, 5), [
+    [0, 0],
+    [1, 0],
+    [1, -1],
+    [0, -1],
+    [1.25, 0],
+  ]);
   assert.deepEqual(points[4 * 6 + 2], [1, -2.25]);
-  assert.deepEqual(outline(APRILGRID), [[0, -6], [7.25, -6], [7.25, 0], [0, 0]]);
+  assert.deepEqual(outline(APRILGRID), [
+    [0, -6],
+    [7.25, -6],
+    [7.25, 0],
+    [0, 0],
+  ]);
 });
 
 test("an AprilGrid is drawn with every corner on a whole pixel, and with tags in a frame of two cells", () => {
   const spaced = (tag_spacing) => ({ ...APRILGRID, tag_spacing });
-  assert.deepEqual([exactScale(spaced(0.25), 64), exactScale(spaced(0.3), 64), exactScale(DEFAULT_BOARD, 61)], [64, 60, 61]);
+  assert.deepEqual(
+    [exactScale(spaced(0.25), 64), exactScale(spaced(0.3), 64), exactScale(DEFAULT_BOARD, 61)],
+    [64, 60, 61],
+  );
   const cell = 1 / 10; // six of data, two of frame on either side
   const first = blackRectangles(APRILGRID).filter(([x, y]) => x < 1 - 1e-9 && y < 1 - 1e-9);
-  const whole = first.filter(([x, , width]) => x === 0 && Math.abs(width - 1) < 1e-9).map(([, y]) => Math.round(y / cell));
+  const whole = first
+    .filter(([x, , width]) => x === 0 && Math.abs(width - 1) < 1e-9)
+    .map(([, y]) => Math.round(y / cell));
   assert.deepEqual(whole, [0, 1, 8, 9]);
 });
 
 test("markers tell squares, layout and ratio of their board", () => {
-  for (const [squares, legacy, ratio] of [[[9, 6], false, 0.65], [[8, 8], false, 0.75], [[8, 6], true, 0.6], [[5, 7], false, 0.5], [[7, 4], true, 0.7], [[14, 9], false, 0.75]]) {
+  for (const [squares, legacy, ratio] of [
+    [[9, 6], false, 0.65],
+    [[8, 8], false, 0.75],
+    [[8, 6], true, 0.6],
+    [[5, 7], false, 0.5],
+    [[7, 4], true, 0.7],
+    [[14, 9], false, 0.75],
+  ]) {
     const board = { squares, legacy, marker_ratio: ratio, dictionary: "DICT_5X5_1000" };
     const found = recognise([sighting("DICT_5X5_1000", seen(board))]);
     assert.deepEqual({ ...found.board, dictionary: "" }, { ...board, dictionary: "" }, `${squares} ${legacy}`);
-    assert.equal(found.board.dictionary, squares[0] === 14 ? "DICT_5X5_100" : "DICT_5X5_50", "the shortest that holds its markers");
+    assert.equal(
+      found.board.dictionary,
+      squares[0] === 14 ? "DICT_5X5_100" : "DICT_5X5_50",
+      "the shortest that holds its markers",
+    );
   }
 });
 
@@ -77,11 +146,27 @@ test("tags of an AprilGrid may be turned on it", () => {
 test("pictures of parts of a board tell it together, and markers that are none do not mislead", () => {
   const board = { ...DEFAULT_BOARD };
   const parts = [({ y }) => y < 3, ({ y }) => y > 1].map((keep) => seen(board, { keep }));
-  parts[0].push({ id: 26, corners: [[10, 10], [40, 12], [41, 40], [9, 41]] });
+  parts[0].push({
+    id: 26,
+    corners: [
+      [10, 10],
+      [40, 12],
+      [41, 40],
+      [9, 41],
+    ],
+  });
   const found = recognise(parts.map((part) => sighting("DICT_4X4_1000", part)));
   assert.deepEqual(found.board.squares, [9, 6]);
   assert.equal(fitGrid(seen(board, { keep: ({ y }) => y === 0 }), false), null, "one row tells nothing");
-  const random = Array.from({ length: 12 }, (_, n) => ({ id: (n * 37) % 50, corners: [[0, 0], [20, 0], [20, 20], [0, 20]].map(([x, y]) => [x + ((n * 311) % 900), y + ((n * 173) % 600)]) }));
+  const random = Array.from({ length: 12 }, (_, n) => ({
+    id: (n * 37) % 50,
+    corners: [
+      [0, 0],
+      [20, 0],
+      [20, 20],
+      [0, 20],
+    ].map(([x, y]) => [x + ((n * 311) % 900), y + ((n * 173) % 600)]),
+  }));
   assert.equal(fitGrid(random, true), null, "nor do markers that lie anywhere");
   assert.equal(recognise([sighting(null, [])]), null);
 });
@@ -95,13 +180,24 @@ const SAMPLES = Array.from({ length: 12 }, (_, n) => {
 function chessboard([columns, rows], h, [width, height], inverted = false) {
   const [a, b, c, d, e, f, g, i] = h;
   const data = new Uint8Array(width * height).fill(200);
-  const back = [e - f * i, c * i - b, b * f - c * e, f * g - d, a - c * g, c * d - a * f, d * i - e * g, b * g - a * i, a * e - b * d];
+  const back = [
+    e - f * i,
+    c * i - b,
+    b * f - c * e,
+    f * g - d,
+    a - c * g,
+    c * d - a * f,
+    d * i - e * g,
+    b * g - a * i,
+    a * e - b * d,
+  ];
   for (let y = 0, at = 0; y < height; y++) {
     for (let x = 0; x < width; x++, at++) {
       let sum = 0;
       for (let k = 0; k < 144; k++) {
         const [u, v] = apply(back, [x + SAMPLES[k % 12], y + SAMPLES[Math.floor(k / 12)]]);
-        const black = u >= 0 && v >= 0 && u < columns && v < rows && ((Math.floor(u) + Math.floor(v)) % 2 === 0) !== inverted;
+        const black =
+          u >= 0 && v >= 0 && u < columns && v < rows && ((Math.floor(u) + Math.floor(v)) % 2 === 0) !== inverted;
         sum += black ? 30 : u < -0.5 || v < -0.5 || u > columns + 0.5 || v > rows + 0.5 ? 110 : 210;
       }
       data[at] = Math.round(sum / 144);
@@ -127,7 +223,11 @@ test("a chessboard is found whole, its corners to a twentieth of a pixel rms, fr
   assert.equal(findChessboard(picture, [10, 7], { full: false }).ids.length, 54);
   const seenBoard = recogniseChessboard(picture);
   assert.deepEqual([seenBoard.squares, seenBoard.isPlain], [[10, 7], true]);
-  assert.equal(findChessboard(chessboard([10, 7], [...h.slice(0, 2), 260, ...h.slice(3)], [440, 320]), [10, 7]).ids.length, 0, "nor one that is cut off");
+  assert.equal(
+    findChessboard(chessboard([10, 7], [...h.slice(0, 2), 260, ...h.slice(3)], [440, 320]), [10, 7]).ids.length,
+    0,
+    "nor one that is cut off",
+  );
   assert.equal(recogniseChessboard({ width: 200, height: 150, data: new Uint8Array(30000).fill(99) }), null);
 });
 
@@ -137,7 +237,10 @@ test("a small copy of a picture has the means of its pixels", () => {
 });
 
 test("files name their camera where they begin with its name", () => {
-  const lifecam = ["Microsoft_LifeCam_HD-3000_output_2024-05-07T072708807.jpg", "Microsoft_LifeCam_HD-3000_output_2024-05-07T072715764.jpg"];
+  const lifecam = [
+    "Microsoft_LifeCam_HD-3000_output_2024-05-07T072708807.jpg",
+    "Microsoft_LifeCam_HD-3000_output_2024-05-07T072715764.jpg",
+  ];
   assert.equal(cameraOfNames(lifecam), "Microsoft LifeCam HD-3000");
   assert.equal(cameraOfNames(lifecam.map((name) => name.replace("3000_", "3000-1280_"))), "Microsoft LifeCam HD-3000");
   assert.equal(cameraOfNames(["IMG_0231.jpg", "IMG_0232.jpg"]), "");

@@ -36,11 +36,18 @@ let folder;
 before(() => {
   mkdirSync(tools, { recursive: true });
   const sources = ["package.json", "package-lock.json", ".npmrc"].map((name) => join(root, "tests/web/bundlers", name));
-  const changed = sources.some((path) => !existsSync(join(tools, path.split("/").at(-1))) || readFileSync(path, "utf8") !== readFileSync(join(tools, path.split("/").at(-1)), "utf8"));
+  const changed = sources.some(
+    (path) =>
+      !existsSync(join(tools, path.split("/").at(-1))) ||
+      readFileSync(path, "utf8") !== readFileSync(join(tools, path.split("/").at(-1)), "utf8"),
+  );
   try {
     if (changed || !existsSync(join(tools, "node_modules/webpack"))) {
       for (const path of sources) copyFileSync(path, join(tools, path.split("/").at(-1)));
-      execFileSync("npm", ["install", "--silent", "--no-audit", "--no-fund", "--fetch-retries", "1"], { cwd: tools, stdio: "ignore" });
+      execFileSync("npm", ["install", "--silent", "--no-audit", "--no-fund", "--fetch-retries", "1"], {
+        cwd: tools,
+        stdio: "ignore",
+      });
     }
   } catch (error) {
     missing = "Vite and webpack cannot be installed: npm's registry does not answer";
@@ -49,10 +56,18 @@ before(() => {
   writeFileSync(join(folder, "package.json"), '{"type": "module"}');
   writeFileSync(join(folder, "main.js"), APPLICATION);
   writeFileSync(join(folder, "index.html"), '<!doctype html><script type="module" src="/main.js"></script>');
-  const [{ filename }] = JSON.parse(execFileSync("npm", ["pack", "--json", "--pack-destination", folder], {
-    cwd: join(root, "web/sdk"), encoding: "utf8", stdio: ["ignore", "pipe", "ignore"], env: { ...process.env, PATH: `${root}node_modules/.bin:${process.env.PATH}` },
-  }));
-  execFileSync("npm", ["install", "--offline", "--silent", "--no-audit", "--no-fund", `./${filename}`], { cwd: folder, stdio: "ignore" });
+  const [{ filename }] = JSON.parse(
+    execFileSync("npm", ["pack", "--json", "--pack-destination", folder], {
+      cwd: join(root, "web/sdk"),
+      encoding: "utf8",
+      stdio: ["ignore", "pipe", "ignore"],
+      env: { ...process.env, PATH: `${root}node_modules/.bin:${process.env.PATH}` },
+    }),
+  );
+  execFileSync("npm", ["install", "--offline", "--silent", "--no-audit", "--no-fund", `./${filename}`], {
+    cwd: folder,
+    stdio: "ignore",
+  });
 });
 
 after(() => rmSync(folder, { recursive: true }));
@@ -71,11 +86,15 @@ test("as it is installed it runs, without a build", async () => {
 });
 
 test("it installs into an empty project, with types", () => {
-  const run = (command, ...parameters) => execFileSync(command, parameters, { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "inherit"] });
+  const run = (command, ...parameters) =>
+    execFileSync(command, parameters, { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "inherit"] });
   const { dependencies } = JSON.parse(readFileSync(join(folder, "node_modules/calibdb/package.json"), "utf8"));
   assert.equal(dependencies, undefined);
   assert.ok(existsSync(join(folder, "node_modules/calibdb/LICENSE")));
-  writeFileSync(join(folder, "use.mjs"), "import { lookup, projectionMatrix } from 'calibdb'; import { lensOf } from 'calibdb/projection'; import { Bundle } from 'calibdb/bundle'; import { Rig } from 'calibdb/rig'; import { applyCalibration } from 'calibdb/adapters/three'; console.log(typeof lookup, typeof lensOf, typeof Bundle, typeof Rig, typeof applyCalibration);");
+  writeFileSync(
+    join(folder, "use.mjs"),
+    "import { lookup, projectionMatrix } from 'calibdb'; import { lensOf } from 'calibdb/projection'; import { Bundle } from 'calibdb/bundle'; import { Rig } from 'calibdb/rig'; import { applyCalibration } from 'calibdb/adapters/three'; console.log(typeof lookup, typeof lensOf, typeof Bundle, typeof Rig, typeof applyCalibration);",
+  );
   assert.equal(run("node", "use.mjs").trim(), "function function function function function");
   const use = (/** @type {string} */ model) => `import { lookup, type Calibration } from "calibdb";
     const { calibration } = await lookup({ camera: "x", platform: "y", img_size: [640, 480], zoom: 0 }, { token: "t", model: ${model} });
@@ -86,11 +105,19 @@ test("it installs into an empty project, with types", () => {
     export type Eye = Parameters<typeof applyCalibration>[0];`;
   writeFileSync(join(folder, "use.ts"), use('"fisheye"') + offline);
   // An error that does not come is one.
-  writeFileSync(join(folder, "misuse.ts"), use("5").replace("const { calib", "// @ts-expect-error a model is no number\n      const { calib"));
-  writeFileSync(join(folder, "page.ts"), `import { Rectifier } from "calibdb/rectifier"; import { Calibration } from "calibdb";
+  writeFileSync(
+    join(folder, "misuse.ts"),
+    use("5").replace("const { calib", "// @ts-expect-error a model is no number\n      const { calib"),
+  );
+  writeFileSync(
+    join(folder, "page.ts"),
+    `import { Rectifier } from "calibdb/rectifier"; import { Calibration } from "calibdb";
     export const show = async (calibration: Calibration) => document.body.append((await calibration.rectifier({ balance: 1 })).canvas, (await calibration.distorter()).canvas);
-    export const unseen = (calibration: Calibration) => new Rectifier(calibration, { canvas: new OffscreenCanvas(1, 1) }).canvas.transferToImageBitmap();`);
-  writeFileSync(join(folder, "pair.ts"), `import { rectifyPair, rig, type PairRectifier, type Pose, type View } from "calibdb"; import { rectify } from "calibdb/stereo";
+    export const unseen = (calibration: Calibration) => new Rectifier(calibration, { canvas: new OffscreenCanvas(1, 1) }).canvas.transferToImageBitmap();`,
+  );
+  writeFileSync(
+    join(folder, "pair.ts"),
+    `import { rectifyPair, rig, type PairRectifier, type Pose, type View } from "calibdb"; import { rectify } from "calibdb/stereo";
     export const show = async (left: HTMLVideoElement, right: HTMLVideoElement, frame: VideoFrame) => {
       const known = await rig("id", { token: "t" });
       const pair: PairRectifier = await rectifyPair(left, right, known, { scale: 0.5, positions: [1, 2] });
@@ -99,13 +126,32 @@ test("it installs into an empty project, with types", () => {
       const away = await rectifyPair(frame, frame, { left: known.calibrations[0], right: known.calibrations[1], pose }, { packing: "beside", canvases: [new OffscreenCanvas(1, 1), new OffscreenCanvas(1, 1)] });
       const eyes: View[] = [...known.toMetres(0.03).views({ near: 0.1 }), ...pair.views()];
       return [pair.draw(), pair.depth(10), pair.point([1, 2], 3)[2], away.left.transferToImageBitmap(), eyes[0].transform.matrix, rectify(known.calibrations[0], known.calibrations[1], pose).Q];
-    };`);
-  writeFileSync(join(folder, "worker.ts"), `import { lookup, type CameraKey } from "calibdb";
-    onmessage = async ({ data }: MessageEvent<CameraKey>) => postMessage((await lookup(data, { token: "t" })).calibration?.camera_matrix);`);
-  const check = (/** @type {string[]} */ files, resolution = "bundler", lib = "es2023,dom") => run(
-    `${root}node_modules/.bin/tsc`, ...files, "--ignoreConfig", "--noEmit", "--strict", "--exactOptionalPropertyTypes", "--target", "es2023",
-    "--module", resolution === "bundler" ? "esnext" : resolution, "--moduleResolution", resolution, "--lib", lib, "--skipLibCheck", "false",
+    };`,
   );
+  writeFileSync(
+    join(folder, "worker.ts"),
+    `import { lookup, type CameraKey } from "calibdb";
+    onmessage = async ({ data }: MessageEvent<CameraKey>) => postMessage((await lookup(data, { token: "t" })).calibration?.camera_matrix);`,
+  );
+  const check = (/** @type {string[]} */ files, resolution = "bundler", lib = "es2023,dom") =>
+    run(
+      `${root}node_modules/.bin/tsc`,
+      ...files,
+      "--ignoreConfig",
+      "--noEmit",
+      "--strict",
+      "--exactOptionalPropertyTypes",
+      "--target",
+      "es2023",
+      "--module",
+      resolution === "bundler" ? "esnext" : resolution,
+      "--moduleResolution",
+      resolution,
+      "--lib",
+      lib,
+      "--skipLibCheck",
+      "false",
+    );
   for (const resolution of ["bundler", "node16"]) check(["use.ts", "misuse.ts", "page.ts", "pair.ts"], resolution);
   check(["worker.ts"], "bundler", "es2023,webworker");
 });
@@ -113,18 +159,35 @@ test("it installs into an empty project, with types", () => {
 test("bundled by Vite it runs", async (t) => {
   if (missing) return t.skip(missing);
   const { build } = await import(pathToFileURL(createRequire(join(tools, "x.js")).resolve("vite")).href);
-  await build({ root: folder, logLevel: "error", build: { target: "es2022", modulePreload: { polyfill: false }, rollupOptions: { output: { entryFileNames: "vite.js" } } } });
+  await build({
+    root: folder,
+    logLevel: "error",
+    build: {
+      target: "es2022",
+      modulePreload: { polyfill: false },
+      rollupOptions: { output: { entryFileNames: "vite.js" } },
+    },
+  });
   assert.deepEqual(await found(join(folder, "dist/vite.js")), EXPECTED);
 });
 
 test("bundled by webpack it runs", async (t) => {
   if (missing) return t.skip(missing);
   const { default: webpack } = await import(pathToFileURL(createRequire(join(tools, "x.js")).resolve("webpack")).href);
-  const stats = await new Promise((resolve, reject) => webpack({
-    context: folder, mode: "production", entry: "./main.js", target: ["web", "es2022"], experiments: { outputModule: true },
-    optimization: { minimize: false }, // Vite's bundle is minified
-    output: { path: join(folder, "packed"), filename: "webpack.mjs", module: true, chunkFormat: "module" },
-  }, (error, result) => (error ? reject(error) : resolve(result))));
+  const stats = await new Promise((resolve, reject) =>
+    webpack(
+      {
+        context: folder,
+        mode: "production",
+        entry: "./main.js",
+        target: ["web", "es2022"],
+        experiments: { outputModule: true },
+        optimization: { minimize: false }, // Vite's bundle is minified
+        output: { path: join(folder, "packed"), filename: "webpack.mjs", module: true, chunkFormat: "module" },
+      },
+      (error, result) => (error ? reject(error) : resolve(result)),
+    ),
+  );
   assert.deepEqual(stats.toJson({ all: false, errors: true, warnings: true }).errors, []);
   assert.deepEqual(stats.toJson({ all: false, warnings: true }).warnings, []);
   assert.deepEqual(await found(join(folder, "packed/webpack.mjs")), EXPECTED);

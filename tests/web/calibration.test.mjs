@@ -3,8 +3,22 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { Calibration, UnknownModelError, lensOf, projectionMatrix } from "../../web/sdk/calibdb.js";
 
-const WIDE = { img_size: [1280, 720], camera_matrix: [[1013.7, 0, 652.3], [0, 1009.1, 348.8], [0, 0, 1]], distortion_model: "rectilinear", distortion_coefficients: [-0.1, 0.02, 0.001, -0.002, 0.003] };
-const POINTS = [[0.1, -0.2, 1.5], [-1.3, 0.8, 3], [0, 0, 0.5], [2, 1, 7.7]];
+const WIDE = {
+  img_size: [1280, 720],
+  camera_matrix: [
+    [1013.7, 0, 652.3],
+    [0, 1009.1, 348.8],
+    [0, 0, 1],
+  ],
+  distortion_model: "rectilinear",
+  distortion_coefficients: [-0.1, 0.02, 0.001, -0.002, 0.003],
+};
+const POINTS = [
+  [0.1, -0.2, 1.5],
+  [-1.3, 0.8, 3],
+  [0, 0, 0.5],
+  [2, 1, 7.7],
+];
 /** A pinhole's pixel, of whatever distortion. */
 const pixelOf = ([x, y, z]) => [(1013.7 * x) / z + 652.3, (1009.1 * y) / z + 348.8];
 /** Position at which a matrix draws a point, from the viewport's top-left corner. */
@@ -16,16 +30,29 @@ function drawn(m, [x, y, z], [width, height]) {
 
 // What CSS does with each, by its own words, not by our formula.
 const FITS = {
-  cover: ([w, h], [vw, vh]) => { const s = vw / vh > w / h ? vw / w : vh / h; return [s, s]; },
-  contain: ([w, h], [vw, vh]) => { const s = vw / vh > w / h ? vh / h : vw / w; return [s, s]; },
+  cover: ([w, h], [vw, vh]) => {
+    const s = vw / vh > w / h ? vw / w : vh / h;
+    return [s, s];
+  },
+  contain: ([w, h], [vw, vh]) => {
+    const s = vw / vh > w / h ? vh / h : vw / w;
+    return [s, s];
+  },
   fill: ([w, h], [vw, vh]) => [vw / w, vh / h],
   none: () => [1, 1],
-  "scale-down": (size, viewport) => (size[0] > viewport[0] || size[1] > viewport[1] ? FITS.contain(size, viewport) : [1, 1]),
+  "scale-down": (size, viewport) =>
+    size[0] > viewport[0] || size[1] > viewport[1] ? FITS.contain(size, viewport) : [1, 1],
 };
 
 for (const [fit, scale] of Object.entries(FITS)) {
   test(`a scene lies on the picture, ${fit}`, () => {
-    for (const viewport of [[1280, 720], [640, 360], [390, 844], [2560, 720], [1000, 1000]]) {
+    for (const viewport of [
+      [1280, 720],
+      [640, 360],
+      [390, 844],
+      [2560, 720],
+      [1000, 1000],
+    ]) {
       const matrix = projectionMatrix(WIDE, { viewport, fit });
       const [sx, sy] = scale(WIDE.img_size, viewport);
       for (const point of POINTS) {
@@ -41,17 +68,34 @@ for (const [fit, scale] of Object.entries(FITS)) {
 
 test("depth runs from -1 at the near plane to 1 at the far one, also where that is infinitely far", () => {
   const depth = (frustum, z) => drawn(projectionMatrix(WIDE, frustum), [0, 0, z], [1, 1])[2];
-  assert.ok(Math.abs(depth({ near: 0.2, far: 50 }, 0.2) + 1) < 1e-12 && Math.abs(depth({ near: 0.2, far: 50 }, 50) - 1) < 1e-12);
-  assert.ok(Math.abs(depth({ near: 0.2, far: Infinity }, 0.2) + 1) < 1e-12 && depth({ far: Infinity }, 1e9) > 0.999999999);
+  assert.ok(
+    Math.abs(depth({ near: 0.2, far: 50 }, 0.2) + 1) < 1e-12 && Math.abs(depth({ near: 0.2, far: 50 }, 50) - 1) < 1e-12,
+  );
+  assert.ok(
+    Math.abs(depth({ near: 0.2, far: Infinity }, 0.2) + 1) < 1e-12 && depth({ far: Infinity }, 1e9) > 0.999999999,
+  );
 });
 
 const LENSES = JSON.parse(readFileSync(new URL("../data/lens_vectors.json", import.meta.url), "utf8")).map(
-  ({ k: [fx, fy, cx, cy, ...distortion_coefficients], model: distortion_model, ...rest }) => ({ camera_matrix: [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], distortion_coefficients, distortion_model, ...rest }));
+  ({ k: [fx, fy, cx, cy, ...distortion_coefficients], model: distortion_model, ...rest }) => ({
+    camera_matrix: [
+      [fx, 0, cx],
+      [0, fy, cy],
+      [0, 0, 1],
+    ],
+    distortion_coefficients,
+    distortion_model,
+    ...rest,
+  }),
+);
 
 test("it projects as the solver does, for every model", () => {
   for (const { rays, pixels, seen, missed, ...intrinsics } of LENSES) {
     const calibration = new Calibration({ ...intrinsics, img_size: [1280, 720] });
-    assert.deepEqual(rays.map((ray) => calibration.project(ray) === null), pixels.map((pixel) => pixel === null));
+    assert.deepEqual(
+      rays.map((ray) => calibration.project(ray) === null),
+      pixels.map((pixel) => pixel === null),
+    );
     for (const pixel of seen) assert.ok(calibration.unproject(pixel));
     for (const pixel of missed) assert.equal(calibration.unproject(pixel), null);
   }
@@ -59,10 +103,27 @@ test("it projects as the solver does, for every model", () => {
 
 test("OpenCV gets what each of its modules takes", () => {
   const cameraMatrix = [1013.7, 0, 652.3, 0, 1009.1, 348.8, 0, 0, 1];
-  const of = (distortion_model, distortion_coefficients) => new Calibration({ ...WIDE, distortion_model, distortion_coefficients }).toOpenCV();
-  assert.deepEqual(new Calibration(WIDE).toOpenCV(), { imageSize: [1280, 720], cameraMatrix, distCoeffs: WIDE.distortion_coefficients, module: "" });
-  assert.deepEqual(of("fisheye", [1, 2, 3, 4]), { imageSize: [1280, 720], cameraMatrix, distCoeffs: [1, 2, 3, 4], module: "fisheye" });
-  assert.deepEqual(of("omnidirectional", [1.2, 1, 2, 3, 4]), { imageSize: [1280, 720], cameraMatrix, distCoeffs: [1, 2, 3, 4], xi: 1.2, module: "omnidir" });
+  const of = (distortion_model, distortion_coefficients) =>
+    new Calibration({ ...WIDE, distortion_model, distortion_coefficients }).toOpenCV();
+  assert.deepEqual(new Calibration(WIDE).toOpenCV(), {
+    imageSize: [1280, 720],
+    cameraMatrix,
+    distCoeffs: WIDE.distortion_coefficients,
+    module: "",
+  });
+  assert.deepEqual(of("fisheye", [1, 2, 3, 4]), {
+    imageSize: [1280, 720],
+    cameraMatrix,
+    distCoeffs: [1, 2, 3, 4],
+    module: "fisheye",
+  });
+  assert.deepEqual(of("omnidirectional", [1.2, 1, 2, 3, 4]), {
+    imageSize: [1280, 720],
+    cameraMatrix,
+    distCoeffs: [1, 2, 3, 4],
+    xi: 1.2,
+    module: "omnidir",
+  });
 });
 
 /** Derivative of the projection along x and y at the optical axis, px per radian, by central differences. */
@@ -75,10 +136,22 @@ function magnification({ project }) {
 }
 
 test("a scene over the picture is magnified as by the lens at its axis, for every model", () => {
-  const weak = LENSES.filter(({ distortion_model, distortion_coefficients: d }) => d.slice(distortion_model === "omnidirectional" ? 1 : 0).every((c) => Math.abs(c) < 0.1));
-  assert.deepEqual([...new Set(weak.map(({ distortion_model }) => distortion_model))].sort(), ["fisheye", "omnidirectional", "rational", "rectilinear"]);
+  const weak = LENSES.filter(({ distortion_model, distortion_coefficients: d }) =>
+    d.slice(distortion_model === "omnidirectional" ? 1 : 0).every((c) => Math.abs(c) < 0.1),
+  );
+  assert.deepEqual([...new Set(weak.map(({ distortion_model }) => distortion_model))].sort(), [
+    "fisheye",
+    "omnidirectional",
+    "rational",
+    "rectilinear",
+  ]);
   for (const { camera_matrix, distortion_model, distortion_coefficients } of weak) {
-    const calibration = new Calibration({ camera_matrix, distortion_model, distortion_coefficients, img_size: [1280, 720] });
+    const calibration = new Calibration({
+      camera_matrix,
+      distortion_model,
+      distortion_coefficients,
+      img_size: [1280, 720],
+    });
     const matrix = calibration.projectionMatrix();
     const [x, y] = magnification(lensOf(calibration));
     assert.ok(Math.abs((matrix[0] * 640) / x - 1) < 1e-9, `${distortion_model}: ${matrix[0] * 640} px instead of ${x}`);
@@ -87,9 +160,21 @@ test("a scene over the picture is magnified as by the lens at its axis, for ever
 });
 
 test("the generalised focal length of the omnidirectional model is (1 + xi) times that at the axis", () => {
-  const omnidirectional = { img_size: [1280, 720], camera_matrix: [[1600, 0, 639.5], [0, 1500, 359.5], [0, 0, 1]], distortion_model: "omnidirectional", distortion_coefficients: [1, 0, 0, 0, 0] };
+  const omnidirectional = {
+    img_size: [1280, 720],
+    camera_matrix: [
+      [1600, 0, 639.5],
+      [0, 1500, 359.5],
+      [0, 0, 1],
+    ],
+    distortion_model: "omnidirectional",
+    distortion_coefficients: [1, 0, 0, 0, 0],
+  };
   const matrix = projectionMatrix(omnidirectional);
-  assert.ok(Math.abs(matrix[0] * 640 - 800) < 1e-9 && Math.abs(matrix[5] * 360 - 750) < 1e-9, `${matrix[0] * 640}, ${matrix[5] * 360}`);
+  assert.ok(
+    Math.abs(matrix[0] * 640 - 800) < 1e-9 && Math.abs(matrix[5] * 360 - 750) < 1e-9,
+    `${matrix[0] * 640}, ${matrix[5] * 360}`,
+  );
 });
 
 test("a calibration of a model that this SDK does not know is data, and says so where its lens is asked for", () => {
@@ -99,7 +184,13 @@ test("a calibration of a model that this SDK does not know is data, and says so 
     assert.deepEqual({ ...calibration }, data);
     assert.equal(calibration.toOpenCV().cameraMatrix[0], 1013.7);
     for (const ask of [() => calibration.project([0, 0, 1]), () => calibration.unproject([0, 0]), () => lensOf(data)]) {
-      assert.throws(ask, (error) => error instanceof UnknownModelError && error.model === distortion_model && error.message.includes(`"${distortion_model}"`));
+      assert.throws(
+        ask,
+        (error) =>
+          error instanceof UnknownModelError &&
+          error.model === distortion_model &&
+          error.message.includes(`"${distortion_model}"`),
+      );
     }
   }
 });

@@ -10,11 +10,28 @@ import { agreementOf, followAgreement } from "../../web/lib/result/agreement.js"
 import { matrixText, valueText } from "../../web/lib/result/values.js";
 
 const lens = (f, cx, cy, distortion_coefficients, distortion_model = "rectilinear") => ({
-  img_size: [1280, 720], camera_matrix: [[f, 0, cx], [0, f, cy], [0, 0, 1]], distortion_coefficients, distortion_model,
+  img_size: [1280, 720],
+  camera_matrix: [
+    [f, 0, cx],
+    [0, f, cy],
+    [0, 0, 1],
+  ],
+  distortion_coefficients,
+  distortion_model,
 });
 
 test("JSON has a list of numbers on one line and says the same", () => {
-  const value = { img_size: [1280, 720], camera_matrix: [[1.5, 0, 2], [0, 1, 3], [0, 0, 1]], id: null, more: { a: [], b: [{ c: 1 }] }, empty: {} };
+  const value = {
+    img_size: [1280, 720],
+    camera_matrix: [
+      [1.5, 0, 2],
+      [0, 1, 3],
+      [0, 0, 1],
+    ],
+    id: null,
+    more: { a: [], b: [{ c: 1 }] },
+    empty: {},
+  };
   assert.deepEqual(JSON.parse(jsonText(value)), value);
   assert.match(jsonText(value), /"img_size": \[1280, 720\]/);
   assert.match(jsonText(value), /"camera_matrix": \[\n {4}\[1\.5, 0, 2\],\n {4}\[0, 1, 3\],\n {4}\[0, 0, 1\]\n {2}\]/);
@@ -22,9 +39,14 @@ test("JSON has a list of numbers on one line and says the same", () => {
 
 test("systems have the names that people use", () => {
   const named = {
-    "X11; Linux x86_64": "Linux", "Macintosh; Intel Mac OS X 10_15_7": "macOS", "Windows NT 10.0; Win64; x64": "Windows",
-    "Linux; Android 14; Pixel 7": "Android · Pixel 7", "Linux; Android 10; K": "Android", "X11; CrOS x86_64 14541.0.0": "ChromeOS",
-    "iPhone; CPU iPhone OS 17_0 like Mac OS X": "iOS", photographs: "photographs",
+    "X11; Linux x86_64": "Linux",
+    "Macintosh; Intel Mac OS X 10_15_7": "macOS",
+    "Windows NT 10.0; Win64; x64": "Windows",
+    "Linux; Android 14; Pixel 7": "Android · Pixel 7",
+    "Linux; Android 10; K": "Android",
+    "X11; CrOS x86_64 14541.0.0": "ChromeOS",
+    "iPhone; CPU iPhone OS 17_0 like Mac OS X": "iOS",
+    photographs: "photographs",
   };
   for (const [platform, name] of Object.entries(named)) assert.equal(systemName(platform), name);
   assert.deepEqual(splitLabel("HD Pro Webcam C920 (046d:082D)"), { name: "HD Pro Webcam C920", usb: "046d:082d" });
@@ -32,7 +54,10 @@ test("systems have the names that people use", () => {
 });
 
 test("small numbers have a power of ten, and their error the same one", () => {
-  assert.deepEqual(valueText(0.000011, 0.000027, 6, ""), { value: "1.1\u00a0×\u00a010⁻⁵".replace("1.1", "1.1"), std: "±\u00a02.7\u00a0×\u00a010⁻⁵" });
+  assert.deepEqual(valueText(0.000011, 0.000027, 6, ""), {
+    value: "1.1\u00a0×\u00a010⁻⁵".replace("1.1", "1.1"),
+    std: "±\u00a02.7\u00a0×\u00a010⁻⁵",
+  });
   assert.deepEqual(valueText(-0.28223, 0.0014, 4, ""), { value: "−0.2822", std: "±\u00a00.0014" });
   assert.deepEqual(valueText(977.734, 0.56, 2, "px"), { value: "977.73\u00a0px", std: "±\u00a00.56\u00a0px" });
   assert.equal(valueText(0, null, 5, "").value, "0.00000");
@@ -61,14 +86,35 @@ test("the difference of two lenses leaves out how the camera was turned", () => 
 });
 
 test("the error of a consensus is the spread of those that agree by its model", () => {
-  const member = (fx, model = "rectilinear", in_group = true) => ({ id: "m", time: 0, fx, fy: fx, cx: 640, cy: 360, rms: 0.2, model, in_group });
-  const spread = spreadOf([member(970), member(980), member(990), member(2000, "fisheye"), member(1200, "rectilinear", false)], "rectilinear");
+  const member = (fx, model = "rectilinear", in_group = true) => ({
+    id: "m",
+    time: 0,
+    fx,
+    fy: fx,
+    cx: 640,
+    cy: 360,
+    rms: 0.2,
+    model,
+    in_group,
+  });
+  const spread = spreadOf(
+    [member(970), member(980), member(990), member(2000, "fisheye"), member(1200, "rectilinear", false)],
+    "rectilinear",
+  );
   assert.equal(spread.count, 3);
   assert.ok(Math.abs(spread.fx - 10) < 1e-9 && spread.cx === 0);
   assert.equal(spreadOf([member(970)], "rectilinear"), null);
 });
 
-const mode = { img_size: [1280, 720], zoom: 0, agreeing: 2, required: 5, reason: "too_few", groups: [["a", "b"]], members: [{ id: "a" }, { id: "b" }, { id: "c" }] };
+const mode = {
+  img_size: [1280, 720],
+  zoom: 0,
+  agreeing: 2,
+  required: 5,
+  reason: "too_few",
+  groups: [["a", "b"]],
+  members: [{ id: "a" }, { id: "b" }, { id: "c" }],
+};
 
 test("a calibration stands with those that agree, once the consensus counts it", () => {
   const at = (id) => agreementOf("key", { modes: [mode] }, { id, img_size: [1280, 720], zoom: 0 });
@@ -88,19 +134,38 @@ test("the agreement is asked for until the consensus counts the calibration, and
   globalThis.localStorage ??= { getItem: () => null, setItem() {}, removeItem() {} };
   const told = [];
   const calibration = { id: "c", img_size: [1280, 720], zoom: 0 };
-  await followAgreement("key", calibration, new AbortController().signal, (agreement) => told.push(agreement.agreeing), async () => {});
+  await followAgreement(
+    "key",
+    calibration,
+    new AbortController().signal,
+    (agreement) => told.push(agreement.agreeing),
+    async () => {},
+  );
   assert.deepEqual(told, [2, 2, 3]);
   told.length = 0;
-  await followAgreement("key", { ...calibration, id: "d" }, new AbortController().signal, (agreement) => told.push(agreement.agreeing), async () => {});
+  await followAgreement(
+    "key",
+    { ...calibration, id: "d" },
+    new AbortController().signal,
+    (agreement) => told.push(agreement.agreeing),
+    async () => {},
+  );
   assert.equal(told.length, 1, "one that is not listed will not be");
 });
 
 test("own calibrations are kept once, the newest first, and forgotten one by one or all", () => {
   const kept = new Map();
-  globalThis.localStorage = { getItem: (key) => kept.get(key) ?? null, setItem: (key, value) => kept.set(key, value), removeItem: (key) => kept.delete(key) };
+  globalThis.localStorage = {
+    getItem: (key) => kept.get(key) ?? null,
+    setItem: (key, value) => kept.set(key, value),
+    removeItem: (key) => kept.delete(key),
+  };
   const own = (id) => ({ id, camera: "C920", img_size: [1280, 720], time: 1, level: "good", rms: 0.1 });
   for (const id of ["a", "b", "a"]) keepOwn(own(id));
-  assert.deepEqual(ownCalibrations().map(({ id }) => id), ["a", "b"]);
+  assert.deepEqual(
+    ownCalibrations().map(({ id }) => id),
+    ["a", "b"],
+  );
   for (let index = 0; index < 120; index++) keepOwn(own(`n${index}`));
   assert.equal(ownCalibrations().length, 100);
   forgetOwn("n119");

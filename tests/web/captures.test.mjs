@@ -4,7 +4,8 @@ import { Captures, captureKey } from "../../web/calibrate/captures.js";
 
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
 const view = (id) => ({ ids: [id], points: [[id, id]] });
-const answer = (status, body) => new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json" } });
+const answer = (status, body) =>
+  new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json" } });
 
 /** A service that takes every view; gives what it was sent, session by session. */
 function serve(t) {
@@ -38,9 +39,15 @@ for (const room of [true, false]) {
     for (const id of [1, 2, 3]) await session.submit(id - 1, view(id));
     const fisheye = { ...REQUEST, distortion_model: "fisheye" };
     await captures.move(session, fisheye, [1]);
-    assert.deepEqual([saved.has(captureKey(REQUEST)), saved.has(captureKey(fisheye)), unsaved.length > 0], [false, room, !room]);
+    assert.deepEqual(
+      [saved.has(captureKey(REQUEST)), saved.has(captureKey(fisheye)), unsaved.length > 0],
+      [false, room, !room],
+    );
     await captures.open(fisheye, run);
-    assert.deepEqual(sent, [[1, 2, 3], [1, 3]]);
+    assert.deepEqual(sent, [
+      [1, 2, 3],
+      [1, 3],
+    ]);
     await captures.forget(captureKey(fisheye));
     await captures.open(fisheye, run);
     assert.deepEqual(sent, [[1, 2, 3], [1, 3], []], "what was taken up is not taken up twice");

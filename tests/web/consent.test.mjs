@@ -31,7 +31,13 @@ test("no session says a licence unless the person agreed", async () => {
   const { sent, api } = await started();
   await calibrate(api, "t", REQUEST, [], () => {});
   await new CaptureSession(api, "t", REQUEST).start();
-  assert.deepEqual(sent.map((body) => [body.licence, body.licence_version]), [[undefined, undefined], [undefined, undefined]]);
+  assert.deepEqual(
+    sent.map((body) => [body.licence, body.licence_version]),
+    [
+      [undefined, undefined],
+      [undefined, undefined],
+    ],
+  );
 });
 
 test("consent to an earlier text is none to this one", async () => {
@@ -52,5 +58,8 @@ test("a session that was started without a licence is given it under its own id,
   const calls = [];
   await session.license({ json: async (...call) => void calls.push(call) });
   assert.equal(sent.length, 1);
-  assert.deepEqual(calls.map(([method, path]) => [method, path]), [["POST", "/session/licence"]]);
+  assert.deepEqual(
+    calls.map(([method, path]) => [method, path]),
+    [["POST", "/session/licence"]],
+  );
 });

@@ -8,7 +8,15 @@ import { snippet } from "../../web/developers/snippets.js";
 
 const API = "https://calibdb.example/v1";
 const [SECRET, OTHER_SECRET] = ["a".repeat(48), "b".repeat(48)];
-const token = (id, more = {}) => ({ id, token: `cdb_${id}_${SECRET}`, management_token: `cdbm_${id}_${SECRET}`, name: null, origins: ["http://localhost"], api: API, ...more });
+const token = (id, more = {}) => ({
+  id,
+  token: `cdb_${id}_${SECRET}`,
+  management_token: `cdbm_${id}_${SECRET}`,
+  name: null,
+  origins: ["http://localhost"],
+  api: API,
+  ...more,
+});
 /** A storage, be it full. */
 const storage = (full = false) => {
   const content = new Map();
@@ -32,18 +40,40 @@ test("an address of a page stands for its origin, as a browser writes it", () =>
     ["https://Example.ORG:443/app/?a#b,http://app.localhost", "https://example.org", "http://app.localhost"],
     ["https://bücher.example  https://bücher.example/", "https://xn--bcher-kva.example"],
     ["https://user:secret@example.org", "https://example.org"],
-  ]) assert.deepEqual(originsIn(text), { origins, wrong: null }, text);
+  ])
+    assert.deepEqual(originsIn(text), { origins, wrong: null }, text);
 });
 
 test("what no token can name is told by its reason", () => {
   for (const [text, fault] of [
-    ["", "none"], [" , ", "none"], ["https://*.example.org", "wildcard"], ["http://example.org", "secure"], ["https://example.org:8443", "port"],
-    ["https://192.0.2.7", "address"], ["https://[2001:db8::1]", "address"], ["https://3232235521", "address"], ["https://intranet", "name"],
-    ["https://printer.local", "name"], ["https://example.org.", "name"], ["null", "name"], ["file:///tmp/page.html", "scheme"],
-    ["https://exa mple", "name"], ["https://", "unreadable"],
+    ["", "none"],
+    [" , ", "none"],
+    ["https://*.example.org", "wildcard"],
+    ["http://example.org", "secure"],
+    ["https://example.org:8443", "port"],
+    ["https://192.0.2.7", "address"],
+    ["https://[2001:db8::1]", "address"],
+    ["https://3232235521", "address"],
+    ["https://intranet", "name"],
+    ["https://printer.local", "name"],
+    ["https://example.org.", "name"],
+    ["null", "name"],
+    ["file:///tmp/page.html", "scheme"],
+    ["https://exa mple", "name"],
+    ["https://", "unreadable"],
     [Array.from({ length: 11 }, (_, n) => `https://n${n}.example`).join(" "), "too_many"],
-  ]) assert.equal(originsIn(text).wrong?.fault, fault, text);
-  assert.deepEqual(["http://localhost:3000", "https://app.localhost", "http://127.0.0.2", "https://example.org", "https://localhost.example.org"].map(isLoopback), [true, true, true, false, false]);
+  ])
+    assert.equal(originsIn(text).wrong?.fault, fault, text);
+  assert.deepEqual(
+    [
+      "http://localhost:3000",
+      "https://app.localhost",
+      "http://127.0.0.2",
+      "https://example.org",
+      "https://localhost.example.org",
+    ].map(isLoopback),
+    [true, true, true, false, false],
+  );
 });
 
 test("tokens are kept at once, the newest first, and over the one with their id", () => {
@@ -53,9 +83,15 @@ test("tokens are kept at once, the newest first, and over the one with their id"
   assert.ok(kept.keep(token("one")));
   assert.ok(kept.keep(token("two")));
   assert.ok(kept.keep({ ...token("one"), token: `cdb_one_${OTHER_SECRET}`, name: "Site" }));
-  assert.deepEqual(new KeptTokens(place).all, [token("two"), token("one", { token: `cdb_one_${OTHER_SECRET}`, name: "Site" })]);
+  assert.deepEqual(new KeptTokens(place).all, [
+    token("two"),
+    token("one", { token: `cdb_one_${OTHER_SECRET}`, name: "Site" }),
+  ]);
   kept.forget("two");
-  assert.deepEqual(JSON.parse(place.content.get(STORAGE_KEY)).map(({ id }) => id), ["one"]);
+  assert.deepEqual(
+    JSON.parse(place.content.get(STORAGE_KEY)).map(({ id }) => id),
+    ["one"],
+  );
 });
 
 test("a browser that keeps nothing is told from one that does, and the page goes on", () => {
@@ -82,10 +118,27 @@ test("a file brings back what was saved, and nothing of other services", () => {
   const mixed = [token("one"), token("two", { api: "https://other.example/v1" }), { token: "no" }, null, 3];
   assert.deepEqual(tokensInFile(JSON.stringify(mixed), API), { tokens: [token("one")], elsewhere: 1 });
   // Of a management token of another token nothing is kept, and what belongs to neither stays out.
-  const odd = { ...token("one"), management_token: `cdbm_two_${SECRET}`, evil: "<script>", origins: ["http://localhost", 3], name: {} };
-  assert.deepEqual(tokensInFile(JSON.stringify(odd), API).tokens, [{ id: "one", token: token("one").token, name: null, origins: ["http://localhost"], api: API }]);
-  for (const [text, code] of [["", "unreadable"], ["{}", "empty"], ["null", "empty"], [JSON.stringify([token("one", { api: "https://other.example/v1" })]), "elsewhere"]]) {
-    assert.throws(() => tokensInFile(text, API), (error) => error instanceof TokenFileError && error.code === code, text);
+  const odd = {
+    ...token("one"),
+    management_token: `cdbm_two_${SECRET}`,
+    evil: "<script>",
+    origins: ["http://localhost", 3],
+    name: {},
+  };
+  assert.deepEqual(tokensInFile(JSON.stringify(odd), API).tokens, [
+    { id: "one", token: token("one").token, name: null, origins: ["http://localhost"], api: API },
+  ]);
+  for (const [text, code] of [
+    ["", "unreadable"],
+    ["{}", "empty"],
+    ["null", "empty"],
+    [JSON.stringify([token("one", { api: "https://other.example/v1" })]), "elsewhere"],
+  ]) {
+    assert.throws(
+      () => tokensInFile(text, API),
+      (error) => error instanceof TokenFileError && error.code === code,
+      text,
+    );
   }
 });
 
@@ -100,9 +153,13 @@ test("snippets hold the service's address and the token", () => {
 
 test("the plans are those that the service has", () => {
   const source = readFileSync(new URL("../../layers/service/calibdb/access/plans.py", import.meta.url), "utf8");
-  const allowance = (text) => Object.fromEntries([...text.matchAll(/(\w+)=([\d_]+)/g)].map(([, kind, limit]) => [kind, Number(limit.replaceAll("_", ""))]));
+  const allowance = (text) =>
+    Object.fromEntries(
+      [...text.matchAll(/(\w+)=([\d_]+)/g)].map(([, kind, limit]) => [kind, Number(limit.replaceAll("_", ""))]),
+    );
   const trial = allowance(/^_TRIAL = Allowance\((.*)\)/m.exec(source)[1]);
   const each = allowance(/^_EACH = Allowance\((.*)\)/m.exec(source)[1]);
   const together = allowance(/"free": Plan\(Allowance\((.*?)\), _EACH\)/.exec(source)[1]);
-  for (const [kind, limits] of Object.entries(PLANS)) assert.deepEqual(limits, [trial[kind], each[kind], together[kind]], kind);
+  for (const [kind, limits] of Object.entries(PLANS))
+    assert.deepEqual(limits, [trial[kind], each[kind], together[kind]], kind);
 });

@@ -12,7 +12,11 @@ import { degrade, smear } from "../../web/lib/virtual/degrade.js";
 
 const SIZE = [1280, 720];
 const LENS = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
-const POSES = [{ rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, 9] }, { rvec: [0, 0, 0], tvec: [-4, -3, 7] }, { rvec: [0.7, -0.45, 0.1], tvec: [-4, -3, 14] }];
+const POSES = [
+  { rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, 9] },
+  { rvec: [0, 0, 0], tvec: [-4, -3, 7] },
+  { rvec: [0.7, -0.45, 0.1], tvec: [-4, -3, 14] },
+];
 const painter = new Painter(DEFAULT_BOARD, LENS, SIZE);
 const foundAt = (pose) => {
   const points = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transformPoint(pose, [x, y, 0])));
@@ -38,7 +42,10 @@ test("edges in focus are sharp, smeared ones are not, in either direction", () =
     const sharp = sharpness(seen(pose), points);
     assert.ok(sharp > 0.1, `in focus ${sharp}`);
     for (const along of [1, SIZE[0]]) {
-      const blurred = sharpness(seen(pose, (picture) => smear(picture, 9, along)), points);
+      const blurred = sharpness(
+        seen(pose, (picture) => smear(picture, 9, along)),
+        points,
+      );
       assert.ok(blurred < 0.072, `smeared ${blurred}`);
     }
   }
@@ -47,29 +54,40 @@ test("edges in focus are sharp, smeared ones are not, in either direction", () =
 
 test("moiré shows in the white of the board, and sensor noise does not", () => {
   let seed = 1;
-  const random = () => ((seed = (seed * 16807) % 2147483647) / 2147483647);
+  const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
   for (const pose of POSES) {
     const found = foundAt(pose);
     assert.ok(moire(seen(pose), DEFAULT_BOARD, found) < 0.01);
-    assert.ok(moire(seen(pose, (picture) => degrade(picture, "moire")), DEFAULT_BOARD, found) > 0.1);
+    assert.ok(
+      moire(
+        seen(pose, (picture) => degrade(picture, "moire")),
+        DEFAULT_BOARD,
+        found,
+      ) > 0.1,
+    );
     const noisy = seen(pose);
-    noisy.data.forEach((value, at) => (noisy.data[at] = Math.max(0, Math.min(255, value + 20 * (random() + random() + random() - 1.5)))));
+    noisy.data.forEach(
+      (value, at) => (noisy.data[at] = Math.max(0, Math.min(255, value + 20 * (random() + random() + random() - 1.5)))),
+    );
     assert.ok(moire(noisy, DEFAULT_BOARD, found) < 0.05);
   }
 });
 
 test("moiré is looked for where the board is bright: an inverted board's dark print may reflect the room, and light may fall off", () => {
   const inverted = { ...DEFAULT_BOARD, inverted: true };
-  const dark = (at, value) => (value < 128 ? 255 - (at % SIZE[0] % 16 < 8 ? 70 : 0) : 255 - value);
+  const dark = (at, value) => (value < 128 ? 255 - ((at % SIZE[0]) % 16 < 8 ? 70 : 0) : 255 - value);
   for (const pose of POSES) {
     const found = foundAt(pose);
     const print = seen(pose);
     const negative = { ...print, data: print.data.map((value) => 255 - value) };
     assert.ok(moire(negative, inverted, found) < 0.01);
     // The squares that are dark on an inverted board are those with the markers.
-    const glossy = { ...print, data: print.data.map((value, at) => (value >= 128 ? 30 + (at % SIZE[0] % 40 < 20 ? 60 : 0) : 255 - value)) };
+    const glossy = {
+      ...print,
+      data: print.data.map((value, at) => (value >= 128 ? 30 + ((at % SIZE[0]) % 40 < 20 ? 60 : 0) : 255 - value)),
+    };
     assert.ok(moire(glossy, inverted, found) < 0.1, "reflections");
-    const shaded = { ...print, data: print.data.map((value, at) => value * (0.4 + 0.6 * (at % SIZE[0]) / SIZE[0])) };
+    const shaded = { ...print, data: print.data.map((value, at) => value * (0.4 + (0.6 * (at % SIZE[0])) / SIZE[0])) };
     assert.ok(moire(shaded, DEFAULT_BOARD, found) < 0.02, "shading");
     const striped = { ...print, data: print.data.map((value, at) => dark(at, value)) };
     assert.ok(moire(striped, inverted, found) > 0.1, "stripes");
@@ -94,7 +112,8 @@ test("exposure is what the picture's histogram says", () => {
 /** Diagnosis after two seconds of such frames at 20 a second. */
 function said(detection, { motion = 0, every = 33, from = HEALTHY } = {}) {
   let state = from;
-  for (let time = 1000; time <= 3400; time += every) state = diagnose(state, { size: SIZE, markers: 0, ids: [], points: [], probe: null, ...detection }, motion, time);
+  for (let time = 1000; time <= 3400; time += every)
+    state = diagnose(state, { size: SIZE, markers: 0, ids: [], points: [], probe: null, ...detection }, motion, time);
   return state.trouble;
 }
 const metrics = { share: 0, median: 110, high: 220, overexposed: 0, sharpness: 0.15, square: 0, moire: null };
@@ -110,7 +129,11 @@ test("each trouble is named once it lasts", () => {
   assert.equal(said({ ...board, metrics: { ...board.metrics, square: 12 } }), "far");
   assert.equal(said({ ...board, metrics: { ...board.metrics, moire: 0.12 } }), "moire");
   assert.equal(said({ ...board, metrics: { ...board.metrics, moire: 0.08 } }), null);
-  assert.equal(said({ ...board, metrics: { ...board.metrics, sharpness: 0.06 } }), null, "blur that hides no corner does no harm");
+  assert.equal(
+    said({ ...board, metrics: { ...board.metrics, sharpness: 0.06 } }),
+    null,
+    "blur that hides no corner does no harm",
+  );
   assert.equal(said({ ...board, metrics: { ...board.metrics, sharpness: 0.06, share: 0.4 } }), "blurred");
   assert.equal(said(board, { motion: 20 }), "moving");
   assert.equal(said(board, { motion: 5 }), null);
@@ -123,7 +146,12 @@ test("each trouble is named once it lasts", () => {
 });
 
 test("what is wrong is forgotten as soon as the board is well seen, and nothing is said at once", () => {
-  const dark = diagnose(HEALTHY, { size: SIZE, markers: 0, ids: [], points: [], metrics: { ...metrics, median: 9, high: 20 } }, 0, 1000);
+  const dark = diagnose(
+    HEALTHY,
+    { size: SIZE, markers: 0, ids: [], points: [], metrics: { ...metrics, median: 9, high: 20 } },
+    0,
+    1000,
+  );
   assert.equal(dark.trouble, null);
   const board = { ...foundAt(POSES[0]), markers: 27, size: SIZE, metrics: { ...metrics, square: 60, moire: 0 } };
   assert.equal(diagnose({ ...dark, trouble: "dark" }, board, 0, 5000).trouble, null);
@@ -137,7 +165,12 @@ test("something else is looked for only where no corner has been seen for a whil
   for (let time = 1300; time < 1300 + 700 * PROBES.length; time += 700) {
     const kind = nextProbe(state, time);
     asked.push(kind);
-    state = diagnose(state, { size: SIZE, markers: 0, ids: [], points: [], metrics, probe: { kind, markers: 0, corners: 0 } }, 0, time);
+    state = diagnose(
+      state,
+      { size: SIZE, markers: 0, ids: [], points: [], metrics, probe: { kind, markers: 0, corners: 0 } },
+      0,
+      time,
+    );
   }
   assert.deepEqual(asked, PROBES);
 });
@@ -146,17 +179,40 @@ test("the metrics of a frame are read from it", () => {
   const { square, moire: unevenness } = frameMetrics(seen(POSES[0]), DEFAULT_BOARD, foundAt(POSES[0]), 0);
   assert.ok(square > 60 && square < 90);
   assert.equal(unevenness, 0);
-  assert.equal(frameMetrics(seen(null), DEFAULT_BOARD, { ids: [], points: [] }, 13).square, 20, "of markers alone: 13 px at 0.65");
+  assert.equal(
+    frameMetrics(seen(null), DEFAULT_BOARD, { ids: [], points: [] }, 13).square,
+    20,
+    "of markers alone: 13 px at 0.65",
+  );
 });
 
 test("arrows go from the board as seen to the target, about what is said", () => {
-  const aim = [[100, 100], [300, 100], [300, 200], [100, 200]];
+  const aim = [
+    [100, 100],
+    [300, 100],
+    [300, 200],
+    [100, 200],
+  ];
   const moved = aim.map(([x, y]) => [x + 200, y]);
   assert.deepEqual(arrows("left", moved, aim, 1280), [[400, 150, 200, 150]]);
-  const small = [[150, 125], [250, 125], [250, 175], [150, 175]];
-  assert.deepEqual(arrows("closer", small, aim, 1280).map(([, , x, y]) => [x, y]), aim);
-  assert.deepEqual(arrows("tilt_right", small, aim, 1280).map(([, , x]) => x), [300, 300]);
-  assert.deepEqual(arrows("tilt_top", small, aim, 1280).map(([, , , y]) => y), [100, 100]);
+  const small = [
+    [150, 125],
+    [250, 125],
+    [250, 175],
+    [150, 175],
+  ];
+  assert.deepEqual(
+    arrows("closer", small, aim, 1280).map(([, , x, y]) => [x, y]),
+    aim,
+  );
+  assert.deepEqual(
+    arrows("tilt_right", small, aim, 1280).map(([, , x]) => x),
+    [300, 300],
+  );
+  assert.deepEqual(
+    arrows("tilt_top", small, aim, 1280).map(([, , , y]) => y),
+    [100, 100],
+  );
   assert.deepEqual(arrows("hold", small, aim, 1280), []);
   assert.deepEqual(arrows("left", null, aim, 1280), []);
 });
@@ -164,11 +220,16 @@ test("arrows go from the board as seen to the target, about what is said", () =>
 test("the ghost is the board, its rim included", () => {
   const { ids, points } = foundAt({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] });
   const flat = { ...LENS, k1: 0 };
-  const exact = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(flat).project(transformPoint({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] }, [x, y, 0])));
+  const exact = corners(DEFAULT_BOARD).map(([x, y]) =>
+    projectionOf(flat).project(transformPoint({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] }, [x, y, 0])),
+  );
   const squares = blackSquares(DEFAULT_BOARD, { ids, corners: exact });
   assert.equal(squares.length, 27);
   const [x, y] = projectionOf(flat).project([-4.5, -3, 12]);
-  assert.ok(squares.flat().some(([u, v]) => Math.hypot(u - x, v - y) < 1e-6), "the first corner");
+  assert.ok(
+    squares.flat().some(([u, v]) => Math.hypot(u - x, v - y) < 1e-6),
+    "the first corner",
+  );
   assert.equal(blackSquares(DEFAULT_BOARD, { ids: [], corners: [] }).length, 0);
   assert.equal(points.length, 40);
 });

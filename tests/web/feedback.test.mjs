@@ -10,16 +10,25 @@ test("the loudspeaker rests once the last note of a sign is over, and sounds aga
   globalThis.AudioContext = class {
     currentTime = 0;
     destination = {};
-    resume() { states.push("running"); }
-    suspend() { states.push("suspended"); }
-    createGain() { return part(); }
+    resume() {
+      states.push("running");
+    }
+    suspend() {
+      states.push("suspended");
+    }
+    createGain() {
+      return part();
+    }
     createOscillator() {
       const tone = { frequency: {}, start() {}, stop() {}, ...part() };
       tones.push(tone);
       return tone;
     }
   };
-  Object.defineProperty(globalThis, "navigator", { value: { userActivation: { hasBeenActive: true } }, configurable: true });
+  Object.defineProperty(globalThis, "navigator", {
+    value: { userActivation: { hasBeenActive: true } },
+    configurable: true,
+  });
   const feedback = new Feedback();
   feedback.give("taken");
   assert.deepEqual([tones.length, states], [2, ["running"]]);

@@ -8,13 +8,24 @@ import { TABLES } from "../../web/lib/dictionaries.js";
 import { blackRectangles, raster } from "../../web/lib/board-drawing.js";
 import { say } from "../../web/lib/i18n.js";
 import "./messages.mjs";
-import { DEFAULT_BOARD, DICTIONARIES, boardFrom, boardQuery, corners, dictionaryOf, markers } from "../../web/lib/board.js";
+import {
+  DEFAULT_BOARD,
+  DICTIONARIES,
+  boardFrom,
+  boardQuery,
+  corners,
+  dictionaryOf,
+  markers,
+} from "../../web/lib/board.js";
 
 const python = fileURLToPath(new URL("../../.venv/bin/python", import.meta.url));
 
 const MARGIN = 21; // px
 
-/** Boards as cv2 draws them, and the corners that cv2 names. @param {[string, any, number][]} boards name, board, scale */
+/**
+ * Boards as cv2 draws them, and the corners that cv2 names.
+ * @param {[string, any, number][]} boards name, board, scale
+ */
 function drawnByOpenCV(boards) {
   const script = `
 import base64, json, sys, cv2
@@ -27,7 +38,14 @@ for a in json.loads(sys.argv[1]):
     p = b.generateImage((w, h), marginSize=a["margin"])
     found.append({"w": w, "h": h, "pixels": base64.b64encode(p.tobytes()).decode(), "corners": b.getChessboardCorners().tolist()})
 print(json.dumps(found))`;
-  const request = boards.map(([, { squares, marker_ratio, dictionary, legacy }, scale]) => ({ squares, marker_ratio, dictionary, legacy, scale, margin: MARGIN }));
+  const request = boards.map(([, { squares, marker_ratio, dictionary, legacy }, scale]) => ({
+    squares,
+    marker_ratio,
+    dictionary,
+    legacy,
+    scale,
+    margin: MARGIN,
+  }));
   return JSON.parse(execFileSync(python, ["-c", script, JSON.stringify(request)], { maxBuffer: 1 << 28 }));
 }
 
@@ -36,11 +54,19 @@ const cases = [
   ["the default board", DEFAULT_BOARD, 120],
   ["a legacy board with an even number of rows", { ...DEFAULT_BOARD, legacy: true }, 120],
   ["a legacy board with an odd number of rows", { ...DEFAULT_BOARD, squares: [6, 7], legacy: true }, 120],
-  ["the board of the photographs", { squares: [8, 8], marker_ratio: 0.75, dictionary: "DICT_4X4_1000", legacy: false }, 80],
+  [
+    "the board of the photographs",
+    { squares: [8, 8], marker_ratio: 0.75, dictionary: "DICT_4X4_1000", legacy: false },
+    80,
+  ],
   ["5x5 bits", { squares: [5, 7], marker_ratio: 0.7, dictionary: "DICT_5X5_100", legacy: false }, 100],
   ["6x6 bits", { squares: [7, 5], marker_ratio: 0.8, dictionary: "DICT_6X6_250", legacy: false }, 100],
   ["7x7 bits", { squares: [11, 8], marker_ratio: 0.6, dictionary: "DICT_7X7_1000", legacy: true }, 90],
-  ["the original dictionary", { squares: [5, 4], marker_ratio: 0.7, dictionary: "DICT_ARUCO_ORIGINAL", legacy: false }, 100],
+  [
+    "the original dictionary",
+    { squares: [5, 4], marker_ratio: 0.7, dictionary: "DICT_ARUCO_ORIGINAL", legacy: false },
+    100,
+  ],
   ["AprilTag 16h5", { squares: [9, 6], marker_ratio: 0.75, dictionary: "DICT_APRILTAG_16h5", legacy: false }, 80],
   ["AprilTag 25h9", { squares: [10, 7], marker_ratio: 0.7, dictionary: "DICT_APRILTAG_25h9", legacy: false }, 100],
   ["AprilTag 36h10", { squares: [30, 40], marker_ratio: 0.8, dictionary: "DICT_APRILTAG_36h10", legacy: false }, 50],
@@ -50,16 +76,23 @@ const cases = [
 const drawings = existsSync(python) ? drawnByOpenCV(cases) : [];
 
 for (const [index, [name, board, scale]] of cases.entries()) {
-  test(`${name} equals OpenCV's drawing in every pixel`, { skip: !existsSync(python) && "no Python environment" }, () => {
-    const expected = drawings[index];
-    const ours = raster(board, scale, MARGIN);
-    assert.deepEqual([ours.width, ours.height], [expected.w, expected.h]);
-    const pixels = Buffer.from(expected.pixels, "base64");
-    let different = 0;
-    for (let i = 0; i < pixels.length; i++) if (pixels[i] !== ours.data[i]) different += 1;
-    assert.equal(different, 0);
-    assert.deepEqual(corners(board), expected.corners.map(([x, y]) => [x, y]));
-  });
+  test(
+    `${name} equals OpenCV's drawing in every pixel`,
+    { skip: !existsSync(python) && "no Python environment" },
+    () => {
+      const expected = drawings[index];
+      const ours = raster(board, scale, MARGIN);
+      assert.deepEqual([ours.width, ours.height], [expected.w, expected.h]);
+      const pixels = Buffer.from(expected.pixels, "base64");
+      let different = 0;
+      for (let i = 0; i < pixels.length; i++) if (pixels[i] !== ours.data[i]) different += 1;
+      assert.equal(different, 0);
+      assert.deepEqual(
+        corners(board),
+        expected.corners.map(([x, y]) => [x, y]),
+      );
+    },
+  );
 }
 
 test("black rectangles do not overlap and stay on the board", () => {
@@ -86,14 +119,24 @@ test("an address and its board lead to each other", () => {
 
 test("a board that cannot be is named, and the default taken", () => {
   for (const [query, reason] of [
-    ["squares=2x9", /3 to 50/], ["squares=9", /across and down/], ["squares=axb", /across and down/], ["squares=65x3", /3 to 50/], ["squares=3x3", /six corners/],
-    ["marker_ratio=1", /0.3 to 0.95/], ["marker_ratio=wide", /0.3 to 0.95/], ["dictionary=DICT_9X9_50", /DICT_9X9_50/],
+    ["squares=2x9", /3 to 50/],
+    ["squares=9", /across and down/],
+    ["squares=axb", /across and down/],
+    ["squares=65x3", /3 to 50/],
+    ["squares=3x3", /six corners/],
+    ["marker_ratio=1", /0.3 to 0.95/],
+    ["marker_ratio=wide", /0.3 to 0.95/],
+    ["dictionary=DICT_9X9_50", /DICT_9X9_50/],
     ["squares=12x12", /DICT_4X4_50 has 50 markers, and the board needs 72/],
   ]) {
     const { board, problem } = boardFrom(new URLSearchParams(query));
     assert.equal(board, DEFAULT_BOARD, query);
     assert.match(say(`impossible.because_${problem.code}`, problem.values, "en"), reason);
-    for (const language of ["de", "uk"]) assert.notEqual(say(`impossible.because_${problem.code}`, problem.values, language), say(`impossible.because_${problem.code}`, problem.values, "en"));
+    for (const language of ["de", "uk"])
+      assert.notEqual(
+        say(`impossible.because_${problem.code}`, problem.values, language),
+        say(`impossible.because_${problem.code}`, problem.values, "en"),
+      );
   }
 });
 
@@ -107,24 +150,35 @@ test("the dictionaries are those that the service takes, in the sizes of their t
   }
 });
 
-test("boards of other kinds equal the solver's drawings in every pixel", { skip: !existsSync(python) && "no Python environment" }, () => {
-  const boards = [
-    { kind: "aprilgrid", squares: [3, 2], marker_ratio: 0.65, dictionary: "DICT_APRILTAG_36h11", legacy: false, tag_spacing: 0.25 },
-    { kind: "chessboard", squares: [5, 4], marker_ratio: 0.65, dictionary: "DICT_4X4_50", legacy: false },
-    { ...DEFAULT_BOARD, inverted: true },
-  ];
-  const script = `
+test(
+  "boards of other kinds equal the solver's drawings in every pixel",
+  { skip: !existsSync(python) && "no Python environment" },
+  () => {
+    const boards = [
+      {
+        kind: "aprilgrid",
+        squares: [3, 2],
+        marker_ratio: 0.65,
+        dictionary: "DICT_APRILTAG_36h11",
+        legacy: false,
+        tag_spacing: 0.25,
+      },
+      { kind: "chessboard", squares: [5, 4], marker_ratio: 0.65, dictionary: "DICT_4X4_50", legacy: false },
+      { ...DEFAULT_BOARD, inverted: true },
+    ];
+    const script = `
 import base64, json, sys
 sys.path.insert(0, "layers/solver")
 from calibsolver import Board
 from calibsolver.guidance.overlay import draw_board
 pictures = [draw_board(Board.from_record(record), 120) for record in json.loads(sys.argv[1])]
 print(json.dumps([[*reversed(p.shape), base64.b64encode(p.tobytes()).decode()] for p in pictures]))`;
-  const expected = JSON.parse(execFileSync(python, ["-c", script, JSON.stringify(boards)], { maxBuffer: 1 << 26 }));
-  boards.forEach((board, index) => {
-    const [width, height, pixels] = expected[index];
-    const ours = raster(board, 120);
-    assert.deepEqual([ours.width, ours.height], [width, height], board.kind);
-    assert.equal(Buffer.from(pixels, "base64").compare(Buffer.from(ours.data)), 0, board.kind ?? "inverted");
-  });
-});
+    const expected = JSON.parse(execFileSync(python, ["-c", script, JSON.stringify(boards)], { maxBuffer: 1 << 26 }));
+    boards.forEach((board, index) => {
+      const [width, height, pixels] = expected[index];
+      const ours = raster(board, 120);
+      assert.deepEqual([ours.width, ours.height], [width, height], board.kind);
+      assert.equal(Buffer.from(pixels, "base64").compare(Buffer.from(ours.data)), 0, board.kind ?? "inverted");
+    });
+  },
+);

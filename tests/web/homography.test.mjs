@@ -8,7 +8,8 @@ import { transformPoint } from "../../web/lib/pose.js";
 
 const PINHOLE = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
 const POSE = { rvec: [0.5, -0.6, 0.2], tvec: [-4, -3, 11] };
-const see = (pose, points, lens = PINHOLE) => points.map(([x, y]) => projectionOf(lens).project(transformPoint(pose, [x, y, 0])));
+const see = (pose, points, lens = PINHOLE) =>
+  points.map(([x, y]) => projectionOf(lens).project(transformPoint(pose, [x, y, 0])));
 
 test("a plane seen by a pinhole is a homography, to 1e-8 px", () => {
   const board = corners(DEFAULT_BOARD);
@@ -19,8 +20,28 @@ test("a plane seen by a pinhole is a homography, to 1e-8 px", () => {
 });
 
 test("points on a line, or fewer than four, determine none", () => {
-  assert.equal(homography([[0, 0], [1, 0], [0, 1]], [[0, 0], [1, 0], [0, 1]]), null);
-  const line = [[0, 0], [1, 1], [2, 2], [3, 3], [4, 4]];
+  assert.equal(
+    homography(
+      [
+        [0, 0],
+        [1, 0],
+        [0, 1],
+      ],
+      [
+        [0, 0],
+        [1, 0],
+        [0, 1],
+      ],
+    ),
+    null,
+  );
+  const line = [
+    [0, 0],
+    [1, 1],
+    [2, 2],
+    [3, 3],
+    [4, 4],
+  ];
   assert.equal(homography(line, line), null);
 });
 
@@ -33,7 +54,16 @@ test("the outline is found from a quarter of the corners, through a lens, to 2 %
     const error = Math.hypot(x - truth[index][0], y - truth[index][1]);
     assert.ok(error < 0.02 * 1280, `vertex ${index} is ${error.toFixed(1)} px off`);
   });
-  assert.equal(observedOutline(DEFAULT_BOARD, { ids: [0, 1], points: [[0, 0], [9, 0]] }), null);
+  assert.equal(
+    observedOutline(DEFAULT_BOARD, {
+      ids: [0, 1],
+      points: [
+        [0, 0],
+        [9, 0],
+      ],
+    }),
+    null,
+  );
 });
 
 test("foreshortening tells a facing board from a tilted one", () => {

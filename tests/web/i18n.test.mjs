@@ -7,13 +7,19 @@ import { messages } from "./messages.mjs";
 
 const WEB = new URL("../../web/", import.meta.url);
 const PARTS = new URL("../../infra/web_build/parts/", import.meta.url);
-const files = (folder, kind) => readdirSync(new URL(folder, WEB), { recursive: true })
-  .map((name) => name.replaceAll("\\", "/"))
-  .filter((name) => name.endsWith(kind) && !name.startsWith("vendor/"));
-const sources = [...files("", ".js"), ...files("", ".html")].filter((name) => name !== "lib/i18n.js")
+const files = (folder, kind) =>
+  readdirSync(new URL(folder, WEB), { recursive: true })
+    .map((name) => name.replaceAll("\\", "/"))
+    .filter((name) => name.endsWith(kind) && !name.startsWith("vendor/"));
+const sources = [...files("", ".js"), ...files("", ".html")]
+  .filter((name) => name !== "lib/i18n.js")
   .map((name) => readFileSync(new URL(name, WEB), "utf8"))
-  .concat(readdirSync(new URL("../../infra/web_build/", import.meta.url), { recursive: true }).map(String)
-    .filter((name) => /\.(html|mjs|py)$/.test(name)).map((name) => readFileSync(new URL(`../../infra/web_build/${name}`, import.meta.url), "utf8")));
+  .concat(
+    readdirSync(new URL("../../infra/web_build/", import.meta.url), { recursive: true })
+      .map(String)
+      .filter((name) => /\.(html|mjs|py)$/.test(name))
+      .map((name) => readFileSync(new URL(`../../infra/web_build/${name}`, import.meta.url), "utf8")),
+  );
 const texts = (text) => (typeof text === "string" ? [text] : Object.values(text));
 /** Parameters of a text: values in braces, children of the element. */
 const needs = (text) => [...new Set(texts(text).flatMap((form) => form.match(/\{\w+\}|<\d>/g) ?? []))].sort();
@@ -40,21 +46,38 @@ test("plural forms are those that the language has", () => {
 test("every text is used, and every text used is there", () => {
   const all = Object.keys(messages.en);
   const mentioned = new Set(mentionedKeys(sources, all));
-  assert.deepEqual(all.filter((key) => !mentioned.has(key)), []);
-  const keys = new Set(sources.flatMap((source) =>
-    [...source.matchAll(/(?:\bt\(|data-t(?:-label|-title|-alt|-content)?=)"([a-z0-9_]+\.[a-z0-9_.]+)"/g)].map(([, key]) => key)));
+  assert.deepEqual(
+    all.filter((key) => !mentioned.has(key)),
+    [],
+  );
+  const keys = new Set(
+    sources.flatMap((source) =>
+      [...source.matchAll(/(?:\bt\(|data-t(?:-label|-title|-alt|-content)?=)"([a-z0-9_]+\.[a-z0-9_.]+)"/g)].map(
+        ([, key]) => key,
+      ),
+    ),
+  );
   keys.delete("catalog.key"); // of an explanation
-  assert.deepEqual([...keys].filter((key) => !hasMessage(key)), []);
+  assert.deepEqual(
+    [...keys].filter((key) => !hasMessage(key)),
+    [],
+  );
 });
 
 test("a page reads in English before its script has run", () => {
   const parts = readdirSync(PARTS).map((name) => new URL(name, PARTS));
   for (const name of [...files("", ".html").map((each) => new URL(each, WEB)), ...parts]) {
     const page = readFileSync(name, "utf8");
-    for (const [, key, content] of page.matchAll(/<\w+[^>]* data-t="([^"]+)"[^>]*>([^]*?)<\/(?:p|h\d|a|button|label|span|th|td|li|summary|legend|figcaption|option|title|strong|dt|dd|caption)>/g)) {
+    for (const [, key, content] of page.matchAll(
+      /<\w+[^>]* data-t="([^"]+)"[^>]*>([^]*?)<\/(?:p|h\d|a|button|label|span|th|td|li|summary|legend|figcaption|option|title|strong|dt|dd|caption)>/g,
+    )) {
       const text = say(key, {}, "en").replace(/<\/?\d>/g, "");
-      const shown = content.replace(/<[^>]*>/g, "").replace(/\s+/g, " ").trim();
-      if (shown && !content.includes("data-t")) assert.ok(text.startsWith(shown) || shown === text, `${name}: ${key}: ${shown} / ${text}`);
+      const shown = content
+        .replace(/<[^>]*>/g, "")
+        .replace(/\s+/g, " ")
+        .trim();
+      if (shown && !content.includes("data-t"))
+        assert.ok(text.startsWith(shown) || shown === text, `${name}: ${key}: ${shown} / ${text}`);
     }
   }
 });
@@ -68,7 +91,14 @@ test("the language is the one asked for, else the one kept, else the browser's f
 
 test("values and plural forms are put in", () => {
   addMessages("en", { "trial.views": { one: "{count} view", other: "{count} views" } });
-  addMessages("uk", { "trial.views": { one: "{count} вигляд", few: "{count} вигляди", many: "{count} виглядів", other: "{count} вигляду" } });
+  addMessages("uk", {
+    "trial.views": {
+      one: "{count} вигляд",
+      few: "{count} вигляди",
+      many: "{count} виглядів",
+      other: "{count} вигляду",
+    },
+  });
   assert.equal(say("trial.views", { count: 1 }, "en"), "1 view");
   assert.equal(say("trial.views", { count: 3 }, "uk"), "3 вигляди");
   assert.equal(say("trial.views", { count: 5 }, "uk"), "5 виглядів");

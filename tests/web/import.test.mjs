@@ -13,28 +13,34 @@ const SIZE = [1280, 720];
 const BOARD = { squares: [9, 6] };
 const place = ([x, y], index) => [100 + 60 * x + 3 * index * y, 80 + 55 * y - 2 * x];
 /** Views of a board whose points are given in any unit, from any corner, rows counted downwards or upwards. */
-const seen = ({ unit = 1, origin = [0, 0], upwards = false, count = 3 } = {}) => Array.from({ length: count }, (_, index) => ({
-  name: `view${index}`,
-  object: corners(BOARD).map(([x, y]) => [unit * x + origin[0], (upwards ? -unit : unit) * y + origin[1], 0]),
-  image: corners(BOARD).map((corner) => place(corner, index)),
-}));
+const seen = ({ unit = 1, origin = [0, 0], upwards = false, count = 3 } = {}) =>
+  Array.from({ length: count }, (_, index) => ({
+    name: `view${index}`,
+    object: corners(BOARD).map(([x, y]) => [unit * x + origin[0], (upwards ? -unit : unit) * y + origin[1], 0]),
+    image: corners(BOARD).map((corner) => place(corner, index)),
+  }));
 const point = (values) => Object.fromEntries(values.map((value, index) => ["xyz"[index], value]));
-const photonVision = (views, more = {}) => JSON.stringify({
-  resolution: { width: 1280.0, height: 720.0 },
-  cameraIntrinsics: { rows: 3, cols: 3, type: 6, data: [900, 0, 640, 0, 901, 360, 0, 0, 1] },
-  distCoeffs: { rows: 1, cols: 5, type: 6, data: [0, 0, 0, 0, 0] },
-  observations: views.map(({ object, image, used }) => ({
-    locationInObjectSpace: object.map(point), locationInImageSpace: image.map(point), ...(used ? { cornersUsed: used } : {}),
-  })),
-  ...more,
-});
-const refused = (code, action) => assert.throws(action, (error) => {
-  assert.ok(error instanceof MalformedError, `${error}`);
-  assert.equal(error.code, code);
-  assert.ok(`import.wrong_${code}` in messages.en);
-  for (const name of messages.en[`import.wrong_${code}`].match(/(?<=\{)\w+/g) ?? []) assert.ok(name in error.values, `${code} says ${name}`);
-  return true;
-});
+const photonVision = (views, more = {}) =>
+  JSON.stringify({
+    resolution: { width: 1280.0, height: 720.0 },
+    cameraIntrinsics: { rows: 3, cols: 3, type: 6, data: [900, 0, 640, 0, 901, 360, 0, 0, 1] },
+    distCoeffs: { rows: 1, cols: 5, type: 6, data: [0, 0, 0, 0, 0] },
+    observations: views.map(({ object, image, used }) => ({
+      locationInObjectSpace: object.map(point),
+      locationInImageSpace: image.map(point),
+      ...(used ? { cornersUsed: used } : {}),
+    })),
+    ...more,
+  });
+const refused = (code, action) =>
+  assert.throws(action, (error) => {
+    assert.ok(error instanceof MalformedError, `${error}`);
+    assert.equal(error.code, code);
+    assert.ok(`import.wrong_${code}` in messages.en);
+    for (const name of messages.en[`import.wrong_${code}`].match(/(?<=\{)\w+/g) ?? [])
+      assert.ok(name in error.values, `${code} says ${name}`);
+    return true;
+  });
 
 test("a board is recognised in any unit, from any origin, whichever way its rows are counted", () => {
   const all = corners(BOARD).map((_, id) => id);
@@ -47,9 +53,18 @@ test("a board is recognised in any unit, from any origin, whichever way its rows
 
 test("corners keep their numbers where some are missing, and coordinates of single precision are near enough", () => {
   const [first, second] = seen({ unit: Math.fround(25.4) });
-  const some = { ...second, object: second.object.filter((_, i) => i % 3).map((p) => p.map(Math.fround)), image: second.image.filter((_, i) => i % 3) };
+  const some = {
+    ...second,
+    object: second.object.filter((_, i) => i % 3).map((p) => p.map(Math.fround)),
+    image: second.image.filter((_, i) => i % 3),
+  };
   const { views } = grid([first, some]);
-  assert.deepEqual(views[1].ids, corners(BOARD).map((_, id) => id).filter((id) => id % 3));
+  assert.deepEqual(
+    views[1].ids,
+    corners(BOARD)
+      .map((_, id) => id)
+      .filter((id) => id % 3),
+  );
   assert.deepEqual(views[1].points, some.image);
 });
 
@@ -61,7 +76,25 @@ test("what is no flat board of squares is refused", () => {
   refused("rows", () => grid(changed(([x, y]) => [x, y * 1.5, 0])));
   refused("twice", () => grid(changed(([x, y], i) => (i === 7 ? [1, 1, 0] : [x, y, 0]))));
   refused("board", () => grid(changed(([x, y], i) => [i === 0 ? 200 : x, y, 0])));
-  refused("board", () => grid([{ name: "a", object: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], image: [[0, 0], [9, 0], [0, 9], [9, 9]] }]));
+  refused("board", () =>
+    grid([
+      {
+        name: "a",
+        object: [
+          [0, 0, 0],
+          [1, 0, 0],
+          [0, 1, 0],
+          [1, 1, 0],
+        ],
+        image: [
+          [0, 0],
+          [9, 0],
+          [0, 9],
+          [9, 9],
+        ],
+      },
+    ]),
+  );
 });
 
 test("PhotonVision's file is read, without corners that were not seen or not used", () => {
@@ -73,13 +106,20 @@ test("PhotonVision's file is read, without corners that were not seen or not use
   assert.deepEqual(found.size, SIZE);
   const { board, views } = prepare(found.views, found.size);
   assert.deepEqual([board.squares, board.dictionary], [[9, 6], "DICT_4X4_50"]);
-  assert.deepEqual(views.map(({ ids }) => ids.length), [36, 39]);
+  assert.deepEqual(
+    views.map(({ ids }) => ids.length),
+    [36, 39],
+  );
   assert.ok(!views[0].ids.includes(0) && !views[1].ids.includes(5));
 });
 
 test("large boards have a dictionary that is large enough", () => {
   const large = { squares: [14, 9] };
-  const view = { name: "a", object: corners(large).map(([x, y]) => [x, y, 0]), image: corners(large).map((corner) => place(corner, 0)) };
+  const view = {
+    name: "a",
+    object: corners(large).map(([x, y]) => [x, y, 0]),
+    image: corners(large).map((corner) => place(corner, 0)),
+  };
   assert.equal(prepare([view], SIZE).board.dictionary, "DICT_4X4_1000");
 });
 
@@ -87,18 +127,35 @@ test("a damaged file is refused with what is wrong in it", () => {
   const views = seen();
   const odd = (change) => () => read(photonVision(views.map(change)));
   refused("json", () => read(photonVision(views).slice(0, 500)));
-  refused("number", odd((view) => ({ ...view, image: view.image.map(([x, y], i) => (i === 3 ? [x, "9"] : [x, y])) })));
+  refused(
+    "number",
+    odd((view) => ({ ...view, image: view.image.map(([x, y], i) => (i === 3 ? [x, "9"] : [x, y])) })),
+  );
   refused("number", () => read(photonVision(views).replace(/"x":\d+/, '"x":1e999')));
   refused("number", () => read(photonVision(views, { resolution: { width: 1280.5, height: 720 } })));
-  refused("count", odd((view) => ({ ...view, image: view.image.slice(1) })));
+  refused(
+    "count",
+    odd((view) => ({ ...view, image: view.image.slice(1) })),
+  );
   refused("many", () => read(photonVision([], { observations: Array(1001).fill({}) })));
   refused("outside", () => prepare(read(photonVision(views)).views, [320, 240]));
   refused("empty", () => prepare([], SIZE));
-  for (const text of ["", "hello", "{}", '{"__proto__": {"cameraIntrinsics": 1}}', "\u0000\u0001", "[1, 2]", '{"a": 1}']) refused("unknown", () => read(text));
+  for (const text of [
+    "",
+    "hello",
+    "{}",
+    '{"__proto__": {"cameraIntrinsics": 1}}',
+    "\u0000\u0001",
+    "[1, 2]",
+    '{"a": 1}',
+  ])
+    refused("unknown", () => read(text));
 });
 
 test("no file makes the page think for long", () => {
-  for (const text of ["\n", " ", "#", "\r\n", "a ", "{", "[", "# 1 x "].map((piece) => piece.repeat(1_000_000 / piece.length))) {
+  for (const text of ["\n", " ", "#", "\r\n", "a ", "{", "[", "# 1 x "].map((piece) =>
+    piece.repeat(1_000_000 / piece.length),
+  )) {
     const start = performance.now();
     assert.throws(() => read(text), MalformedError);
     assert.ok(performance.now() - start < 2000, JSON.stringify(text.slice(0, 8)));
@@ -106,25 +163,60 @@ test("no file makes the page think for long", () => {
 });
 
 test("without corners it is a first guess, and its camera is found where it is JSON", () => {
-  const matrix = [[900, 0, 640], [0, 901, 360], [0, 0, 1]];
+  const matrix = [
+    [900, 0, 640],
+    [0, 901, 360],
+    [0, 0, 1],
+  ];
   assert.deepEqual(read(photonVision([])), { kind: "guess", matrix, packed: false });
   assert.deepEqual(read(JSON.stringify({ camera_matrix: matrix })).matrix, matrix);
   assert.deepEqual(read(JSON.stringify({ camera_matrix: { rows: 3, cols: 3, data: matrix.flat() } })).matrix, matrix);
   assert.deepEqual(read(JSON.stringify({ fisheye_params: { camera_matrix: matrix } })).matrix, matrix);
-  assert.deepEqual(read("%YAML:1.0\n---\ncamera_matrix: !!opencv-matrix\n   rows: 3\n"), { kind: "guess", matrix: null, packed: false });
+  assert.deepEqual(read("%YAML:1.0\n---\ncamera_matrix: !!opencv-matrix\n   rows: 3\n"), {
+    kind: "guess",
+    matrix: null,
+    packed: false,
+  });
   assert.deepEqual(read("image_width: 640\ncamera_matrix:\n  rows: 3\n").kind, "guess");
-  assert.equal(read("# a camera\n{\n    'lensmodel':  'LENSMODEL_OPENCV5',\n    'optimization_inputs': b'abc',\n}\n").packed, true);
+  assert.equal(
+    read("# a camera\n{\n    'lensmodel':  'LENSMODEL_OPENCV5',\n    'optimization_inputs': b'abc',\n}\n").packed,
+    true,
+  );
   assert.equal(read("{\n    'lensmodel':  'LENSMODEL_OPENCV5',\n}\n").packed, false);
 });
 
 test("other tools' texts are first guesses, with the camera matrix where they have one", () => {
-  const matrix = [[900, 0, 630], [0, 905, 350], [0, 0, 1]];
+  const matrix = [
+    [900, 0, 630],
+    [0, 905, 350],
+    [0, 0, 1],
+  ];
   const folder = new URL("../data/imports/", import.meta.url);
   const content = (name) => readFileSync(new URL(name, folder), "utf8");
-  const kinds = ["sample.yml", "aruco.yml", "camera.yml", "out_camera_data.xml", "interactive.xml", "size.xml", "ost.txt", "camera_info.yaml", "rows.yaml",
-    "keys.json", "nested.json", "beside.json", "realsense.json"];
-  for (const name of kinds) assert.deepEqual(read(content(`rectilinear/${name}`)), { kind: "guess", matrix, packed: false }, name);
-  for (const name of ["several/chain.yaml", "fisheye/kannala.yaml", "omnidirectional/mei.yaml", "rectilinear/orb.yaml", "rectilinear/zed.conf"]) {
+  const kinds = [
+    "sample.yml",
+    "aruco.yml",
+    "camera.yml",
+    "out_camera_data.xml",
+    "interactive.xml",
+    "size.xml",
+    "ost.txt",
+    "camera_info.yaml",
+    "rows.yaml",
+    "keys.json",
+    "nested.json",
+    "beside.json",
+    "realsense.json",
+  ];
+  for (const name of kinds)
+    assert.deepEqual(read(content(`rectilinear/${name}`)), { kind: "guess", matrix, packed: false }, name);
+  for (const name of [
+    "several/chain.yaml",
+    "fisheye/kannala.yaml",
+    "omnidirectional/mei.yaml",
+    "rectilinear/orb.yaml",
+    "rectilinear/zed.conf",
+  ]) {
     assert.equal(read(content(name)).kind, "guess", name);
   }
   const text = content("rectilinear/out_camera_data.xml");
@@ -137,18 +229,30 @@ test("a picture without a board is one line of a table", () => {
   const lines = corners(BOARD).map((corner) => `b.png ${place(corner, 0).join(" ")} 0`);
   const text = ["# filename x y level", "a.png - - -", ...lines, "c.png - - -"].join("\n");
   assert.ok(isTable(text));
-  assert.deepEqual(table(text, [9, 6]).map(({ name, image }) => [name, image.length]), [["b.png", 40]]);
+  assert.deepEqual(
+    table(text, [9, 6]).map(({ name, image }) => [name, image.length]),
+    [["b.png", 40]],
+  );
   refused("lines", () => table(text.replace("c.png - - -", "c.png 1 2 0"), [9, 6]));
 });
 
 test("a table of corners is read once its board is known", () => {
   const lines = ["# 8 x 5 corners, one square apart", "# filename x y level"];
-  for (const name of ["a.png", "b.png"]) corners(BOARD).forEach((corner, i) => lines.push(i === 2 ? `${name} - - -` : `${name} ${place(corner, 0).join(" ")} 0`));
+  for (const name of ["a.png", "b.png"])
+    corners(BOARD).forEach((corner, i) =>
+      lines.push(i === 2 ? `${name} - - -` : `${name} ${place(corner, 0).join(" ")} 0`),
+    );
   const text = `${lines.join("\n")}\n`;
   assert.deepEqual(read(text), { kind: "table", text, squares: [9, 6] });
   const { board, views } = prepare(table(text, [9, 6]), SIZE);
   assert.deepEqual(board.squares, [9, 6]);
-  assert.deepEqual(views.map(({ name, ids }) => [name, ids.length, ids.includes(2)]), [["a.png", 39, false], ["b.png", 39, false]]);
+  assert.deepEqual(
+    views.map(({ name, ids }) => [name, ids.length, ids.includes(2)]),
+    [
+      ["a.png", 39, false],
+      ["b.png", 39, false],
+    ],
+  );
   refused("lines", () => table(text, [8, 6]));
   refused("fields", () => table("a.png 1\n", [3, 4]));
   refused("fields", () => table("a.png one two\n", [3, 4]));
@@ -158,10 +262,20 @@ test("a table of corners is read once its board is known", () => {
 
 test("measurements of a practice run are refused, whatever the file; its camera is read", () => {
   const views = seen();
-  const named = { observations: JSON.parse(photonVision(views)).observations.map((each, n) => ({ ...each, snapshotName: `calibDB virtual camera, view ${n}` })) };
+  const named = {
+    observations: JSON.parse(photonVision(views)).observations.map((each, n) => ({
+      ...each,
+      snapshotName: `calibDB virtual camera, view ${n}`,
+    })),
+  };
   refused("practice", () => read(photonVision(views, named)));
   refused("practice", () => read("# calibDB virtual camera\n# filename x y\na.png 1.0 2.0 1.0\n"));
-  refused("practice", () => read("# calibDB virtual camera\n{ 'lensmodel': 'LENSMODEL_OPENCV5', 'optimization_inputs': b'abc' }"));
-  assert.equal(read('{"name": "calibDB virtual camera", "K": [[900, 0, 640], [0, 900, 360], [0, 0, 1]]}').kind, "guess");
+  refused("practice", () =>
+    read("# calibDB virtual camera\n{ 'lensmodel': 'LENSMODEL_OPENCV5', 'optimization_inputs': b'abc' }"),
+  );
+  assert.equal(
+    read('{"name": "calibDB virtual camera", "K": [[900, 0, 640], [0, 900, 360], [0, 0, 1]]}').kind,
+    "guess",
+  );
   assert.equal(read(photonVision(views)).kind, "keypoints");
 });

@@ -5,14 +5,22 @@ import { test } from "node:test";
 
 const WEB = new URL("../../web/", import.meta.url);
 const SPECIFIER = /(?:\bfrom|\bimport)\s*\(?\s*"(\.[^"]+)"/g;
-const modules = readdirSync(WEB, { recursive: true, encoding: "utf8" }).map((name) => name.replaceAll("\\", "/"))
+const modules = readdirSync(WEB, { recursive: true, encoding: "utf8" })
+  .map((name) => name.replaceAll("\\", "/"))
   .filter((name) => name.endsWith(".js") && !name.startsWith("vendor/"));
 /** Without line comments, which show how modules are used. @param {string} name */
 const source = (name) => readFileSync(new URL(name, WEB), "utf8").replaceAll(/^\s*\/\/.*$/gm, "");
 /** Modules that each module imports, those included that it takes types from. */
-const imports = new Map(modules.map((name) => [name, [
-  ...new Set([...source(name).matchAll(SPECIFIER)].map(([, specifier]) => posix.join(posix.dirname(name), specifier))),
-]]));
+const imports = new Map(
+  modules.map((name) => [
+    name,
+    [
+      ...new Set(
+        [...source(name).matchAll(SPECIFIER)].map(([, specifier]) => posix.join(posix.dirname(name), specifier)),
+      ),
+    ],
+  ]),
+);
 const folder = (name) => (name.includes("/") ? name.split("/")[0] : "");
 /** Folders that a folder may import from beside itself; a page may import from those of the last line. */
 const ALLOWED = {
@@ -28,8 +36,10 @@ test("pages share code through web/lib, which knows no page, and the SDK stands 
   const wrong = [];
   for (const [name, targets] of imports) {
     const from = folder(name);
-    const allowed = [from, ...ALLOWED[from] ?? PAGE];
-    wrong.push(...targets.filter((target) => !allowed.includes(folder(target))).map((target) => `${name} -> ${target}`));
+    const allowed = [from, ...(ALLOWED[from] ?? PAGE)];
+    wrong.push(
+      ...targets.filter((target) => !allowed.includes(folder(target))).map((target) => `${name} -> ${target}`),
+    );
   }
   assert.deepEqual(wrong, []);
 });
@@ -37,7 +47,10 @@ test("pages share code through web/lib, which knows no page, and the SDK stands 
 test("messages take types alone from elsewhere", () => {
   for (const name of modules.filter((each) => folder(each) === "messages")) {
     const targets = [...source(name).matchAll(/^import .*"(\.[^"]+)";/gm)].map(([, specifier]) => specifier);
-    assert.ok(targets.every((target) => target.startsWith("./")), `${name}: ${targets}`);
+    assert.ok(
+      targets.every((target) => target.startsWith("./")),
+      `${name}: ${targets}`,
+    );
   }
 });
 

@@ -3,7 +3,12 @@ import { test } from "node:test";
 import { jaccard } from "../../web/lib/capture/jaccard.js";
 
 const SIZE = [1280, 720];
-const box = (x, y, w, h) => [[x, y], [x + w, y], [x + w, y + h], [x, y + h]];
+const box = (x, y, w, h) => [
+  [x, y],
+  [x + w, y],
+  [x + w, y + h],
+  [x, y + h],
+];
 
 test("equal areas overlap wholly, separate ones not at all", () => {
   assert.equal(jaccard(box(100, 100, 400, 300), box(100, 100, 400, 300), SIZE), 1);
@@ -22,7 +27,12 @@ test("what lies outside the image does not count", () => {
 });
 
 test("a rotated square against its frame", () => {
-  const diamond = [[640, 160], [840, 360], [640, 560], [440, 360]];
+  const diamond = [
+    [640, 160],
+    [840, 360],
+    [640, 560],
+    [440, 360],
+  ];
   assert.ok(Math.abs(jaccard(diamond, box(440, 160, 400, 400), SIZE) - 0.5) < 0.01);
 });
 

@@ -15,9 +15,23 @@ function visit(address, { kept = null, preferred = ["en-US"], storage = true } =
   let written = "";
   const localStorage = { getItem: () => kept };
   runInNewContext(SCRIPT, {
-    URL, URLSearchParams, navigator: { languages: preferred },
-    document: { currentScript: { src: "https://site.example/language.js" }, write: (text) => { written += text; } },
-    location: { pathname: url.pathname, search: url.search, hash: url.hash, replace: (there) => { led = there; } },
+    URL,
+    URLSearchParams,
+    navigator: { languages: preferred },
+    document: {
+      currentScript: { src: "https://site.example/language.js" },
+      write: (text) => {
+        written += text;
+      },
+    },
+    location: {
+      pathname: url.pathname,
+      search: url.search,
+      hash: url.hash,
+      replace: (there) => {
+        led = there;
+      },
+    },
     get localStorage() {
       if (!storage) throw new DOMException("denied", "SecurityError");
       return localStorage;

@@ -5,12 +5,18 @@ import { latest } from "../../web/lib/latest.js";
 test("only the latest run's result counts", async () => {
   const finish = [];
   const signals = [];
-  const run = latest((signal, value) => new Promise((resolve) => {
-    signals.push(signal);
-    finish.push(() => resolve(value));
-  }));
+  const run = latest(
+    (signal, value) =>
+      new Promise((resolve) => {
+        signals.push(signal);
+        finish.push(() => resolve(value));
+      }),
+  );
   const [first, second] = [run("first"), run("second")];
-  assert.deepEqual(signals.map(({ aborted }) => aborted), [true, false]);
+  assert.deepEqual(
+    signals.map(({ aborted }) => aborted),
+    [true, false],
+  );
   for (const each of finish) each();
   assert.deepEqual([await first, await second], [undefined, "second"]);
 });

@@ -20,16 +20,33 @@ function drawn(family, id, { border = 1, quarters = 0, mirrored = false } = {}) 
     }
   }
   const [low, high] = [from, from + count * CELL - 1];
-  return { image: { width, height: width, data }, quad: [[low, low], [high, low], [high, high], [low, high]] };
+  return {
+    image: { width, height: width, data },
+    quad: [
+      [low, low],
+      [high, low],
+      [high, high],
+      [low, high],
+    ],
+  };
 }
 
 test("a marker is read in every turn, mirrored, and with the border that Kalibr prints", () => {
-  for (const [family, id, border] of [["DICT_4X4_1000", 7, 1], ["DICT_6X6_1000", 123, 1], ["DICT_APRILTAG_36h11", 31, 2], ["DICT_7X7_1000", 900, 1]]) {
+  for (const [family, id, border] of [
+    ["DICT_4X4_1000", 7, 1],
+    ["DICT_6X6_1000", 123, 1],
+    ["DICT_APRILTAG_36h11", 31, 2],
+    ["DICT_7X7_1000", 900, 1],
+  ]) {
     for (const quarters of [0, 1, 2, 3]) {
       for (const mirrored of [false, true]) {
         const { image, quad } = drawn(family, id, { border, quarters, mirrored });
         const own = readMarkers(image, [quad]).filter((each) => each.family === family && each.mirrored === mirrored);
-        assert.deepEqual(own.flatMap(({ markers }) => markers.map((marker) => marker.id)), [id], `${family} ${quarters} ${mirrored}`);
+        assert.deepEqual(
+          own.flatMap(({ markers }) => markers.map((marker) => marker.id)),
+          [id],
+          `${family} ${quarters} ${mirrored}`,
+        );
         assert.equal(own[0].border, border);
       }
     }

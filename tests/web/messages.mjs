@@ -5,5 +5,7 @@ import { readMessages } from "../../infra/web_build/messages.mjs";
 const WEB = new URL("../../web", import.meta.url).pathname;
 
 /** language → "catalog.key" → text */
-export const messages = Object.fromEntries(Object.keys(LANGUAGES).map((language) => [language, readMessages(WEB, language)]));
+export const messages = Object.fromEntries(
+  Object.keys(LANGUAGES).map((language) => [language, readMessages(WEB, language)]),
+);
 for (const [language, texts] of Object.entries(messages)) addMessages(language, texts);

@@ -11,8 +11,16 @@ const sdk = join(root, "web/sdk");
 
 /** Bytes of what a bundler makes of a line of code, compressed. */
 async function size(contents, external = []) {
-  const { outputFiles: [{ text }] } = await build({
-    stdin: { contents, resolveDir: sdk }, bundle: true, minify: true, write: false, format: "esm", external, logLevel: "silent",
+  const {
+    outputFiles: [{ text }],
+  } = await build({
+    stdin: { contents, resolveDir: sdk },
+    bundle: true,
+    minify: true,
+    write: false,
+    format: "esm",
+    external,
+    logLevel: "silent",
   });
   return gzipSync(text).length;
 }
@@ -21,24 +29,50 @@ test("below 8 KB compressed, below 14 KB with all that works on the GPU, and les
   const all = "export * from './calibdb.js';";
   const gpu = ["./rectifier.js", "./distorter.js", "./pair-rectifier.js"];
   const [without, complete, matrix, lens, lookup, rig, offline] = await Promise.all([
-    size(all, gpu), size(`${all} ${gpu.map((each) => `export * from '${each}';`).join(" ")}`),
-    size("export { projectionMatrix } from './calibdb.js';"), size("export { lensOf } from './calibdb.js';"),
-    size("export { lookup } from './calibdb.js';", gpu), size("export { rig, rectifyPair } from './calibdb.js';", gpu), size("export { Bundle } from './bundle.js';"),
+    size(all, gpu),
+    size(`${all} ${gpu.map((each) => `export * from '${each}';`).join(" ")}`),
+    size("export { projectionMatrix } from './calibdb.js';"),
+    size("export { lensOf } from './calibdb.js';"),
+    size("export { lookup } from './calibdb.js';", gpu),
+    size("export { rig, rectifyPair } from './calibdb.js';", gpu),
+    size("export { Bundle } from './bundle.js';"),
   ]);
-  t.diagnostic(`${without} bytes, ${complete} with all that works on the GPU, ${lens} for lensOf, ${matrix} for projectionMatrix, ${lookup} for lookup, ${rig} for rig; ${offline} for Bundle`);
+  t.diagnostic(
+    `${without} bytes, ${complete} with all that works on the GPU, ${lens} for lensOf, ${matrix} for projectionMatrix, ${lookup} for lookup, ${rig} for rig; ${offline} for Bundle`,
+  );
   assert.ok(without < 8192 && complete < 14336, `${without}, ${complete}`);
-  assert.ok(lens < 0.5 * without && matrix < 0.1 * without && lookup < 0.8 * without && rig < 0.7 * without, `${lens}, ${matrix}, ${lookup}, ${rig}: tree-shakeable`);
+  assert.ok(
+    lens < 0.5 * without && matrix < 0.1 * without && lookup < 0.8 * without && rig < 0.7 * without,
+    `${lens}, ${matrix}, ${lookup}, ${rig}: tree-shakeable`,
+  );
   assert.ok(offline < 1536, `${offline}`);
 });
 
 test("who looks up alone carries nothing else", async () => {
   const { metafile } = await build({
-    stdin: { contents: "export { lookup } from './calibdb.js';", resolveDir: sdk }, bundle: true, minify: true, write: false, format: "esm",
-    metafile: true, external: ["./rectifier.js", "./distorter.js"], logLevel: "silent",
+    stdin: { contents: "export { lookup } from './calibdb.js';", resolveDir: sdk },
+    bundle: true,
+    minify: true,
+    write: false,
+    format: "esm",
+    metafile: true,
+    external: ["./rectifier.js", "./distorter.js"],
+    logLevel: "silent",
   });
   const [{ inputs }] = Object.values(metafile.outputs);
-  const carried = Object.entries(inputs).filter(([, { bytesInOutput }]) => bytesInOutput > 0).map(([path]) => path.split("/").at(-1));
-  assert.deepEqual(carried.sort(), ["calibration.js", "edge.js", "key.js", "lookup.js", "pinhole.js", "projection.js", "request.js", "retry.js"]);
+  const carried = Object.entries(inputs)
+    .filter(([, { bytesInOutput }]) => bytesInOutput > 0)
+    .map(([path]) => path.split("/").at(-1));
+  assert.deepEqual(carried.sort(), [
+    "calibration.js",
+    "edge.js",
+    "key.js",
+    "lookup.js",
+    "pinhole.js",
+    "projection.js",
+    "request.js",
+    "retry.js",
+  ]);
 });
 
 test("bundlers that pack every `new URL(…, import.meta.url)` find none", () => {

@@ -36,7 +36,12 @@ test("the page is A4 and the board on it true to scale", () => {
   const top = Math.max(...rectangles.slice(0, expected.length).map(([, y, , h]) => y + h));
   expected.forEach(([x, y, w, h], index) => {
     const [u, v, a, b] = rectangles[index];
-    for (const [is, should] of [[u, left + x * side], [v + b, top - y * side], [a, w * side], [b, h * side]]) {
+    for (const [is, should] of [
+      [u, left + x * side],
+      [v + b, top - y * side],
+      [a, w * side],
+      [b, h * side],
+    ]) {
       assert.ok(Math.abs(is - should) < 2e-3, `rectangle ${index}: ${is}, not ${should} points`);
     }
   });
@@ -51,5 +56,8 @@ test("what is written below is in the file: as letters, or as a picture where th
   const drawn = latin(boardPdf(DEFAULT_BOARD, PAPERS.A4, { bar: "100 мм", lines: ["a", "дошка"] }, () => picture));
   assert.match(drawn, /\/XObject << \/I0 6 0 R \/I1 7 0 R >>/);
   assert.match(drawn, /q 64 0 0 8 \S+ \S+ cm \/I1 Do Q/);
-  assert.equal(drawn.match(/\/ImageMask true .*\/Width 16 \/Height 2 \/Length 4 >>\nstream\n\xff\x00\xaa\)\nendstream/g).length, 2);
+  assert.equal(
+    drawn.match(/\/ImageMask true .*\/Width 16 \/Height 2 \/Length 4 >>\nstream\n\xff\x00\xaa\)\nendstream/g).length,
+    2,
+  );
 });

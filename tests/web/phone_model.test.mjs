@@ -16,7 +16,21 @@ test("the screen leaves few models, upright or turned", () => {
 });
 
 test("identifiers are Apple's, and none stands for two models", () => {
-  const screens = [[320, 568, 2], [375, 667, 2], [414, 736, 3], [375, 812, 3], [414, 896, 2], [414, 896, 3], [390, 844, 3], [428, 926, 3], [393, 852, 3], [430, 932, 3], [402, 874, 3], [440, 956, 3], [420, 912, 3]];
+  const screens = [
+    [320, 568, 2],
+    [375, 667, 2],
+    [414, 736, 3],
+    [375, 812, 3],
+    [414, 896, 2],
+    [414, 896, 3],
+    [390, 844, 3],
+    [428, 926, 3],
+    [393, 852, 3],
+    [430, 932, 3],
+    [402, 874, 3],
+    [440, 956, 3],
+    [420, 912, 3],
+  ];
   const ids = screens.flatMap(([width, height, ratio]) => modelsOf({ width, height, ratio }).map(([, id]) => id));
   assert.equal(new Set(ids).size, ids.length);
   for (const id of ids) assert.match(id, /^iPhone[0-9]{1,2},[0-9]$/);
@@ -25,12 +39,19 @@ test("identifiers are Apple's, and none stands for two models", () => {
 
 test("nothing is asked of other devices, and what the screen says alone is taken", async () => {
   const kept = new Map();
-  globalThis.localStorage = { getItem: (name) => kept.get(name) ?? null, setItem: (name, value) => kept.set(name, value) };
+  globalThis.localStorage = {
+    getItem: (name) => kept.get(name) ?? null,
+    setItem: (name, value) => kept.set(name, value),
+  };
   assert.equal(await askPhoneModel(signal, { userAgent: MAC, screen: air }), "");
   assert.equal(await askPhoneModel(signal, { userAgent: SAFARI, screen: { width: 1, height: 2, ratio: 3 } }), "");
   assert.equal(kept.size, 0);
   assert.equal(await askPhoneModel(signal, { userAgent: SAFARI, screen: air }), "iPhone18,4");
   assert.equal(phoneModel(), "iPhone18,4");
   kept.set("calibdb.phone-model", "-");
-  assert.equal(await askPhoneModel(signal, { userAgent: SAFARI, screen: air }), "", "who does not know is not asked again");
+  assert.equal(
+    await askPhoneModel(signal, { userAgent: SAFARI, screen: air }),
+    "",
+    "who does not know is not asked again",
+  );
 });

@@ -8,7 +8,14 @@ import { sortByGain, rankByNovelty } from "../../web/lib/rank.js";
 import { calibrate } from "../../web/lib/series.js";
 
 /** A TIFF block with what a camera writes. */
-function tiff({ little, make = "Canon", model = "Canon EOS R6", lens = "RF24-70mm F2.8 L IS USM", orientation = 6, focal = [243, 10] }) {
+function tiff({
+  little,
+  make = "Canon",
+  model = "Canon EOS R6",
+  lens = "RF24-70mm F2.8 L IS USM",
+  orientation = 6,
+  focal = [243, 10],
+}) {
   const bytes = new DataView(new ArrayBuffer(400));
   let free = 200;
   const ascii = (text) => {
@@ -39,17 +46,47 @@ function tiff({ little, make = "Canon", model = "Canon EOS R6", lens = "RF24-70m
   entry(94, 0xa434, 2, lens.length + 1, ascii(lens));
   return new Uint8Array(bytes.buffer);
 }
-const joined = (...parts) => Uint8Array.from(parts.flatMap((part) => (typeof part === "string" ? [...part].map((c) => c.charCodeAt(0)) : [...part]))).buffer;
+const joined = (...parts) =>
+  Uint8Array.from(
+    parts.flatMap((part) => (typeof part === "string" ? [...part].map((c) => c.charCodeAt(0)) : [...part])),
+  ).buffer;
 const big = (value) => [value >>> 24, (value >>> 16) & 255, (value >>> 8) & 255, value & 255];
-const jpeg = (block) => joined([0xff, 0xd8, 0xff, 0xe0, 0, 4, 1, 2, 0xff, 0xe1], big(block.length + 8).slice(2), "Exif\0\0", block, [0xff, 0xda, 0, 2]);
+const jpeg = (block) =>
+  joined(
+    [0xff, 0xd8, 0xff, 0xe0, 0, 4, 1, 2, 0xff, 0xe1],
+    big(block.length + 8).slice(2),
+    "Exif\0\0",
+    block,
+    [0xff, 0xda, 0, 2],
+  );
 
 test("a photograph names its camera, lens and focal length, in every format and byte order", () => {
   for (const little of [true, false]) {
     const block = tiff({ little });
     const files = {
-      jpeg: jpeg(block), tiff: joined(block),
-      png: joined([0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10], big(0), "IHDR", big(0), big(block.length), "eXIf", block, big(0)),
-      webp: joined("RIFF", [0, 0, 0, 0], "WEBP", "VP8 ", [3, 0, 0, 0], [1, 2, 3, 0], "EXIF", big(block.length).reverse(), block),
+      jpeg: jpeg(block),
+      tiff: joined(block),
+      png: joined(
+        [0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10],
+        big(0),
+        "IHDR",
+        big(0),
+        big(block.length),
+        "eXIf",
+        block,
+        big(0),
+      ),
+      webp: joined(
+        "RIFF",
+        [0, 0, 0, 0],
+        "WEBP",
+        "VP8 ",
+        [3, 0, 0, 0],
+        [1, 2, 3, 0],
+        "EXIF",
+        big(block.length).reverse(),
+        block,
+      ),
     };
     for (const [format, file] of Object.entries(files)) {
       const exif = readExif(file);
@@ -71,7 +108,8 @@ test("a turned photograph is turned back to the sensor's rows", () => {
 
 test("files that are cut, empty or of nobody's are read without a word", () => {
   const file = jpeg(tiff({ little: false }));
-  for (let length = 0; length < file.byteLength; length += 7) assert.equal(typeof readExif(file.slice(0, length)).model, "string");
+  for (let length = 0; length < file.byteLength; length += 7)
+    assert.equal(typeof readExif(file.slice(0, length)).model, "string");
   assert.equal(cameraName(readExif(new ArrayBuffer(50))), "");
   const wild = new DataView(file.slice(0));
   wild.setUint32(24, 0xfffffff0); // the first directory far outside
@@ -85,17 +123,47 @@ test("names are said as people say them", () => {
   assert.equal(of("", ""), "");
 });
 
-const picture = (more) => ({ name: "a", camera: "A", focal: 0, kind: "photographs", size: [640, 480], ids: [0, 1, 2, 3, 4, 5, 6], points: [], outline: null, ...more });
+const picture = (more) => ({
+  name: "a",
+  camera: "A",
+  focal: 0,
+  kind: "photographs",
+  size: [640, 480],
+  ids: [0, 1, 2, 3, 4, 5, 6],
+  points: [],
+  outline: null,
+  ...more,
+});
 
 test("photographs of different sizes, lenses or zooms are never mixed", () => {
-  const found = groups([picture(), picture({ size: [480, 640] }), picture(), picture({ focal: 35 }), picture({ camera: "B" }), picture({ ids: [1, 2] })]);
-  assert.deepEqual(found.map(({ members }) => members), [[0, 2], [1], [3], [4]]);
+  const found = groups([
+    picture(),
+    picture({ size: [480, 640] }),
+    picture(),
+    picture({ focal: 35 }),
+    picture({ camera: "B" }),
+    picture({ ids: [1, 2] }),
+  ]);
+  assert.deepEqual(
+    found.map(({ members }) => members),
+    [[0, 2], [1], [3], [4]],
+  );
 });
 
 test("the photograph that shows something new comes first, the copy last", () => {
-  const square = (x, y, side, tilt = 0) => [[x, y], [x + side, y], [x + side - tilt, y + side], [x + tilt, y + side]];
+  const square = (x, y, side, tilt = 0) => [
+    [x, y],
+    [x + side, y],
+    [x + side - tilt, y + side],
+    [x + tilt, y + side],
+  ];
   const at = (x, y, side, tilt) => ({ outline: square(x, y, side, tilt), points: square(x, y, side, tilt) });
-  const [flat, tilted, corner, copy] = [at(200, 100, 200), at(200, 100, 220, 60), at(420, 260, 200, 20), at(201, 101, 200)];
+  const [flat, tilted, corner, copy] = [
+    at(200, 100, 200),
+    at(200, 100, 220, 60),
+    at(420, 260, 200, 20),
+    at(201, 101, 200),
+  ];
   const order = rankByNovelty([flat, copy, corner, tilted], [640, 480]);
   assert.equal(order[0], tilted);
   assert.equal(order[1], corner);
@@ -109,7 +177,9 @@ function service({ reached, most = Infinity }) {
   let taken = [];
   let done = false;
   const state = () => ({
-    status: done ? "converged" : "capturing", calibration_id: done ? "id" : null, views: taken.map((id, index) => ({ index, id, set_aside: null })),
+    status: done ? "converged" : "capturing",
+    calibration_id: done ? "id" : null,
+    views: taken.map((id, index) => ({ index, id, set_aside: null })),
     uncertainty: taken.length ? { rms: reached[taken.length - 1] } : null,
   });
   const api = {
@@ -124,7 +194,12 @@ function service({ reached, most = Infinity }) {
       const results = body.views.slice(0, most).map(({ ids: [id] }) => {
         const reason = id === 5 ? "degenerate" : id === 1 && taken.length < 2 ? "outlier" : null;
         if (!reason) taken = [...taken, id];
-        return { accepted: !reason, reason, index: reason ? null : taken.length - 1, error: reason ? null : state().uncertainty.rms };
+        return {
+          accepted: !reason,
+          reason,
+          index: reason ? null : taken.length - 1,
+          error: reason ? null : state().uncertainty.rms,
+        };
       });
       return { ...state(), results };
     },
@@ -139,28 +214,73 @@ test("every view that agrees counts, however little it adds", async () => {
   const judged = [];
   const { state, wanted, numbers } = await calibrate(api, "t", request, views, (judgement) => judged.push(judgement));
   assert.equal(state.status, "converged");
-  assert.deepEqual([...numbers], [[0, 0], [1, 3], [2, 4], [3, 1]], "which of them the session calls by which index");
+  assert.deepEqual(
+    [...numbers],
+    [
+      [0, 0],
+      [1, 3],
+      [2, 4],
+      [3, 1],
+    ],
+    "which of them the session calls by which index",
+  );
   assert.deepEqual(wanted, { index: 4 }, "what would help most, in case it is only fair");
   assert.equal(bodies[1].capture, "recorded");
-  assert.deepEqual(judged.filter(({ accepted }) => accepted).map(({ view, before, after }) => [view, before, after]), [[0, null, 3], [3, 3, 1], [4, 1, 0.5], [1, 0.5, 0.5]]);
+  assert.deepEqual(
+    judged.filter(({ accepted }) => accepted).map(({ view, before, after }) => [view, before, after]),
+    [
+      [0, null, 3],
+      [3, 3, 1],
+      [4, 1, 0.5],
+      [1, 0.5, 0.5],
+    ],
+  );
   assert.equal(judged.filter(({ view }) => view === 2).length, 1, "what no other view can mend is offered once");
   assert.equal(calls.filter((call) => call === "POST /session/finish").length, 1);
-  assert.equal(calls.filter((call) => call === "POST /session/batch").length, 2, "all views, then the one that contradicted them");
+  assert.equal(
+    calls.filter((call) => call === "POST /session/batch").length,
+    2,
+    "all views, then the one that contradicted them",
+  );
 });
 
 test("views for which a request has no time are sent in the next", async () => {
   const { api, bodies } = service({ reached: [3, 1, 0.5, 0.5], most: 2 });
   const judged = [];
   const { numbers } = await calibrate(api, "t", request, views, (judgement) => judged.push(judgement.view));
-  const batches = bodies.filter((body) => body?.views).map(({ index, views: sent }) => [index, sent.map(({ ids }) => ids[0])]);
-  assert.deepEqual(batches, [[0, [0, 1, 5, 2, 3]], [1, [5, 2, 3]], [2, [3]], [3, [1]]]);
+  const batches = bodies
+    .filter((body) => body?.views)
+    .map(({ index, views: sent }) => [index, sent.map(({ ids }) => ids[0])]);
+  assert.deepEqual(batches, [
+    [0, [0, 1, 5, 2, 3]],
+    [1, [5, 2, 3]],
+    [2, [3]],
+    [3, [1]],
+  ]);
   assert.deepEqual(judged, [0, 1, 2, 3, 4, 1]);
-  assert.deepEqual([...numbers], [[0, 0], [1, 3], [2, 4], [3, 1]]);
+  assert.deepEqual(
+    [...numbers],
+    [
+      [0, 0],
+      [1, 3],
+      [2, 4],
+      [3, 1],
+    ],
+  );
 });
 
 test("what was used is shown first, in the order in which the error fell", () => {
-  const judgements = { a: undefined, b: { accepted: true, after: 0.3 }, c: { accepted: false, after: null }, d: { accepted: true, after: 2 }, e: { accepted: true, after: null } };
-  assert.deepEqual(sortByGain(["a", "b", "c", "d", "e"], (name) => judgements[name]), ["e", "d", "b", "a", "c"]);
+  const judgements = {
+    a: undefined,
+    b: { accepted: true, after: 0.3 },
+    c: { accepted: false, after: null },
+    d: { accepted: true, after: 2 },
+    e: { accepted: true, after: null },
+  };
+  assert.deepEqual(
+    sortByGain(["a", "b", "c", "d", "e"], (name) => judgements[name]),
+    ["e", "d", "b", "a", "c"],
+  );
 });
 
 test("a poor result is kept for its maker", async () => {
@@ -180,16 +300,41 @@ test("views that are too few are not stored; what would help is asked for", asyn
 });
 
 test("a file that cannot be read is told apart by its name where it has no type", () => {
-  const codes = [["a.HEIC", ""], ["b.nef", "image/x-nikon-nef"], ["c.mov", ""], ["d.webm", "video/webm"], ["e.jpg", "image/jpeg"], ["f.txt", "text/plain"]];
-  assert.deepEqual(codes.map(([name, type]) => new UnreadableError({ name, type }).code), ["heic", "raw", "video", "video", "image", "other"]);
+  const codes = [
+    ["a.HEIC", ""],
+    ["b.nef", "image/x-nikon-nef"],
+    ["c.mov", ""],
+    ["d.webm", "video/webm"],
+    ["e.jpg", "image/jpeg"],
+    ["f.txt", "text/plain"],
+  ];
+  assert.deepEqual(
+    codes.map(([name, type]) => new UnreadableError({ name, type }).code),
+    ["heic", "raw", "video", "video", "image", "other"],
+  );
 });
 
 test("the first photograph that names its camera is asked for, with what it reports", () => {
-  const nameless = { name: "a", camera: "", focal: 0, kind: "photographs", size: [640, 480], ids: [], points: [], outline: null };
+  const nameless = {
+    name: "a",
+    camera: "",
+    focal: 0,
+    kind: "photographs",
+    size: [640, 480],
+    ids: [],
+    points: [],
+    outline: null,
+  };
   const phone = { ...nameless, name: "b", camera: "Apple iPhone 13", focal: 5.1, focal35: 26, size: [4032, 3024] };
   assert.equal(questionOf([nameless, { ...phone, kind: "video" }]), null);
   assert.deepEqual(questionOf([nameless, phone]), {
-    camera: "Apple iPhone 13", platform: "photographs", img_size: [4032, 3024], zoom: 5.1, reported: { focal_35mm: 26 }, redirect: false, miss: "ok",
+    camera: "Apple iPhone 13",
+    platform: "photographs",
+    img_size: [4032, 3024],
+    zoom: 5.1,
+    reported: { focal_35mm: 26 },
+    redirect: false,
+    miss: "ok",
   });
   assert.equal("reported" in questionOf([{ ...phone, focal35: 0 }]), false);
 });

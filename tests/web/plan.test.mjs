@@ -7,7 +7,11 @@ import { nextPlanned, plannedPose, trustedCalibration } from "../../web/calibrat
 
 const PLAN = JSON.parse(readFileSync(new URL("../../web/calibrate/plan.json", import.meta.url), "utf8"));
 const camera = ([width, height], k1, k2 = 0, f = 0.8) => ({
-  camera_matrix: [[f * Math.max(width, height), 0, (width - 1) / 2 + 12], [0, f * Math.max(width, height), (height - 1) / 2], [0, 0, 1]],
+  camera_matrix: [
+    [f * Math.max(width, height), 0, (width - 1) / 2 + 12],
+    [0, f * Math.max(width, height), (height - 1) / 2],
+    [0, 0, 1],
+  ],
   distortion_coefficients: [k1, k2, 0, 0, 0],
   distortion_model: "rectilinear",
 });
@@ -21,8 +25,22 @@ function isConvex(vertices) {
   return turns.every((turn) => turn > 0) || turns.every((turn) => turn < 0);
 }
 
-for (const size of [[1280, 720], [640, 360], [720, 1280], [640, 480]]) {
-  for (const [k1, k2] of [[0, 0], [-0.25, 0], [-0.3, 0], [-0.35, 0.05], [-0.4, 0], [-0.45, 0], [-0.25, -0.1], [-3, 2]]) {
+for (const size of [
+  [1280, 720],
+  [640, 360],
+  [720, 1280],
+  [640, 480],
+]) {
+  for (const [k1, k2] of [
+    [0, 0],
+    [-0.25, 0],
+    [-0.3, 0],
+    [-0.35, 0.05],
+    [-0.4, 0],
+    [-0.45, 0],
+    [-0.25, -0.1],
+    [-3, 2],
+  ]) {
     test(`every target without the service is a whole board, ${size.join("x")}, k1 ${k1}, k2 ${k2}`, () => {
       let from = 0;
       for (let step = 0; step < 2 * PLAN.length; step++) {
@@ -44,7 +62,8 @@ test("the plan's own camera can draw all of it", () => {
 
 test("an estimate of fewer than three views draws nothing", () => {
   const calibration = camera([1280, 720], -0.2);
-  const views = (count, aside = 0) => Array.from({ length: count }, (_, index) => ({ set_aside: index < aside ? {} : null }));
+  const views = (count, aside = 0) =>
+    Array.from({ length: count }, (_, index) => ({ set_aside: index < aside ? {} : null }));
   assert.equal(trustedCalibration(null), null);
   assert.equal(trustedCalibration({ calibration, views: views(2) }), null);
   assert.equal(trustedCalibration({ calibration, views: views(3, 1) }), null);
@@ -53,9 +72,21 @@ test("an estimate of fewer than three views draws nothing", () => {
 
 test("a target without the service is as large for every model of the same focal length at the axis", () => {
   const size = [1280, 720];
-  const matrix = (f) => [[f, 0, 639.5], [0, f, 359.5], [0, 0, 1]];
-  const plain = { camera_matrix: matrix(1024), distortion_model: "rectilinear", distortion_coefficients: [0, 0, 0, 0, 0] };
-  const generalised = { camera_matrix: matrix(2048), distortion_model: "omnidirectional", distortion_coefficients: [1, 0, 0, 0, 0] };
+  const matrix = (f) => [
+    [f, 0, 639.5],
+    [0, f, 359.5],
+    [0, 0, 1],
+  ];
+  const plain = {
+    camera_matrix: matrix(1024),
+    distortion_model: "rectilinear",
+    distortion_coefficients: [0, 0, 0, 0, 0],
+  };
+  const generalised = {
+    camera_matrix: matrix(2048),
+    distortion_model: "omnidirectional",
+    distortion_coefficients: [1, 0, 0, 0, 0],
+  };
   for (const step of PLAN) {
     const poses = [plain, generalised].map((known) => plannedPose(step, DEFAULT_BOARD, size, known));
     const [expected, actual] = poses.map((pose) => pose.tvec[2]);
@@ -65,5 +96,8 @@ test("a target without the service is as large for every model of the same focal
 
 test("a model that this page does not know is drawn as by the plan's own camera", () => {
   const unknown = { ...camera([1280, 720], 0), distortion_model: "double-sphere" };
-  assert.deepEqual(nextPlanned(PLAN, 0, DEFAULT_BOARD, [1280, 720], unknown), nextPlanned(PLAN, 0, DEFAULT_BOARD, [1280, 720], null));
+  assert.deepEqual(
+    nextPlanned(PLAN, 0, DEFAULT_BOARD, [1280, 720], unknown),
+    nextPlanned(PLAN, 0, DEFAULT_BOARD, [1280, 720], null),
+  );
 });

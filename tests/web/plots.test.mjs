@@ -19,7 +19,8 @@ class FakeElement {
   }
   /** Of this name, at any depth. */
   all(name) {
-    return this.children.filter((child) => child instanceof FakeElement)
+    return this.children
+      .filter((child) => child instanceof FakeElement)
       .flatMap((child) => [...(child.name === name ? [child] : []), ...child.all(name)]);
   }
 }
@@ -27,13 +28,21 @@ globalThis.document = { createElementNS: (_, name) => new FakeElement(name) };
 
 const SIZE = [1280, 720];
 const calibration = (f, distortion_model, distortion_coefficients) => ({
-  img_size: SIZE, camera_matrix: [[f, 0, 639.5], [0, f, 359.5], [0, 0, 1]], distortion_model, distortion_coefficients,
+  img_size: SIZE,
+  camera_matrix: [
+    [f, 0, 639.5],
+    [0, f, 359.5],
+    [0, 0, 1],
+  ],
+  distortion_model,
+  distortion_coefficients,
 });
 const largest = (moves) => Math.max(...moves.map(({ from, to }) => Math.hypot(from[0] - to[0], from[1] - to[1])));
 
 test("the caption of a lens without distortion says 0 px, for every model that can have none", () => {
   const lenses = [
-    calibration(800, "rectilinear", [0, 0, 0, 0, 0]), calibration(800, "rational", [0, 0, 0, 0, 0, 0, 0, 0]),
+    calibration(800, "rectilinear", [0, 0, 0, 0, 0]),
+    calibration(800, "rational", [0, 0, 0, 0, 0, 0, 0, 0]),
     calibration(800, "omnidirectional", [0, 0, 0, 0, 0]),
   ];
   for (const lens of lenses) {
@@ -61,7 +70,9 @@ test("displacements of fisheye and omnidirectional lenses are from the pinhole o
 
 test("the error map's bands hold the places that have their values, and nothing is written over them", () => {
   const [columns, rows] = [20, 12];
-  const px = Array.from({ length: rows }, (_, row) => Array.from({ length: columns }, (_, column) => 0.1 + 0.01 * (row + column)));
+  const px = Array.from({ length: rows }, (_, row) =>
+    Array.from({ length: columns }, (_, column) => 0.1 + 0.01 * (row + column)),
+  );
   const lens = { ...calibration(800, "rectilinear", [0, 0, 0, 0, 0]), uncertainty: { rms: 0.26, max: 0.4 } };
   const { svg, levels } = errorPlot(lens, { error_map: { grid: [columns, rows], px }, views: [] });
   const [area] = svg.all("svg");
@@ -69,38 +80,92 @@ test("the error map's bands hold the places that have their values, and nothing 
   assert.match(svg.attributes["aria-label"], /0\.26\spx.*0\.40\spx/, "the statistic of the headline, and no other");
   const [left, top, width] = area.attributes.viewBox.split(" ").map(Number);
   const unit = width / SIZE[0]; // plot units a pixel
-  const bands = area.all("path").filter(({ attributes }) => attributes.class.startsWith("heat-")).map(({ attributes }) => attributes.d.split("Z").filter(Boolean)
-    .map((part) => part.slice(1).split("L").map((pair) => pair.split(" ").map(Number))));
+  const bands = area
+    .all("path")
+    .filter(({ attributes }) => attributes.class.startsWith("heat-"))
+    .map(({ attributes }) =>
+      attributes.d
+        .split("Z")
+        .filter(Boolean)
+        .map((part) =>
+          part
+            .slice(1)
+            .split("L")
+            .map((pair) => pair.split(" ").map(Number)),
+        ),
+    );
   assert.equal(bands.length, 8);
-  const inside = (polygon, [u, v]) => polygon.reduce((crossings, [x, y], index) => {
-    const [p, q] = polygon[(index + 1) % polygon.length];
-    return crossings + ((y > v) !== (q > v) && u < x + ((v - y) / (q - y)) * (p - x) ? 1 : 0);
-  }, 0) % 2 === 1;
-  for (const [u, v] of [[3, 3], [640, 360], [1270, 715], [1270, 5], [200, 600], [900, 100]]) {
+  const inside = (polygon, [u, v]) =>
+    polygon.reduce((crossings, [x, y], index) => {
+      const [p, q] = polygon[(index + 1) % polygon.length];
+      return crossings + (y > v !== q > v && u < x + ((v - y) / (q - y)) * (p - x) ? 1 : 0);
+    }, 0) %
+      2 ===
+    1;
+  for (const [u, v] of [
+    [3, 3],
+    [640, 360],
+    [1270, 715],
+    [1270, 5],
+    [200, 600],
+    [900, 100],
+  ]) {
     const value = valueAt(px, SIZE, [u, v]);
     const place = [left + (u + 0.5) * unit, top + (v + 0.5) * unit];
     const highest = bands.findLastIndex((polygons) => polygons.some((polygon) => inside(polygon, place)));
     const slack = 0.1 * (levels[highest + 1] - levels[highest]);
-    assert.ok(value > levels[highest] - slack && value < levels[highest + 1] + slack, `${value} px at ${u}, ${v} is drawn as band ${highest}`);
+    assert.ok(
+      value > levels[highest] - slack && value < levels[highest + 1] + slack,
+      `${value} px at ${u}, ${v} is drawn as band ${highest}`,
+    );
   }
 });
 
 test("values between centres are linear, and go on as they are to the edge", () => {
-  const px = [[1, 2], [3, 4]];
+  const px = [
+    [1, 2],
+    [3, 4],
+  ];
   const size = [200, 100];
-  const around = [[49.5, 24.5, 1], [99.5, 24.5, 1.5], [99.5, 49.5, 2.5], [0, 0, 1], [199, 99, 4]];
+  const around = [
+    [49.5, 24.5, 1],
+    [99.5, 24.5, 1.5],
+    [99.5, 49.5, 2.5],
+    [0, 0, 1],
+    [199, 99, 4],
+  ];
   for (const [u, v, value] of around) assert.ok(Math.abs(valueAt(px, size, [u, v]) - value) < 1e-9, `${u}, ${v}`);
-  assert.equal(valueAt([[1, null], [3, 4]], size, [99, 40]), null);
-  const area = above(px, size, -Infinity).reduce((sum, polygon) => sum + Math.abs(polygon.reduce((twice, [x, y], index) => {
-    const [p, q] = polygon[(index + 1) % polygon.length];
-    return twice + x * q - p * y;
-  }, 0)) / 2, 0);
+  assert.equal(
+    valueAt(
+      [
+        [1, null],
+        [3, 4],
+      ],
+      size,
+      [99, 40],
+    ),
+    null,
+  );
+  const area = above(px, size, -Infinity).reduce(
+    (sum, polygon) =>
+      sum +
+      Math.abs(
+        polygon.reduce((twice, [x, y], index) => {
+          const [p, q] = polygon[(index + 1) % polygon.length];
+          return twice + x * q - p * y;
+        }, 0),
+      ) /
+        2,
+    0,
+  );
   assert.ok(Math.abs(area - 200 * 100) < 1e-6, "the lowest band is the whole picture");
 });
 
 test("a finer map goes smoothly through the values that there are", () => {
   const value = (u, v) => 0.1 + 0.002 * u * u + 0.001 * v;
-  const coarse = Array.from({ length: 15 }, (_, row) => Array.from({ length: 20 }, (_, column) => value(column - 10, row)));
+  const coarse = Array.from({ length: 15 }, (_, row) =>
+    Array.from({ length: 20 }, (_, column) => value(column - 10, row)),
+  );
   const fine = refined(coarse, 4);
   assert.deepEqual([fine.length, fine[0].length], [60, 80]);
   for (let row = 8; row < 52; row++) {
@@ -110,15 +175,22 @@ test("a finer map goes smoothly through the values that there are", () => {
     }
   }
   coarse[3][4] = null;
-  assert.ok(refined(coarse, 4).flat().filter((each) => each === null).length > 16);
+  assert.ok(
+    refined(coarse, 4)
+      .flat()
+      .filter((each) => each === null).length > 16,
+  );
 });
 
 test("the grid that is straightened shows the lens: straight lines of a pinhole, bent ones of a lens that bends", () => {
-  const bend = (lens) => Math.max(...gridLines(lens).map(({ seen: line }) => {
-    const [[x, y], [p, q]] = [line[0], line[line.length - 1]];
-    const length = Math.hypot(p - x, q - y);
-    return Math.max(...line.map(([u, v]) => Math.abs((p - x) * (v - y) - (q - y) * (u - x)) / length));
-  }));
+  const bend = (lens) =>
+    Math.max(
+      ...gridLines(lens).map(({ seen: line }) => {
+        const [[x, y], [p, q]] = [line[0], line[line.length - 1]];
+        const length = Math.hypot(p - x, q - y);
+        return Math.max(...line.map(([u, v]) => Math.abs((p - x) * (v - y) - (q - y) * (u - x)) / length));
+      }),
+    );
   assert.ok(bend(calibration(800, "rectilinear", [0, 0, 0, 0, 0])) < 1e-6);
   assert.ok(bend(calibration(800, "rectilinear", [-0.2, 0.03, 0, 0, 0])) > 20);
   assert.ok(gridLines(calibration(300, "fisheye", [0, 0, 0, 0])).length > 20);

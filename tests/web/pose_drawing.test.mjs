@@ -19,13 +19,28 @@ function isInside([x, y], polygon) {
   return inside;
 }
 
-for (const board of [DEFAULT_BOARD, { ...DEFAULT_BOARD, squares: [4, 5], inverted: true }, { ...DEFAULT_BOARD, kind: "chessboard", squares: [9, 7] }]) {
+for (const board of [
+  DEFAULT_BOARD,
+  { ...DEFAULT_BOARD, squares: [4, 5], inverted: true },
+  { ...DEFAULT_BOARD, kind: "chessboard", squares: [9, 7] },
+]) {
   test(`the squares and markers of a drawn board lie within its rim: ${JSON.stringify(board)}`, () => {
     const places = corners(board);
     const project = (place) => projectionOf(FOLDING).project(transformPoint(POSE, [...place, 0]));
-    const pose = { ids: places.map((_, id) => id), corners: places.map(project), outline: [[0, 0], [1, 0], [1, 1], [0, 1]] };
+    const pose = {
+      ids: places.map((_, id) => id),
+      corners: places.map(project),
+      outline: [
+        [0, 0],
+        [1, 0],
+        [1, 1],
+        [0, 1],
+      ],
+    };
     const { rim, black } = drawnBoard(board, pose);
-    const centres = black.map((polygon) => [0, 1].map((k) => polygon.reduce((sum, point) => sum + point[k], 0) / polygon.length));
+    const centres = black.map((polygon) =>
+      [0, 1].map((k) => polygon.reduce((sum, point) => sum + point[k], 0) / polygon.length),
+    );
     assert.ok(centres.every((centre) => isInside(centre, rim)));
     assert.ok(pose.corners.every((corner) => isInside(corner, rim)));
     assert.ok(black.length > (board.kind === "chessboard" ? 30 : 100), "markers are drawn");

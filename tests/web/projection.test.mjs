@@ -7,7 +7,15 @@ const vectors = JSON.parse(readFileSync(new URL("../data/lens_vectors.json", imp
 const distance = (a, b) => Math.hypot(...a.map((value, axis) => value - b[axis]));
 
 /** @param {{model: string, k: number[]}} record */
-const intrinsicsOf = ({ model, k: [fx, fy, cx, cy, ...d] }) => ({ camera_matrix: [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], distortion_model: model, distortion_coefficients: d });
+const intrinsicsOf = ({ model, k: [fx, fy, cx, cy, ...d] }) => ({
+  camera_matrix: [
+    [fx, 0, cx],
+    [0, fy, cy],
+    [0, 0, 1],
+  ],
+  distortion_model: model,
+  distortion_coefficients: d,
+});
 
 test("rays and pixels are those of the solver to 1e-9 px, and null where it has none", () => {
   let count = 0;
@@ -30,7 +38,15 @@ test("rays and pixels are those of the solver to 1e-9 px, and null where it has 
 });
 
 test("what the lens cannot see is not projected", () => {
-  const pinhole = { camera_matrix: [[1000, 0, 640], [0, 1000, 360], [0, 0, 1]], distortion_model: "rectilinear", distortion_coefficients: [-0.25, 0, 0, 0, 0] };
+  const pinhole = {
+    camera_matrix: [
+      [1000, 0, 640],
+      [0, 1000, 360],
+      [0, 0, 1],
+    ],
+    distortion_model: "rectilinear",
+    distortion_coefficients: [-0.25, 0, 0, 0, 0],
+  };
   const lens = lensOf(pinhole);
   assert.equal(lens.project([0, 0, -1]), null);
   // 1 - 3 · 0.25 r² = 0 at r = 1.1547: there the picture turns back.
@@ -41,7 +57,15 @@ test("what the lens cannot see is not projected", () => {
 });
 
 test("a fisheye sees behind itself", () => {
-  const fisheye = { camera_matrix: [[260, 0, 640], [0, 260, 360], [0, 0, 1]], distortion_model: "fisheye", distortion_coefficients: [0, 0, 0, 0] };
+  const fisheye = {
+    camera_matrix: [
+      [260, 0, 640],
+      [0, 260, 360],
+      [0, 0, 1],
+    ],
+    distortion_model: "fisheye",
+    distortion_coefficients: [0, 0, 0, 0],
+  };
   const lens = lensOf(fisheye);
   const [u, v] = lens.project([1, 0, -0.2]);
   assert.ok(Math.abs(u - 640 - 260 * Math.atan2(1, -0.2)) < 1e-9 && v === 360);
@@ -49,6 +73,18 @@ test("a fisheye sees behind itself", () => {
 });
 
 test("an unknown model is refused, and every known one has names for its coefficients", () => {
-  assert.throws(() => lensOf({ camera_matrix: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], distortion_model: "cubic", distortion_coefficients: [] }), /cubic/);
+  assert.throws(
+    () =>
+      lensOf({
+        camera_matrix: [
+          [1, 0, 0],
+          [0, 1, 0],
+          [0, 0, 1],
+        ],
+        distortion_model: "cubic",
+        distortion_coefficients: [],
+      }),
+    /cubic/,
+  );
   for (const { model, k } of vectors) assert.equal(COEFFICIENTS[model].length, k.length - 4);
 });

@@ -10,7 +10,10 @@ globalThis.addEventListener = browser.addEventListener.bind(browser);
 beforeEach(() => mock.timers.enable({ apis: ["setTimeout"] }));
 afterEach(() => mock.timers.reset());
 
-/** A queue without the service; each attempt to reconnect stores as many views as are said for it, and may renew the session. */
+/**
+ * A queue without the service; each attempt to reconnect stores as many views as are said for it, and may renew the
+ * session.
+ */
 function away(storedMeanwhile, renewals = 0) {
   const [attempts, events] = [[], []];
   const session = {
@@ -26,7 +29,12 @@ function away(storedMeanwhile, renewals = 0) {
   };
   const state = { link: { busy: false, offline: true }, phase: "capturing", capture: {} };
   const page = { state: () => state, dispatch: (event) => events.push(event), fail: (error) => assert.fail(error) };
-  const options = { dispatch: page.dispatch, signal: new AbortController().signal, onOffline() {}, async onOnline() {} };
+  const options = {
+    dispatch: page.dispatch,
+    signal: new AbortController().signal,
+    onOffline() {},
+    async onOnline() {},
+  };
   new RequestQueue(page, session, options).goOffline();
   return { attempts, events };
 }
@@ -41,7 +49,10 @@ test("views that are stored while earlier ones are sent follow at once", async (
   mock.timers.tick(FIRST_PAUSE_MS);
   await settle();
   assert.deepEqual(attempts, [2, 1, 0]);
-  assert.deepEqual(events.map(({ type, taken }) => [type, taken]), [["online", 3]]);
+  assert.deepEqual(
+    events.map(({ type, taken }) => [type, taken]),
+    [["online", 3]],
+  );
 });
 
 test("a network that is back is used at once", async () => {
@@ -49,12 +60,18 @@ test("a network that is back is used at once", async () => {
   browser.dispatchEvent(new Event("online"));
   await settle();
   assert.deepEqual(attempts, [0]);
-  assert.deepEqual(events.map(({ type }) => type), ["online"]);
+  assert.deepEqual(
+    events.map(({ type }) => type),
+    ["online"],
+  );
 });
 
 test("a session that took the place of an expired one during an outage is told of", async () => {
   const { events } = away([0], 1);
   browser.dispatchEvent(new Event("online"));
   await settle();
-  assert.deepEqual(events.map(({ type, notice }) => notice?.key ?? type), ["online", "capture.begun_anew"]);
+  assert.deepEqual(
+    events.map(({ type, notice }) => notice?.key ?? type),
+    ["online", "capture.begun_anew"],
+  );
 });

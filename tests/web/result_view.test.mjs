@@ -2,7 +2,16 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { returnAddress, withResult } from "../../web/lib/result/return-address.js";
-import { viewIssue, coverage, digitsFor, digitsOf, fieldOfView, fileName, intrinsics, levelOf } from "../../web/lib/result/numbers.js";
+import {
+  viewIssue,
+  coverage,
+  digitsFor,
+  digitsOf,
+  fieldOfView,
+  fileName,
+  intrinsics,
+  levelOf,
+} from "../../web/lib/result/numbers.js";
 import { setLanguage } from "../../web/lib/i18n.js";
 import { boardSentence } from "../../web/lib/result/card.js";
 import { convexHull, hatching } from "../../web/lib/result/hull.js";
@@ -16,7 +25,10 @@ const { report, ...calibration } = JSON.parse(readFileSync(new URL("./result.jso
 test("values are given with the digits that their standard deviations carry", () => {
   assert.deepEqual([1.04, 0.749, 0.0023, 12, 0].map(digitsFor), [1, 2, 4, 0, 2]);
   const rows = intrinsics(calibration, report);
-  assert.deepEqual(rows.map(({ name }) => name), ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"]);
+  assert.deepEqual(
+    rows.map(({ name }) => name),
+    ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"],
+  );
   assert.equal(rows[0].std, report.std.fx);
   assert.ok(rows[4].value === calibration.distortion_coefficients[0] && rows[4].std === report.std.distortion[0]);
   assert.ok(intrinsics(calibration, null).every(({ std }) => std === null));
@@ -27,8 +39,17 @@ test("a coefficient is never written as nought that is none", () => {
 });
 
 test("the field of view counts the distortion in, also beyond a half circle", () => {
-  const matrix = [[230, 0, 639.5], [0, 230, 359.5], [0, 0, 1]];
-  const wide = { ...calibration, camera_matrix: matrix, distortion_model: "fisheye", distortion_coefficients: [0, 0, 0, 0] };
+  const matrix = [
+    [230, 0, 639.5],
+    [0, 230, 359.5],
+    [0, 0, 1],
+  ];
+  const wide = {
+    ...calibration,
+    camera_matrix: matrix,
+    distortion_model: "fisheye",
+    distortion_coefficients: [0, 0, 0, 0],
+  };
   const { horizontal, vertical } = fieldOfView(wide);
   assert.ok(Math.abs(horizontal - (1280 / 230) * (180 / Math.PI)) < 1e-6, `${horizontal}`);
   assert.ok(Math.abs(vertical - (720 / 230) * (180 / Math.PI)) < 1e-6, `${vertical}`);
@@ -37,38 +58,88 @@ test("the field of view counts the distortion in, also beyond a half circle", ()
 
 test("the views to take again are named, and only those", () => {
   const found = report.views.map((view) => viewIssue(view, report.views));
-  assert.deepEqual(found.map((what, index) => [index, what]).filter(([, what]) => what), [[1, "some_cut"], [4, "stands_out"], [5, "left_out"]]);
+  assert.deepEqual(
+    found.map((what, index) => [index, what]).filter(([, what]) => what),
+    [
+      [1, "some_cut"],
+      [4, "stands_out"],
+      [5, "left_out"],
+    ],
+  );
   const [first, ...others] = report.views;
   assert.equal(viewIssue({ ...first, reason: "outlier" }, [first, ...others]), "left_out");
   assert.equal(viewIssue({ ...first, cut: [0, 1, 2, 3, 4] }, [first, ...others]), "some_cut");
-  const even = [0.2, 0.22, 0.25].map((rms, index) => ({ index, rms, points: [], residuals: [], cut: [], reason: null }));
+  const even = [0.2, 0.22, 0.25].map((rms, index) => ({
+    index,
+    rms,
+    points: [],
+    residuals: [],
+    cut: [],
+    reason: null,
+  }));
   assert.ok(even.every((view) => viewIssue(view, even) === null));
 });
 
 test("coverage counts cells of the picture", () => {
-  assert.equal(coverage([[10, 10], [12, 12]], [1200, 700]), 1 / 84);
+  assert.equal(
+    coverage(
+      [
+        [10, 10],
+        [12, 12],
+      ],
+      [1200, 700],
+    ),
+    1 / 84,
+  );
   assert.equal(coverage([], [1200, 700]), 0);
 });
 
 test("without a report the predicted error decides, relative to the picture", () => {
   const at = (rms, width, more = {}) => levelOf({ uncertainty: { rms, max: rms, ...more }, img_size: [width, 720] });
   assert.deepEqual([at(1, 1280), at(0.3, 320), at(3.1, 1280)], ["good", "fair", "poor"]);
-  assert.deepEqual([at(9, 1280, { inside: 1, covered: 0.4 }), at(9, 1280, { inside: 1.1, covered: 0.4 })], ["fair", "poor"]);
+  assert.deepEqual(
+    [at(9, 1280, { inside: 1, covered: 0.4 }), at(9, 1280, { inside: 1.1, covered: 0.4 })],
+    ["fair", "poor"],
+  );
   assert.equal(at(9, 1280, { inside: 0.3, covered: 0.05 }), "poor", "too little of the picture");
 });
 
 test("an error means a part of a pixel, and a length and an angle at a distance", () => {
-  assert.deepEqual([0.05, 0.23, 0.9, 2.6, 0.001].map((px) => errorInWords(px)), [
-    "About a twentieth of a pixel.", "About a quarter of a pixel.", "About a pixel.", "About 3 pixels.", "A hundredth of a pixel or less."]);
-  const camera = { ...calibration, camera_matrix: [[1000, 0, 0], [0, 1000, 0], [0, 0, 1]] };
+  assert.deepEqual(
+    [0.05, 0.23, 0.9, 2.6, 0.001].map((px) => errorInWords(px)),
+    [
+      "About a twentieth of a pixel.",
+      "About a quarter of a pixel.",
+      "About a pixel.",
+      "About 3 pixels.",
+      "A hundredth of a pixel or less.",
+    ],
+  );
+  const camera = {
+    ...calibration,
+    camera_matrix: [
+      [1000, 0, 0],
+      [0, 1000, 0],
+      [0, 0, 1],
+    ],
+  };
   const { mm, degrees } = errorInScene(0.5, camera, 10);
   assert.ok(Math.abs(mm - 5) < 1e-9 && Math.abs(degrees - 0.02864789) < 1e-6);
-  const wide = errorInScene(0.5, { ...camera, distortion_model: "omnidirectional", distortion_coefficients: [1, 0, 0, 0, 0] }, 10);
+  const wide = errorInScene(
+    0.5,
+    { ...camera, distortion_model: "omnidirectional", distortion_coefficients: [1, 0, 0, 0, 0] },
+    10,
+  );
   assert.ok(Math.abs(wide.mm - 10) < 1e-9, "by the focal length at the axis");
 });
 
 test("the convex hull is hatched around, not inside", () => {
-  const square = [[20, 20], [80, 20], [80, 60], [20, 60]];
+  const square = [
+    [20, 20],
+    [80, 20],
+    [80, 60],
+    [20, 60],
+  ];
   const hull = convexHull([...square, [50, 40], [20, 30], [70, 20]]);
   assert.deepEqual(new Set(hull.map(String)), new Set(square.map(String)));
   const lines = hatching(hull, [100, 80], 7);
@@ -76,12 +147,18 @@ test("the convex hull is hatched around, not inside", () => {
   for (const [from, to] of lines) {
     for (const share of [0.01, 0.25, 0.5, 0.75, 0.99]) {
       const point = from.map((value, axis) => value + share * (to[axis] - value));
-      assert.ok(!isInside(point) && point[0] >= -1e-9 && point[0] <= 100 + 1e-9 && point[1] >= -1e-9 && point[1] <= 80 + 1e-9, `${point}`);
+      assert.ok(
+        !isInside(point) && point[0] >= -1e-9 && point[0] <= 100 + 1e-9 && point[1] >= -1e-9 && point[1] <= 80 + 1e-9,
+        `${point}`,
+      );
     }
   }
   const length = (all) => all.reduce((sum, [from, to]) => sum + Math.hypot(to[0] - from[0], to[1] - from[1]), 0);
   const whole = length(hatching([], [100, 80], 1));
-  assert.ok(Math.abs(length(hatching(hull, [100, 80], 1)) / whole - (1 - (60 * 40) / (100 * 80))) < 0.02, "as much as lies outside");
+  assert.ok(
+    Math.abs(length(hatching(hull, [100, 80], 1)) / whole - (1 - (60 * 40) / (100 * 80))) < 0.02,
+    "as much as lies outside",
+  );
 });
 
 test("axes are numbered roundly", () => {
@@ -104,21 +181,37 @@ test("results go back over HTTPS, to the visitor's own machine, and to origins t
   assert.equal(to("http://localhost.evil.example/"), false);
   assert.equal(to("http://robot.example/arm"), true);
   assert.equal(to("http://localhost:5173/"), true, "whoever tries the service does it on their own machine");
-  for (const address of [null, "", "javascript:alert(1)", "data:text/html,x", "https://user:pw@app.example/"]) assert.equal(to(address), null, address);
-  assert.equal(withResult(new URL("https://app.example/ar?x=1#y=2"), "a/b"), "https://app.example/ar?x=1#y=2&calibration=a%2Fb");
+  for (const address of [null, "", "javascript:alert(1)", "data:text/html,x", "https://user:pw@app.example/"])
+    assert.equal(to(address), null, address);
+  assert.equal(
+    withResult(new URL("https://app.example/ar?x=1#y=2"), "a/b"),
+    "https://app.example/ar?x=1#y=2&calibration=a%2Fb",
+  );
 });
 
 test("what is systematic is told with what to do about it, in each language", () => {
   const verdict = { level: "fair", reasons: [{ code: "uncertain", text: "" }] };
-  const told = (cause, model = null) => reasonTexts({ verdict, systematic: { inflation: 5, cause, text: "", model } }, [], calibration).at(-1);
+  const told = (cause, model = null) =>
+    reasonTexts({ verdict, systematic: { inflation: 5, cause, text: "", model } }, [], calibration).at(-1);
   const expected = {
-    en: [/^The board is not flat. Glue it to something rigid/, /Hold it still for longer/, /Switch autofocus off/, /Choose the fisheye model/],
-    de: [/Kleben Sie sie auf etwas Steifes/, /Halten Sie länger still/, /Schalten Sie den Autofokus aus/, /Wählen Sie das Modell fisheye/],
+    en: [
+      /^The board is not flat. Glue it to something rigid/,
+      /Hold it still for longer/,
+      /Switch autofocus off/,
+      /Choose the fisheye model/,
+    ],
+    de: [
+      /Kleben Sie sie auf etwas Steifes/,
+      /Halten Sie länger still/,
+      /Schalten Sie den Autofokus aus/,
+      /Wählen Sie das Modell fisheye/,
+    ],
     uk: [/Приклейте її до чогось твердого/, /Тримайте нерухомо довше/, /Вимкніть автофокус/, /Виберіть модель fisheye/],
   };
   for (const [language, texts] of Object.entries(expected)) {
     setLanguage(language);
-    for (const [index, cause] of ["board_bent", "motion", "focus_changed"].entries()) assert.match(told(cause), texts[index]);
+    for (const [index, cause] of ["board_bent", "motion", "focus_changed"].entries())
+      assert.match(told(cause), texts[index]);
     assert.match(told("model_too_simple", "fisheye"), texts[3]);
   }
   setLanguage("en");
@@ -130,12 +223,28 @@ test("a cause is told once, whether the verdict, the report or the capture names
   const named = { verdict: { level: "fair", reasons: [bent] }, systematic };
   const notes = [bent, { code: "limit_reached", text: "" }];
   assert.equal(reasonTexts(named, notes, calibration).length, 2);
-  assert.equal(reasonTexts({ verdict: { level: "good", reasons: [] }, systematic }, [], calibration).length, 1, "a good result too");
-  assert.equal(reasonTexts({ verdict: { level: "good", reasons: [] } }, [], calibration).length, 0, "an older report has none");
-  assert.match(reasonTexts(null, [{ code: "motion", text: "" }], { ...calibration, platform: "photographs" })[0], /Exclude the worst photos/);
-  assert.deepEqual(reasonTexts(null, [{ code: "of_tomorrow", text: "As the service says." }], calibration), ["As the service says."]);
+  assert.equal(
+    reasonTexts({ verdict: { level: "good", reasons: [] }, systematic }, [], calibration).length,
+    1,
+    "a good result too",
+  );
+  assert.equal(
+    reasonTexts({ verdict: { level: "good", reasons: [] } }, [], calibration).length,
+    0,
+    "an older report has none",
+  );
+  assert.match(
+    reasonTexts(null, [{ code: "motion", text: "" }], { ...calibration, platform: "photographs" })[0],
+    /Exclude the worst photos/,
+  );
+  assert.deepEqual(reasonTexts(null, [{ code: "of_tomorrow", text: "As the service says." }], calibration), [
+    "As the service says.",
+  ]);
   const simple = { verdict: { level: "fair", reasons: [{ code: "model_too_simple", text: "" }] } };
-  assert.match(reasonTexts(simple, [], { ...calibration, distortion_model: "fisheye" })[0], /Choose the rational or omnidirectional model/);
+  assert.match(
+    reasonTexts(simple, [], { ...calibration, distortion_model: "fisheye" })[0],
+    /Choose the rational or omnidirectional model/,
+  );
 });
 
 test("what is certain of the board's shape is said, and nothing where no printer stretches a board so", () => {
@@ -143,8 +252,14 @@ test("what is certain of the board's shape is said, and nothing where no printer
   const board = { sag: 0.0071, sag_std: 0.0004, stretch: 0.0021, stretch_std: 0.0005 };
   const said = (/** @type {any} */ shape) => boardSentence(shape).map((text) => text.replaceAll("\u00a0", " "));
   const [both] = said(board);
-  assert.equal(both, "Your board is bent by 0.71 % of its length and was printed 0.21 % out of shape. Both were taken into account.");
-  assert.match(said({ ...board, stretch_std: 0.002 })[0], /^Your board is bent by 0\.71 % of its length\. That was taken into account\.$/);
+  assert.equal(
+    both,
+    "Your board is bent by 0.71 % of its length and was printed 0.21 % out of shape. Both were taken into account.",
+  );
+  assert.match(
+    said({ ...board, stretch_std: 0.002 })[0],
+    /^Your board is bent by 0\.71 % of its length\. That was taken into account\.$/,
+  );
   assert.match(said({ ...board, sag_std: 0.005 })[0], /printed 0\.21 % out of shape/);
   for (const none of [undefined, null, { ...board, stretch: 0.02 }, { ...board, sag_std: 0.01, stretch_std: 0.01 }]) {
     assert.deepEqual(said(none), []);

@@ -3,7 +3,16 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { Calibration, LookupError, Rig, lensOf, rectifyPair, rig } from "../../web/sdk/calibdb.js";
-import { compose, invert, multiply, rigidMotion, rotate, rotationMatrix, rotationVectorOf, transform } from "../../web/sdk/motion.js";
+import {
+  compose,
+  invert,
+  multiply,
+  rigidMotion,
+  rotate,
+  rotationMatrix,
+  rotationVectorOf,
+  transform,
+} from "../../web/sdk/motion.js";
 import { rectify, rectifiedMotions } from "../../web/sdk/stereo.js";
 import { rectifyingMap } from "../../web/sdk/rectification.js";
 
@@ -14,13 +23,20 @@ const [REAL] = PAIRS;
 const ID = "1f0c7a3e5b2d49688c1e0f7d6a5b4c3d";
 const STILL = { position: 0, rvec: [0, 0, 0], tvec: [0, 0, 0], std: [0, 0, 0, 0, 0, 0] };
 const RESULT = {
-  rig_id: ID, cameras: ["a", "b"], calibrations: [REAL.left, REAL.right],
+  rig_id: ID,
+  cameras: ["a", "b"],
+  calibrations: [REAL.left, REAL.right],
   extrinsics: [STILL, { position: 1, ...REAL.pose, std: [0.001, 0.001, 0.0005, 0.01, 0.01, 0.02] }],
-  unit: "squares", rms: 0.27, held_out_rms: 0.3, uncertainty: { rotation_deg: 0.05, translation_percent: 0.2, rms: 0.25 },
-  verdict: { level: "good", reasons: [] }, board_poses: [{ moment: "m1", rvec: [0.1, 0, 0], tvec: [-4, -3, 12] }],
+  unit: "squares",
+  rms: 0.27,
+  held_out_rms: 0.3,
+  uncertainty: { rotation_deg: 0.05, translation_percent: 0.2, rms: 0.25 },
+  verdict: { level: "good", reasons: [] },
+  board_poses: [{ moment: "m1", rvec: [0.1, 0, 0], tvec: [-4, -3, 12] }],
 };
 const difference = (a, b) => Math.max(...a.flat().map((value, at) => Math.abs(value - b.flat()[at])));
-const json = (status, body) => new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json" } });
+const json = (status, body) =>
+  new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json" } });
 /** Options of a service that gives one answer, and what it was asked. */
 function service(answer) {
   const asked = [];
@@ -37,18 +53,30 @@ test("a rig is read with the calibrations of its cameras and the poses between t
   assert.deepEqual(asked, [["GET", `https://calibdb.example/v1/rigs/${ID}/result`, "Bearer cdb_a_b"]]);
   assert.ok(found instanceof Rig && found.calibrations.every((each) => each instanceof Calibration));
   assert.deepEqual(JSON.parse(JSON.stringify(found)), RESULT, "its data, unchanged");
-  assert.deepEqual(found.calibrations[0].project([0, 0, 1]), [REAL.left.camera_matrix[0][2], REAL.left.camera_matrix[1][2]]);
+  assert.deepEqual(found.calibrations[0].project([0, 0, 1]), [
+    REAL.left.camera_matrix[0][2],
+    REAL.left.camera_matrix[1][2],
+  ]);
   const { rvec, tvec, rotation, matrix, std } = found.pose(1);
   assert.ok(difference(rvec, REAL.pose.rvec) < 1e-15 && difference(tvec, REAL.pose.tvec) === 0);
   assert.deepEqual(std, RESULT.extrinsics[1].std);
-  assert.ok(difference([0, 1, 2].map((row) => [0, 1, 2].map((column) => matrix[4 * column + row])), rotation) === 0);
+  assert.ok(
+    difference(
+      [0, 1, 2].map((row) => [0, 1, 2].map((column) => matrix[4 * column + row])),
+      rotation,
+    ) === 0,
+  );
   assert.deepEqual([matrix.slice(12), matrix[3], matrix[7], matrix[11]], [[...tvec, 1], 0, 0, 0]);
   assert.ok(difference(found.pose(0).matrix, [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]) === 0);
 });
 
 test("poses lead from any camera to any other, there and back", () => {
   const third = { position: 2, rvec: [0.3, -1.2, 0.4], tvec: [1, 2, -3], std: [1, 1, 1, 1, 1, 1] };
-  const three = new Rig({ ...RESULT, calibrations: [REAL.left, REAL.right, REAL.left], extrinsics: [...RESULT.extrinsics, third] });
+  const three = new Rig({
+    ...RESULT,
+    calibrations: [REAL.left, REAL.right, REAL.left],
+    extrinsics: [...RESULT.extrinsics, third],
+  });
   const [a, b] = [rigidMotion(three.pose(1)), rigidMotion(three.pose(2, 1))];
   const whole = compose(b, a);
   assert.ok(difference(rotationVectorOf(whole.r), third.rvec) < 1e-12 && difference(whole.t, third.tvec) < 1e-12);
@@ -63,21 +91,34 @@ test("a rig in squares becomes one in metres, and asks how large a square is", (
   const found = new Rig(RESULT);
   const metres = found.toMetres(0.03);
   assert.ok(metres instanceof Rig && metres.unit === "metres" && found.unit === "squares");
-  assert.ok(difference(metres.pose(1).tvec, REAL.pose.tvec.map((value) => 0.03 * value)) < 1e-15);
+  assert.ok(
+    difference(
+      metres.pose(1).tvec,
+      REAL.pose.tvec.map((value) => 0.03 * value),
+    ) < 1e-15,
+  );
   assert.deepEqual(metres.pose(1).std, [0.001, 0.001, 0.0005, 0.01 * 0.03, 0.01 * 0.03, 0.02 * 0.03]);
   assert.ok(difference(metres.board_poses[0].tvec, [-0.12, -0.09, 0.36]) < 1e-15);
   assert.equal(metres.toMetres(), metres);
-  for (const size of [undefined, 0, -1, Number.NaN]) assert.throws(() => found.toMetres(size), /how large one is, in metres/);
+  for (const size of [undefined, 0, -1, Number.NaN])
+    assert.throws(() => found.toMetres(size), /how large one is, in metres/);
 });
 
 test("errors say what to change", async () => {
   const missing = service(json(404, { detail: "There is no such rig." }));
-  await assert.rejects(rig(ID, missing.options), (error) => error instanceof LookupError && error.status === 404 && error.message === "There is no such rig.");
-  await assert.rejects(rig(ID, service(json(409, { detail: "The rig is not finished." })).options), { status: 409, message: /not finished/ });
+  await assert.rejects(
+    rig(ID, missing.options),
+    (error) => error instanceof LookupError && error.status === 404 && error.message === "There is no such rig.",
+  );
+  await assert.rejects(rig(ID, service(json(409, { detail: "The rig is not finished." })).options), {
+    status: 409,
+    message: /not finished/,
+  });
   await assert.rejects(rig(ID, service(json(200, {})).options), /is not calibDB/);
   const { token: _, ...open } = missing.options;
   await assert.rejects(rig(ID, open), /API token: { token }/);
-  for (const id of [undefined, "", "..", `https://calibdb.example/rig/?id=${ID}`]) await assert.rejects(rig(id, missing.options), /its id stands in the address/);
+  for (const id of [undefined, "", "..", `https://calibdb.example/rig/?id=${ID}`])
+    await assert.rejects(rig(id, missing.options), /its id stands in the address/);
   for (const data of [undefined, {}, { ...RESULT, extrinsics: [] }, { ...RESULT, calibrations: [REAL.left] }]) {
     assert.throws(() => new Rig(data), /this is no rig/);
   }
@@ -86,11 +127,17 @@ test("errors say what to change", async () => {
 test("pairs of all camera models are rectified as the solver does", () => {
   const models = new Set(PAIRS.flatMap(({ left, right }) => `${left.distortion_model} ${right.distortion_model}`));
   assert.equal(models.size, 16);
-  assert.ok(PAIRS.some(({ isVertical }) => isVertical) && PAIRS.some(({ P2 }) => P2[0][3] > 0), "above each other, and the right one on the left");
+  assert.ok(
+    PAIRS.some(({ isVertical }) => isVertical) && PAIRS.some(({ P2 }) => P2[0][3] > 0),
+    "above each other, and the right one on the left",
+  );
   for (const { left, right, pose, ...expected } of PAIRS) {
     const found = rectify(left, right, pose);
     for (const name of ["R1", "R2", "P1", "P2", "Q"]) {
-      assert.ok(difference(found[name], expected[name]) < 1e-7, `${name} of ${left.distortion_model} and ${right.distortion_model}`);
+      assert.ok(
+        difference(found[name], expected[name]) < 1e-7,
+        `${name} of ${left.distortion_model} and ${right.distortion_model}`,
+      );
     }
     assert.equal(found.isVertical, expected.isVertical);
     assert.ok(Math.abs(found.baseline * found.Q[3][2] - 1) < 1e-12 && found.focal === found.P1[0][0]);
@@ -126,7 +173,8 @@ test("real corners lie in one row of both rectified pictures, and their squares 
       return [((a[0] - found.P1[0][2]) * depth) / found.focal, ((a[1] - found.P1[1][2]) * depth) / found.focal, depth];
     });
     // Neighbours of a row of nine are one square apart.
-    for (let at = 1; at < 9; at++) squares.push(Math.hypot(...points[at].map((value, axis) => value - points[at - 1][axis])));
+    for (let at = 1; at < 9; at++)
+      squares.push(Math.hypot(...points[at].map((value, axis) => value - points[at - 1][axis])));
   }
   const rms = Math.sqrt(rows.reduce((sum, row) => sum + row * row, 0) / rows.length);
   const side = squares.sort((a, b) => a - b)[squares.length >> 1];
@@ -137,20 +185,42 @@ test("real corners lie in one row of both rectified pictures, and their squares 
 
 test("a pair that has no rectified pictures says why", async () => {
   const cameras = { left: REAL.left, right: REAL.right };
-  assert.throws(() => rectify(REAL.left, REAL.right, { rvec: [0, 0, 0], tvec: [0, 0, 0] }), { name: "RectificationError", message: /in one place/ });
-  assert.throws(() => rectify(REAL.left, REAL.right, { rvec: [0, 2.9, 0], tvec: [-1, 0, 0] }), { name: "RectificationError", message: /directions too far apart/ });
-  for (const unknown of [undefined, {}, cameras]) await assert.rejects(rectifyPair({}, {}, unknown), /a rig, or { left, right, pose }/);
+  assert.throws(() => rectify(REAL.left, REAL.right, { rvec: [0, 0, 0], tvec: [0, 0, 0] }), {
+    name: "RectificationError",
+    message: /in one place/,
+  });
+  assert.throws(() => rectify(REAL.left, REAL.right, { rvec: [0, 2.9, 0], tvec: [-1, 0, 0] }), {
+    name: "RectificationError",
+    message: /directions too far apart/,
+  });
+  for (const unknown of [undefined, {}, cameras])
+    await assert.rejects(rectifyPair({}, {}, unknown), /a rig, or { left, right, pose }/);
   await assert.rejects(rectifyPair({}, {}, new Rig(RESULT), { positions: [0, 2] }), /no camera 2/);
   const odd = { width: 640, height: 640 };
-  await assert.rejects(rectifyPair(odd, odd, { ...cameras, pose: REAL.pose }, { canvases: [{}, {}] }), /the left picture has 640 x 640 px, its calibration is for 640 x 480 px/);
-  const packed = rectifyPair({ width: 640, height: 480 }, odd, new Rig(RESULT), { packing: "beside", canvases: [{}, {}] });
+  await assert.rejects(
+    rectifyPair(odd, odd, { ...cameras, pose: REAL.pose }, { canvases: [{}, {}] }),
+    /the left picture has 640 x 640 px, its calibration is for 640 x 480 px/,
+  );
+  const packed = rectifyPair({ width: 640, height: 480 }, odd, new Rig(RESULT), {
+    packing: "beside",
+    canvases: [{}, {}],
+  });
   await assert.rejects(packed, /the left picture has 640 x 480 px, its calibration is for 1280 x 480 px/);
 });
 
 test("a map into a turned frame leads where the camera sees the ray", () => {
-  const { R1, P1, img_size: [width] } = rectify(REAL.left, REAL.right, REAL.pose);
+  const {
+    R1,
+    P1,
+    img_size: [width],
+  } = rectify(REAL.left, REAL.right, REAL.pose);
   const back = invert({ r: R1.flat(), t: [0, 0, 0] }).r;
-  const map = rectifyingMap(REAL.left, P1.map((row) => row.slice(0, 3)), [640, 480], back);
+  const map = rectifyingMap(
+    REAL.left,
+    P1.map((row) => row.slice(0, 3)),
+    [640, 480],
+    back,
+  );
   const [u, v] = [200, 333];
   const ray = rotate(back, [(u - P1[0][2]) / P1[0][0], (v - P1[1][2]) / P1[1][1], 1]);
   const at = 2 * (v * width + u);
@@ -158,7 +228,16 @@ test("a map into a turned frame leads where the camera sees the ray", () => {
 });
 
 /** Pixel at which a view draws a point of the world, from its picture's top-left corner. */
-function drawn({ projectionMatrix: p, transform: { inverse: { matrix: m } } }, [x, y, z], [width, height]) {
+function drawn(
+  {
+    projectionMatrix: p,
+    transform: {
+      inverse: { matrix: m },
+    },
+  },
+  [x, y, z],
+  [width, height],
+) {
   const times = (a, v) => [0, 1, 2, 3].map((row) => v.reduce((sum, value, k) => sum + a[4 * k + row] * value, 0));
   const [a, b, , w] = times(p, times(m, [x, y, z, 1]));
   return [((a / w + 1) / 2) * width - 0.5, ((1 - b / w) / 2) * height - 0.5];
@@ -169,29 +248,58 @@ test("views of both eyes see the world as their cameras do", () => {
   const [left, right] = found.views({ near: 0.1, far: 100 });
   assert.deepEqual([left.eye, right.eye, right.distortionModel], ["left", "right", "rectilinear"]);
   const point = [1.2, -0.7, 14]; // squares, camera 0, as OpenCV has it
-  [[left, point], [right, transform(rigidMotion(found.pose(1)), point)]].forEach(([view, [x, y, z]], index) => {
-    const { camera_matrix: [[fx, , cx], [, fy, cy]], img_size } = found.calibrations[index];
+  [
+    [left, point],
+    [right, transform(rigidMotion(found.pose(1)), point)],
+  ].forEach(([view, [x, y, z]], index) => {
+    const {
+      camera_matrix: [[fx, , cx], [, fy, cy]],
+      img_size,
+    } = found.calibrations[index];
     const at = drawn(view, [point[0], -point[1], -point[2]], img_size);
     assert.ok(difference(at, [(fx * x) / z + cx, (fy * y) / z + cy]) < 1e-3, `${view.eye} ${at}`);
     assert.ok(difference([...view.cameraMatrix], [fx, 0, 0, 0, fy, 0, cx, cy, 1]) < 1e-3);
   });
   const centre = invert(rigidMotion(found.pose(1))).t;
-  const { position, orientation: { x, y, z, w } } = right.transform;
-  assert.ok(difference([position.x, position.y, position.z], [centre[0], -centre[1], -centre[2]]) < 1e-12 && position.w === 1);
+  const {
+    position,
+    orientation: { x, y, z, w },
+  } = right.transform;
+  assert.ok(
+    difference([position.x, position.y, position.z], [centre[0], -centre[1], -centre[2]]) < 1e-12 && position.w === 1,
+  );
   assert.ok(Math.abs(Math.hypot(x, y, z, w) - 1) < 1e-12);
 });
 
 test("the left eye is the one on the left, and both move with the pose that is told", () => {
   const { r, t } = invert(rigidMotion(REAL.pose));
-  const swapped = new Rig({ ...RESULT, calibrations: [REAL.right, REAL.left], extrinsics: [STILL, { position: 1, rvec: rotationVectorOf(r), tvec: t, std: STILL.std }] });
+  const swapped = new Rig({
+    ...RESULT,
+    calibrations: [REAL.right, REAL.left],
+    extrinsics: [STILL, { position: 1, rvec: rotationVectorOf(r), tvec: t, std: STILL.std }],
+  });
   const [left] = swapped.views();
   assert.ok(Math.abs(left.cameraMatrix[0] - REAL.left.camera_matrix[0][0]) < 1e-3);
   // The world turned by a quarter about y, and 2 to the right
   const turn = rotationMatrix([0, Math.PI / 2, 0]);
   const pose = [turn[0], turn[3], turn[6], 0, turn[1], turn[4], turn[7], 0, turn[2], turn[5], turn[8], 0, 2, 0, 0, 1];
   const found = new Rig(RESULT);
-  const [at, moved] = [found.views(), found.views({ pose })].map(([, { transform: { position: { x, y, z } } }]) => [x, y, z]);
-  assert.ok(difference(moved, rotate(turn, at).map((value, axis) => value + [2, 0, 0][axis])) < 1e-12);
+  const [at, moved] = [found.views(), found.views({ pose })].map(
+    ([
+      ,
+      {
+        transform: {
+          position: { x, y, z },
+        },
+      },
+    ]) => [x, y, z],
+  );
+  assert.ok(
+    difference(
+      moved,
+      rotate(turn, at).map((value, axis) => value + [2, 0, 0][axis]),
+    ) < 1e-12,
+  );
 });
 
 test("rectified cameras differ by the baseline alone", () => {

@@ -16,7 +16,12 @@ import { boardPose, cameraPose, setupAt } from "../../web/rig/scene.js";
 import { labelOfHalf, placeOf } from "../../web/rig/streams.js";
 
 const POINTS = [0, 1, 2, 3, 4, 5].map((i) => [100 + 50 * i, 100 + 20 * (i % 2)]);
-const detection = (shift = 0) => ({ ids: [0, 1, 2, 3, 4, 5], points: POINTS.map(([x, y]) => [x + shift, y]), markers: 6, size: [1280, 720] });
+const detection = (shift = 0) => ({
+  ids: [0, 1, 2, 3, 4, 5],
+  points: POINTS.map(([x, y]) => [x + shift, y]),
+  markers: 6,
+  size: [1280, 720],
+});
 
 /** Sight of a board that jumped at `since` and is looked at every 50 ms until `until`. */
 function sightOf(since, until) {
@@ -28,18 +33,35 @@ function sightOf(since, until) {
 test("a camera takes a view only if the board was still since before the moment can have been opened", () => {
   const sight = sightOf(1_000, 3_000);
   assert.equal(answer(sight, { unopenedAt: 1_500, seenAt: 2_800 }, 3_000), "take");
-  assert.equal(answer(sight, { unopenedAt: 999, seenAt: 2_800 }, 3_000), "miss", "it moved after the moment may have been opened");
-  assert.equal(answer(sight, { unopenedAt: -Infinity, seenAt: 2_800 }, 3_000), "miss", "nobody here looked before it was open");
-  assert.equal(answer(sight, { unopenedAt: 1_500, seenAt: 3_010 }, 3_020), "wait", "no frame since it was seen to be open");
+  assert.equal(
+    answer(sight, { unopenedAt: 999, seenAt: 2_800 }, 3_000),
+    "miss",
+    "it moved after the moment may have been opened",
+  );
+  assert.equal(
+    answer(sight, { unopenedAt: -Infinity, seenAt: 2_800 }, 3_000),
+    "miss",
+    "nobody here looked before it was open",
+  );
+  assert.equal(
+    answer(sight, { unopenedAt: 1_500, seenAt: 3_010 }, 3_020),
+    "wait",
+    "no frame since it was seen to be open",
+  );
   const moved = observeFrame(sight, detection(40), 3_200, DEFAULT_BOARD);
-  assert.equal(answer(moved, { unopenedAt: 1_500, seenAt: 3_100 }, 3_200), "miss", "it moved before the view was taken");
+  assert.equal(
+    answer(moved, { unopenedAt: 1_500, seenAt: 3_100 }, 3_200),
+    "miss",
+    "it moved before the view was taken",
+  );
   assert.equal(answer(BLIND, { unopenedAt: 1_500, seenAt: 2_000 }, 2_000), "miss");
 });
 
 test("a picture that is 200 ms old while the hand moves at 5 cm/s is no still one", () => {
   // 60 cm before a camera of 1,000 px: 83 px/s, which is 4 px from one frame to the next.
   let sight = sightOf(0, 1_000);
-  for (let time = 1_050, x = 0; time < 2_000; time += 50) sight = observeFrame(sight, detection((x += 4.2)), time, DEFAULT_BOARD);
+  for (let time = 1_050, x = 0; time < 2_000; time += 50)
+    sight = observeFrame(sight, detection((x += 4.2)), time, DEFAULT_BOARD);
   assert.equal(answer(sight, { unopenedAt: 1_900, seenAt: 1_910 }, 2_000), "miss");
   assert.ok(!isReady([sight], 0));
 });
@@ -54,23 +76,32 @@ test("other devices need a longer hold, and a still longer one after what they m
   assert.equal(requiredHold([{ ...taken, stillness: MOVING, corners: { ids: [], points: [] } }], 0), null);
 });
 
-const LETTERS = [{ kind: "open", moment: "a" }, ...[0, 1].map((position) => ({ kind: "view", position, session: "s", moment: "a", ids: [1], points: [[1, 1]] }))];
+const LETTERS = [
+  { kind: "open", moment: "a" },
+  ...[0, 1].map((position) => ({ kind: "view", position, session: "s", moment: "a", ids: [1], points: [[1, 1]] })),
+];
 
 /** An outbox over a service that gives what `answers` has; what it did is in `log`. */
 function boxOf(answers, letters = []) {
   const log = [];
   const saved = [];
   let wake = () => {};
-  const box = new Outbox({
-    send: async (letter) => {
-      log.push(`${letter.kind} ${letter.position ?? letter.moment}`);
-      const found = answers.shift() ?? {};
-      if (found instanceof Error) throw found;
-      return found;
+  const box = new Outbox(
+    {
+      send: async (letter) => {
+        log.push(`${letter.kind} ${letter.position ?? letter.moment}`);
+        const found = answers.shift() ?? {};
+        if (found instanceof Error) throw found;
+        return found;
+      },
+      save: () => saved.push(box.letters.length),
+      onSent() {},
+      onRefused: (_, error) => log.push(`refused ${error.status}`),
+      onLink: (offline) => log.push(offline ? "offline" : "online"),
+      wait: () => new Promise((done) => (wake = done)),
     },
-    save: () => saved.push(box.letters.length), onSent() {}, onRefused: (_, error) => log.push(`refused ${error.status}`),
-    onLink: (offline) => log.push(offline ? "offline" : "online"), wait: () => new Promise((done) => (wake = done)),
-  }, letters);
+    letters,
+  );
   return { box, log, saved, wake: () => wake() };
 }
 
@@ -104,12 +135,21 @@ test("a moment that nobody has heard of is withdrawn; one whose opening is on it
 test("the link tells since when what is new was not there", async () => {
   const states = [{ status: "capturing", moments: [] }, null, { status: "finished", moments: [1] }];
   const told = [];
-  const service = { state: async () => {
-    const state = states.shift();
-    return state && { state, etag: "e" };
-  } };
-  const link = new RigLink({ service, id: "r", session: "s", signal: new AbortController().signal,
-    onState: (state, unopenedAt) => told.push([state.moments.length, unopenedAt]), onLink() {}, onFailure: assert.fail });
+  const service = {
+    state: async () => {
+      const state = states.shift();
+      return state && { state, etag: "e" };
+    },
+  };
+  const link = new RigLink({
+    service,
+    id: "r",
+    session: "s",
+    signal: new AbortController().signal,
+    onState: (state, unopenedAt) => told.push([state.moments.length, unopenedAt]),
+    onLink() {},
+    onFailure: assert.fail,
+  });
   const running = link.run();
   for (let turn = 0; turn < 20; turn++) {
     await new Promise((done) => setImmediate(done));
@@ -121,8 +161,21 @@ test("the link tells since when what is new was not there", async () => {
 });
 
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], board: DEFAULT_BOARD };
-const recordOf = (leads, count) => ({ about: "", leads, query: "", cameras: 3, square_size: 0.03, choices: [], letters: [],
-  members: Array.from({ length: count }, (_, position) => ({ position: leads ? position : 0, session: "", opened: false, request: null })) });
+const recordOf = (leads, count) => ({
+  about: "",
+  leads,
+  query: "",
+  cameras: 3,
+  square_size: 0.03,
+  choices: [],
+  letters: [],
+  members: Array.from({ length: count }, (_, position) => ({
+    position: leads ? position : 0,
+    session: "",
+    opened: false,
+    request: null,
+  })),
+});
 
 test("a device's cameras enter a rig, and a page that was lost in the middle completes that with the same sessions", async () => {
   const calls = [];
@@ -142,19 +195,34 @@ test("a device's cameras enter a rig, and a page that was lost in the middle com
   await assert.rejects(enter(service, record, [REQUEST, REQUEST], { save }), OfflineError);
   isLost = false;
   assert.equal(await enter(service, record, [REQUEST, REQUEST], { save }), null);
-  assert.deepEqual(calls.filter(([kind]) => kind !== "auth"), [
-    ["s0", undefined], ["s0", { cameras: 3, square_size: 0.03 }],
-    ["s1", { id: "r", position: 1 }], ["s1", { id: "r", position: 1 }],
-  ]);
+  assert.deepEqual(
+    calls.filter(([kind]) => kind !== "auth"),
+    [
+      ["s0", undefined],
+      ["s0", { cameras: 3, square_size: 0.03 }],
+      ["s1", { id: "r", position: 1 }],
+      ["s1", { id: "r", position: 1 }],
+    ],
+  );
   assert.ok(saves.every((id) => id === "r") && record.members.every(({ opened }) => opened));
 });
 
 test("a refused code is told apart from another board", async () => {
-  for (const [field, code] of [["rig.code", "code"], ["rig.position", "position"], ["board", "board"]]) {
-    const service = { authenticate: async () => "s", openSession: async () => {
-      throw new ApiError(422, { detail: "Not valid.", errors: [{ field, detail: "no" }] });
-    } };
-    await assert.rejects(enter(service, recordOf(false, 1), [REQUEST], { code: "ABC234", save: async () => {} }), (error) => error instanceof JoinError && error.code === code);
+  for (const [field, code] of [
+    ["rig.code", "code"],
+    ["rig.position", "position"],
+    ["board", "board"],
+  ]) {
+    const service = {
+      authenticate: async () => "s",
+      openSession: async () => {
+        throw new ApiError(422, { detail: "Not valid.", errors: [{ field, detail: "no" }] });
+      },
+    };
+    await assert.rejects(
+      enter(service, recordOf(false, 1), [REQUEST], { code: "ABC234", save: async () => {} }),
+      (error) => error instanceof JoinError && error.code === code,
+    );
   }
 });
 
@@ -164,7 +232,14 @@ test("the simulated board is the same one in every browser, and covers the targe
   const pose = { rvec: [0.3, -0.2, 0.1], tvec: [-4, -3, 14] };
   const places = boardCorners(DEFAULT_BOARD);
   const corners = places.map((place) => projectionOf(lens).project(transformPoint(pose, [...place, 0])));
-  const target = { position: 0, ...pose, rvec: [0.32, -0.2, 0.1], ids: places.map((_, id) => id), corners, outline: [] };
+  const target = {
+    position: 0,
+    ...pose,
+    rvec: [0.32, -0.2, 0.1],
+    ids: places.map((_, id) => id),
+    corners,
+    outline: [],
+  };
   const found = boardPose([{ ...target, position: 3 }, target].reverse(), DEFAULT_BOARD, parameters);
   const off = places.map((place, id) => {
     const [u, v] = projectionOf(lens).project(transformPoint(found, [...place, 0]));
@@ -179,18 +254,34 @@ test("the simulated board is the same one in every browser, and covers the targe
 
 test("a board seen by any camera of the rig is found where it is", () => {
   const board = { rvec: [0.2, 0.3, -0.1], tvec: [-4, -2, 15] };
-  const extrinsics = [0, 1].map((position) => ({ position, ...cameraPose(position), std: [0.001, 0.001, 0.001, 0.01, 0.02, 0.03] }));
+  const extrinsics = [0, 1].map((position) => ({
+    position,
+    ...cameraPose(position),
+    std: [0.001, 0.001, 0.001, 0.01, 0.02, 0.03],
+  }));
   const lenses = [0, 1].map((position) => setupAt(new URLSearchParams(), position));
   const calibrations = lenses.map(({ lens, size }) => ({ ...intrinsicsOf(lens), img_size: size }));
   const there = composePoses(cameraPose(1), board);
-  const points = boardCorners(DEFAULT_BOARD).map((place) => projectionOf(lenses[1].lens).project(transformPoint(there, [...place, 0])));
-  const found = boardInRig({ calibrations, extrinsics }, 1, { ids: points.map((_, id) => id), points }, DEFAULT_BOARD, 1);
-  for (const name of ["rvec", "tvec"]) found[name].forEach((value, axis) => assert.ok(Math.abs(value - board[name][axis]) < 1e-3));
+  const points = boardCorners(DEFAULT_BOARD).map((place) =>
+    projectionOf(lenses[1].lens).project(transformPoint(there, [...place, 0])),
+  );
+  const found = boardInRig(
+    { calibrations, extrinsics },
+    1,
+    { ids: points.map((_, id) => id), points },
+    DEFAULT_BOARD,
+    1,
+  );
+  for (const name of ["rvec", "tvec"])
+    found[name].forEach((value, axis) => assert.ok(Math.abs(value - board[name][axis]) < 1e-3));
   const { distance, distanceStd, angle } = relationOf(extrinsics[1]);
   assert.ok(Math.abs(distance - Math.hypot(...cameraPose(1).tvec)) < 1e-12 && distanceStd > 0.01 && distanceStd < 0.03);
   assert.ok(angle > 9 && angle < 11, "degrees");
   const scene = sceneOf(calibrations, extrinsics, [found], DEFAULT_BOARD, 1);
-  assert.deepEqual(scene.bodies.map(({ kind }) => kind), ["floor", "board", "camera", "camera", "axis", "axis", "axis"]);
+  assert.deepEqual(
+    scene.bodies.map(({ kind }) => kind),
+    ["floor", "board", "camera", "camera", "axis", "axis", "axis"],
+  );
   const back = composePoses(invertPose(board), board);
   assert.ok([...back.rvec, ...back.tvec].every((value) => Math.abs(value) < 1e-12));
 });
@@ -206,14 +297,28 @@ test("a stereo camera's picture is cut in halves, whose cameras have names of th
 test("a rig ends without a click when it is accurate or nothing more comes, and no camera keeps silent", () => {
   const cameras = [0, 1].map((position) => ({ position, status: "capturing", views: 4 }));
   const moment = (id, ...positions) => ({ id, positions });
-  const state = { status: "capturing", cameras, unlinked: [], rms: 0.1, target_error: 0.3, uncertainty: { rms: 0.2 }, moments: [moment("a", 0, 1), moment("b", 0, 1)] };
+  const state = {
+    status: "capturing",
+    cameras,
+    unlinked: [],
+    rms: 0.1,
+    target_error: 0.3,
+    uncertainty: { rms: 0.2 },
+    moments: [moment("a", 0, 1), moment("b", 0, 1)],
+  };
   assert.ok(isComplete(state, 0, []) && !isAlone(state));
   assert.deepEqual(silentPositions(state, [0]), []);
-  assert.deepEqual(silentPositions({ ...state, moments: [moment("a", 0, 1), moment("b", 0), moment("c", 0)] }, [0]), [1]);
+  assert.deepEqual(
+    silentPositions({ ...state, moments: [moment("a", 0, 1), moment("b", 0), moment("c", 0)] }, [0]),
+    [1],
+  );
   const inaccurate = { ...state, uncertainty: { rms: 0.31 } };
   assert.ok(!isComplete(inaccurate, 30_000, []));
   assert.ok(isComplete(inaccurate, 30_001, []), "without another moment for 30 s it ends as it is");
-  assert.ok(isComplete({ ...inaccurate, moments: Array(20).fill(moment("a", 0, 1)) }, 0, []), "so it does with 20 moments");
+  assert.ok(
+    isComplete({ ...inaccurate, moments: Array(20).fill(moment("a", 0, 1)) }, 0, []),
+    "so it does with 20 moments",
+  );
   assert.ok(!isComplete({ ...state, unlinked: [1] }, 60_000, []), "without a result there is nothing to end with");
   assert.ok(!isFinishable({ ...state, unlinked: [1] }));
   assert.ok(!isFinishable({ ...state, cameras: [cameras[0], { ...cameras[1], views: 3 }] }));

@@ -1,22 +1,57 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Api } from "../../web/lib/api.js";
-import { Calibration, Estimate, LookupError, calibrate, cameraKey, lookup, platformHere, platformOf, returned, watch } from "../../web/sdk/calibdb.js";
+import {
+  Calibration,
+  Estimate,
+  LookupError,
+  calibrate,
+  cameraKey,
+  lookup,
+  platformHere,
+  platformOf,
+  returned,
+  watch,
+} from "../../web/sdk/calibdb.js";
 
 const KEY = { camera: "C920 (046d:082d)", platform: "X11; Linux x86_64", img_size: [1280, 720], zoom: 0 };
 const KNOWN = {
-  img_size: [1280, 720], camera_matrix: [[1000, 0, 640], [0, 1000, 360], [0, 0, 1]], distortion_coefficients: [0, 0, 0, 0, 0],
-  distortion_model: "rectilinear", reliable: true, exact_size: true, spread: 0.2, uncertainty: { rms: 0.3, max: 0.9 },
+  img_size: [1280, 720],
+  camera_matrix: [
+    [1000, 0, 640],
+    [0, 1000, 360],
+    [0, 0, 1],
+  ],
+  distortion_coefficients: [0, 0, 0, 0, 0],
+  distortion_model: "rectilinear",
+  reliable: true,
+  exact_size: true,
+  spread: 0.2,
+  uncertainty: { rms: 0.3, max: 0.9 },
 };
 const MISS = { status: 404, guidance_url: "https://calibdb.example/calibrate/?camera=x", reason: "too_few" };
 const NOTHING = { calibration: null, estimate: null, camera: null };
 const LIKELY = {
-  img_size: [1280, 720], camera_matrix: [[920, 0, 639.5], [0, 920, 359.5], [0, 0, 1]], distortion_coefficients: [0, 0, 0, 0, 0],
-  distortion_model: "rectilinear", hfov_deg: 69.6, interval_90: { hfov_deg: [66, 73.2] }, basis: "published", sources: [],
+  img_size: [1280, 720],
+  camera_matrix: [
+    [920, 0, 639.5],
+    [0, 920, 359.5],
+    [0, 0, 1],
+  ],
+  distortion_coefficients: [0, 0, 0, 0, 0],
+  distortion_model: "rectilinear",
+  hfov_deg: 69.6,
+  interval_90: { hfov_deg: [66, 73.2] },
+  basis: "published",
+  sources: [],
 };
 const API = "https://calibdb.example/v1";
-const json = (status, body, headers = {}) => new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json", ...headers } });
-/** A service that gives one answer after the other, the last for ever, and remembers what it was asked; its edge knows nothing. */
+const json = (status, body, headers = {}) =>
+  new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json", ...headers } });
+/**
+ * A service that gives one answer after the other, the last for ever, and remembers what it was asked; its edge knows
+ * nothing.
+ */
 function service(...answers) {
   const asked = [];
   const fetch = async (address, request) => {
@@ -84,7 +119,18 @@ test("a phone's model is part of the camera's key", async () => {
 test("views and their board are sent with a lookup", async () => {
   const likely = { ...LIKELY, basis: "views", group: "78°" };
   const { asked, options } = service(json(200, { calibration: null, ...MISS, estimate: likely }));
-  const seen = { views: [{ ids: [0, 1], points: [[10, 20], [30, 40]] }], board: { squares: [9, 6] } };
+  const seen = {
+    views: [
+      {
+        ids: [0, 1],
+        points: [
+          [10, 20],
+          [30, 40],
+        ],
+      },
+    ],
+    board: { squares: [9, 6] },
+  };
   const { estimate } = await lookup(KEY, { ...options, ...seen });
   assert.deepEqual([asked[0].body.views, asked[0].body.board], [seen.views, seen.board]);
   assert.equal(estimate.group, "78°");
@@ -96,7 +142,10 @@ test("an estimate is never cached", async () => {
   const cache = storage();
   const { options } = service(json(200, { calibration: null, ...MISS, estimate: LIKELY }));
   await lookup(KEY, { ...options, cache, accept: "estimate" });
-  assert.deepEqual([...cache.kept.keys()].filter((name) => !name.endsWith(" missed")), []);
+  assert.deepEqual(
+    [...cache.kept.keys()].filter((name) => !name.endsWith(" missed")),
+    [],
+  );
 });
 
 test("an unknown camera is answered with where to calibrate it, and whoever asked is told", async () => {
@@ -110,19 +159,32 @@ test("an unknown camera is answered with where to calibrate it, and whoever aske
 
 test("anything else is an error with its status and the service's words", async () => {
   const refused = service(json(403, { detail: "The API token is not valid." }));
-  await assert.rejects(lookup(KEY, refused.options), (error) => error instanceof LookupError && error.status === 403 && /token/.test(error.message));
+  await assert.rejects(
+    lookup(KEY, refused.options),
+    (error) => error instanceof LookupError && error.status === 403 && /token/.test(error.message),
+  );
   assert.equal(refused.asked.length, 1, "a refusal is not asked for again");
   await assert.rejects(lookup(KEY, { ...refused.options, token: "" }), /API token/);
   const proxy = service(new Response("<h1>Bad gateway</h1>", { status: 502 }));
   await assert.rejects(lookup(KEY, proxy.options), { status: 502 });
   assert.equal(proxy.asked.length, 4);
   const nowhere = service(new TypeError("fetch failed"));
-  nowhere.options.fetch = async () => { throw new TypeError("fetch failed"); };
-  await assert.rejects(lookup(KEY, nowhere.options), (error) => error.status === 0 && /cannot be reached/.test(error.message) && error.cause instanceof TypeError);
+  nowhere.options.fetch = async () => {
+    throw new TypeError("fetch failed");
+  };
+  await assert.rejects(
+    lookup(KEY, nowhere.options),
+    (error) => error.status === 0 && /cannot be reached/.test(error.message) && error.cause instanceof TypeError,
+  );
 });
 
 test("what passes is asked again, later each time, as patiently as the service asks for", async () => {
-  const { waits, options } = service(new TypeError("no network"), json(503, {}), json(429, {}, { "retry-after": "5" }), json(200, KNOWN));
+  const { waits, options } = service(
+    new TypeError("no network"),
+    json(503, {}),
+    json(429, {}, { "retry-after": "5" }),
+    json(200, KNOWN),
+  );
   assert.ok((await lookup(KEY, options)).calibration);
   assert.ok(waits[0] >= 250 && waits[0] <= 500 && waits[1] >= 500 && waits[1] <= 1000 && waits[2] === 5000, `${waits}`);
   const spent = service(json(429, { detail: "The plan's calls are used up." }, { "retry-after": "1800" }));
@@ -135,7 +197,13 @@ test("SDK and pages ask again after the same answers", async () => {
     const sdk = service(json(status, {}));
     await assert.rejects(lookup(KEY, sdk.options), { status });
     let calls = 0;
-    const transport = { fetch: async () => { calls += 1; return json(status, {}); }, wait: async () => {} };
+    const transport = {
+      fetch: async () => {
+        calls += 1;
+        return json(status, {});
+      },
+      wait: async () => {},
+    };
     await assert.rejects(new Api("/v1", transport).send("GET", "/cameras", "cdb_a_b"), { status });
     const expected = [429, 500, 502, 503, 504].includes(status) ? [4, 8] : [1, 1];
     assert.deepEqual([sdk.asked.length, calls], expected, `${status}`);
@@ -143,32 +211,55 @@ test("SDK and pages ask again after the same answers", async () => {
 });
 
 test("a line that breaks in mid-answer is asked again, and what is no answer is neither taken nor kept", async () => {
-  const broken = () => new Response(new ReadableStream({
-    start(controller) {
-      controller.enqueue(new TextEncoder().encode('{"img_size": ['));
-      controller.error(new TypeError("network error"));
-    },
-  }), { headers: { "content-type": "application/json" } });
+  const broken = () =>
+    new Response(
+      new ReadableStream({
+        start(controller) {
+          controller.enqueue(new TextEncoder().encode('{"img_size": ['));
+          controller.error(new TypeError("network error"));
+        },
+      }),
+      { headers: { "content-type": "application/json" } },
+    );
   const { asked, options } = service(Object.assign(broken(), { clone: broken }), json(200, KNOWN));
   assert.ok((await lookup(KEY, options)).calibration);
   assert.equal(asked.length, 2);
   const cut = service(new Response('{"img_size": [', { headers: { "content-type": "application/json" } }));
-  await assert.rejects(lookup(KEY, cut.options), ({ status, cause }) => status === 0 && cause.status === 0 && cause.cause instanceof SyntaxError);
+  await assert.rejects(
+    lookup(KEY, cut.options),
+    ({ status, cause }) => status === 0 && cause.status === 0 && cause.cause instanceof SyntaxError,
+  );
   const cache = storage();
-  for (const other of [new Response("<!doctype html>Log in to this network", { headers: { "content-type": "text/html" } }), json(200, {})]) {
-    await assert.rejects(lookup(KEY, { ...service(other).options, cache }), (error) => error instanceof LookupError && /is not calibDB/.test(error.message));
+  for (const other of [
+    new Response("<!doctype html>Log in to this network", { headers: { "content-type": "text/html" } }),
+    json(200, {}),
+  ]) {
+    await assert.rejects(
+      lookup(KEY, { ...service(other).options, cache }),
+      (error) => error instanceof LookupError && /is not calibDB/.test(error.message),
+    );
   }
-  assert.deepEqual([...cache.kept.keys()].filter((name) => !name.endsWith(" missed")), []);
+  assert.deepEqual(
+    [...cache.kept.keys()].filter((name) => !name.endsWith(" missed")),
+    [],
+  );
 });
 
 test("what was forgotten is said", async () => {
-  const { asked, options: { api: _, ...options } } = service(json(404, MISS));
+  const {
+    asked,
+    options: { api: _, ...options },
+  } = service(json(404, MISS));
   await assert.rejects(lookup(KEY, options), /say where it is: { api }/, "these files came from a disk");
   await assert.rejects(lookup(KEY), /API token: { token }/);
   await assert.rejects(lookup(undefined, options), /there is no camera/);
   const bundle = { find: () => null };
   const alone = await lookup(KEY, { ...options, api: API, bundle, token: undefined });
-  assert.deepEqual([alone.calibration, alone.reason, asked.length], [null, "unknown_camera", 0], "without a token nobody is asked");
+  assert.deepEqual(
+    [alone.calibration, alone.reason, asked.length],
+    [null, "unknown_camera", 0],
+    "without a token nobody is asked",
+  );
   globalThis.location = { href: "https://app.example/ar/" };
   await lookup(KEY, { ...options, api: "/calibdb/v1" });
   delete globalThis.location;
@@ -177,16 +268,25 @@ test("what was forgotten is said", async () => {
 
 test("it stops when it is told to, on the line and between attempts", async () => {
   const controller = new AbortController();
-  const hanging = service(({ signal }) => new Promise((_, reject) => signal.addEventListener("abort", () => reject(signal.reason))));
+  const hanging = service(
+    ({ signal }) => new Promise((_, reject) => signal.addEventListener("abort", () => reject(signal.reason))),
+  );
   const running = lookup(KEY, { ...hanging.options, signal: controller.signal });
   setTimeout(() => controller.abort(), 5);
   await assert.rejects(running, { name: "AbortError" });
-  const { asked, options: { pause: _, ...options } } = service(json(503, {}));
+  const {
+    asked,
+    options: { pause: _, ...options },
+  } = service(json(503, {}));
   await assert.rejects(lookup(KEY, { ...options, signal: AbortSignal.timeout(20) }), { name: "TimeoutError" });
   assert.equal(asked.length, 1);
   const cache = storage();
   await lookup(KEY, { ...service(json(200, KNOWN)).options, cache });
-  await assert.rejects(lookup(KEY, { ...options, cache, signal: AbortSignal.abort() }), { name: "AbortError" }, "nor is what was kept told");
+  await assert.rejects(
+    lookup(KEY, { ...options, cache, signal: AbortSignal.abort() }),
+    { name: "AbortError" },
+    "nor is what was kept told",
+  );
 });
 
 test("a camera is asked for once a tab; what is not known is asked for again", async () => {
@@ -202,7 +302,12 @@ test("a camera is asked for once a tab; what is not known is asked for again", a
   assert.equal(asked.length, 5, "another size, model or service is another question");
   const damaged = { getItem: () => '{"camera_mat', setItem() {} };
   assert.ok((await lookup(KEY, { ...options, cache: damaged })).calibration, "what cannot be read is asked for again");
-  const full = { getItem: () => null, setItem() { throw new DOMException("full", "QuotaExceededError"); } };
+  const full = {
+    getItem: () => null,
+    setItem() {
+      throw new DOMException("full", "QuotaExceededError");
+    },
+  };
   assert.ok((await lookup(KEY, { ...options, cache: full })).calibration);
 });
 
@@ -213,15 +318,38 @@ test("a wish that what is known does not fulfil leads to the guidance page", asy
   const url = new URL(answer.guidanceUrl);
   assert.equal(url.origin + url.pathname, "https://calibdb.example/calibrate/");
   assert.deepEqual(Object.fromEntries(url.searchParams), {
-    camera: KEY.camera, platform: KEY.platform, img_size: "1280x720", zoom: "0", distortion_model: "rectilinear",
+    camera: KEY.camera,
+    platform: KEY.platform,
+    img_size: "1280x720",
+    zoom: "0",
+    distortion_model: "rectilinear",
   });
   assert.ok((await lookup(KEY, service(json(200, other)).options)).calibration);
-  const adapted = { img_size: [640, 360], zoom: 0, camera_matrix: [[500, 0, 319.75], [0, 500, 179.75], [0, 0, 1]], distortion_coefficients: [0, 0, 0, 0, 0] };
+  const adapted = {
+    img_size: [640, 360],
+    zoom: 0,
+    camera_matrix: [
+      [500, 0, 319.75],
+      [0, 500, 179.75],
+      [0, 0, 1],
+    ],
+    distortion_coefficients: [0, 0, 0, 0, 0],
+  };
   const scaled = await lookup(KEY, { ...service(json(200, { ...other, adapted })).options, exact: true });
-  assert.deepEqual([scaled.calibration.img_size, scaled.calibration.camera_matrix[0][0]], [[640, 360], 500], "verified for this size");
+  assert.deepEqual(
+    [scaled.calibration.img_size, scaled.calibration.camera_matrix[0][0]],
+    [[640, 360], 500],
+    "verified for this size",
+  );
   const shown = (await lookup(KEY, service(json(200, { ...other, adapted })).options)).calibration;
-  assert.deepEqual([shown.img_size, shown.exact_size], [[640, 360], true], "and then whoever asks for less gets it, too");
-  const reasons = [0.25, 0.1, 1].map(async (maxError) => (await lookup(KEY, { ...service(json(200, KNOWN)).options, maxError })).reason);
+  assert.deepEqual(
+    [shown.img_size, shown.exact_size],
+    [[640, 360], true],
+    "and then whoever asks for less gets it, too",
+  );
+  const reasons = [0.25, 0.1, 1].map(
+    async (maxError) => (await lookup(KEY, { ...service(json(200, KNOWN)).options, maxError })).reason,
+  );
   assert.deepEqual(await Promise.all(reasons), ["too_uncertain", "too_uncertain", null]);
   const apart = await lookup(KEY, { ...service(json(200, { ...KNOWN, spread: 2 })).options, maxError: 1 });
   assert.equal(apart.reason, "too_uncertain", "calibrations that differ");
@@ -231,7 +359,10 @@ test("a track says which camera it is", async () => {
   const track = camera({ width: 1280, height: 720 });
   const agent = "Mozilla/5.0 (Macintosh; Intel Mac OS X 10.15; rv:140.0) Gecko/20100101 Firefox/140.0";
   assert.deepEqual(cameraKey(track, agent), {
-    camera: "FaceTime HD", platform: "Macintosh; Intel Mac OS X 10.15; rv:140.0", img_size: [1280, 720], zoom: 0,
+    camera: "FaceTime HD",
+    platform: "Macintosh; Intel Mac OS X 10.15; rv:140.0",
+    img_size: [1280, 720],
+    zoom: 0,
   });
   assert.equal(platformOf("curl/8"), "curl/8");
   assert.throws(() => cameraKey(camera({}), agent), /no picture yet/);
@@ -242,10 +373,16 @@ test("a track says which camera it is", async () => {
 test("a device that its browser names is part of the platform", async () => {
   const userAgent = "Mozilla/5.0 (Linux; Android 10; K) AppleWebKit/537.36 Chrome/150.0.0.0 Mobile Safari/537.36";
   const telling = (hints) => ({ userAgent, userAgentData: { getHighEntropyValues: async () => hints } });
-  assert.equal(await platformHere(telling({ model: "Pixel 8", platformVersion: "14.0.0" })), "Linux; Android 14; Pixel 8");
+  assert.equal(
+    await platformHere(telling({ model: "Pixel 8", platformVersion: "14.0.0" })),
+    "Linux; Android 14; Pixel 8",
+  );
   assert.equal(await platformHere(telling({ model: "", platformVersion: "14.0.0" })), "Linux; Android 10; K");
   assert.equal(await platformHere({ userAgent }), "Linux; Android 10; K");
-  const refusing = { userAgent, userAgentData: { getHighEntropyValues: () => Promise.reject(new DOMException("no", "NotAllowedError")) } };
+  const refusing = {
+    userAgent,
+    userAgentData: { getHighEntropyValues: () => Promise.reject(new DOMException("no", "NotAllowedError")) },
+  };
   assert.equal(await platformHere(refusing), "Linux; Android 10; K");
 });
 
@@ -254,7 +391,10 @@ test("a picture that changes its size, or is turned, is looked up again; its end
   // Node has a navigator from its 21st version on.
   Object.defineProperty(globalThis, "navigator", { value: { userAgent }, configurable: true });
   t.mock.timers.enable({ apis: ["setInterval"] });
-  const turn = async (holds = () => true) => { do await new Promise(setImmediate); while (!holds()); };
+  const turn = async (holds = () => true) => {
+    do await new Promise(setImmediate);
+    while (!holds());
+  };
   const track = camera({ width: 1280, height: 720, resizeMode: "none" });
   const { asked, options } = service(json(200, KNOWN));
   const answers = [];
@@ -263,7 +403,10 @@ test("a picture that changes its size, or is turned, is looked up again; its end
   await turn(() => answers.length === 1);
   t.mock.timers.tick(2000);
   await turn();
-  assert.deepEqual(asked.map(({ body }) => body.img_size), [[1280, 720]]);
+  assert.deepEqual(
+    asked.map(({ body }) => body.img_size),
+    [[1280, 720]],
+  );
   assert.equal(asked[0].body.resize_mode, "none");
   track.settings = { width: 720, height: 1280 };
   track.dispatchEvent(new Event("configurationchange"));
@@ -271,7 +414,14 @@ test("a picture that changes its size, or is turned, is looked up again; its end
   track.settings = { width: 640, height: 480 };
   t.mock.timers.tick(500);
   await turn(() => answers.length === 3);
-  assert.deepEqual(asked.map(({ body }) => body.img_size), [[1280, 720], [720, 1280], [640, 480]]);
+  assert.deepEqual(
+    asked.map(({ body }) => body.img_size),
+    [
+      [1280, 720],
+      [720, 1280],
+      [640, 480],
+    ],
+  );
   assert.equal(answers.length, 3);
   signal.abort();
   track.settings = { width: 320, height: 240 };
@@ -284,9 +434,17 @@ test("a picture that changes its size, or is turned, is looked up again; its end
 test("a watched camera is looked up again after a failure that may pass", async (t) => {
   const userAgent = "Mozilla/5.0 (X11; Linux x86_64) Firefox/140.0";
   Object.defineProperty(globalThis, "navigator", { value: { userAgent }, configurable: true });
-  const turn = async (holds) => { do await new Promise(setImmediate); while (!holds()); };
-  const settle = async () => { for (let turns = 0; turns < 20; turns++) await new Promise(setImmediate); };
-  for (const [status, calls] of [[503, 2], [403, 1]]) {
+  const turn = async (holds) => {
+    do await new Promise(setImmediate);
+    while (!holds());
+  };
+  const settle = async () => {
+    for (let turns = 0; turns < 20; turns++) await new Promise(setImmediate);
+  };
+  for (const [status, calls] of [
+    [503, 2],
+    [403, 1],
+  ]) {
     t.mock.timers.enable({ apis: ["setInterval", "setTimeout"] });
     const answers = [];
     let failing = true;
@@ -331,7 +489,11 @@ test("the way to the guidance page and back", async () => {
   assert.deepEqual(shown, [[5, "", location.href]]);
   assert.equal(await returned({ ...options, location, history }), null);
 
-  for (const [status, cleaned] of [[404, 1], [410, 1], [403, 0]]) {
+  for (const [status, cleaned] of [
+    [404, 1],
+    [410, 1],
+    [403, 0],
+  ]) {
     shown.length = 0;
     const refused = { ...service(json(status, { detail: "no" })).options, location: back, history };
     await assert.rejects(returned(refused), { name: "LookupError", status });

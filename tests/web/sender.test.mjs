@@ -22,18 +22,29 @@ test("an application under development gets a practice result, any other only if
 });
 
 test("the visitor is led back to web pages alone", () => {
-  assert.deepEqual(["javascript:alert(1)", "data:text/html,x", "https://user:secret@app.example/", null].map((to) => senderOf(to, [])), [null, null, null, null]);
+  assert.deepEqual(
+    ["javascript:alert(1)", "data:text/html,x", "https://user:secret@app.example/", null].map((to) => senderOf(to, [])),
+    [null, null, null, null],
+  );
   assert.equal(senderOf("http://app.example/", []).allowed, false);
   const here = senderOf("/ar/?virtual=1", []);
   assert.deepEqual([here.isHere, here.allowed], [true, true]);
 });
 
 test("what a camera still needs is told for the size that was asked for", () => {
-  const size = (img_size, agreeing, reliable = false) => ({ img_size, calibrations: agreeing, agreeing, required: 5, reliable });
-  const answer = { cameras: [
-    { camera: "HD Pro Webcam C920", sizes: [size([640, 480], 3), size([1280, 720], 9, true)] },
-    { camera: "HD Pro Webcam C920 Plus", sizes: [size([640, 480], 4)] },
-  ] };
+  const size = (img_size, agreeing, reliable = false) => ({
+    img_size,
+    calibrations: agreeing,
+    agreeing,
+    required: 5,
+    reliable,
+  });
+  const answer = {
+    cameras: [
+      { camera: "HD Pro Webcam C920", sizes: [size([640, 480], 3), size([1280, 720], 9, true)] },
+      { camera: "HD Pro Webcam C920 Plus", sizes: [size([640, 480], 4)] },
+    ],
+  };
   const said = (label, img_size) => knownText(knownOf(answer, label, img_size));
   assert.match(said("HD Pro Webcam C920 (046d:082d)", [640, 480]), /^2 more calibrations are needed/);
   assert.match(said("hd pro webcam c920", [1280, 720]), /knows this camera already/);

@@ -12,16 +12,28 @@ import { transformPoint } from "../../web/lib/pose.js";
 
 const PINHOLE = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
 const KEY = { camera: "Test", platform: "X11", img_size: [1280, 720], zoom: 0 };
-const SESSION = { status: "capturing", views: [], progress: 0, uncertainty: null, calibration: null, calibration_id: null };
+const SESSION = {
+  status: "capturing",
+  views: [],
+  progress: 0,
+  uncertainty: null,
+  calibration: null,
+  calibration_id: null,
+};
 const THERE = { rvec: [0.4, -0.5, 0.1], tvec: [-4, -3, 12] };
 const ELSEWHERE = { rvec: [0.4, 0.6, 0], tvec: [-12, -6, 20] };
 const FACING = { rvec: [0, 0, 0], tvec: [-8, -5, 22] };
 
 const see = (pose, points) => points.map(([x, y]) => projectionOf(PINHOLE).project(transformPoint(pose, [x, y, 0])));
 const target = (pose, index = 0) => ({
-  index, rvec: pose.rvec, tvec: pose.tvec, ids: corners(DEFAULT_BOARD).map((_, id) => id),
-  corners: see(pose, corners(DEFAULT_BOARD)), outline: see(pose, outline(DEFAULT_BOARD)),
-  purpose: "focal length", hint: "Tilt the board",
+  index,
+  rvec: pose.rvec,
+  tvec: pose.tvec,
+  ids: corners(DEFAULT_BOARD).map((_, id) => id),
+  corners: see(pose, corners(DEFAULT_BOARD)),
+  outline: see(pose, outline(DEFAULT_BOARD)),
+  purpose: "focal length",
+  hint: "Tilt the board",
 });
 const frame = (pose) => {
   const points = see(pose, corners(DEFAULT_BOARD));
@@ -83,7 +95,12 @@ test("a capture that is shown nothing new for 30 s ends with its four views, in 
   assert.equal(decide(after(4), 40_000), null);
   assert.equal(decide(after(4), 40_001), "finish");
   assert.notEqual(decide(after(3), 60_000), "finish");
-  const refused = reduce(after(4), { type: "answer", answer: { ...answer(4), accepted: false, reason: "duplicate" }, corners: frame(THERE), time: 30_000 });
+  const refused = reduce(after(4), {
+    type: "answer",
+    answer: { ...answer(4), accepted: false, reason: "duplicate" },
+    corners: frame(THERE),
+    time: 30_000,
+  });
   assert.equal(refused.ui.notice.key, "capture.refused_duplicate");
   assert.equal(decide(refused, 40_001), "finish", "a refusal is nothing new");
   const ended = { ...answer(4), accepted: false, reason: "duplicate", status: "converged", end: "nothing_new" };
@@ -94,7 +111,13 @@ test("a capture that is shown nothing new for 30 s ends with its four views, in 
 
 test("a view that was taken off the target is said to be, with what helps more", () => {
   const view = { index: 0, points: 40, rms: 0.1, on_target: false };
-  const taken = (views) => reduce(capturing(), { type: "answer", answer: { ...SESSION, views, accepted: true, reason: null }, corners: frame(THERE), time: 1 }).ui.notice.key;
+  const taken = (views) =>
+    reduce(capturing(), {
+      type: "answer",
+      answer: { ...SESSION, views, accepted: true, reason: null },
+      corners: frame(THERE),
+      time: 1,
+    }).ui.notice.key;
   assert.equal(taken([view]), "capture.view_taken_aside");
   assert.equal(taken([view, { ...view, on_target: true }]), "capture.view_taken");
   assert.equal(taken([{ ...view, on_target: null }]), "capture.view_taken");
@@ -111,22 +134,38 @@ test("a target refused in its own place is given up soon: after 1 s where nothin
   assert.equal(doubted.ui.notice.key, "capture.refused_outlier");
   assert.equal(decide(doubted, 3_500), null);
   assert.equal(decide(doubted, 3_700), "skip");
-  const elsewhere = reduce(capturing(frames(frame(ELSEWHERE), LONG_HOLD_MS)), { type: "answer", answer, corners: frame(ELSEWHERE), time: 1600 });
+  const elsewhere = reduce(capturing(frames(frame(ELSEWHERE), LONG_HOLD_MS)), {
+    type: "answer",
+    answer,
+    corners: frame(ELSEWHERE),
+    time: 1600,
+  });
   assert.equal(decide(elsewhere, 14_000), null);
 });
 
 test("an accepted view takes the target away, and progress never falls but by undo", () => {
   const views = [{ index: 0, points: 40, rms: 0.1 }];
   const held = capturing(frames(frame(THERE), HOLD_MS));
-  const taken = reduce(held, { type: "answer", answer: { ...SESSION, views, progress: 0.5, accepted: true, reason: null }, corners: held.detector.corners, time: 600 });
-  assert.deepEqual([taken.capture.pose, taken.ui.picture, taken.capture.progress, taken.link.busy], [null, null, 0.5, false]);
+  const taken = reduce(held, {
+    type: "answer",
+    answer: { ...SESSION, views, progress: 0.5, accepted: true, reason: null },
+    corners: held.detector.corners,
+    time: 600,
+  });
+  assert.deepEqual(
+    [taken.capture.pose, taken.ui.picture, taken.capture.progress, taken.link.busy],
+    [null, null, 0.5, false],
+  );
   assert.equal(reduce(taken, { type: "session", session: { ...SESSION, views, progress: 0.4 } }).capture.progress, 0.5);
   const undone = reduce(taken, { type: "undone", session: SESSION, time: 700 });
   assert.deepEqual([undone.capture.progress, undone.capture.lastSent], [0, null]);
 });
 
 test("convergence ends the capture", () => {
-  const done = reduce(capturing(), { type: "session", session: { ...SESSION, status: "converged", calibration: {}, progress: 1 } });
+  const done = reduce(capturing(), {
+    type: "session",
+    session: { ...SESSION, status: "converged", calibration: {}, progress: 1 },
+  });
   assert.deepEqual([done.phase, done.capture.progress, done.capture.pose], ["done", 1, null]);
   assert.equal(decide(done, 1e9), null);
   assert.equal(reduce(done, { type: "frame", detection: frame(THERE), time: 1 }), done);
@@ -156,16 +195,22 @@ test("instructions say what is missing, and stand for 400 ms", () => {
 });
 
 test("a board that is never held still is told so after 12 s, and its sharpest frames are offered after 60", () => {
-  const swaying = (time) => frame({ ...ELSEWHERE, tvec: [ELSEWHERE.tvec[0] + 0.4 * Math.sin(time / 300), ...ELSEWHERE.tvec.slice(1)] });
+  const swaying = (time) =>
+    frame({ ...ELSEWHERE, tvec: [ELSEWHERE.tvec[0] + 0.4 * Math.sin(time / 300), ...ELSEWHERE.tvec.slice(1)] });
   const moved = (until) => {
     let state = capturing([]);
-    for (let time = 100; time <= until; time += 100) state = reduce(state, { type: "frame", detection: swaying(time), time });
+    for (let time = 100; time <= until; time += 100)
+      state = reduce(state, { type: "frame", detection: swaying(time), time });
     return state;
   };
   const [early, later, late] = [moved(11_000), moved(14_000), moved(62_000)];
   assert.deepEqual([early, later, late].map(isRestless), [false, true, true]);
   assert.deepEqual([later, late].map(isSharpestOffered), [false, true]);
-  assert.equal(isSharpestOffered(reduce(late, { type: "sent", corners: late.detector.corners })), false, "a view was held");
+  assert.equal(
+    isSharpestOffered(reduce(late, { type: "sent", corners: late.detector.corners })),
+    false,
+    "a view was held",
+  );
   assert.equal(isRestless(frames(NOTHING, 20_000).reduce(reduce, capturing([]))), false, "there is no board to hold");
 });
 
@@ -174,19 +219,31 @@ test("what was said of one target does not stand for the next", () => {
   assert.equal(held.ui.instruction.code, "hold");
   const next = reduce(held, { type: "pose", pose: target(ELSEWHERE, 1), picture: "blob:2", time: 650 });
   assert.equal(next.ui.instruction.code, "tilt_right");
-  const unseen = reduce(capturing(frames(NOTHING, 500)), { type: "pose", pose: target(ELSEWHERE, 1), picture: "blob:2", time: 650 });
+  const unseen = reduce(capturing(frames(NOTHING, 500)), {
+    type: "pose",
+    pose: target(ELSEWHERE, 1),
+    picture: "blob:2",
+    time: 650,
+  });
   assert.equal(unseen.ui.instruction.code, "show", "without a board in sight there is nothing new to say");
 });
 
 test("in a mirrored preview left is right", () => {
-  assert.deepEqual(["left", "up_right", "tilt_left", "turn_clockwise", "tilt_top", "closer"].map(asMirrored),
-    ["right", "up_left", "tilt_right", "turn_counterclockwise", "tilt_top", "closer"]);
+  assert.deepEqual(["left", "up_right", "tilt_left", "turn_clockwise", "tilt_top", "closer"].map(asMirrored), [
+    "right",
+    "up_left",
+    "tilt_right",
+    "turn_counterclockwise",
+    "tilt_top",
+    "closer",
+  ]);
   const mirrored = reduce(capturing(), { type: "opened", key: KEY, mirrored: true, cropped: false });
   const shown = (state, pose) => [pose, ...frames(frame(ELSEWHERE), 450)].reduce(reduce, state).ui.instruction.code;
   const known = { type: "pose", pose: target(THERE), picture: "blob:2", time: 0 };
   assert.equal(shown(capturing(), known), "tilt_left");
   assert.equal(shown(mirrored, known), "tilt_right");
-  // Where the target is hardly in the picture, the service's own hint is all there is; one that is not known is not said.
+  // Where the target is hardly in the picture, the service's own hint is all there is; one that is not known is not
+  // said.
   const hinted = (hint_code) => ({ ...known, pose: { ...target(THERE), ids: [], corners: [], hint_code } });
   assert.equal(shown(capturing(), hinted("left")), "left");
   assert.equal(shown(mirrored, hinted("left")), "right");
@@ -196,22 +253,34 @@ test("in a mirrored preview left is right", () => {
 
 test("a hand that is not steady is asked for less, the longer it tries", () => {
   const state = { capture: { posedAt: 1000 } };
-  assert.deepEqual([1000, 4000, 5500, 60_000].map((time) => lenience(state, time)), [1, 1, 1.5, 4]);
-  const trembling = (from, ms) => frames(frame(THERE), ms, from).map((event, index) => {
-    const points = event.detection.points.map(([x, y]) => [x + (index % 2 ? 3 : 0), y]);
-    return { ...event, detection: { ...event.detection, points } };
-  });
+  assert.deepEqual(
+    [1000, 4000, 5500, 60_000].map((time) => lenience(state, time)),
+    [1, 1, 1.5, 4],
+  );
+  const trembling = (from, ms) =>
+    frames(frame(THERE), ms, from).map((event, index) => {
+      const points = event.detection.points.map(([x, y]) => [x + (index % 2 ? 3 : 0), y]);
+      return { ...event, detection: { ...event.detection, points } };
+    });
   assert.equal(decide(capturing(trembling(0, 2000)), 2000), null);
   assert.equal(decide(capturing(trembling(0, 12_000)), 12_000), "submit");
 });
 
 test("who comes nearer, slowly, keeps the target", () => {
-  const far = (time) => ({ rvec: THERE.rvec, tvec: [THERE.tvec[0] - (8 * (20_000 - time)) / 20_000, THERE.tvec[1], THERE.tvec[2]] });
-  const slow = Array.from({ length: 17 }, (_, index) => 1000 * index)
-    .reduce((state, time) => reduce(state, { type: "frame", detection: frame(far(time)), time }), capturing());
+  const far = (time) => ({
+    rvec: THERE.rvec,
+    tvec: [THERE.tvec[0] - (8 * (20_000 - time)) / 20_000, THERE.tvec[1], THERE.tvec[2]],
+  });
+  const slow = Array.from({ length: 17 }, (_, index) => 1000 * index).reduce(
+    (state, time) => reduce(state, { type: "frame", detection: frame(far(time)), time }),
+    capturing(),
+  );
   assert.equal(decide(slow, 16_001), null);
   assert.equal(decide(slow, slow.capture.nearest.time + 15_001), "skip");
-  assert.equal(decide({ ...slow, capture: { ...slow.capture, nearest: { ...slow.capture.nearest, time: 45_000 } } }, 45_001), "skip");
+  assert.equal(
+    decide({ ...slow, capture: { ...slow.capture, nearest: { ...slow.capture.nearest, time: 45_000 } } }, 45_001),
+    "skip",
+  );
 });
 
 test("without the service, views are kept and counted, and the target is the page's own", () => {
@@ -222,15 +291,33 @@ test("without the service, views are kept and counted, and the target is the pag
   assert.equal(decide(frames(frame(ELSEWHERE), HOLD_MS, 1000).reduce(reduce, planned), 1000 + HOLD_MS), "submit");
   const stored = reduce(planned, { type: "stored", corners: frame(ELSEWHERE), stored: 2, time: 2000 });
   assert.deepEqual([stored.link.stored, stored.capture.pose, stored.ui.notice.key], [2, null, "capture.view_stored"]);
-  const views = [{ index: 0, points: 40, rms: 0.1 }, { index: 1, points: 40, rms: 0.1 }];
+  const views = [
+    { index: 0, points: 40, rms: 0.1 },
+    { index: 1, points: 40, rms: 0.1 },
+  ];
   const far = { ...stored, capture: { ...stored.capture, session: { ...SESSION, progress: 0.6 }, progress: 0.6 } };
-  const keep = (state, count) => reduce(state, { type: "stored", corners: frame(ELSEWHERE), stored: count, time: 2000 });
-  const grown = [3, 4, 5, 6, 7, 8].reduce((all, count) => [...all, keep(all.at(-1), count)], [far]).map(({ capture: { progress } }) => progress);
-  assert.ok(grown.every((each, at) => at === 0 || each > grown[at - 1]), `progress only grows: ${grown}`);
+  const keep = (state, count) =>
+    reduce(state, { type: "stored", corners: frame(ELSEWHERE), stored: count, time: 2000 });
+  const grown = [3, 4, 5, 6, 7, 8]
+    .reduce((all, count) => [...all, keep(all.at(-1), count)], [far])
+    .map(({ capture: { progress } }) => progress);
+  assert.ok(
+    grown.every((each, at) => at === 0 || each > grown[at - 1]),
+    `progress only grows: ${grown}`,
+  );
   assert.ok(Math.abs(grown.at(-1) - 0.95) < 1e-9, "the service alone says that it is the end");
   const trying = reduce(stored, { type: "retrying", attempts: 2 });
-  const back = reduce(trying, { type: "online", session: { ...SESSION, views, progress: 0.5 }, taken: 2, refused: 0, time: 3000 });
-  assert.deepEqual([back.link.offline, back.link.stored, back.capture.progress, back.ui.notice.key], [false, 0, 0.5, "capture.came_back"]);
+  const back = reduce(trying, {
+    type: "online",
+    session: { ...SESSION, views, progress: 0.5 },
+    taken: 2,
+    refused: 0,
+    time: 3000,
+  });
+  assert.deepEqual(
+    [back.link.offline, back.link.stored, back.capture.progress, back.ui.notice.key],
+    [false, 0, 0.5, "capture.came_back"],
+  );
   assert.equal(back.link.attempts, 0, "the connection is not lost any more");
 });
 
@@ -239,26 +326,47 @@ test("without the service there is an end: eight views, or three more where it w
   assert.deepEqual([offline(0).ui.notice, offline(3).link.offline, offline(3).phase], [null, true, "capturing"]);
   assert.deepEqual([offlineGoal(offline(0)), isEnough(offline(7)), isEnough(offline(8))], [8, false, true]);
   const views = Array.from({ length: 7 }, (_, index) => ({ index, points: 40, rms: 0.1 }));
-  const late = reduce(reduce(capturing(), { type: "session", session: { ...SESSION, views } }), { type: "offline", stored: 2 });
-  assert.deepEqual([offlineGoal(late), isEnough(late), isEnough({ ...late, link: { ...late.link, stored: 3 } })], [3, false, true]);
+  const late = reduce(reduce(capturing(), { type: "session", session: { ...SESSION, views } }), {
+    type: "offline",
+    stored: 2,
+  });
+  assert.deepEqual(
+    [offlineGoal(late), isEnough(late), isEnough({ ...late, link: { ...late.link, stored: 3 } })],
+    [3, false, true],
+  );
   const told = frames(NOTHING, 500).reduce(reduce, offline(8));
   assert.equal(told.ui.instruction.code, "enough");
   assert.equal(reduce(late, { type: "sending", sending: true }).link.sending, true);
-  const back = (taken, refused) => reduce(late, { type: "online", session: SESSION, taken, refused, time: 2 }).ui.notice.key;
-  assert.deepEqual([back(2, 0), back(1, 1), back(0, 0)], ["capture.came_back", "capture.came_back_less", "capture.came_back_only"]);
+  const back = (taken, refused) =>
+    reduce(late, { type: "online", session: SESSION, taken, refused, time: 2 }).ui.notice.key;
+  assert.deepEqual(
+    [back(2, 0), back(1, 1), back(0, 0)],
+    ["capture.came_back", "capture.came_back_less", "capture.came_back_only"],
+  );
 });
 
 test("a refusal says what would help, as the preview shows it", () => {
   const answer = { ...SESSION, accepted: false, reason: "too_few_points", hint: { code: "left", text: "Move left" } };
-  const refuse = (state, hint) => reduce(state, { type: "answer", answer: { ...answer, hint }, corners: frame(ELSEWHERE), time: 1 }).ui.notice;
-  assert.deepEqual(refuse(capturing(), answer.hint), { key: "capture.refused_too_few_points", kind: "bad", hint: "left" });
-  assert.equal(refuse(reduce(capturing(), { type: "opened", key: KEY, mirrored: true, cropped: false }), answer.hint).hint, "right");
+  const refuse = (state, hint) =>
+    reduce(state, { type: "answer", answer: { ...answer, hint }, corners: frame(ELSEWHERE), time: 1 }).ui.notice;
+  assert.deepEqual(refuse(capturing(), answer.hint), {
+    key: "capture.refused_too_few_points",
+    kind: "bad",
+    hint: "left",
+  });
+  assert.equal(
+    refuse(reduce(capturing(), { type: "opened", key: KEY, mirrored: true, cropped: false }), answer.hint).hint,
+    "right",
+  );
   assert.equal(refuse(capturing(), { code: "dance", text: "" }).hint, undefined);
   assert.equal(refuse(capturing(), null).hint, undefined);
 });
 
 test("a view that is set aside later is said to be, once", () => {
-  const views = [{ index: 0, points: 40, rms: 9, set_aside: { reason: "outlier", detail: "" } }, { index: 1, points: 40, rms: 0.1 }];
+  const views = [
+    { index: 0, points: 40, rms: 9, set_aside: { reason: "outlier", detail: "" } },
+    { index: 1, points: 40, rms: 0.1 },
+  ];
   const answer = { ...SESSION, views, accepted: true, reason: null };
   const first = reduce(capturing(), { type: "answer", answer, corners: frame(THERE), time: 1 });
   assert.deepEqual([first.ui.notice.key, first.ui.notice.values.number], ["capture.view_set_aside", 1]);
@@ -269,7 +377,11 @@ test("a view that is set aside later is said to be, once", () => {
 test("a board of the other layout is taken as such while nothing is lost by it", () => {
   const legacy = (stored) => {
     const { detector, link, ...rest } = capturing();
-    return { ...rest, detector: { ...detector, diagnosis: { ...HEALTHY, trouble: "legacy" } }, link: { ...link, stored } };
+    return {
+      ...rest,
+      detector: { ...detector, diagnosis: { ...HEALTHY, trouble: "legacy" } },
+      link: { ...link, stored },
+    };
   };
   assert.equal(decide(legacy(0), 1), "relayout");
   assert.equal(decide(legacy(1), 1), null);
@@ -296,7 +408,10 @@ test("a picture of another size ends the capture, and nothing of it is ever sent
 test("starting over keeps the cameras and forgets the rest", () => {
   const state = reduce(capturing(frames(frame(THERE), 200)), { type: "cameras", cameras: [{ id: "a", label: "A" }] });
   const fresh = reduce(state, { type: "restart" });
-  assert.deepEqual([fresh.phase, fresh.capture.pose, fresh.capture.session, fresh.ui.cameras.length], ["welcome", null, null, 1]);
+  assert.deepEqual(
+    [fresh.phase, fresh.capture.pose, fresh.capture.session, fresh.ui.cameras.length],
+    ["welcome", null, null, 1],
+  );
 });
 
 test("a device too slow to colour the picture stays so, whatever is begun anew", () => {
@@ -331,18 +446,25 @@ test("where nothing of a board is seen for eight seconds, a way to get one is of
 });
 
 test("the target's squares are gone before the board lies on them", () => {
-  const at = (overlap, count = 0) => visibility({
-    ...capturing(), capture: { session: { views: Array(count).fill({}) } }, link: { stored: 0 }, detector: { overlap },
-  });
+  const at = (overlap, count = 0) =>
+    visibility({
+      ...capturing(),
+      capture: { session: { views: Array(count).fill({}) } },
+      link: { stored: 0 },
+      detector: { overlap },
+    });
   assert.deepEqual([at(0), at(0.25), at(0.5), at(0.9)], [1, 0.5, 0, 0]);
   assert.ok(at(0, 1) < at(0), "who has taken a view knows what a target is");
 });
 
 test("a capture can be ended by hand from four views, whatever they are worth", () => {
-  const having = (count, rms, more = {}) => isFinishable({
-    capture: { session: { views: Array(count).fill({}), calibration: {}, uncertainty: { rms }, img_size: [640, 480] } },
-    link: { offline: false, stored: 0, ...more },
-  });
+  const having = (count, rms, more = {}) =>
+    isFinishable({
+      capture: {
+        session: { views: Array(count).fill({}), calibration: {}, uncertainty: { rms }, img_size: [640, 480] },
+      },
+      link: { offline: false, stored: 0, ...more },
+    });
   assert.deepEqual([having(3, 0.5), having(4, 0.5), having(4, 16)], [false, true, true]);
   assert.equal(having(4, 0.5, { offline: true }), false);
   assert.equal(having(4, 0.5, { stored: 1 }), false);

@@ -5,8 +5,18 @@ import { hear, stateOf } from "../../web/status/health.js";
 const NOW = 1_795_000_000;
 const SETTINGS = { ok: true, status: 200, ms: 12, body: { api: "/v1" } };
 const heard = (failed = [], canary = null) => ({
-  ok: failed.length === 0, status: failed.length ? 503 : 200, ms: 40,
-  body: { canary, parts: ["table", "bucket", "edge", "solver"].map((part) => ({ part, ok: !failed.includes(part), latency_ms: failed.includes(part) ? null : 3.2, limit_ms: 2000 })) },
+  ok: failed.length === 0,
+  status: failed.length ? 503 : 200,
+  ms: 40,
+  body: {
+    canary,
+    parts: ["table", "bucket", "edge", "solver"].map((part) => ({
+      part,
+      ok: !failed.includes(part),
+      latency_ms: failed.includes(part) ? null : 3.2,
+      limit_ms: 2000,
+    })),
+  },
 });
 const states = ({ rows }) => Object.fromEntries(rows.map(({ name, state }) => [name, state]));
 
@@ -14,7 +24,14 @@ test("every part is told for itself, whatever the status of the answer", () => {
   assert.equal(stateOf(heard(), SETTINGS, NOW).verdict, "all");
   const failed = stateOf(heard(["bucket"]), SETTINGS, NOW);
   assert.equal(failed.verdict, "some");
-  assert.deepEqual(states(failed), { pages: "ok", functions: "ok", table: "ok", bucket: "failed", solver: "ok", edge: "ok" });
+  assert.deepEqual(states(failed), {
+    pages: "ok",
+    functions: "ok",
+    table: "ok",
+    bucket: "failed",
+    solver: "ok",
+    edge: "ok",
+  });
   assert.equal(stateOf(heard(["edge"]), SETTINGS, NOW).verdict, "edge");
 });
 
@@ -23,7 +40,14 @@ test("functions that are down are said to be down, with what still works", () =>
   for (const health of [gateway, { ...gateway, body: null }, { ...gateway, status: 0, body: null }]) {
     const found = stateOf(health, SETTINGS, NOW);
     assert.equal(found.verdict, "functions");
-    assert.deepEqual(states(found), { pages: "ok", functions: "failed", table: "unknown", bucket: "unknown", solver: "unknown", edge: "unknown" });
+    assert.deepEqual(states(found), {
+      pages: "ok",
+      functions: "failed",
+      table: "unknown",
+      bucket: "unknown",
+      solver: "unknown",
+      edge: "unknown",
+    });
   }
   assert.equal(stateOf(gateway, { ok: false, status: 0, ms: 5, body: null }, NOW).verdict, "nothing");
 });
@@ -32,14 +56,32 @@ test("the canary is shown where there is one: well, failed, or late", () => {
   const run = (more) => ({ ok: true, at: NOW - 60, took_ms: 1800, failed_at: null, ...more });
   const row = (canary) => stateOf(heard([], canary), SETTINGS, NOW).rows.at(-1);
   assert.equal(row(run({})).state, "ok");
-  assert.deepEqual([row(run({ ok: false, failed_at: "view" })).state, row(run({ ok: false, failed_at: "view" })).words], ["failed", "view"]);
+  assert.deepEqual(
+    [row(run({ ok: false, failed_at: "view" })).state, row(run({ ok: false, failed_at: "view" })).words],
+    ["failed", "view"],
+  );
   assert.equal(stateOf(heard([], run({ ok: false, failed_at: "view" })), SETTINGS, NOW).verdict, "canary");
   assert.deepEqual([row(run({ at: NOW - 1600 })).state, row(run({ at: NOW - 1600 })).words], ["unknown", "late"]);
 });
 
 test("whatever answers is heard, and silence too", async (context) => {
-  const answers = [() => new Response("<html>", { status: 502 }), () => { throw new TypeError("Failed to fetch"); }];
+  const answers = [
+    () => new Response("<html>", { status: 502 }),
+    () => {
+      throw new TypeError("Failed to fetch");
+    },
+  ];
   context.mock.method(globalThis, "fetch", async () => answers.shift()());
-  assert.deepEqual(await hear(new URL("https://calibdb.example/healthz"), () => 0), { ok: false, status: 502, ms: 0, body: null });
-  assert.deepEqual(await hear(new URL("https://calibdb.example/healthz"), () => 0), { ok: false, status: 0, ms: 0, body: null });
+  assert.deepEqual(await hear(new URL("https://calibdb.example/healthz"), () => 0), {
+    ok: false,
+    status: 502,
+    ms: 0,
+    body: null,
+  });
+  assert.deepEqual(await hear(new URL("https://calibdb.example/healthz"), () => 0), {
+    ok: false,
+    status: 0,
+    ms: 0,
+    body: null,
+  });
 });

@@ -18,7 +18,8 @@ const wanted = { camera: "C920", img_size: [1280, 720], distortion_model: "recti
 const fresh = initial(DEFAULT_BOARD, wanted);
 /** A state with changes of its parts. */
 const having = (changes, state = fresh) => ({
-  ...state, ...Object.fromEntries(Object.entries(changes).map(([part, change]) => [part, { ...state[part], ...change }])),
+  ...state,
+  ...Object.fromEntries(Object.entries(changes).map(([part, change]) => [part, { ...state[part], ...change }])),
 });
 const state = having({ ui: { cameras: [BUILT_IN, VIRTUAL] } });
 const key = { camera: "C920", platform: "X11", img_size: [1280, 720], zoom: 0 };
@@ -34,25 +35,50 @@ test("the camera asked for is proposed, and the virtual one never in its place",
 });
 
 test("a camera that is not there is said not to be, as soon as names are known", () => {
-  assert.equal(statusText.wanted(state), "This page was opened for C920 at 1280\u00a0×\u00a0720. That camera is not connected here.");
-  assert.equal(statusText.wanted(having({ ui: { cameras: [C920, VIRTUAL] } })), "This page was opened for C920 at 1280\u00a0×\u00a0720.");
+  assert.equal(
+    statusText.wanted(state),
+    "This page was opened for C920 at 1280\u00a0×\u00a0720. That camera is not connected here.",
+  );
+  assert.equal(
+    statusText.wanted(having({ ui: { cameras: [C920, VIRTUAL] } })),
+    "This page was opened for C920 at 1280\u00a0×\u00a0720.",
+  );
   const nameless = { id: "", label: "Camera 1", named: false };
-  assert.equal(statusText.wanted(having({ ui: { cameras: [nameless, VIRTUAL] } })), "This page was opened for C920 at 1280\u00a0×\u00a0720.");
+  assert.equal(
+    statusText.wanted(having({ ui: { cameras: [nameless, VIRTUAL] } })),
+    "This page was opened for C920 at 1280\u00a0×\u00a0720.",
+  );
   assert.match(statusText.wanted(having({ ui: { cameras: [VIRTUAL] } })), /No camera was found here/);
 });
 
 test("another camera, or another size, than was asked for is said to be opened", () => {
   assert.equal(statusText.cameraMismatch(having({ capture: { key } })), "");
-  assert.match(statusText.cameraMismatch(having({ capture: { key: { ...key, camera: "Integrated Camera" } } })), /C920 at 1280\u00a0×\u00a0720. Open now: Integrated Camera/);
-  assert.match(statusText.cameraMismatch(having({ capture: { key: { ...key, img_size: [640, 480] } } })), /Open now: C920 at 640\u00a0×\u00a0480/);
+  assert.match(
+    statusText.cameraMismatch(having({ capture: { key: { ...key, camera: "Integrated Camera" } } })),
+    /C920 at 1280\u00a0×\u00a0720. Open now: Integrated Camera/,
+  );
+  assert.match(
+    statusText.cameraMismatch(having({ capture: { key: { ...key, img_size: [640, 480] } } })),
+    /Open now: C920 at 640\u00a0×\u00a0480/,
+  );
   assert.equal(statusText.cameraMismatch(having({ capture: { key }, wanted: { camera: null } })), "");
 });
 
 test("all that is sent is shown, as it is sent", () => {
-  const request = { ...key, board: DEFAULT_BOARD, distortion_model: "fisheye", target_error: 0.1, track: { focusMode: "manual" } };
+  const request = {
+    ...key,
+    board: DEFAULT_BOARD,
+    distortion_model: "fisheye",
+    target_error: 0.1,
+    track: { focusMode: "manual" },
+  };
   assert.deepEqual(JSON.parse(requestText(request)), request);
   const facts = Object.fromEntries(requestFacts(request));
-  assert.equal(Object.keys(facts).length, Object.keys(request).length - 1 + Object.keys(request.track).length, "nothing is left out of the table");
+  assert.equal(
+    Object.keys(facts).length,
+    Object.keys(request).length - 1 + Object.keys(request.track).length,
+    "nothing is left out of the table",
+  );
   assert.equal(facts["Lens type"], "Fisheye");
   assert.equal(facts.Resolution, "1280\u00a0×\u00a0720");
   assert.match(facts.Board, /^9 × 6 squares, DICT_4X4_50/);
@@ -79,7 +105,10 @@ test("what has happened is said once, what is to be done whenever it changes", a
 test("a model that would fit better is offered, unless it is the one", () => {
   const session = { suggested_model: "fisheye" };
   assert.equal(statusText.suggestedModel(having({ capture: { session } })), "Start again with lens type “Fisheye”");
-  assert.equal(statusText.suggestedModel(having({ capture: { session }, wanted: { distortion_model: "fisheye" } })), "");
+  assert.equal(
+    statusText.suggestedModel(having({ capture: { session }, wanted: { distortion_model: "fisheye" } })),
+    "",
+  );
   assert.equal(statusText.suggestedModel(state), "");
 });
 
@@ -95,12 +124,27 @@ test("the status line says that the detector is loading", () => {
 });
 
 test("the cause of what is systematic is told while the capture runs", () => {
-  const told = (...advice) => statusText.statusLine(having({ capture: { session: { advice, suggested_model: "fisheye", views: Array(4).fill({}) } }, ui: { saved: true } }));
-  assert.match(told({ code: "board_bent", text: "" }, { code: "limit_reached", text: "" }), /Glue it to something rigid/);
+  const told = (...advice) =>
+    statusText.statusLine(
+      having({
+        capture: { session: { advice, suggested_model: "fisheye", views: Array(4).fill({}) } },
+        ui: { saved: true },
+      }),
+    );
+  assert.match(
+    told({ code: "board_bent", text: "" }, { code: "limit_reached", text: "" }),
+    /Glue it to something rigid/,
+  );
   assert.equal(told({ code: "motion", text: "" }), "", "the corners did not move while the views were held");
-  const shaken = having({ capture: { unsteady: true, session: { advice: [{ code: "motion", text: "" }], views: Array(4).fill({}) } }, ui: { saved: true } });
+  const shaken = having({
+    capture: { unsteady: true, session: { advice: [{ code: "motion", text: "" }], views: Array(4).fill({}) } },
+    ui: { saved: true },
+  });
   assert.match(statusText.statusLine(shaken), /Hold it still for longer/);
-  const early = having({ capture: { session: { advice: [{ code: "board_bent", text: "" }], views: Array(3).fill({}) } }, ui: { saved: true } });
+  const early = having({
+    capture: { session: { advice: [{ code: "board_bent", text: "" }], views: Array(3).fill({}) } },
+    ui: { saved: true },
+  });
   assert.equal(statusText.statusLine(early), "", "three views do not tell");
   assert.match(told({ code: "focus_changed", text: "" }), /Switch autofocus off/);
   assert.match(told({ code: "model_too_simple", text: "" }), /“Fisheye” would fit better/);
@@ -108,12 +152,28 @@ test("the cause of what is systematic is told while the capture runs", () => {
 
 test("the views taken are counted, and four are said to be the least", () => {
   const views = (count) => Array.from({ length: count }, (_, index) => ({ index, points: 40, rms: 0.1 }));
-  const counted = (count, rms) => statusText.counts(having({ capture: { session: {
-    views: views(count), uncertainty: rms === null ? null : { rms, max: 1 }, target_error: 0.3, status: "capturing",
-  } } })).join(" · ");
+  const counted = (count, rms) =>
+    statusText
+      .counts(
+        having({
+          capture: {
+            session: {
+              views: views(count),
+              uncertainty: rms === null ? null : { rms, max: 1 },
+              target_error: 0.3,
+              status: "capturing",
+            },
+          },
+        }),
+      )
+      .join(" · ");
   assert.equal(counted(0, null), "0 of about 5 views · at least 4");
   assert.equal(counted(1, 19), "1 of about 5 views · at least 4");
-  assert.equal(counted(2, 0.2), "2 of about 4 views · accurate enough; 2 more to confirm", "passing the goal early is not passed over");
+  assert.equal(
+    counted(2, 0.2),
+    "2 of about 4 views · accurate enough; 2 more to confirm",
+    "passing the goal early is not passed over",
+  );
   assert.equal(counted(3, 0.17), "3 of about 4 views · accurate enough; 1 more to confirm");
   assert.equal(counted(4, 0.5), "4 of about 5 views");
   assert.equal(counted(6, 0.5), "6 of about 7 views");
@@ -133,7 +193,8 @@ test("the button that ends the capture says what is lost by it", () => {
 });
 
 test("there is one instruction at a time", () => {
-  const code = (more) => having({ capture: { skipAfter: 1_000 }, ui: { instruction: { code: "tilt_left", next: "", since: 0 }, ...more } });
+  const code = (more) =>
+    having({ capture: { skipAfter: 1_000 }, ui: { instruction: { code: "tilt_left", next: "", since: 0 }, ...more } });
   const useless = code({ notice: { key: "capture.useless", kind: "plain" } });
   assert.equal(statusText.instruction(useless), "Looking for a better pose");
   assert.equal(statusText.notice(useless.ui.notice), "");

@@ -50,7 +50,15 @@ test("time that no frame shows does not count as held", () => {
 });
 
 test("too few common corners are no evidence of stillness", () => {
-  const few = { ids: [0, 1, 7, 8], points: [[0, 0], [1, 0], [2, 0], [3, 0]] };
+  const few = {
+    ids: [0, 1, 7, 8],
+    points: [
+      [0, 0],
+      [1, 0],
+      [2, 0],
+      [3, 0],
+    ],
+  };
   assert.equal(motion(at(0), few), Infinity);
   assert.equal(observe(watch([100, 100]), few, 200, 1280).held, 0);
   assert.equal(observe(watch([100, 100]), { ids: [], points: [] }, 200, 1280).held, 0);

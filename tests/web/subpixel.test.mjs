@@ -51,5 +51,16 @@ test("a flat patch and the image's edge hold no corner", () => {
 
 test("squares are measured between neighbours of one row, never across the board's edge", () => {
   // Corners 7 and 8 of a board of 8 a row follow each other by number and lie at opposite ends.
-  assert.deepEqual(squareSizes([7, 8, 15], [[400, 100], [50, 140], [400, 140]], 8), [40, 40, 40]);
+  assert.deepEqual(
+    squareSizes(
+      [7, 8, 15],
+      [
+        [400, 100],
+        [50, 140],
+        [400, 140],
+      ],
+      8,
+    ),
+    [40, 40, 40],
+  );
 });

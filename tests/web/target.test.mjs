@@ -8,7 +8,8 @@ import { perturbPose, seededRandom, transformPoint } from "../../web/lib/pose.js
 
 const LENS = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: -0.2, k2: 0, p1: 0, p2: 0, k3: 0 };
 const CENTRE = [4.5, 3, 0];
-const see = (pose) => outline(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transformPoint(pose, [x, y, 0])));
+const see = (pose) =>
+  outline(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transformPoint(pose, [x, y, 0])));
 /** The board turned so about its centre, which is there in the camera's frame. */
 function held(rvec, centre) {
   const turned = transformPoint({ rvec, tvec: [0, 0, 0] }, CENTRE);
@@ -51,7 +52,12 @@ test("the largest difference first, in what a hand may miss by; nothing where no
 
 test("the edge named is the one that is nearer in the target", () => {
   const facing = see(held([0, 0, 0], [0, 0, 11]));
-  for (const [rvec, name] of [[[0, 0.5, 0], "right"], [[0, -0.5, 0], "left"], [[0.5, 0, 0], "top"], [[-0.5, 0, 0], "bottom"]]) {
+  for (const [rvec, name] of [
+    [[0, 0.5, 0], "right"],
+    [[0, -0.5, 0], "left"],
+    [[0.5, 0, 0], "top"],
+    [[-0.5, 0, 0], "bottom"],
+  ]) {
     const target = held(rvec, [0, 0, 11]);
     const side = { right: [9, 3], left: [0, 3], top: [4.5, 0], bottom: [4.5, 6] }[name];
     assert.ok(transformPoint(target, [...side, 0])[2] < 11, `${name} is nearer`);

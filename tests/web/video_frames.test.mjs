@@ -5,13 +5,20 @@ import { playedFrames } from "../../web/photos/video-frames.js";
 const SCREEN_HZ = 60;
 
 /**
- * A video of `count` frames that a screen shows: of frames that come faster than the browser manages, some are never shown.
- * @param {{rate: number, count: number, capacity: number}} options rate: frames/s of the file; capacity: frames/s that are decoded
+ * A video of `count` frames that a screen shows: of frames that come faster than the browser manages, some are never
+ * shown.
+ * @param {{rate: number, count: number, capacity: number}} options rate: frames/s of the file; capacity: frames/s that
+ *   are decoded
  */
 function film({ rate, count, capacity }) {
   const listeners = {};
   const video = {
-    duration: count / rate, playbackRate: 1, currentTime: 0, paused: true, shown: 0, played: 0,
+    duration: count / rate,
+    playbackRate: 1,
+    currentTime: 0,
+    paused: true,
+    shown: 0,
+    played: 0,
     addEventListener: (name, call) => (listeners[name] = call),
     requestVideoFrameCallback: (call) => (video.callback = call),
     pause: () => (video.paused = true),

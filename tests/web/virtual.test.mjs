@@ -29,11 +29,21 @@ test("distortion is OpenCV's, by numbers from cv2.projectPoints", () => {
 
 test("rotations are rotations, and half way twice is the whole way", () => {
   const r = rotationMatrix([0.4, -0.7, 0.2]);
-  for (const [i, j] of [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]]) {
+  for (const [i, j] of [
+    [0, 0],
+    [1, 1],
+    [2, 2],
+    [0, 1],
+    [0, 2],
+    [1, 2],
+  ]) {
     const dot = [0, 1, 2].reduce((sum, k) => sum + r[3 * i + k] * r[3 * j + k], 0);
     assert.ok(Math.abs(dot - (i === j ? 1 : 0)) < 1e-12);
   }
-  const [from, to] = [{ rvec: [0.1, 0.2, -0.1], tvec: [1, 2, 9] }, { rvec: [-0.5, 0.6, 0.4], tvec: [0, 1, 5] }];
+  const [from, to] = [
+    { rvec: [0.1, 0.2, -0.1], tvec: [1, 2, 9] },
+    { rvec: [-0.5, 0.6, 0.4], tvec: [0, 1, 5] },
+  ];
   const there = interpolatePose(interpolatePose(from, to, 0.5), to, 1);
   there.rvec.forEach((value, index) => assert.ok(Math.abs(value - to.rvec[index]) < 1e-12));
 });
@@ -55,7 +65,10 @@ test("a hand misses by about 3° and 3 % of the distance, and the same seed by t
 
 test("an address sets the truth, and another truth is another camera", () => {
   const a = setupFrom(new URLSearchParams("virtual=1&fx=1000&cx=664.5&k1=-0.25&k2=0&error=0.5"));
-  assert.deepEqual([a.lens.fx, a.lens.fy, a.lens.cx, a.lens.k1, a.lens.k2, a.error], [1000, 1000, 664.5, -0.25, 0, 0.5]);
+  assert.deepEqual(
+    [a.lens.fx, a.lens.fy, a.lens.cx, a.lens.k1, a.lens.k2, a.error],
+    [1000, 1000, 664.5, -0.25, 0, 0.5],
+  );
   assert.deepEqual(a.size, [1280, 720]);
   const b = setupFrom(new URLSearchParams("virtual=1&fx=1000&cx=664.5&k1=-0.26&k2=0&error=0.5"));
   assert.notEqual(labelOf(a), labelOf(b));

@@ -5,8 +5,14 @@ import { projectionMatrix } from "../../web/sdk/pinhole.js";
 import { extend, matrixOf } from "../../web/webxr/extension.js";
 
 const PLAIN = {
-  img_size: [640, 480], camera_matrix: [[500, 0, 325], [0, 505, 238], [0, 0, 1]],
-  distortion_model: "rectilinear", distortion_coefficients: [-0.25, 0.0625, 0, 0, 0],
+  img_size: [640, 480],
+  camera_matrix: [
+    [500, 0, 325],
+    [0, 505, 238],
+    [0, 0, 1],
+  ],
+  distortion_model: "rectilinear",
+  distortion_coefficients: [-0.25, 0.0625, 0, 0, 0],
 };
 const FISHEYE = { ...PLAIN, distortion_model: "fisheye", distortion_coefficients: [-0.125, 0.5, 0, 0.25] };
 const MATRIX = [500, 0, 0, 0, 505, 0, 325, 238, 1];
@@ -46,8 +52,11 @@ function browser() {
   return { XRView, XRFrame, XRSession, XRRenderState };
 }
 
-const say = ({ cameraMatrix, distortionCoefficients, distortionModel }) =>
-  [cameraMatrix && [...cameraMatrix], distortionCoefficients && [...distortionCoefficients], distortionModel];
+const say = ({ cameraMatrix, distortionCoefficients, distortionModel }) => [
+  cameraMatrix && [...cameraMatrix],
+  distortionCoefficients && [...distortionCoefficients],
+  distortionModel,
+];
 const views = ({ XRFrame }, session) => new XRFrame(session).getViewerPose().views;
 const look = (global, session) => say(views(global, session)[0]);
 /** Wait until pending promises have settled. */
@@ -57,16 +66,23 @@ const settled = () => new Promise((done) => setImmediate(done));
 function running(options = {}) {
   const global = browser();
   const calls = [];
-  const again = extend((session, model, size) => new Promise((resolve, reject) => {
-    calls.push({ session, model, size, resolve, reject });
-  }), { global, ...options });
+  const again = extend(
+    (session, model, size) =>
+      new Promise((resolve, reject) => {
+        calls.push({ session, model, size, resolve, reject });
+      }),
+    { global, ...options },
+  );
   return { global, session: new global.XRSession(), calls, again };
 }
 
 test("views say nothing until the calibration is there, and then what it says", async () => {
   const { global, session, calls } = running();
   assert.deepEqual(look(global, session), NOTHING);
-  assert.deepEqual(calls.map(({ model, size }) => [model, size]), [["rectilinear", null]]);
+  assert.deepEqual(
+    calls.map(({ model, size }) => [model, size]),
+    [["rectilinear", null]],
+  );
   calls[0].resolve(PLAIN);
   await settled();
   const [view] = views(global, session);
@@ -99,7 +115,10 @@ test("another model is asked for once and seen later; what is overtaken is dropp
   session.updateRenderState({ distortionModel: "fisheye" });
   assert.deepEqual(session.applied[0].depthNear, 2);
   assert.equal(session.renderState.distortionModel, "fisheye");
-  assert.deepEqual(calls.map(({ model }) => model), ["rectilinear", "fisheye"]);
+  assert.deepEqual(
+    calls.map(({ model }) => model),
+    ["rectilinear", "fisheye"],
+  );
   calls[1].resolve(FISHEYE);
   await settled();
   calls[0].resolve(PLAIN);
@@ -114,12 +133,22 @@ test("models are an enumeration: other names are a TypeError, and nothing is cha
   }
   assert.deepEqual(session.applied, []);
   assert.throws(() => extend(async () => null, { global, model: "brown" }), TypeError);
-  for (const init of [undefined, null, {}, { distortionModel: undefined }, Object.create({ distortionModel: "rational" })]) {
+  for (const init of [
+    undefined,
+    null,
+    {},
+    { distortionModel: undefined },
+    Object.create({ distortionModel: "rational" }),
+  ]) {
     session.updateRenderState(init);
   }
   assert.equal(session.applied.length, 5);
   look(global, session);
-  assert.deepEqual(calls.map(({ model }) => model), ["rational"], "a member may be inherited, and the first frame asks");
+  assert.deepEqual(
+    calls.map(({ model }) => model),
+    ["rational"],
+    "a member may be inherited, and the first frame asks",
+  );
 });
 
 test("an error leaves the views as they were, is told, and asking for the same again is another try", async () => {
@@ -136,18 +165,32 @@ test("an error leaves the views as they were, is told, and asking for the same a
   calls[2].resolve({ ...PLAIN, distortion_coefficients: [0.1] });
   await settled();
   void again(session);
-  calls[3].resolve({ ...PLAIN, camera_matrix: [[NaN, 0, 1], [0, 1, 1], [0, 0, 1]] });
+  calls[3].resolve({
+    ...PLAIN,
+    camera_matrix: [
+      [NaN, 0, 1],
+      [0, 1, 1],
+      [0, 0, 1],
+    ],
+  });
   await settled();
-  assert.deepEqual(told, ["no network", "the provider's calibration is incomplete", "the provider's calibration is incomplete"]);
+  assert.deepEqual(told, [
+    "no network",
+    "the provider's calibration is incomplete",
+    "the provider's calibration is incomplete",
+  ]);
   assert.deepEqual(look(global, session)[0], MATRIX);
 });
 
 test("a provider that throws at once is like one that rejects", async () => {
   const global = browser();
   const told = [];
-  extend(() => {
-    throw new Error("at once");
-  }, { global, onError: (error) => told.push(error.message) });
+  extend(
+    () => {
+      throw new Error("at once");
+    },
+    { global, onError: (error) => told.push(error.message) },
+  );
   assert.deepEqual(look(global, new global.XRSession()), NOTHING);
   await settled();
   assert.deepEqual(told, ["at once"]);
@@ -166,7 +209,10 @@ test("two sessions have a model each, and one that has ended is no longer asked 
   other.end();
   assert.throws(() => other.updateRenderState({ distortionModel: "rational" }), { name: "InvalidStateError" });
   void again();
-  assert.deepEqual(calls.slice(2).map((call) => call.session), [session]);
+  assert.deepEqual(
+    calls.slice(2).map((call) => call.session),
+    [session],
+  );
   session.end();
   calls[2].resolve(FISHEYE);
   await settled();
@@ -209,49 +255,108 @@ test("two eyes are two cameras, and a view without an eye is the left one's", as
   look(global, session);
   calls[0].resolve({ left: PLAIN, right: FISHEYE });
   await settled();
-  assert.deepEqual(views(global, session).map((view) => view.distortionModel), ["rectilinear", "fisheye", "rectilinear"]);
+  assert.deepEqual(
+    views(global, session).map((view) => view.distortionModel),
+    ["rectilinear", "fisheye", "rectilinear"],
+  );
   const errors = [];
-  for (const answer of [{ left: PLAIN, right: null }, { left: PLAIN, right: { ...FISHEYE, img_size: [1280, 960] } }]) {
-    extend(async () => answer, { global, holds: ({ img_size: [width] }) => width === 640, onError: (error) => errors.push(error) });
+  for (const answer of [
+    { left: PLAIN, right: null },
+    { left: PLAIN, right: { ...FISHEYE, img_size: [1280, 960] } },
+  ]) {
+    extend(async () => answer, {
+      global,
+      holds: ({ img_size: [width] }) => width === 640,
+      onError: (error) => errors.push(error),
+    });
     const next = new global.XRSession();
     next.seen = session.seen;
     look(global, next);
     await settled();
-    assert.deepEqual(views(global, next).map((view) => view.distortionModel), ["rectilinear", null, "rectilinear"]);
+    assert.deepEqual(
+      views(global, next).map((view) => view.distortionModel),
+      ["rectilinear", null, "rectilinear"],
+    );
   }
   assert.deepEqual(errors, []);
 });
 
 test("the formula of raw camera access takes projection matrices back", () => {
-  for (const [f, c, size] of [[500, [325, 238], [640, 480]], [1432.5, [961.25, 520.75], [1920, 1080]], [480, [200, 700], [720, 1280]]]) {
-    const pinhole = { img_size: size, camera_matrix: [[f, 0, c[0]], [0, 1.01 * f, c[1]], [0, 0, 1]] };
+  for (const [f, c, size] of [
+    [500, [325, 238], [640, 480]],
+    [1432.5, [961.25, 520.75], [1920, 1080]],
+    [480, [200, 700], [720, 1280]],
+  ]) {
+    const pinhole = {
+      img_size: size,
+      camera_matrix: [
+        [f, 0, c[0]],
+        [0, 1.01 * f, c[1]],
+        [0, 0, 1],
+      ],
+    };
     const k = matrixOf(projectionMatrix(pinhole, { near: 0.05, far: Infinity }), ...size);
     [f, 0, 0, 0, 1.01 * f, 0, ...c, 1].forEach((value, n) => assert.ok(Math.abs(k[n] - value) < 1e-9, `${k}`));
   }
   // Half of a field of view of 90° is one width away from the pinhole: numbers that need no code of ours.
-  assert.deepEqual(matrixOf([1, 0, 0, 0, 0, 2, 0, 0, 0.5, 0.25, -1, -1, 0, 0, -0.2, 0], 400, 200), [200, 0, 0, 0, 200, 0, 99.5, 124.5, 1]);
+  assert.deepEqual(
+    matrixOf([1, 0, 0, 0, 0, 2, 0, 0, 0.5, 0.25, -1, -1, 0, 0, -0.2, 0], 400, 200),
+    [200, 0, 0, 0, 200, 0, 99.5, 124.5, 1],
+  );
 });
 
 test("raw camera access gives the matrix where the service knows none, and asks again where its picture changes", async () => {
   const { global, session, calls } = running();
-  const shown = (pinhole) => [{
-    camera: { width: pinhole.img_size[0], height: pinhole.img_size[1] }, projectionMatrix: new Float32Array(projectionMatrix(pinhole)),
-  }, {}];
-  const near = (found, wanted) => found.forEach((value, n) => assert.ok(Math.abs(value - wanted[n]) < 1e-4, `${found} is not ${wanted}`));
-  const device = { img_size: [640, 480], camera_matrix: [[498, 0, 321], [0, 498, 241], [0, 0, 1]] };
+  const shown = (pinhole) => [
+    {
+      camera: { width: pinhole.img_size[0], height: pinhole.img_size[1] },
+      projectionMatrix: new Float32Array(projectionMatrix(pinhole)),
+    },
+    {},
+  ];
+  const near = (found, wanted) =>
+    found.forEach((value, n) => assert.ok(Math.abs(value - wanted[n]) < 1e-4, `${found} is not ${wanted}`));
+  const device = {
+    img_size: [640, 480],
+    camera_matrix: [
+      [498, 0, 321],
+      [0, 498, 241],
+      [0, 0, 1],
+    ],
+  };
   session.seen = shown(device);
   const [k, ...distortion] = look(global, session);
   near(k, [498, 0, 0, 0, 498, 0, 321, 241, 1]);
   assert.deepEqual(distortion, [null, null]);
   assert.deepEqual(say(views(global, session)[1]), NOTHING, "a view without a camera");
-  assert.deepEqual(calls.map(({ size }) => size), [[640, 480]]);
+  assert.deepEqual(
+    calls.map(({ size }) => size),
+    [[640, 480]],
+  );
   calls[0].resolve(PLAIN);
   await settled();
-  assert.deepEqual(look(global, session), [MATRIX, PLAIN.distortion_coefficients, "rectilinear"], "the service's comes first");
+  assert.deepEqual(
+    look(global, session),
+    [MATRIX, PLAIN.distortion_coefficients, "rectilinear"],
+    "the service's comes first",
+  );
   // The phone is turned: what is known is of another picture.
-  session.seen = shown({ img_size: [480, 640], camera_matrix: [[498, 0, 238], [0, 498, 321], [0, 0, 1]] });
+  session.seen = shown({
+    img_size: [480, 640],
+    camera_matrix: [
+      [498, 0, 238],
+      [0, 498, 321],
+      [0, 0, 1],
+    ],
+  });
   near(look(global, session)[0], [498, 0, 0, 0, 498, 0, 238, 321, 1]);
-  assert.deepEqual(calls.map(({ size }) => size), [[640, 480], [480, 640]]);
+  assert.deepEqual(
+    calls.map(({ size }) => size),
+    [
+      [640, 480],
+      [480, 640],
+    ],
+  );
   calls[1].resolve(null);
   await settled();
   near(look(global, session)[0], [498, 0, 0, 0, 498, 0, 238, 321, 1]);

@@ -23,7 +23,10 @@ const HAIR = 0.012; // squares: before the wall that it is in
  */
 export function house(columns, rows) {
   const size = Math.min(columns, rows) / 6;
-  /** Units of the house, z towards who looks at it, to the board's frame. @type {(x: number, y: number, z: number) => Point} */
+  /**
+   * Units of the house, z towards who looks at it, to the board's frame.
+   * @type {(x: number, y: number, z: number) => Point}
+   */
   const at = (x, y, z) => [columns / 2 + x * size, rows / 2 + y * size, -z * size];
   const [w, d, eaves, ridge, jut] = [0.95, 0.75, 0.85, 1.6, 0.14];
   // The walls end a hair below the roof: in its plane the two would flicker.
@@ -41,8 +44,12 @@ export function house(columns, rows) {
   };
   return [
     ...shadedFaces(WALLS, [
-      inFront(-d, [-w, w, 0, wall]), inFront(d, [-w, w, 0, wall]), beside(-w, [-d, d, 0, wall]), beside(w, [-d, d, 0, wall]),
-      [at(w, -d, wall), at(w, d, wall), at(w, 0, gable)], [at(-w, d, wall), at(-w, -d, wall), at(-w, 0, gable)],
+      inFront(-d, [-w, w, 0, wall]),
+      inFront(d, [-w, w, 0, wall]),
+      beside(-w, [-d, d, 0, wall]),
+      beside(w, [-d, d, 0, wall]),
+      [at(w, -d, wall), at(w, d, wall), at(w, 0, gable)],
+      [at(-w, d, wall), at(-w, -d, wall), at(-w, 0, gable)],
     ]),
     ...shadedFaces(ROOF, [
       [at(-w - jut, -d - jut, low), at(w + jut, -d - jut, low), at(w + jut, 0, ridge), at(-w - jut, 0, ridge)],
@@ -51,18 +58,36 @@ export function house(columns, rows) {
     ...chimney(at, 0.5, -0.4, 0.13, 1.75),
     ...shadedFaces(DOOR, [inFront(d + HAIR, [-0.16, 0.16, 0, 0.56])]),
     ...shadedFaces(PANES, [
-      inFront(d + HAIR, [-0.7, -0.38, 0.3, 0.62]), inFront(d + HAIR, [0.38, 0.7, 0.3, 0.62]), inFront(-d - HAIR, [-0.6, -0.2, 0.3, 0.62]),
-      inFront(-d - HAIR, [0.2, 0.6, 0.3, 0.62]), beside(w + HAIR, [-0.2, 0.2, 0.3, 0.62]), beside(-w - HAIR, [-0.2, 0.2, 0.3, 0.62]),
+      inFront(d + HAIR, [-0.7, -0.38, 0.3, 0.62]),
+      inFront(d + HAIR, [0.38, 0.7, 0.3, 0.62]),
+      inFront(-d - HAIR, [-0.6, -0.2, 0.3, 0.62]),
+      inFront(-d - HAIR, [0.2, 0.6, 0.3, 0.62]),
+      beside(w + HAIR, [-0.2, 0.2, 0.3, 0.62]),
+      beside(-w - HAIR, [-0.2, 0.2, 0.3, 0.62]),
     ]),
   ];
 }
 
-/** @param {(x: number, y: number, z: number) => Point} at @param {number} x @param {number} y @param {number} half @param {number} top */
+/**
+ * @param {(x: number, y: number, z: number) => Point} at
+ * @param {number} x
+ * @param {number} y
+ * @param {number} half
+ * @param {number} top
+ */
 function chimney(at, x, y, half, top) {
-  const corners = (/** @type {number} */ z) => [at(x - half, y - half, z), at(x + half, y - half, z), at(x + half, y + half, z), at(x - half, y + half, z)];
+  const corners = (/** @type {number} */ z) => [
+    at(x - half, y - half, z),
+    at(x + half, y - half, z),
+    at(x + half, y + half, z),
+    at(x - half, y + half, z),
+  ];
   const [foot, head] = [corners(0.9), corners(top)];
-  return shadedFaces(BRICKS, [...[0, 1, 2, 3].map((side) => {
-    const next = (side + 1) % 4;
-    return [foot[side], foot[next], head[next], head[side]];
-  }), head]);
+  return shadedFaces(BRICKS, [
+    ...[0, 1, 2, 3].map((side) => {
+      const next = (side + 1) % 4;
+      return [foot[side], foot[next], head[next], head[side]];
+    }),
+    head,
+  ]);
 }

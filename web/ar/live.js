@@ -24,7 +24,8 @@ import { Scene } from "./scene.js";
  * @property {number} balance how much of the edge the straightened picture keeps, 0…1
  */
 
-const RESTORE_TIMEOUT_MS = 5000; // ms that a browser has to give back what it drew with: a driver that is started anew takes one or two
+// ms that a browser has to give back what it drew with: a driver that is started anew takes one or two
+const RESTORE_TIMEOUT_MS = 5000;
 
 export class Live {
   #setup;
@@ -56,7 +57,8 @@ export class Live {
   /**
    * Looks and shows until the signal.
    * @param {AbortSignal} signal @param {(off: Misalignment, mode: string) => void} onShown
-   * @returns {Promise<"resized" | null>} resized: the camera's picture has another size than the calibration; rejects with a
+   * @returns {Promise<"resized" | null>} resized: the camera's picture has another size than the calibration; rejects
+   *   with a
    *   RectifierError where the GPU is lost and does not come back
    */
   async run(signal, onShown) {

@@ -28,14 +28,23 @@ openPage();
 const parameters = new URLSearchParams(location.search);
 const { board, problem } = boardFrom(parameters);
 const html = (/** @type {string} */ id) => part(id, HTMLElement);
-const [video, camera, balance] = [part("video", HTMLVideoElement), part("camera", HTMLSelectElement), part("balance", HTMLInputElement)];
+const [video, camera, balance] = [
+  part("video", HTMLVideoElement),
+  part("camera", HTMLSelectElement),
+  part("balance", HTMLInputElement),
+];
 const [stage, layers, rms, outermost] = [html("stage"), html("layers"), html("rms"), html("outermost")];
 const modes = /** @type {HTMLButtonElement[]} */ ([...html("modes").children]);
 
 /** The facts that the texts show; written anew in another language. */
 const said = {
-  phase: "welcome", waiting: "camera", origin: "", label: "", size: "",
-  error: /** @type {unknown} */ (null), off: /** @type {Misalignment} */ (null),
+  phase: "welcome",
+  waiting: "camera",
+  origin: "",
+  label: "",
+  size: "",
+  error: /** @type {unknown} */ (null),
+  off: /** @type {Misalignment} */ (null),
 };
 /** One camera's run; a new one makes all that is still on its way for the old one meaningless. */
 let run = new AbortController();
@@ -112,7 +121,7 @@ function openDetector() {
 /** @param {string} choice id of a camera */
 async function start(choice) {
   run.abort();
-  const own = run = new AbortController();
+  const own = (run = new AbortController());
   const { signal } = own;
   chosen = choice;
   turnTo("opening", { waiting: "camera", off: null });
@@ -137,7 +146,10 @@ async function start(choice) {
 }
 
 function closeDetector() {
-  void detector?.then((broken) => broken.close(), () => {});
+  void detector?.then(
+    (broken) => broken.close(),
+    () => {},
+  );
   detector = null;
 }
 
@@ -166,10 +178,18 @@ async function show({ track, virtual }, signal, restarts) {
   moveOn = () => virtual?.follow(stopAt(board, calibration, stop++));
   moveOn();
   html("move").hidden = !virtual;
-  const shown = live = new Live({ video, layers, board, detector: finder, calibration, mode, balance: Number(balance.value) });
+  const shown = (live = new Live({
+    video,
+    layers,
+    board,
+    detector: finder,
+    calibration,
+    mode,
+    balance: Number(balance.value),
+  }));
   turnTo("live");
   try {
-    return await shown.run(signal, tell) ?? "";
+    return (await shown.run(signal, tell)) ?? "";
   } catch (error) {
     if (!(error instanceof DetectorError) || signal.aborted || !restarts) throw error;
     console.info("the detector is restarted:", error.message);
@@ -210,7 +230,9 @@ function redraw(how) {
 async function listCameras() {
   const choices = await cameras(parameters);
   const proposed = propose(choices, parameters.get("camera"), camera.value);
-  camera.replaceChildren(...choices.map(({ id, label }) => new Option(id === "virtual" ? t("capture.virtual_name") : label, id)));
+  camera.replaceChildren(
+    ...choices.map(({ id, label }) => new Option(id === "virtual" ? t("capture.virtual_name") : label, id)),
+  );
   const none = proposed === "" && choices.every(({ id }) => id !== "");
   if (none) camera.prepend(new Option(t("capture.no_camera"), ""));
   camera.value = proposed;
@@ -218,7 +240,8 @@ async function listCameras() {
   for (const button of html("welcome").querySelectorAll(".virtually")) button.classList.toggle("primary", none);
   // The camera that was pulled out is there again: nobody has to press anything.
   const { phase, error } = said;
-  const missed = phase === "failed" && error instanceof CameraError && error.code === "unplugged" && chosen !== "virtual";
+  const missed =
+    phase === "failed" && error instanceof CameraError && error.code === "unplugged" && chosen !== "virtual";
   if (missed && choices.some(({ id }) => id === chosen)) void start(chosen);
 }
 
@@ -246,7 +269,8 @@ html("start").addEventListener("click", async () => {
 html("again").addEventListener("click", () => start(chosen));
 for (const button of document.querySelectorAll(".virtually")) button.addEventListener("click", () => start("virtual"));
 for (const button of document.querySelectorAll(".elsewhere")) button.addEventListener("click", restart);
-for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll("a.board"))) link.search = boardQuery(board).toString();
+for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll("a.board")))
+  link.search = boardQuery(board).toString();
 navigator.mediaDevices?.addEventListener("devicechange", listCameras);
 // A phone may have taken the camera away meanwhile.
 document.addEventListener("visibilitychange", () => document.hidden || void listCameras());

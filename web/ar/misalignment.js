@@ -4,7 +4,8 @@ import { rigidTransform } from "./pose.js";
 /**
  * @param {Pick<import("./modes.js").Mode, "seen" | "drawn">} mode
  * @param {import("../lib/pose.js").Pose} pose
- * @param {readonly (readonly number[])[]} points on the board @param {readonly (readonly number[])[]} pixels of the camera
+ * @param {readonly (readonly number[])[]} points on the board
+ * @param {readonly (readonly number[])[]} pixels of the camera
  * @param {readonly [number, number]} size of the camera's picture, px
  * @returns {{rms: number, outermost: number} | null} px of what is shown: over all points, and of the one nearest to a
  *   corner of the camera's picture

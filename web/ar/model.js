@@ -1,4 +1,5 @@
-// Model that stands on the board: its own grid once more, a cross on each of the four outermost corners, and a house. Triangles
+// Model that stands on the board: its own grid once more, a cross on each of the four outermost corners, and a house.
+// Triangles
 // in the board's frame (x right, y down, z away from who looks at it; unit: one square), shaded once and for all.
 import { house } from "./house.js";
 import { quadrilateral } from "./triangles.js";
@@ -30,8 +31,16 @@ function grid(columns, rows) {
 
 /** A hair above the lines. @param {number} columns @param {number} rows */
 function marks(columns, rows) {
-  const corners = [[1, 1], [columns - 1, 1], [columns - 1, rows - 1], [1, rows - 1]];
-  return corners.flatMap((corner) => [...across(corner, MARK, LINE / 2, -0.002, MARKS), ...across(corner, LINE / 2, MARK, -0.002, MARKS)]);
+  const corners = [
+    [1, 1],
+    [columns - 1, 1],
+    [columns - 1, rows - 1],
+    [1, rows - 1],
+  ];
+  return corners.flatMap((corner) => [
+    ...across(corner, MARK, LINE / 2, -0.002, MARKS),
+    ...across(corner, LINE / 2, MARK, -0.002, MARKS),
+  ]);
 }
 
 /**
@@ -43,4 +52,12 @@ function marks(columns, rows) {
  * @param {Colour} colour
  */
 const across = ([x, y], right, down, z, colour) =>
-  quadrilateral([[x - right, y - down, z], [x + right, y - down, z], [x + right, y + down, z], [x - right, y + down, z]], colour);
+  quadrilateral(
+    [
+      [x - right, y - down, z],
+      [x + right, y - down, z],
+      [x + right, y + down, z],
+      [x - right, y + down, z],
+    ],
+    colour,
+  );

@@ -1,5 +1,6 @@
 // Modes of drawing over a camera's picture: with the camera matrix only, over the straightened picture, and over the
-// picture as it is with the drawing distorted. Each tells where it sees a pixel of the camera, and where it draws a point.
+// picture as it is with the drawing distorted. Each tells where it sees a pixel of the camera, and where it draws a
+// point.
 import { axialMatrix } from "../sdk/pinhole.js";
 import { lensOf } from "../sdk/projection.js";
 import { Distorter } from "../sdk/distorter.js";
@@ -14,7 +15,8 @@ import { Rectifier } from "../sdk/rectifier.js";
  * @property {() => Pinhole} pinhole what the scene is rendered with
  * @property {HTMLCanvasElement | null} picture that is shown; null: the camera's own
  * @property {HTMLCanvasElement | null} overlay that is shown; null: the scene's own
- * @property {(pixel: readonly number[]) => readonly number[] | null} seen where a pixel of the camera is in what is shown
+ * @property {(pixel: readonly number[]) => readonly number[] | null} seen where a pixel of the camera is in what is
+ *   shown
  * @property {(point: readonly number[]) => readonly number[] | null} drawn where a point is, camera frame
  * @property {(frame: HTMLCanvasElement, scene: HTMLCanvasElement) => void} show
  * @property {() => void} dispose
@@ -27,13 +29,19 @@ import { Rectifier } from "../sdk/rectifier.js";
 export const MODES = { matrix, rectified, distorted };
 
 /** @param {number[][]} camera_matrix */
-const undistorted = (camera_matrix) => lensOf({ camera_matrix, distortion_model: "rectilinear", distortion_coefficients: [0, 0, 0, 0, 0] });
+const undistorted = (camera_matrix) =>
+  lensOf({ camera_matrix, distortion_model: "rectilinear", distortion_coefficients: [0, 0, 0, 0, 0] });
 
 /** As an application does that knows of no distortion. @param {Calibration} calibration @returns {Mode} */
 function matrix(calibration) {
   const lens = undistorted(axialMatrix(calibration));
   return {
-    lens, pinhole: () => calibration, picture: null, overlay: null, seen: (pixel) => pixel, drawn: lens.project,
+    lens,
+    pinhole: () => calibration,
+    picture: null,
+    overlay: null,
+    seen: (pixel) => pixel,
+    drawn: lens.project,
     show() {},
     dispose() {},
   };
@@ -49,7 +57,10 @@ function rectified(calibration) {
   const rectifier = new Rectifier(calibration, { canvas });
   let straight = undistorted(rectifier.camera_matrix);
   return {
-    lens, pinhole: () => rectifier, picture: canvas, overlay: null,
+    lens,
+    pinhole: () => rectifier,
+    picture: canvas,
+    overlay: null,
     drawn: (point) => straight.project(point),
     seen(pixel) {
       const ray = lens.unproject(pixel);
@@ -70,7 +81,12 @@ function distorted(calibration) {
   const canvas = document.createElement("canvas");
   const distorter = new Distorter(calibration, { canvas });
   return {
-    lens, pinhole: () => distorter, picture: null, overlay: canvas, seen: (pixel) => pixel, drawn: lens.project,
+    lens,
+    pinhole: () => distorter,
+    picture: null,
+    overlay: canvas,
+    seen: (pixel) => pixel,
+    drawn: lens.project,
     show: (_, scene) => distorter.draw(scene),
     dispose: () => distorter.dispose(),
   };

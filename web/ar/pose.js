@@ -14,7 +14,9 @@ const UNSEEN_RESIDUAL_PX = 1e3; // px; how far off a corner counts that the lens
 
 /**
  * The pose in which this lens sees the points nearest to their pixels.
- * @param {Lens} lens @param {readonly (readonly number[])[]} points x and y on the board @param {readonly (readonly number[])[]} pixels
+ * @param {Lens} lens
+ * @param {readonly (readonly number[])[]} points x and y on the board
+ * @param {readonly (readonly number[])[]} pixels
  * @returns {Pose | null} board → camera, in the points' unit; null where there are too few to tell
  */
 export function poseOf(lens, points, pixels) {
@@ -24,7 +26,10 @@ export function poseOf(lens, points, pixels) {
     const ray = lens.unproject(pixel);
     return ray && ray[2] > MIN_COSINE ? [[[...points[index]], [ray[0] / ray[2], ray[1] / ray[2]]]] : [];
   });
-  const h = homography(pairs.map(([from]) => from), pairs.map(([, to]) => to));
+  const h = homography(
+    pairs.map(([from]) => from),
+    pairs.map(([, to]) => to),
+  );
   if (!h) return null;
   /** @param {number[]} at */
   const residuals = ([a, b, c, ...tvec]) => {

@@ -33,7 +33,7 @@ export class Scene {
 
   /** @param {Float32Array} triangles see model.js; throws RectifierError where there is no WebGL2 */
   constructor(triangles) {
-    const canvas = this.canvas = document.createElement("canvas");
+    const canvas = (this.canvas = document.createElement("canvas"));
     this.#count = triangles.length / NUMBERS;
     this.#on = createRenderer(canvas, triangles);
     this.#forget = whenRestored(canvas, () => {
@@ -48,7 +48,8 @@ export class Scene {
   draw(pinhole, pose) {
     const { gl, program } = this.#on;
     const [width, height] = pinhole.img_size;
-    if (this.canvas.width !== width || this.canvas.height !== height) [this.canvas.width, this.canvas.height] = [width, height];
+    if (this.canvas.width !== width || this.canvas.height !== height)
+      [this.canvas.width, this.canvas.height] = [width, height];
     gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     if (!pose) return;
@@ -74,7 +75,10 @@ function createRenderer(canvas, triangles) {
   const buffer = gl.createBuffer();
   gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
   gl.bufferData(gl.ARRAY_BUFFER, triangles, gl.STATIC_DRAW);
-  for (const [name, offset] of /** @type {const} */ ([["place", 0], ["colour", 3]])) {
+  for (const [name, offset] of /** @type {const} */ ([
+    ["place", 0],
+    ["colour", 3],
+  ])) {
     const at = gl.getAttribLocation(program, name);
     gl.enableVertexAttribArray(at);
     gl.vertexAttribPointer(at, 3, gl.FLOAT, false, 4 * NUMBERS, 4 * offset);

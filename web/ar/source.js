@@ -9,7 +9,8 @@ import { trueCalibration } from "../lib/virtual/truth.js";
  *
  * @typedef {object} Known
  * @property {import("../sdk/rectification.js").Calibration | null} calibration
- * @property {"returned" | "known" | "truth" | ""} origin measured just now, looked up, or what the virtual camera is made from
+ * @property {"returned" | "known" | "truth" | ""} origin measured just now, looked up, or what the virtual camera is
+ *   made from
  * @property {string} guidance address where the camera can be calibrated, and that leads back here
  */
 
@@ -37,7 +38,10 @@ async function result(key, parameters) {
   if (!location.hash.includes("calibration=") || (asked !== null && asked !== key.camera)) return null;
   const kept = { state: null, replaceState() {} };
   const calibration = await returned({ ...(await manner()), history: kept }).catch(gone);
-  const fits = calibration && calibration.img_size.join() === key.img_size.join() && isVirtual(calibration.camera) === isVirtual(key.camera);
+  const fits =
+    calibration &&
+    calibration.img_size.join() === key.img_size.join() &&
+    isVirtual(calibration.camera) === isVirtual(key.camera);
   return fits ? calibration : null;
 }
 
@@ -61,7 +65,8 @@ function guidanceFor({ camera, platform, img_size, zoom }, parameters) {
   back.set("camera", camera);
   if (isVirtual(camera)) back.set("virtual", "1");
   const query = new URLSearchParams(back);
-  for (const [name, value] of Object.entries({ platform, img_size: img_size.join("x"), zoom: zoom || "" })) if (value) query.set(name, String(value));
+  for (const [name, value] of Object.entries({ platform, img_size: img_size.join("x"), zoom: zoom || "" }))
+    if (value) query.set(name, String(value));
   query.set("return_to", new URL(`./?${back}`, location.href).href);
   return new URL(`../calibrate/?${query}`, location.href).href;
 }

@@ -19,7 +19,9 @@ const STOPS = [
  * @returns {import("../lib/pose.js").Pose} board → camera, squares
  */
 export function stopAt({ squares: [columns, rows] }, calibration, stop) {
-  const { img_size: [width] } = calibration;
+  const {
+    img_size: [width],
+  } = calibration;
   const [fx] = focalLengths(calibration);
   const { turn, aside, distance } = STOPS[stop % STOPS.length];
   const rvec = turn.map((degrees) => (degrees * Math.PI) / 180);

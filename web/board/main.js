@@ -23,7 +23,10 @@ openPage();
 
 const tell = liveRegion(part("status", HTMLElement));
 const shown = {
-  frame: part("frame", HTMLElement), canvas: part("board", HTMLCanvasElement), hint: part("hint", HTMLElement), code: part("code", HTMLElement),
+  frame: part("frame", HTMLElement),
+  canvas: part("board", HTMLCanvasElement),
+  hint: part("hint", HTMLElement),
+  code: part("code", HTMLElement),
 };
 const screenOf = new BoardScreen(shown, board, () => {
   tell(() => t("board.may_dim"));
@@ -32,7 +35,11 @@ const notice = part("problem", HTMLElement);
 /** @type {string[]} addresses of the files offered now */
 let files = [];
 
-/** Address at which this page, or another, shows this board. @param {string} page @param {Record<string, string>} [more] */
+/**
+ * Address at which this page, or another, shows this board.
+ * @param {string} page
+ * @param {Record<string, string>} [more]
+ */
 function address(page, more = {}) {
   const there = new URL(page, location.href);
   there.search = new URLSearchParams([...boardQuery(board), ...Object.entries(more)]).toString();
@@ -44,11 +51,19 @@ function showPapers() {
   for (const file of files) URL.revokeObjectURL(file);
   const papers = papersFor(board);
   files = papers.map((paper) => URL.createObjectURL(boardFile(board, paper)));
-  const tiles = papers.map((paper, index) => el("li", {},
-    el("a", { href: files[index], download: fileName(paper) },
-      sheetPreview(board, PAPERS[paper], squareOn(board, paper)),
-      el("span", { class: "button" }, t("board.pdf", { paper })),
-      el("span", { class: "muted" }, t("board.pdf_size", { side: squareOn(board, paper) })))));
+  const tiles = papers.map((paper, index) =>
+    el(
+      "li",
+      {},
+      el(
+        "a",
+        { href: files[index], download: fileName(paper) },
+        sheetPreview(board, PAPERS[paper], squareOn(board, paper)),
+        el("span", { class: "button" }, t("board.pdf", { paper })),
+        el("span", { class: "muted" }, t("board.pdf_size", { side: squareOn(board, paper) })),
+      ),
+    ),
+  );
   part("papers", HTMLElement).replaceChildren(...(tiles.length ? tiles : [el("li", {}, t("board.no_room"))]));
 }
 
@@ -57,12 +72,17 @@ function show() {
   showPapers();
   drawQr(part("qr", SVGElement), address("./", { fill: "1" }));
   // What a phone needs to know: this board, and that its own screen does not show it.
-  for (const id of ["qr-phone", "code-qr"]) drawQr(part(id, SVGElement), address("../calibrate/", { facing: "environment" }));
-  for (const place of document.querySelectorAll(".only-here")) place.toggleAttribute("hidden", !LOOPBACK.test(location.hostname));
+  for (const id of ["qr-phone", "code-qr"])
+    drawQr(part(id, SVGElement), address("../calibrate/", { facing: "environment" }));
+  for (const place of document.querySelectorAll(".only-here"))
+    place.toggleAttribute("hidden", !LOOPBACK.test(location.hostname));
   part("description", HTMLElement).textContent = boardWords(board);
   for (const page of ["../calibrate/", "../photos/"]) {
     const there = address(page);
-    for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll(`a[href*="${page.slice(2)}"]`))) link.href = there;
+    for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (
+      document.querySelectorAll(`a[href*="${page.slice(2)}"]`)
+    ))
+      link.href = there;
   }
 }
 
@@ -74,11 +94,18 @@ function change(chosen) {
   show();
 }
 
-const form = new BoardForm(board, { onChoice: change, event: "input", problemText: (reason) => t("board.still_last", { reason }) });
+const form = new BoardForm(board, {
+  onChoice: change,
+  event: "input",
+  problemText: (reason) => t("board.still_last", { reason }),
+});
 showProblem(notice, problem);
 show();
 onLanguage(show);
-for (const [id, code] of /** @type {const} */ ([["full-screen", false], ["full-screen-code", true]])) {
+for (const [id, code] of /** @type {const} */ ([
+  ["full-screen", false],
+  ["full-screen-code", true],
+])) {
   part(id, HTMLButtonElement).addEventListener("click", (event) => {
     event.stopPropagation(); // or this very click would close it again
     screenOf.enter({ code });

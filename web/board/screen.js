@@ -29,7 +29,8 @@ export class BoardScreen {
   #coded = false;
 
   /**
-   * @param {{frame: HTMLElement, canvas: HTMLCanvasElement, hint: HTMLElement, code: HTMLElement}} parts hint: how to get back from the
+   * @param {{frame: HTMLElement, canvas: HTMLCanvasElement, hint: HTMLElement, code: HTMLElement}} parts hint: how to
+   *   get back from the
    *   whole window; code: for a phone that is to look at the board
    * @param {Board} board @param {() => void} onDimming the screen cannot be kept on
    */
@@ -45,7 +46,10 @@ export class BoardScreen {
     document.addEventListener("fullscreenchange", () => this.#arrange());
     window.addEventListener("popstate", () => this.#leave());
     // The lock is lost with the page's being seen.
-    document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && this.#isFull() && this.#stayAwake());
+    document.addEventListener(
+      "visibilitychange",
+      () => document.visibilityState === "visible" && this.#isFull() && this.#stayAwake(),
+    );
     window.addEventListener("resize", () => this.draw());
     new ResizeObserver(() => this.draw()).observe(frame);
   }
@@ -94,16 +98,25 @@ export class BoardScreen {
     const size = sizeOf(this.#board);
     const density = window.devicePixelRatio || 1;
     const whole = this.#filling ? [innerWidth, innerHeight] : [screen.width, screen.height];
-    const side = full && this.#coded ? Math.min(MAX_CODE_PX, Math.max(MIN_CODE_PX, CODE_SHARE * Math.min(...whole))) : 0;
+    const side =
+      full && this.#coded ? Math.min(MAX_CODE_PX, Math.max(MIN_CODE_PX, CODE_SHARE * Math.min(...whole))) : 0;
     this.#showCode(side, whole[0] > whole[1]);
     const strip = whole[0] > whole[1] ? [side, 0] : [0, side];
     const room = full ? whole.map((length, axis) => length - strip[axis]) : [this.#frame.clientWidth, Infinity];
     const turned = full && whole[0] < whole[1] !== size[0] < size[1];
     const [columns, rows] = turned ? [...size].reverse() : size;
-    const scale = exactScale(this.#board, Math.max(8, Math.floor(Math.min(
-      (room[0] * density) / (columns + 2 * MARGIN_SQUARES),
-      (room[1] * density) / (rows + 2 * MARGIN_SQUARES),
-    ))));
+    const scale = exactScale(
+      this.#board,
+      Math.max(
+        8,
+        Math.floor(
+          Math.min(
+            (room[0] * density) / (columns + 2 * MARGIN_SQUARES),
+            (room[1] * density) / (rows + 2 * MARGIN_SQUARES),
+          ),
+        ),
+      ),
+    );
     const upright = raster(this.#board, scale, Math.round(MARGIN_SQUARES * scale));
     const { width, height, data } = turned ? quarterTurn(upright) : upright;
     this.#canvas.width = width;
@@ -120,7 +133,10 @@ export class BoardScreen {
     context.putImageData(picture, 0, 0);
   }
 
-  /** @param {number} side CSS pixels; 0: not shown @param {boolean} isWide the code is beside the board, or else below it */
+  /**
+   * @param {number} side CSS pixels; 0: not shown
+   * @param {boolean} isWide the code is beside the board, or else below it
+   */
   #showCode(side, isWide) {
     this.#code.hidden = side === 0;
     this.#code.style.width = `${side}px`;

@@ -1,4 +1,5 @@
-// Arrival of the visitor, looked at before anything is drawn, so that the page is laid out for it from the start. A classic script,
+// Arrival of the visitor, looked at before anything is drawn, so that the page is laid out for it from the start. A
+// classic script,
 // for it must run before the page.
 (() => {
   const query = new URLSearchParams(location.search);

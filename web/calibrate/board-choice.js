@@ -4,7 +4,8 @@ import { plainNotice, viewCount } from "./state.js";
 
 /** @typedef {import("../lib/board.js").SentBoard} Board */
 
-const BOARD_NAMES = ["kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted", "tag_spacing"]; // in addresses
+// in addresses
+const BOARD_NAMES = ["kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted", "tag_spacing"];
 
 /** Writes a board into the parameters of an address. @param {URLSearchParams} parameters @param {Board} board */
 export function nameBoard(parameters, board) {
@@ -14,11 +15,16 @@ export function nameBoard(parameters, board) {
 
 /**
  * Takes the suggested board for the capture from now on, turns mirrored pictures back, and says so.
- * @param {Pick<import("./request-queue.js").Page, "state" | "dispatch">} page @param {URLSearchParams} parameters of its address
- * @returns {{board: Board, notice: import("./state.js").Notice} | null} null: none is suggested any more, or a view was taken meanwhile
+ * @param {Pick<import("./request-queue.js").Page, "state" | "dispatch">} page
+ * @param {URLSearchParams} parameters of its address
+ * @returns {{board: Board, notice: import("./state.js").Notice} | null} null: none is suggested any more, or a view was
+ *   taken meanwhile
  */
 export function takeSuggestion({ state, dispatch }, parameters) {
-  const { detector: { suggestion }, wanted: { flipped } } = state();
+  const {
+    detector: { suggestion },
+    wanted: { flipped },
+  } = state();
   if (!suggestion || viewCount(state()) > 0) return null;
   const { board, mirrored } = suggestion;
   nameBoard(parameters, board);

@@ -124,7 +124,8 @@ export class CaptureLoop {
     if (this.#isFirst) performance.mark("first detection");
     this.#isFirst = false;
     const { corners, outline, restless } = this.#state.detector;
-    if (restless > 0 && metrics?.sharpness) this.#sharpest.add({ ...corners, outline, sharpness: metrics.sharpness }, size[0]);
+    if (restless > 0 && metrics?.sharpness)
+      this.#sharpest.add({ ...corners, outline, sharpness: metrics.sharpness }, size[0]);
     if (metrics?.sharpness) this.#sharpness = [...this.#sharpness, metrics.sharpness].slice(-SHARPNESS_FRAMES);
   }
 
@@ -144,7 +145,7 @@ export class CaptureLoop {
    * @param {{full?: boolean}} [options]
    */
   async #detect(options) {
-    const detector = this.#detector ?? await this.#opening;
+    const detector = this.#detector ?? (await this.#opening);
     try {
       return await detector.detect(await grab(this.#video), { ...options, flip: this.#state.wanted.flipped });
     } catch (error) {
@@ -159,15 +160,24 @@ export class CaptureLoop {
     return null;
   }
 
-  /** Looks for another board where the expected one is not seen. A detector that fails meanwhile is reported by the next frame. */
+  /**
+   * Looks for another board where the expected one is not seen. A detector that fails meanwhile is reported by the next
+   * frame.
+   */
   async #look() {
-    const { board, wanted: { flipped }, detector: { diagnosis: { blindSince } } } = this.#state;
+    const {
+      board,
+      wanted: { flipped },
+      detector: {
+        diagnosis: { blindSince },
+      },
+    } = this.#state;
     const detector = this.#detector;
     if (!detector || this.#isLooking || viewCount(this.#state) > 0) return;
     if (this.#watch ? !this.#watch.isDue(blindSince, performance.now()) : blindSince === Infinity) return;
     this.#isLooking = true;
     try {
-      const watch = this.#watch ??= new (await import("../lib/capture/board-watch.js")).BoardWatch();
+      const watch = (this.#watch ??= new (await import("../lib/capture/board-watch.js")).BoardWatch());
       if (!watch.isDue(blindSince, performance.now())) return;
       const sighting = await detector.sight(await grab(this.#video), { flip: flipped });
       const time = performance.now();
@@ -194,7 +204,11 @@ export class CaptureLoop {
     await this.#queue.drained();
     if (this.#signal.aborted) return;
     this.#session.track(track);
-    const { phase, capture: { session }, link: { offline } } = this.#state;
+    const {
+      phase,
+      capture: { session },
+      link: { offline },
+    } = this.#state;
     if (phase !== "capturing" || (session && (offline || viewCount(this.#state) > 0))) return;
     this.#dispatch({ type: "request", request: this.#session.request });
     if (!session) return; // it is started once the service is there
@@ -206,7 +220,10 @@ export class CaptureLoop {
   }
 
   async #submit() {
-    const { capture: { pose, key }, detector } = this.#state;
+    const {
+      capture: { pose, key },
+      detector,
+    } = this.#state;
     if (!pose || !key) return;
     const detection = await this.#detect({ full: true });
     if (!detection || this.#signal.aborted) return;
@@ -225,13 +242,15 @@ export class CaptureLoop {
       return this.#continue();
     }
     // Detection goes on meanwhile: the service may take its time, or be away.
-    void this.#queue.send(
-      () => {
-        this.#dispatch({ type: "sent", corners });
-        return this.#session.submit(pose.index, corners);
-      },
-      (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
-    ).then(() => this.#continue());
+    void this.#queue
+      .send(
+        () => {
+          this.#dispatch({ type: "sent", corners });
+          return this.#session.submit(pose.index, corners);
+        },
+        (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
+      )
+      .then(() => this.#continue());
   }
 
   /** Sends the sharpest frames of a board that was never held still, and ends the capture with those that agree. */
@@ -241,7 +260,10 @@ export class CaptureLoop {
     if (!key || !isSharpestOffered(this.#state)) return;
     for (const corners of this.#sharpest.best(MAX_SHARPEST, key.img_size)) {
       if (!this.#state.capture.pose) await this.#fetchTarget();
-      const { phase, capture: { pose } } = this.#state;
+      const {
+        phase,
+        capture: { pose },
+      } = this.#state;
       if (phase !== "capturing" || !pose || this.#signal.aborted) return;
       await this.#queue.send(
         () => {
@@ -257,24 +279,31 @@ export class CaptureLoop {
   }
 
   #continue() {
-    if (!this.#signal.aborted && this.#state.phase === "capturing" && !this.#state.capture.pose) void this.#fetchTarget();
+    if (!this.#signal.aborted && this.#state.phase === "capturing" && !this.#state.capture.pose)
+      void this.#fetchTarget();
   }
 
   /** @param {{skip?: boolean}} [options] */
   #fetchTarget(options) {
     if (this.#state.link.offline) return Promise.resolve(this.#setPlannedTarget());
-    return this.#queue.send(async () => {
-      const { pose, picture } = await this.#session.pose(options);
-      const { key } = this.#state.capture;
-      return { pose, tinted: key ? await tint(picture, pose.outline, key.img_size) : picture };
-    }, ({ pose, tinted }) => {
-      if (!this.#signal.aborted) this.#setTarget(pose, URL.createObjectURL(tinted));
-    });
+    return this.#queue.send(
+      async () => {
+        const { pose, picture } = await this.#session.pose(options);
+        const { key } = this.#state.capture;
+        return { pose, tinted: key ? await tint(picture, pose.outline, key.img_size) : picture };
+      },
+      ({ pose, tinted }) => {
+        if (!this.#signal.aborted) this.#setTarget(pose, URL.createObjectURL(tinted));
+      },
+    );
   }
 
   /** Sets a target of the page's own plan, if there is one. */
   #setPlannedTarget() {
-    const { board, capture: { key, session } } = this.#state;
+    const {
+      board,
+      capture: { key, session },
+    } = this.#state;
     if (isEnough(this.#state)) return;
     const planned = key && nextPlanned(this.#plan, this.#planned, board, key.img_size, trustedCalibration(session));
     if (!planned) return;
@@ -318,10 +347,13 @@ export class CaptureLoop {
     if (link.offline && (link.sending || this.#queue.isOverdue || this.#session.lastIsTaken)) {
       return this.#notify("capture.undo_away");
     }
-    await this.#queue.send(() => this.#session.undo(), (session) => {
-      const stored = this.#session.stored(this.#state.capture);
-      this.#dispatch({ type: "undone", session, stored, time: performance.now() });
-    });
+    await this.#queue.send(
+      () => this.#session.undo(),
+      (session) => {
+        const stored = this.#session.stored(this.#state.capture);
+        this.#dispatch({ type: "undone", session, stored, time: performance.now() });
+      },
+    );
     await this.#fetchTarget();
   }
 

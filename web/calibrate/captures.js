@@ -51,9 +51,14 @@ export class Captures {
     const { api: base, token } = await fetchSettings(run);
     const api = new Api(base, { ...run, timeout: RESPONSE_TIMEOUT_MS });
     const about = captureKey(request);
-    const saved = this.#moved.get(about) ?? await this.#store.load(about);
+    const saved = this.#moved.get(about) ?? (await this.#store.load(about));
     const same = this.#sessions.get(about);
-    const memory = { about, saved, save: (/** @type {SavedCapture} */ capture) => this.#save(capture), answered: this.#answered };
+    const memory = {
+      about,
+      saved,
+      save: (/** @type {SavedCapture} */ capture) => this.#save(capture),
+      answered: this.#answered,
+    };
     const session = same ?? new CaptureSession(api, token, request, memory);
     this.#sessions.set(about, session);
     this.#moved.delete(about);
@@ -89,11 +94,14 @@ export class Captures {
   /** @param {SavedCapture} capture */
   async #save(capture) {
     if (capture.views.length === 0) await this.#store.remove(capture.about);
-    else if (!await this.#store.save({ ...capture, address: this.#address() })) this.#onUnsaved();
+    else if (!(await this.#store.save({ ...capture, address: this.#address() }))) this.#onUnsaved();
   }
 }
 
-/** Settings of the page; without a network those of the last visit, which the first visit waits for. @param {Run} run */
+/**
+ * Settings of the page; without a network those of the last visit, which the first visit waits for.
+ * @param {Run} run
+ */
 async function fetchSettings({ signal, onRetry }) {
   for (let attempt = 0; ; attempt++) {
     try {

@@ -3,7 +3,8 @@ import { watchPopovers } from "./popovers.js";
 import { renderChoice } from "./render.js";
 
 /**
- * @typedef {"resume" | "changeModel" | "restart" | "stop" | "forget" | "useBoard" | "wantBoard" | "practise" | "leavePractice" | "again"
+ * @typedef {"resume" | "changeModel" | "restart" | "stop" | "forget" | "useBoard" | "wantBoard" | "practise" |
+ *   "leavePractice" | "again"
  *   | "escape" | "listCameras"} Action
  */
 
@@ -20,13 +21,17 @@ export function connectControls(parts, actions) {
   on([parts.goOnReally], actions.leavePractice);
   on([parts.useBoard], actions.useBoard);
   on([parts.rightBoard], actions.wantBoard);
-  for (const select of [parts.camera, parts.resolution, parts.lens]) select.addEventListener("change", () => renderChoice(parts));
+  for (const select of [parts.camera, parts.resolution, parts.lens])
+    select.addEventListener("change", () => renderChoice(parts));
   navigator.mediaDevices?.addEventListener("devicechange", actions.listCameras);
   // A phone may have taken the camera away meanwhile.
   document.addEventListener("visibilitychange", () => void (document.hidden || actions.listCameras()));
   watchPopovers(() => void actions.escape());
   // A double click counts once where what is lost does not come back.
-  for (const [button, action] of /** @type {const} */ ([[parts.stop, actions.stop], [parts.forget, actions.forget]])) {
+  for (const [button, action] of /** @type {const} */ ([
+    [parts.stop, actions.stop],
+    [parts.forget, actions.forget],
+  ])) {
     button.addEventListener("click", ({ detail }) => void (detail < 2 && action()));
   }
 }

@@ -5,8 +5,11 @@ import * as statusText from "./status-text.js";
 /** @typedef {import("./state.js").State} State */
 
 /**
- * @param {import("./state.js").Event} event @param {State} state after it @param {State | null} before as the page shows it
- * @param {{feedback: import("../lib/capture/feedback.js").Feedback, announcer: import("../lib/capture/announcer.js").Announcer}} voices
+ * @param {import("./state.js").Event} event
+ * @param {State} state after it
+ * @param {State | null} before as the page shows it
+ * @param {{feedback: import("../lib/capture/feedback.js").Feedback, announcer:
+ *   import("../lib/capture/announcer.js").Announcer}} voices
  */
 export function giveFeedback(event, state, before, { feedback, announcer }) {
   if (state.phase === "done" && before?.phase !== "done") feedback.give("done");

@@ -1,4 +1,5 @@
-// Progress as a row of thumbnails: pictures of the views taken, the outline of the next target, and room for the others.
+// Progress as a row of thumbnails: pictures of the views taken, the outline of the next target, and room for the
+// others.
 import { el } from "../lib/dom.js";
 import { make } from "../lib/svg.js";
 import { polygon } from "../lib/capture/marks.js";
@@ -41,8 +42,10 @@ export class Film {
     }
     if (event.type === "sent") this.#sent = this.#take(state);
     if (event.type === "stored") this.#stored.push(this.#take(state));
-    if (event.type === "answer" && event.answer.accepted) this.#pictures.set(event.answer.views.at(-1)?.index ?? -1, this.#sent);
-    if (event.type === "undone" || event.type === "online") this.#stored.length = Math.min(this.#stored.length, state.link.stored);
+    if (event.type === "answer" && event.answer.accepted)
+      this.#pictures.set(event.answer.views.at(-1)?.index ?? -1, this.#sent);
+    if (event.type === "undone" || event.type === "online")
+      this.#stored.length = Math.min(this.#stored.length, state.link.stored);
   }
 
   /** @param {State} state */
@@ -58,18 +61,35 @@ export class Film {
 
   /** @param {State} state */
   render(state) {
-    const { capture: { session, aim, key, mirrored, progress }, link: { stored, offline } } = state;
+    const {
+      capture: { session, aim, key, mirrored, progress },
+      link: { stored, offline },
+    } = state;
     const used = session?.views.filter(({ set_aside }) => !set_aside) ?? [];
-    const pictures = [...used.map(({ index }) => this.picture(index)), ...Array.from({ length: stored }, (_, index) => this.#stored[index] || null)];
+    const pictures = [
+      ...used.map(({ index }) => this.picture(index)),
+      ...Array.from({ length: stored }, (_, index) => this.#stored[index] || null),
+    ];
     const count = viewCount(state);
     const total = offline ? used.length + offlineGoal(state) : expectedViews(state);
     const left = Array.from({ length: Math.max(0, total - count) }, (_, index) => {
       const isNext = index === 0 && aim !== null && key !== null;
-      return el("i", { class: isNext ? "next" : "" }, ...(isNext ? [make("svg", { viewBox: `0 0 ${key.img_size.join(" ")}` }, [make("polygon", { points: polygon(aim) })])] : []));
+      return el(
+        "i",
+        { class: isNext ? "next" : "" },
+        ...(isNext
+          ? [make("svg", { viewBox: `0 0 ${key.img_size.join(" ")}` }, [make("polygon", { points: polygon(aim) })])]
+          : []),
+      );
     });
     if (key) this.#place.style.setProperty("--aspect", String(key.img_size[0] / key.img_size[1]));
     this.#place.classList.toggle("mirrored", mirrored);
     this.#place.setAttribute("aria-valuenow", String(Math.round(100 * progress)));
-    this.#place.replaceChildren(...pictures.map((picture) => el("i", { class: "taken" }, ...(picture ? [el("img", { src: picture, alt: "" })] : ["✓"]))), ...left);
+    this.#place.replaceChildren(
+      ...pictures.map((picture) =>
+        el("i", { class: "taken" }, ...(picture ? [el("img", { src: picture, alt: "" })] : ["✓"])),
+      ),
+      ...left,
+    );
   }
 }

@@ -1,4 +1,5 @@
-// Content of the first sheet: the ways to get a board in front of the camera, another screen or paper. The viewfinder shows the
+// Content of the first sheet: the ways to get a board in front of the camera, another screen or paper. The viewfinder
+// shows the
 // code, too, where there is no board.
 import { boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-problem.js";
@@ -7,7 +8,11 @@ import { WhichBoard } from "../lib/which-board.js";
 
 /** @typedef {import("../lib/board.js").Board} Board */
 
-/** Address that shows the board on another device. @param {Board} board @param {boolean} fill the whole of its window */
+/**
+ * Address that shows the board on another device.
+ * @param {Board} board
+ * @param {boolean} fill the whole of its window
+ */
 function boardAddress(board, fill) {
   const there = new URL("../board/", location.href);
   there.search = new URLSearchParams([...boardQuery(board), ...(fill ? [["fill", "1"]] : [])]).toString();
@@ -17,7 +22,8 @@ function boardAddress(board, fill) {
 
 /**
  * @param {import("./parts.js").Parts} parts
- * @param {{board: import("../lib/board.js").SentBoard, problem: import("../lib/board.js").Problem | null, parameters: URLSearchParams,
+ * @param {{board: import("../lib/board.js").SentBoard, problem: import("../lib/board.js").Problem | null, parameters:
+ *   URLSearchParams,
  *   wanted: import("./state.js").Wanted, onBoard: (board: import("../lib/board.js").SentBoard) => void,
  *   onSender: () => void}} page onBoard: called when another is chosen; onSender: when the page's sender is named
  */
@@ -32,14 +38,19 @@ export function showFirstSheet(parts, { board, problem, parameters, wanted, onBo
   }
   const show = showWays(parts);
   show(board);
-  new WhichBoard(board, (chosen) => {
-    show(chosen);
-    onBoard(chosen);
-  }, true);
+  new WhichBoard(
+    board,
+    (chosen) => {
+      show(chosen);
+      onBoard(chosen);
+    },
+    true,
+  );
 }
 
 /**
- * Fills in what leads to the board. The QR code and the file are made by modules that are loaded after the page is there.
+ * Fills in what leads to the board. The QR code and the file are made by modules that are loaded after the page is
+ * there.
  * @param {import("./parts.js").Parts} parts @returns {(board: Board) => void} shows another board
  */
 function showWays({ boardLinks, addresses, paper, paperFile, codes }) {
@@ -70,7 +81,11 @@ function showWays({ boardLinks, addresses, paper, paperFile, codes }) {
   };
 }
 
-/** Paper that is usual here, or the first on which a board fits. @param {typeof import("../lib/papers.js")} papers @param {Board} board */
+/**
+ * Paper that is usual here, or the first on which a board fits.
+ * @param {typeof import("../lib/papers.js")} papers
+ * @param {Board} board
+ */
 function paperFor({ papersFor, usualPaper }, board) {
   const fitting = papersFor(board);
   const usual = usualPaper(navigator.languages);

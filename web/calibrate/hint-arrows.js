@@ -10,7 +10,8 @@ const EDGES = ["tilt_top", "tilt_right", "tilt_bottom", "tilt_left"];
  * @param {string} code of the instruction, about the camera's picture
  * @param {number[][] | null} outline of the board as seen @param {number[][] | null} aim of the target
  * @param {number} width of the image, px
- * @returns {Arrow[]} one between the centres to move the board; from its corners to turn it, tilt it or change its distance
+ * @returns {Arrow[]} one between the centres to move the board; from its corners to turn it, tilt it or change its
+ *   distance
  */
 export function arrows(code, outline, aim, width) {
   if (!outline || !aim) return [];

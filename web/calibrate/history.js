@@ -1,4 +1,5 @@
-// Address of the capture page: of the capture while it runs, of its result afterwards, so that a reload shows what is there.
+// Address of the capture page: of the capture while it runs, of its result afterwards, so that a reload shows what is
+// there.
 import { inLanguage, language, pageUrl } from "../lib/i18n.js";
 import { isVirtual } from "../lib/virtual/name.js";
 
@@ -10,14 +11,21 @@ const CAPTURE_PATH = location.pathname;
 /** @param {URLSearchParams} parameters */
 const queryOf = (parameters) => (parameters.size > 0 ? `?${parameters}` : "");
 
-/** The part of the address that says what is captured: the language does not. @param {URLSearchParams | string} parameters */
+/**
+ * The part of the address that says what is captured: the language does not.
+ * @param {URLSearchParams | string} parameters
+ */
 export function captureQuery(parameters) {
   const own = new URLSearchParams(parameters);
   own.delete("lang");
   return queryOf(own);
 }
 
-/** This page's address with a query, in the language spoken now. @param {URLSearchParams | string} parameters @param {string} [fragment] */
+/**
+ * This page's address with a query, in the language spoken now.
+ * @param {URLSearchParams | string} parameters
+ * @param {string} [fragment]
+ */
 const captureAddress = (parameters, fragment = "") =>
   inLanguage(new URL(CAPTURE_PATH + captureQuery(parameters) + fragment, location.origin).href, language());
 
@@ -37,7 +45,10 @@ export function showResultAddress(parameters, { capture: { session, key }, wante
   history.replaceState(null, "", pageUrl(`result/?${query}`));
 }
 
-/** Reloads this page with another query, and resumes the capture there. @param {string} query as `captureQuery` gives it */
+/**
+ * Reloads this page with another query, and resumes the capture there.
+ * @param {string} query as `captureQuery` gives it
+ */
 export function resumeAt(query) {
   location.assign(captureAddress(query, RESUME));
 }
@@ -45,10 +56,16 @@ export function resumeAt(query) {
 const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
 
 /**
- * True if an application gets the result of a practice run: if it asked for the virtual camera, and if it is still being
+ * True if an application gets the result of a practice run: if it asked for the virtual camera, and if it is still
+ * being
  * developed, so that its way there and back can be tried without a webcam.
  * @param {string | null} returnTo @param {string | null} asked label of the camera that the page was opened for
  */
 export function isPracticeReturned(returnTo, asked) {
-  return isVirtual(asked ?? "") || (returnTo !== null && URL.canParse(returnTo, location.href) && LOOPBACK.test(new URL(returnTo, location.href).hostname));
+  return (
+    isVirtual(asked ?? "") ||
+    (returnTo !== null &&
+      URL.canParse(returnTo, location.href) &&
+      LOOPBACK.test(new URL(returnTo, location.href).hostname))
+  );
 }

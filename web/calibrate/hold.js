@@ -26,7 +26,10 @@ export function isThere({ capture: { aim }, detector }) {
  * @param {State} state
  */
 export function requiredHold(state) {
-  const { capture: { key, pose, lastSent }, detector: { outline, corners } } = state;
+  const {
+    capture: { key, pose, lastSent },
+    detector: { outline, corners },
+  } = state;
   if (!key || !pose || !outline) return null;
   if (lastSent && motion(lastSent, corners) < (MIN_DISPLACEMENT_PX * key.img_size[0]) / 1280) return null;
   if (isThere(state)) return HOLD_MS;
@@ -47,10 +50,21 @@ export function lenience({ capture: { posedAt } }, time) {
   return lenienceAfter(time - posedAt);
 }
 
-/** Whether the board is held before the camera and is in focus, so that the focus may be locked. @param {State} state */
-export function isSettled({ board: { squares: [columns, rows] }, detector: { corners, diagnosis, stillness } }) {
-  return diagnosis.suspected === null && stillness.held >= SETTLED_MS
-    && corners.ids.length >= MIN_VISIBLE_SHARE * (columns - 1) * (rows - 1);
+/**
+ * Whether the board is held before the camera and is in focus, so that the focus may be locked.
+ * @param {State} state
+ */
+export function isSettled({
+  board: {
+    squares: [columns, rows],
+  },
+  detector: { corners, diagnosis, stillness },
+}) {
+  return (
+    diagnosis.suspected === null &&
+    stillness.held >= SETTLED_MS &&
+    corners.ids.length >= MIN_VISIBLE_SHARE * (columns - 1) * (rows - 1)
+  );
 }
 
 /** Time to read why a view was refused, ms. @param {boolean} useless nothing can be done about it */
@@ -59,7 +73,8 @@ export const timeToRead = (useless) => (useless ? READ_USELESS_MS : READ_REFUSAL
 /**
  * Decides what the page does by itself now.
  * @param {State} state @param {number} time ms
- * @returns {"submit" | "skip" | "finish" | "relayout" | null} relayout: the board shown has the other layout: go on with that one
+ * @returns {"submit" | "skip" | "finish" | "relayout" | null} relayout: the board shown has the other layout: go on
+ *   with that one
  */
 export function decide(state, time) {
   const { phase, capture, link, detector, ui } = state;

@@ -11,15 +11,27 @@ export const SILENT = { code: "", next: "", since: 0 };
 
 /** Hints of the service that the page has a message for. */
 export const HINTS = new Set([
-  "closer", "farther", "left", "right", "up", "down", "tilt_top", "tilt_bottom", "tilt_left", "tilt_right",
-  "turn_clockwise", "turn_counterclockwise", "first",
+  "closer",
+  "farther",
+  "left",
+  "right",
+  "up",
+  "down",
+  "tilt_top",
+  "tilt_bottom",
+  "tilt_left",
+  "tilt_right",
+  "turn_clockwise",
+  "turn_counterclockwise",
+  "first",
 ]);
 
 const MIN_LOOKS = 3; // at a board with markers that is not found: until then it may be another one
 const MIN_CHOSEN_MS = 400; // before a new instruction replaces the one that is shown
 
 /**
- * @param {import("./state.js").State} state @param {boolean} holding whether a view would be taken if the board were held still
+ * @param {import("./state.js").State} state
+ * @param {boolean} holding whether a view would be taken if the board were held still
  * @param {number} time ms
  * @returns {Instruction}
  */
@@ -34,7 +46,13 @@ export function instruct(state, holding, time) {
 function choose(state, holding) {
   const { pose, aim, mirrored } = state.capture;
   const { offline, busy } = state.link;
-  const { corners, markers, outline, looks, diagnosis: { trouble } } = state.detector;
+  const {
+    corners,
+    markers,
+    outline,
+    looks,
+    diagnosis: { trouble },
+  } = state.detector;
   if (isEnough(state)) return "enough";
   if (!pose || busy) return offline ? "away" : "wait"; // a view in flight need not be held any more
   if (trouble) return trouble;

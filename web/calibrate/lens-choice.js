@@ -22,6 +22,10 @@ export function offerLensTypes(select, parameters, onChoice) {
 
 /** Whether a type is suggested that is to be taken without a question. @param {State} state */
 export function isLensDetected({ phase, capture: { session }, wanted }) {
-  return wanted.automatic && (phase === "capturing" || phase === "done") && (session?.views.length ?? 0) >= MIN_DETECTING_VIEWS
-    && (session?.suggested_model ?? wanted.distortion_model) !== wanted.distortion_model;
+  return (
+    wanted.automatic &&
+    (phase === "capturing" || phase === "done") &&
+    (session?.views.length ?? 0) >= MIN_DETECTING_VIEWS &&
+    (session?.suggested_model ?? wanted.distortion_model) !== wanted.distortion_model
+  );
 }

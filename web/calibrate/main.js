@@ -41,7 +41,8 @@ const parts = findParts();
 const { board, problem } = boardFrom(parameters);
 const captureStore = openCaptureStore();
 const captures = new Captures(captureStore, {
-  address: () => captureQuery(parameters), onUnsaved: () => dispatch({ type: "unsaved" }),
+  address: () => captureQuery(parameters),
+  onUnsaved: () => dispatch({ type: "unsaved" }),
 });
 const film = new Film(parts.film, parts.video);
 const feedback = new Feedback();
@@ -69,13 +70,17 @@ function dispatch(event) {
   if (state.phase === "done" && shown?.phase !== "done") {
     outcome?.show(state);
     const returnTo = parameters.get("return_to");
-    if (returnTo !== null) void import("./practice.js").then(({ showPracticeEnd }) => showPracticeEnd(parts, state, returnTo));
+    if (returnTo !== null)
+      void import("./practice.js").then(({ showPracticeEnd }) => showPracticeEnd(parts, state, returnTo));
     showResultAddress(parameters, state);
-  }
-  else if (state.phase !== "done" && shown?.phase === "done") outcome?.clear();
+  } else if (state.phase !== "done" && shown?.phase === "done") outcome?.clear();
   render(parts, state, shown);
-  const { capture: { session: views, aim }, link: { stored } } = state;
-  if (views !== shown?.capture.session || aim !== shown?.capture.aim || stored !== shown?.link.stored) film.render(state);
+  const {
+    capture: { session: views, aim },
+    link: { stored },
+  } = state;
+  if (views !== shown?.capture.session || aim !== shown?.capture.aim || stored !== shown?.link.stored)
+    film.render(state);
   if (shown?.ui.picture && shown.ui.picture !== state.ui.picture) URL.revokeObjectURL(shown.ui.picture);
   giveFeedback(event, state, shown, { feedback, announcer });
   shown = state;
@@ -97,7 +102,10 @@ function openDetector() {
 
 /** Closes the detector; the next capture makes a new one. */
 function closeDetector() {
-  void detector?.then((made) => made.close(), () => {});
+  void detector?.then(
+    (made) => made.close(),
+    () => {},
+  );
   detector = null;
 }
 
@@ -108,27 +116,29 @@ function closeDetector() {
  */
 
 /** One capture, from opening the camera to its end; a new one aborts the one before. */
-const capture = latest(async (signal, /** @type {string} */ choice, /** @type {Opened} */ { notice, camera = null } = {}) => {
-  chosen = choice;
-  showCaptureAddress(parameters);
-  dispatch({ type: "open", notice });
-  try {
-    const opened = await openCamera(signal, choice, camera);
-    const request = await identify(opened, signal);
-    const end = await run(opened, request, signal);
-    if (signal.aborted) return;
-    await finish(end, opened, request);
-  } catch (error) {
-    fail(error, signal);
-  }
-});
+const capture = latest(
+  async (signal, /** @type {string} */ choice, /** @type {Opened} */ { notice, camera = null } = {}) => {
+    chosen = choice;
+    showCaptureAddress(parameters);
+    dispatch({ type: "open", notice });
+    try {
+      const opened = await openCamera(signal, choice, camera);
+      const request = await identify(opened, signal);
+      const end = await run(opened, request, signal);
+      if (signal.aborted) return;
+      await finish(end, opened, request);
+    } catch (error) {
+      fail(error, signal);
+    }
+  },
+);
 
 /**
  * @param {AbortSignal} signal closes the camera, unless `finish` hands it to the next capture
  * @param {string} choice id of a camera @param {OpenCamera | null} opened that camera, if it is open already
  */
 async function openCamera(signal, choice, opened) {
-  const camera = opened ?? await open(choice, { parameters, board: state.board, place: document.body, size });
+  const camera = opened ?? (await open(choice, { parameters, board: state.board, place: document.body, size }));
   const close = () => camera.close();
   if (signal.aborted) close();
   signal.throwIfAborted();
@@ -139,7 +149,12 @@ async function openCamera(signal, choice, opened) {
   return { camera, keepOpen: () => signal.removeEventListener("abort", close) };
 }
 
-/** Shows the open camera, and how it delivers. @param {OpenedCamera} opened @param {AbortSignal} signal @returns {Promise<SessionRequest>} */
+/**
+ * Shows the open camera, and how it delivers.
+ * @param {OpenedCamera} opened
+ * @param {AbortSignal} signal
+ * @returns {Promise<SessionRequest>}
+ */
 async function identify({ camera }, signal) {
   // The frames' size counts: on a turned device some browsers' settings still give the sensor's.
   const { videoWidth, videoHeight } = parts.video;
@@ -158,9 +173,10 @@ async function identify({ camera }, signal) {
  * @returns {Promise<"relayout" | null>} as `CaptureLoop.run`
  */
 async function run({ camera }, request, signal) {
-  if (!await acquireLock(captureKey(request), signal)) throw new CameraError("elsewhere");
+  if (!(await acquireLock(captureKey(request), signal))) throw new CameraError("elsewhere");
   dispatch({ type: "waiting", waiting: "service" });
-  // The detector arrives while the session is opened and the first target is shown; the loop waits for it, and for its failure.
+  // The detector arrives while the session is opened and the first target is shown; the loop waits for it, and for its
+  // failure.
   const finder = openDetector();
   finder.catch(() => {});
   const [{ CaptureLoop }, { loadPlan }] = await loadCapture();
@@ -177,7 +193,8 @@ async function run({ camera }, request, signal) {
 }
 
 /**
- * Ends a capture, or goes on with another one of the same camera: of the board's other layout, or of the size that a turned
+ * Ends a capture, or goes on with another one of the same camera: of the board's other layout, or of the size that a
+ * turned
  * device delivers. The capture before waits for the device to be turned back.
  * @param {"relayout" | null} end @param {OpenedCamera} opened @param {SessionRequest} request
  */
@@ -216,8 +233,12 @@ const loadCapture = () => Promise.all([import("./capture-loop.js"), import("./pl
 async function prepareOutcome() {
   const { Outcome } = await import("./outcome.js");
   outcome ??= new Outcome(parts.result, parts.video, {
-    returnTo: parameters.get("return_to"), asked: state.wanted.camera,
-    onAgain: () => capture(chosen), onWithout: continueWithout, onConsent: async (api) => session?.license(api), photo: (index) => film.picture(index),
+    returnTo: parameters.get("return_to"),
+    asked: state.wanted.camera,
+    onAgain: () => capture(chosen),
+    onWithout: continueWithout,
+    onConsent: async (api) => session?.license(api),
+    photo: (index) => film.picture(index),
   });
 }
 
@@ -270,8 +291,11 @@ async function changeModel() {
   const { automatic } = state.wanted;
   capture.cancel();
   dispatch({ type: "model", model });
-  parameters.set("distortion_model", parts.lens.value = model);
-  await continueWithout([], automatic ? plainNotice("capture.lens_detected", { model: t(`capture.lens_${model}`) }) : undefined);
+  parameters.set("distortion_model", (parts.lens.value = model));
+  await continueWithout(
+    [],
+    automatic ? plainNotice("capture.lens_detected", { model: t(`capture.lens_${model}`) }) : undefined,
+  );
 }
 
 /** Starts again with the same views, but for some. @param {number[]} indices @param {Notice} [notice] */
@@ -300,7 +324,10 @@ async function listCameras() {
 async function listInterrupted() {
   const last = await captureStore.last(await heldLocks());
   const interrupted = last && {
-    camera: last.camera, views: last.views.length, about: last.about, address: last.address ?? captureQuery(parameters),
+    camera: last.camera,
+    views: last.views.length,
+    about: last.about,
+    address: last.address ?? captureQuery(parameters),
   };
   dispatch({ type: "interrupted", interrupted });
 }
@@ -328,8 +355,17 @@ parts.start.addEventListener("click", async () => {
   void capture(parts.camera.value);
 });
 connectControls(parts, {
-  resume, changeModel, restart, stop, forget, useBoard, listCameras, practise: () => capture("virtual"),
-  again: () => capture(chosen), escape: () => state.phase === "opening" && restart(), wantBoard: () => dispatch({ type: "want-board" }),
+  resume,
+  changeModel,
+  restart,
+  stop,
+  forget,
+  useBoard,
+  listCameras,
+  practise: () => capture("virtual"),
+  again: () => capture(chosen),
+  escape: () => state.phase === "opening" && restart(),
+  wantBoard: () => dispatch({ type: "want-board" }),
   leavePractice: () => (parameters.delete("virtual"), restart()),
 });
 offerLensTypes(parts.lens, parameters, (choice) => dispatch({ type: "model", ...choice }));
@@ -341,7 +377,10 @@ onLanguage(() => {
   void listCameras();
 });
 showFirstSheet(parts, {
-  board, problem, parameters, wanted: state.wanted,
+  board,
+  problem,
+  parameters,
+  wanted: state.wanted,
   onBoard: (chosen) => {
     nameBoard(parameters, chosen);
     closeDetector();

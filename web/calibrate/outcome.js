@@ -36,9 +36,11 @@ export class Outcome {
 
   /**
    * @param {HTMLElement} place @param {HTMLVideoElement} video whose last picture is straightened
-   * @param {{returnTo: string | null, asked: string | null, onAgain: () => void, onWithout: (indices: number[]) => void,
+   * @param {{returnTo: string | null, asked: string | null, onAgain: () => void, onWithout: (indices: number[]) =>
+   *   void,
    *   onConsent: (api: Api) => Promise<unknown>, photo: (index: number) => string | null}} options
-   *   asked: the camera that the page was opened for; onWithout: go on, but without these views; onConsent: publish the measurements;
+   *   asked: the camera that the page was opened for; onWithout: go on, but without these views; onConsent: publish the
+   * measurements;
    *   photo: picture of a view
    */
   constructor(place, video, { returnTo, asked, onAgain, onWithout, onConsent, photo }) {
@@ -58,15 +60,24 @@ export class Outcome {
     if (!calibration) return;
     const practice = isVirtual(key?.camera ?? "");
     const returnTo = practice && !isPracticeReturned(this.#returnTo, this.#asked) ? null : this.#returnTo;
-    publishOnConsent(session?.licence || practice ? null : async () => this.#onConsent(new Api((await loadSettings()).api)));
+    publishOnConsent(
+      session?.licence || practice ? null : async () => this.#onConsent(new Api((await loadSettings()).api)),
+    );
     this.#consent.hidden = practice || !id;
     this.#still = still(this.#video, calibration.img_size, flipped === true);
     /** @type {Result} */
     const result = {
-      calibration, report: null, picture: this.#still?.canvas ?? null, notes: advice,
-      origin: practice ? "practice" : "added", ownCameraOffered: practice && this.#returnTo !== null && returnTo === null,
+      calibration,
+      report: null,
+      picture: this.#still?.canvas ?? null,
+      notes: advice,
+      origin: practice ? "practice" : "added",
+      ownCameraOffered: practice && this.#returnTo !== null && returnTo === null,
       again: { label: () => t("capture.once_more"), action: this.#onAgain },
-      goOn: this.#onWithout, photo: this.#photo, explain, aside: this.#consent,
+      goOn: this.#onWithout,
+      photo: this.#photo,
+      explain,
+      aside: this.#consent,
     };
     this.#complete.cancel();
     document.title = pageTitle(calibration, null);
@@ -84,7 +95,8 @@ export class Outcome {
   }
 
   /**
-   * Shows the picture of the camera that was just calibrated as it comes, until the visitor turns it off or looks elsewhere.
+   * Shows the picture of the camera that was just calibrated as it comes, until the visitor turns it off or looks
+   * elsewhere.
    * @param {() => void} close the camera
    */
   live(close) {
@@ -119,7 +131,12 @@ export class Outcome {
   }
 }
 
-/** Current frame of a video; it stays in this page. @param {HTMLVideoElement} video @param {[number, number]} size px @param {boolean} flip turns it back */
+/**
+ * Current frame of a video; it stays in this page.
+ * @param {HTMLVideoElement} video
+ * @param {[number, number]} size px
+ * @param {boolean} flip turns it back
+ */
 function still(video, [width, height], flip) {
   if (video.videoWidth !== width || video.videoHeight !== height) return null;
   const canvas = el("canvas", { width, height });
@@ -132,6 +149,7 @@ function still(video, [width, height], flip) {
 
 /** @param {unknown} error */
 function explain(error) {
-  if ([ApiError, OfflineError, SettingsError].some((type) => error instanceof type)) return /** @type {Error} */ (error).message;
+  if ([ApiError, OfflineError, SettingsError].some((type) => error instanceof type))
+    return /** @type {Error} */ (error).message;
   return t("common.went_wrong", { message: String(error) });
 }

@@ -13,7 +13,10 @@ const [MIN_FILL, MAX_FILL] = [0.04, 0.16]; // opacity of the target's area
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 export function renderTarget(parts, state, before) {
-  const { capture: { pose }, ui: { picture } } = state;
+  const {
+    capture: { pose },
+    ui: { picture },
+  } = state;
   if (picture !== before?.ui.picture) {
     const { overlay } = parts;
     overlay.hidden = !picture;
@@ -45,7 +48,11 @@ export function visibility(state) {
 export function renderDetection(parts, state, before) {
   const { corners, arrows: group, seenOutline } = parts;
   fadeTarget(parts, state, before);
-  const { detector, ui, capture: { aim, key } } = state;
+  const {
+    detector,
+    ui,
+    capture: { aim, key },
+  } = state;
   if (detector.corners === before?.detector.corners && ui.instruction === before?.ui.instruction) return;
   drawCircles(corners, detector.corners.points);
   seenOutline.setAttribute("points", polygon(detector.outline ?? []));

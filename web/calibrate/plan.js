@@ -9,7 +9,8 @@ import { rotationMatrix, rotationVectorOf, transformPoint } from "../lib/pose.js
  * @typedef {import("../lib/board.js").Board} Board
  * @typedef {import("../sdk/projection.js").Intrinsics} Intrinsics
  * @typedef {import("../lib/session.js").Pose} Pose
- * @typedef {{rvec: number[], tvec: number[], purpose: string, hint: string, hint_code?: string}} Step board → camera, squares
+ * @typedef {{rvec: number[], tvec: number[], purpose: string, hint: string, hint_code?: string}} Step board → camera,
+ *   squares
  */
 
 /** Camera and board of the plan: a camera of 0.8 image widths, in landscape, and our own board. */
@@ -32,11 +33,14 @@ const IN_SIGHT = 0.6;
  * @param {{calibration: Intrinsics | null, views: {set_aside?: object | null}[]} | null} session
  */
 export function trustedCalibration(session) {
-  return session && session.views.filter(({ set_aside }) => !set_aside).length >= MIN_TRUSTED_VIEWS ? session.calibration : null;
+  return session && session.views.filter(({ set_aside }) => !set_aside).length >= MIN_TRUSTED_VIEWS
+    ? session.calibration
+    : null;
 }
 
 /**
- * The next step of the plan that can be drawn whole: a lens of strong distortion sees none of what is far from its axis.
+ * The next step of the plan that can be drawn whole: a lens of strong distortion sees none of what is far from its
+ * axis.
  * Where it can draw none of them, they are drawn as by the camera that the plan was made for.
  * @param {Step[]} plan @param {number} from step to try first @param {Board} board @param {[number, number]} size px
  * @param {Intrinsics | null} known
@@ -66,8 +70,9 @@ export function plannedPose(step, board, size, known) {
   const upright = size[0] < size[1];
   const turned = upright ? quarterTurn(step) : step;
   // The board's middle stays where the plan has it, in the picture; its size there as well.
-  const centre = transformPoint(turned, [MADE_FOR[0] / 2, MADE_FOR[1] / 2, 0])
-    .map((value, axis) => value * larger * (axis < 2 ? (FOCAL * longer) / fx : 1));
+  const centre = transformPoint(turned, [MADE_FOR[0] / 2, MADE_FOR[1] / 2, 0]).map(
+    (value, axis) => value * larger * (axis < 2 ? (FOCAL * longer) / fx : 1),
+  );
   const half = transformPoint({ rvec: turned.rvec, tvec: [0, 0, 0] }, [board.squares[0] / 2, board.squares[1] / 2, 0]);
   const pose = { rvec: turned.rvec, tvec: centre.map((value, axis) => value - half[axis]) };
   const lens = lensOf(known ?? pinhole(size));
@@ -82,10 +87,19 @@ export function plannedPose(step, board, size, known) {
     ids.push(id);
     seen.push(q);
   });
-  const edge = outline(board).map(project).filter((q) => q !== null);
+  const edge = outline(board)
+    .map(project)
+    .filter((q) => q !== null);
   if (edge.length < 4 || ids.length < IN_SIGHT * corners(board).length) return null;
   return /** @type {Pose} */ ({
-    index: -1, ...pose, ids, corners: seen, outline: edge, purpose: step.purpose, hint: step.hint, hint_code: step.hint_code ?? "first",
+    index: -1,
+    ...pose,
+    ids,
+    corners: seen,
+    outline: edge,
+    purpose: step.purpose,
+    hint: step.hint,
+    hint_code: step.hint_code ?? "first",
   });
 }
 
@@ -93,7 +107,11 @@ export function plannedPose(step, board, size, known) {
 function pinhole([width, height]) {
   const f = FOCAL * Math.max(width, height);
   return {
-    camera_matrix: [[f, 0, (width - 1) / 2], [0, f, (height - 1) / 2], [0, 0, 1]],
+    camera_matrix: [
+      [f, 0, (width - 1) / 2],
+      [0, f, (height - 1) / 2],
+      [0, 0, 1],
+    ],
     distortion_coefficients: [0, 0, 0, 0, 0],
     distortion_model: "rectilinear",
   };

@@ -9,9 +9,15 @@ import { senderName, senderOf } from "./sender.js";
 
 /**
  * Says that a practice result is not handed over, and offers the ways on.
- * @param {import("./parts.js").Parts} parts @param {State} state of a capture that is done @param {string | null} returnTo
+ * @param {import("./parts.js").Parts} parts
+ * @param {State} state of a capture that is done
+ * @param {string | null} returnTo
  */
-export async function showPracticeEnd({ practiceKept, practiceKeptText, backWithout }, { capture: { key }, wanted }, returnTo) {
+export async function showPracticeEnd(
+  { practiceKept, practiceKeptText, backWithout },
+  { capture: { key }, wanted },
+  returnTo,
+) {
   practiceKept.hidden = true;
   if (!returnTo || !isVirtual(key?.camera ?? "") || isPracticeReturned(returnTo, wanted.camera)) return;
   const { return_origins = [] } = await loadSettings().catch(() => ({ return_origins: [] }));

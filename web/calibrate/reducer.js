@@ -28,24 +28,67 @@ const STEADY_PX = 2; // px at 1280 px image width, during a hold: less is no mot
 const DONE = { code: "wait", next: "wait", since: 0 }; // what was held is taken: it need not be held any more
 const MIN_APPROACH = 0.05; // of the distance to the target that counts as coming nearer
 /** Reasons for a refusal that have a message. */
-const EXPLAINED_REASONS = new Set(["too_few_points", "degenerate", "mirrored", "outlier", "duplicate", "no_information"]);
+const EXPLAINED_REASONS = new Set([
+  "too_few_points",
+  "degenerate",
+  "mirrored",
+  "outlier",
+  "duplicate",
+  "no_information",
+]);
 
 /** @param {import("./state.js").Board} board @param {import("./state.js").Wanted} wanted @returns {State} */
 export function initial(board, wanted) {
   return {
-    phase: "welcome", board, wanted, failure: null,
+    phase: "welcome",
+    board,
+    wanted,
+    failure: null,
     capture: {
-      key: null, request: null, mirrored: false, cropped: false, session: null, initialViews: 0, progress: 0,
-      pose: null, posedAt: 0, takenAt: 0, aim: null, nearest: { time: 0, distance: Infinity }, lastSent: null, skipAfter: null, unsteady: false,
+      key: null,
+      request: null,
+      mirrored: false,
+      cropped: false,
+      session: null,
+      initialViews: 0,
+      progress: 0,
+      pose: null,
+      posedAt: 0,
+      takenAt: 0,
+      aim: null,
+      nearest: { time: 0, distance: Infinity },
+      lastSent: null,
+      skipAfter: null,
+      unsteady: false,
     },
     link: { busy: false, attempts: 0, offline: false, stored: 0, sending: false },
     detector: {
-      loading: 0, stalled: false, corners: { ids: [], points: [] }, boardless: false, markers: 0, outline: null, overlap: 0,
-      stillness: MOVING, diagnosis: HEALTHY, suggestion: null, looks: 0, restless: 0,
+      loading: 0,
+      stalled: false,
+      corners: { ids: [], points: [] },
+      boardless: false,
+      markers: 0,
+      outline: null,
+      overlap: 0,
+      stillness: MOVING,
+      diagnosis: HEALTHY,
+      suggestion: null,
+      looks: 0,
+      restless: 0,
     },
     ui: {
-      cameras: [], interrupted: null, waiting: "camera", instruction: SILENT, notice: null, noticedAt: 0, openingNotice: null,
-      picture: null, plain: false, saved: true, boardWanted: false, stopAskedAt: null,
+      cameras: [],
+      interrupted: null,
+      waiting: "camera",
+      instruction: SILENT,
+      notice: null,
+      noticedAt: 0,
+      openingNotice: null,
+      picture: null,
+      plain: false,
+      saved: true,
+      boardWanted: false,
+      stopAskedAt: null,
     },
   };
 }
@@ -88,13 +131,18 @@ export function reduce(state, event) {
       return change(state, { capture: { request: event.request } });
     case "model":
       return {
-        ...state, phase: state.phase === "welcome" ? "welcome" : "opening",
+        ...state,
+        phase: state.phase === "welcome" ? "welcome" : "opening",
         wanted: { ...state.wanted, distortion_model: event.model, automatic: event.automatic ?? false },
       };
     case "opened-offline":
       return openOffline(state, event);
     case "session":
-      return start(state, change(followSession(state, event.session), { link: { stored: event.stored ?? 0 } }), event.time);
+      return start(
+        state,
+        change(followSession(state, event.session), { link: { stored: event.stored ?? 0 } }),
+        event.time,
+      );
     case "pose":
       return setTarget(state, event);
     case "frame":
@@ -110,7 +158,8 @@ export function reduce(state, event) {
     case "sent":
       return change(state, {
         capture: { lastSent: event.corners, unsteady: state.capture.unsteady || isUnsteady(state, event.corners) },
-        detector: { restless: 0 }, ui: { instruction: DONE },
+        detector: { restless: 0 },
+        ui: { instruction: DONE },
       });
     case "answer":
       return takeAnswer(state, event);
@@ -121,21 +170,26 @@ export function reduce(state, event) {
     case "retrying":
       // A notice about the last view is old by now, and would be read as the state of the connection.
       return change(state, {
-        link: { attempts: event.attempts }, ui: { notice: event.attempts > 0 ? null : state.ui.notice },
+        link: { attempts: event.attempts },
+        ui: { notice: event.attempts > 0 ? null : state.ui.notice },
       });
     case "offline":
       // The status line says that the service is away: a notice beside it would say it twice.
       return change(clearTarget(state), {
-        link: { offline: true, stored: event.stored, attempts: 0, busy: false }, ui: { notice: null },
+        link: { offline: true, stored: event.stored, attempts: 0, busy: false },
+        ui: { notice: null },
       });
     case "sending":
       return change(state, { link: { sending: event.sending } });
     case "online":
       return notify(
         change(clearTarget(followSession(state, event.session)), {
-          capture: { takenAt: event.time }, link: { offline: false, sending: false, stored: 0, attempts: 0 },
+          capture: { takenAt: event.time },
+          link: { offline: false, sending: false, stored: 0, attempts: 0 },
         }),
-        onlineNotice(event), event.time);
+        onlineNotice(event),
+        event.time,
+      );
     case "stalled":
       return change(state, { detector: { stalled: event.stalled } });
     case "visible":
@@ -157,7 +211,8 @@ export function reduce(state, event) {
     case "failed":
       return change(
         { ...state, phase: "failed", failure: { code: event.code, detail: event.detail ?? "" } },
-        { link: { busy: false, attempts: 0 } });
+        { link: { busy: false, attempts: 0 } },
+      );
     case "restart":
       return reset(state);
   }
@@ -168,25 +223,47 @@ function reset({ board, wanted, detector: { loading }, ui: { cameras, interrupte
   return change(initial(board, wanted), { detector: { loading }, ui: { cameras, interrupted, plain } });
 }
 
-/** The last session, if any, is named until the service answers: it may be resumed. @param {State} state @param {Notice | null} notice */
+/**
+ * The last session, if any, is named until the service answers: it may be resumed.
+ * @param {State} state
+ * @param {Notice | null} notice
+ */
 function open(state, notice) {
-  const { capture: { session }, link: { stored } } = state;
-  return change({ ...reset(state), phase: "opening" }, { capture: { session }, link: { stored }, ui: { openingNotice: notice } });
+  const {
+    capture: { session },
+    link: { stored },
+  } = state;
+  return change(
+    { ...reset(state), phase: "opening" },
+    { capture: { session }, link: { stored }, ui: { openingNotice: notice } },
+  );
 }
 
 /** @param {State} state @param {EventOf<"opened-offline">} event @returns {State} */
 function openOffline(state, { stored, time }) {
   const progress = MAX_UNCONFIRMED_PROGRESS * Math.min(1, stored / offlineGoal({ capture: { session: null } }));
-  const next = change({ ...state, phase: "capturing" }, {
-    capture: { session: null, progress }, link: { offline: true, stored, attempts: 0 },
-  });
+  const next = change(
+    { ...state, phase: "capturing" },
+    {
+      capture: { session: null, progress },
+      link: { offline: true, stored, attempts: 0 },
+    },
+  );
   return start(state, next, time);
 }
 
-/** A capture that runs from now on counts its views, and says why it was opened. @param {State} before @param {State} state @param {number} time */
+/**
+ * A capture that runs from now on counts its views, and says why it was opened.
+ * @param {State} before
+ * @param {State} state
+ * @param {number} time
+ */
 function start(before, state, time) {
   if (before.phase === "capturing") return state;
-  const started = change(state, { capture: { initialViews: viewCount(state), takenAt: time }, ui: { openingNotice: null } });
+  const started = change(state, {
+    capture: { initialViews: viewCount(state), takenAt: time },
+    ui: { openingNotice: null },
+  });
   const { openingNotice } = state.ui;
   return openingNotice && state.phase === "capturing" ? notify(started, openingNotice, time) : started;
 }
@@ -197,23 +274,44 @@ const notify = (state, notice, time) => change(state, { ui: { notice, noticedAt:
 /** @param {State} state @returns {State} */
 const clearTarget = (state) => change(state, { capture: { pose: null }, ui: { picture: null } });
 
-/** Whether the corners moved while a view was held. @param {State} state @param {import("../lib/board-outline.js").Corners} corners that were taken */
-function isUnsteady({ capture: { key }, detector: { stillness: { anchor } } }, corners) {
+/**
+ * Whether the corners moved while a view was held.
+ * @param {State} state
+ * @param {import("../lib/board-outline.js").Corners} corners that were taken
+ */
+function isUnsteady(
+  {
+    capture: { key },
+    detector: {
+      stillness: { anchor },
+    },
+  },
+  corners,
+) {
   return anchor !== null && motion(anchor, corners) > (STEADY_PX * (key?.img_size[0] ?? 1280)) / 1280;
 }
 
-/** A stored view brings the capture nearer to its end, as far as can be told without the service. @param {State} state @param {EventOf<"stored">} event */
+/**
+ * A stored view brings the capture nearer to its end, as far as can be told without the service.
+ * @param {State} state
+ * @param {EventOf<"stored">} event
+ */
 function storeView(state, { corners, stored, time }) {
   const left = Math.max(0, MAX_UNCONFIRMED_PROGRESS - state.capture.progress);
   const progress = state.capture.progress + left / Math.max(1, offlineGoal(state) - state.link.stored);
   const next = change(clearTarget(state), {
-    capture: { lastSent: corners, progress, unsteady: state.capture.unsteady || isUnsteady(state, corners) }, link: { stored, busy: false },
+    capture: { lastSent: corners, progress, unsteady: state.capture.unsteady || isUnsteady(state, corners) },
+    link: { stored, busy: false },
     ui: { instruction: DONE },
   });
   return notify(next, { key: "capture.view_stored", kind: "good" }, time);
 }
 
-/** Notice about the stored views: taken or refused. @param {{taken: number, refused: number}} event @returns {Notice} */
+/**
+ * Notice about the stored views: taken or refused.
+ * @param {{taken: number, refused: number}} event
+ * @returns {Notice}
+ */
 function onlineNotice({ taken, refused }) {
   if (refused) return { key: "capture.came_back_less", kind: "good", values: { count: refused } };
   return { key: taken ? "capture.came_back" : "capture.came_back_only", kind: "good" };
@@ -222,7 +320,11 @@ function onlineNotice({ taken, refused }) {
 /** Only a second press loses views. @param {State} state @param {number} time @returns {State} */
 function stop(state, time) {
   if (state.phase !== "capturing" || viewCount(state) === 0 || state.ui.stopAskedAt !== null) return reset(state);
-  const notice = /** @type {Notice} */ ({ key: "capture.press_again", kind: "plain", values: { count: viewCount(state) } });
+  const notice = /** @type {Notice} */ ({
+    key: "capture.press_again",
+    kind: "plain",
+    values: { count: viewCount(state) },
+  });
   return notify(change(state, { ui: { stopAskedAt: time } }), notice, time);
 }
 
@@ -239,7 +341,10 @@ function setTarget(state, { pose, picture, time }) {
   const { outline } = state.detector;
   const next = change(state, {
     capture: {
-      pose, posedAt: time, skipAfter: null, nearest: { time, distance: Infinity },
+      pose,
+      posedAt: time,
+      skipAfter: null,
+      nearest: { time, distance: Infinity },
       aim: observedOutline(state.board, { ids: pose.ids, points: pose.corners }),
     },
     link: { busy: false },
@@ -268,12 +373,18 @@ function observeFrame(state, { detection, time }) {
   const diagnosis = diagnose(detector.diagnosis, detection, moved, time);
   const next = change(state, {
     detector: {
-      corners, outline, stillness,
+      corners,
+      outline,
+      stillness,
       markers: passed ? detector.markers : markers,
       overlap: overlapWith(outline, capture.pose, capture.key),
       boardless: markers === 0 && !diagnosis.probed && time - diagnosis.blindSince > BOARDLESS_MS,
-      diagnosis, ...(ids.length > 0 && { suggestion: null, looks: 0 }),
-      restless: stillness.held >= LONG_HOLD_MS ? 0 : detector.restless + (ids.length > 0 ? Math.min(MAX_FRAME_MS, time - detector.diagnosis.seenAt) : 0),
+      diagnosis,
+      ...(ids.length > 0 && { suggestion: null, looks: 0 }),
+      restless:
+        stillness.held >= LONG_HOLD_MS
+          ? 0
+          : detector.restless + (ids.length > 0 ? Math.min(MAX_FRAME_MS, time - detector.diagnosis.seenAt) : 0),
     },
     ui: {
       boardWanted: ui.boardWanted && ids.length === 0,
@@ -284,19 +395,28 @@ function observeFrame(state, { detection, time }) {
   const distance = outline && capture.aim ? 1 - next.detector.overlap + difference(outline, capture.aim) : Infinity;
   const nearest = distance < capture.nearest.distance - MIN_APPROACH ? { time, distance } : capture.nearest;
   return change(next, {
-    capture: { nearest }, ui: { instruction: instruct(next, requiredHold(next) === HOLD_MS, time) },
+    capture: { nearest },
+    ui: { instruction: instruct(next, requiredHold(next) === HOLD_MS, time) },
   });
 }
 
-/** Another board, or a mirrored picture, is said at once: several looks agree on it. @param {State} state @param {EventOf<"looked">} event @returns {State} */
+/**
+ * Another board, or a mirrored picture, is said at once: several looks agree on it.
+ * @param {State} state
+ * @param {EventOf<"looked">} event
+ * @returns {State}
+ */
 function suggest(state, { suggestion, time }) {
   const { diagnosis, corners, looks } = state.detector;
   if (corners.ids.length > 0) return state;
   const trouble = suggestion && troubleOf(suggestion, state.board);
-  return change(state, { detector: {
-    suggestion, looks: looks + 1,
-    diagnosis: trouble ? { ...diagnosis, probed: trouble, suspected: trouble, trouble, since: time } : diagnosis,
-  } });
+  return change(state, {
+    detector: {
+      suggestion,
+      looks: looks + 1,
+      diagnosis: trouble ? { ...diagnosis, probed: trouble, suspected: trouble, trouble, since: time } : diagnosis,
+    },
+  });
 }
 
 /** @param {State} state @param {EventOf<"answer">} event @returns {State} */
@@ -307,7 +427,8 @@ function takeAnswer(state, { answer, corners, time }) {
   const useless = (reason === "no_information" || reason === "duplicate") && isThere(state);
   const next = change(followSession(state, answer), {
     capture: {
-      lastSent: corners, skipAfter: answer.accepted || !isThere(state) ? null : timeToRead(useless),
+      lastSent: corners,
+      skipAfter: answer.accepted || !isThere(state) ? null : timeToRead(useless),
       takenAt: answer.accepted ? time : state.capture.takenAt,
     },
     link: { busy: false },
@@ -327,9 +448,14 @@ function answerNotice({ capture }, answer, reason) {
   }
   const before = new Set(capture.session?.views.filter(({ set_aside }) => set_aside).map(({ index }) => index));
   const aside = answer.views.find(({ index, set_aside }) => set_aside && !before.has(index));
-  if (aside) return { key: "capture.view_set_aside", kind: "plain", values: { number: answer.views.indexOf(aside) + 1 } };
+  if (aside)
+    return { key: "capture.view_set_aside", kind: "plain", values: { number: answer.views.indexOf(aside) + 1 } };
   const isAside = answer.views.at(-1)?.on_target === false;
-  return { key: isAside ? "capture.view_taken_aside" : "capture.view_taken", kind: "good", values: { number: answer.views.length } };
+  return {
+    key: isAside ? "capture.view_taken_aside" : "capture.view_taken",
+    kind: "good",
+    values: { number: answer.views.length },
+  };
 }
 
 /** @param {State} state @param {EventOf<"undone">} event @returns {State} */
@@ -343,7 +469,11 @@ function undo(state, { session, stored, time }) {
   return notify(undone, { key: "capture.view_undone", kind: "good" }, time);
 }
 
-/** @param {[number, number][] | null} outline @param {Pose | null} pose @param {import("./state.js").CameraKey | null} key */
+/**
+ * @param {[number, number][] | null} outline
+ * @param {Pose | null} pose
+ * @param {import("./state.js").CameraKey | null} key
+ */
 function overlapWith(outline, pose, key) {
   return outline && pose && key ? jaccard(outline, pose.outline, key.img_size) : 0;
 }

@@ -30,8 +30,13 @@ export function render(parts, state, before) {
   if (phase === "opening") renderOpening(parts, state);
   renderTarget(parts, state, before);
   if (phase === "capturing") renderCapture(parts, state, before);
-  if (capture.session !== session || capture.progress !== progress || link.stored !== before?.link.stored
-    || link.offline !== before?.link.offline) renderProgress(parts, state);
+  if (
+    capture.session !== session ||
+    capture.progress !== progress ||
+    link.stored !== before?.link.stored ||
+    link.offline !== before?.link.offline
+  )
+    renderProgress(parts, state);
 }
 
 /** @param {Parts} parts @param {State} state @param {boolean} moveFocus not when the page is first shown */
@@ -79,7 +84,8 @@ function renderCameras(parts, state) {
 }
 
 /**
- * Offers what can be done with the chosen camera: the virtual one has one size, without one the virtual camera comes first,
+ * Offers what can be done with the chosen camera: the virtual one has one size, without one the virtual camera comes
+ * first,
  * and an interrupted capture comes before either.
  * @param {Parts} parts
  */
@@ -88,8 +94,16 @@ export function renderChoice({ camera, resolutions, resolution, lens, setup, sta
   const none = camera.selectedOptions[0]?.text === t("capture.no_camera");
   start.classList.toggle("primary", !none && interrupted.hidden === true);
   startVirtual.classList.toggle("primary", none && interrupted.hidden === true);
-  const chosen = [camera, ...(resolutions.hidden ? [] : [resolution])].map((select) => select.selectedOptions[0]?.text ?? "");
-  write(setup, joinFacts([...chosen.filter(Boolean), `${t("capture.fact_distortion_model")}: ${lens.selectedOptions[0]?.text ?? ""}`]));
+  const chosen = [camera, ...(resolutions.hidden ? [] : [resolution])].map(
+    (select) => select.selectedOptions[0]?.text ?? "",
+  );
+  write(
+    setup,
+    joinFacts([
+      ...chosen.filter(Boolean),
+      `${t("capture.fact_distortion_model")}: ${lens.selectedOptions[0]?.text ?? ""}`,
+    ]),
+  );
 }
 
 /** @param {Parts} parts @param {State} state */
@@ -112,7 +126,12 @@ function renderCamera({ practice, stage, marks, pictureEdge, facts, sent, sentJs
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 function renderCapture(parts, state, before) {
-  const { capture, link, ui, ui: { notice } } = state;
+  const {
+    capture,
+    link,
+    ui,
+    ui: { notice },
+  } = state;
   renderDetection(parts, state, before);
   const held = Math.round(100 * holdProgress(state));
   parts.held.setAttribute("stroke-dasharray", `${held} 100`);
@@ -127,7 +146,8 @@ function renderCapture(parts, state, before) {
   show(parts.notice, statusText.notice(notice));
   parts.noBoard.hidden = !(state.detector.boardless || ui.boardWanted) || viewCount(state) > 0;
   const { suggestion } = state.detector;
-  parts.boardChoice.hidden = !["wrong_board", "mirrored"].includes(ui.instruction.code) || suggestion === null || viewCount(state) > 0;
+  parts.boardChoice.hidden =
+    !["wrong_board", "mirrored"].includes(ui.instruction.code) || suggestion === null || viewCount(state) > 0;
   write(parts.useBoard, t(suggestion?.mirrored ? "capture.flip" : "capture.use_this_board"));
   parts.sharpest.hidden = !isSharpestOffered(state);
   parts.rightBoard.hidden = suggestion?.mirrored === true;

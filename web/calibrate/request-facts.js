@@ -10,7 +10,8 @@ const MAX_DIGITS = 2; // after the point, of settings of the camera
 /** @param {SessionRequest} request @returns {[name: string, value: string][]} */
 export function requestFacts({ track, ...request }) {
   return Object.entries({ ...request, ...track }).map(([name, value]) => [
-    hasMessage(`capture.fact_${name}`) ? t(`capture.fact_${name}`) : name, factText(name, value),
+    hasMessage(`capture.fact_${name}`) ? t(`capture.fact_${name}`) : name,
+    factText(name, value),
   ]);
 }
 
@@ -30,8 +31,10 @@ function boardText({ squares: [columns, rows], dictionary, marker_ratio }) {
 }
 
 /** @param {SessionRequest} request @returns {HTMLTableRowElement[]} */
-export const factRows = (request) => requestFacts(request).map(([name, value]) =>
-  el("tr", {}, el("th", { scope: "row" }, name), el("td", { class: "words" }, value)));
+export const factRows = (request) =>
+  requestFacts(request).map(([name, value]) =>
+    el("tr", {}, el("th", { scope: "row" }, name), el("td", { class: "words" }, value)),
+  );
 
 /** The very object. @param {SessionRequest | null} request */
 export const requestText = (request) => (request ? JSON.stringify(request, null, 2) : "");

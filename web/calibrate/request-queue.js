@@ -49,7 +49,9 @@ export class RequestQueue {
 
   /**
    * Sends a request, unless another one is in flight: what the page does by itself does not queue.
-   * @template T @param {() => Promise<T>} request @param {(response: T) => void} deliver called if the response was in time
+   * @template T
+   * @param {() => Promise<T>} request
+   * @param {(response: T) => void} deliver called if the response was in time
    */
   send(request, deliver) {
     if (!this.#state.link.busy) this.#inFlight = this.#run(request, deliver);
@@ -121,7 +123,11 @@ export class RequestQueue {
   #tellRenewal() {
     if (this.#session.renewals === this.#toldRenewals) return;
     this.#toldRenewals = this.#session.renewals;
-    this.#options.dispatch({ type: "notice", notice: { key: "capture.begun_anew", kind: "plain" }, time: performance.now() });
+    this.#options.dispatch({
+      type: "notice",
+      notice: { key: "capture.begun_anew", kind: "plain" },
+      time: performance.now(),
+    });
   }
 
   #handleOutage() {

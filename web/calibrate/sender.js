@@ -44,12 +44,16 @@ export function knownText(known) {
 
 /**
  * Facts of one camera at one size, out of a search's answer.
- * @param {{cameras: {camera: string, sizes: readonly CameraSize[]}[]}} answer @param {string} label @param {[number, number] | null} size px
+ * @param {{cameras: {camera: string, sizes: readonly CameraSize[]}[]}} answer
+ * @param {string} label
+ * @param {[number, number] | null} size px
  * @returns {Known}
  */
 export function knownOf({ cameras }, label, size) {
   const name = withoutId(label);
-  const modes = cameras.filter(({ camera }) => withoutId(camera) === name).flatMap(({ sizes }) => sizes)
+  const modes = cameras
+    .filter(({ camera }) => withoutId(camera) === name)
+    .flatMap(({ sizes }) => sizes)
     .filter(({ img_size }) => !size || img_size.join() === size.join());
   return {
     calibrations: modes.reduce((most, { calibrations }) => Math.max(most, calibrations), 0),
@@ -65,7 +69,11 @@ const withoutId = (label) => label.replace(/\s*\([0-9a-f]{4}:[0-9a-f]{4}\)\s*$/i
  * Shows who sent the visitor, and how to return; nothing where nobody did.
  * @param {import("./parts.js").Parts} parts @param {string | null} returnTo @param {Wanted} wanted
  */
-export async function showSender({ sender, senderHost, senderNeeds, senderReturns, senderKnown, goBack }, returnTo, wanted) {
+export async function showSender(
+  { sender, senderHost, senderNeeds, senderReturns, senderKnown, goBack },
+  returnTo,
+  wanted,
+) {
   /** @type {Known | null} */
   let known = null;
   /** @type {readonly string[]} */
@@ -76,7 +84,8 @@ export async function showSender({ sender, senderHost, senderNeeds, senderReturn
     const from = senderOf(returnTo, allowed);
     sender.hidden = !from;
     senderHost.textContent = from ? senderName(from) : "";
-    const camera = wanted.camera && [wanted.camera, wanted.img_size && formatSize(wanted.img_size)].filter(Boolean).join(", ");
+    const camera =
+      wanted.camera && [wanted.camera, wanted.img_size && formatSize(wanted.img_size)].filter(Boolean).join(", ");
     senderNeeds.textContent = from ? (camera ? t("capture.needs_named", { camera }) : t("capture.needs")) : "";
     senderReturns.textContent = from ? returnText(from, isSettled) : "";
     goBack.hidden = !from?.allowed;
@@ -101,7 +110,10 @@ export async function showSender({ sender, senderHost, senderNeeds, senderReturn
   }
 }
 
-/** @param {NonNullable<ReturnType<typeof senderOf>>} sender @param {boolean} isSettled it is known which origins get results */
+/**
+ * @param {NonNullable<ReturnType<typeof senderOf>>} sender
+ * @param {boolean} isSettled it is known which origins get results
+ */
 function returnText({ host, isHere, allowed }, isSettled) {
   if (isHere) return t("capture.returns_here");
   return allowed || !isSettled ? t("capture.returns", { host }) : t("capture.no_return", { host });

@@ -5,7 +5,11 @@ import { t } from "../lib/i18n.js";
 
 /** More than any camera has: the nearest to it is the camera's own largest. */
 const MAX_SIZE = /** @type {Size} */ ([15360, 8640]);
-const OFFERED = /** @type {Size[]} */ ([[1280, 720], [1920, 1080], [640, 480]]);
+const OFFERED = /** @type {Size[]} */ ([
+  [1280, 720],
+  [1920, 1080],
+  [640, 480],
+]);
 
 export class Sizes {
   static USUAL = /** @type {Size} */ ([1280, 720]);
@@ -28,7 +32,9 @@ export class Sizes {
   /** In the visitor's language. */
   write() {
     const { selectedIndex } = this.#select;
-    this.#select.replaceChildren(...this.#offered.map((size) => new Option(size === MAX_SIZE ? t("capture.largest") : size.join(" × "))));
+    this.#select.replaceChildren(
+      ...this.#offered.map((size) => new Option(size === MAX_SIZE ? t("capture.largest") : size.join(" × "))),
+    );
     this.#select.selectedIndex = Math.max(0, selectedIndex);
   }
 }

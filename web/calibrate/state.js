@@ -1,4 +1,5 @@
-// State of the guided capture: its parts, the events that change it, and what follows from it. No clock, no DOM, no network.
+// State of the guided capture: its parts, the events that change it, and what follows from it. No clock, no DOM, no
+// network.
 
 /**
  * @typedef {import("../lib/board.js").SentBoard} Board
@@ -22,7 +23,8 @@
  * @property {boolean} [flipped] the camera delivers mirrored pictures, which are turned back
  * @property {boolean} [automatic] another model is taken as soon as the service suggests it
  *
- * @typedef {{key: string, kind: "good" | "bad" | "plain", values?: Record<string, string | number>, hint?: string}} Notice
+ * @typedef {{key: string, kind: "good" | "bad" | "plain", values?: Record<string, string | number>, hint?: string}}
+ *   Notice
  *   key: of a message; hint: the instruction that would help
  *
  * @typedef {object} State
@@ -75,7 +77,8 @@
  *
  * @typedef {object} Ui
  * @property {Choice[]} cameras
- * @property {{camera: string, views: number, about: string, address: string} | null} interrupted a capture that an earlier
+ * @property {{camera: string, views: number, about: string, address: string} | null} interrupted a capture that an
+ *   earlier
  *   page left on this device; about: its key in the capture store
  * @property {"camera" | "service"} waiting what a capture that is being opened waits for
  * @property {Instruction} instruction
@@ -139,33 +142,51 @@ const IDLE_MS = 30_000; // without another view, after which a capture ends with
 /** Number of views that take part in the fit. @param {SessionState | null} session */
 const usedViews = (session) => session?.views.filter(({ set_aside }) => !set_aside).length ?? 0;
 
-/** Number of views taken, here and at the service. @param {{capture: Pick<Capture, "session">, link: Pick<Link, "stored">}} state */
+/**
+ * Number of views taken, here and at the service.
+ * @param {{capture: Pick<Capture, "session">, link: Pick<Link, "stored">}} state
+ */
 export const viewCount = ({ capture: { session }, link: { stored } }) => usedViews(session) + stored;
 
 /** Whether the error that is expected is below the goal. @param {{capture: Pick<Capture, "session">}} state */
-export const isAccurate = ({ capture: { session } }) => session?.uncertainty != null && session.uncertainty.rms < session.target_error;
+export const isAccurate = ({ capture: { session } }) =>
+  session?.uncertainty != null && session.uncertainty.rms < session.target_error;
 
-/** Number of views that the capture will probably take. @param {{capture: Pick<Capture, "session">, link: Pick<Link, "stored">}} state */
-export const expectedViews = (state) => (isAccurate(state) ? Math.max(MIN_VIEWS, viewCount(state)) : Math.max(USUAL_VIEWS, viewCount(state) + 1));
+/**
+ * Number of views that the capture will probably take.
+ * @param {{capture: Pick<Capture, "session">, link: Pick<Link, "stored">}} state
+ */
+export const expectedViews = (state) =>
+  isAccurate(state) ? Math.max(MIN_VIEWS, viewCount(state)) : Math.max(USUAL_VIEWS, viewCount(state) + 1);
 
-/** Tells if the capture can be ended by hand: the service has views enough for a result, be it a poor one. @param {Views} state */
+/**
+ * Tells if the capture can be ended by hand: the service has views enough for a result, be it a poor one.
+ * @param {Views} state
+ */
 export const isFinishable = ({ capture: { session }, link: { offline, stored } }) =>
   !offline && stored === 0 && session?.calibration != null && usedViews(session) >= MIN_VIEWS;
 
-const NEVER_STILL_MS = 12_000; // of a board that moves, before it is said that views are taken only of one that does not
+// of a board that moves, before it is said that views are taken only of one that does not
+const NEVER_STILL_MS = 12_000;
 const SHARPEST_MS = 60_000; // of one, before its sharpest frames are offered as views
 
 /** Tells if the board is in view, and is never held still. @param {State} state */
 export const isRestless = ({ detector: { restless } }) => restless > NEVER_STILL_MS;
 
 /** Tells if the sharpest frames so far can be used as views. @param {State} state */
-export const isSharpestOffered = ({ phase, detector: { restless }, link: { offline } }) => phase === "capturing" && !offline && restless > SHARPEST_MS;
+export const isSharpestOffered = ({ phase, detector: { restless }, link: { offline } }) =>
+  phase === "capturing" && !offline && restless > SHARPEST_MS;
 
-/** Tells if nothing new has been shown for so long that the capture ends with what it has. @param {State} state @param {number} time ms */
+/**
+ * Tells if nothing new has been shown for so long that the capture ends with what it has.
+ * @param {State} state
+ * @param {number} time ms
+ */
 export const isIdle = (state, time) => isFinishable(state) && time - state.capture.takenAt > IDLE_MS;
 
 /** Number of views to store while offline. @param {{capture: Pick<Capture, "session">}} state */
-export const offlineGoal = ({ capture: { session } }) => Math.max(MIN_STORED_OFFLINE, MIN_VIEWS_OFFLINE - usedViews(session));
+export const offlineGoal = ({ capture: { session } }) =>
+  Math.max(MIN_STORED_OFFLINE, MIN_VIEWS_OFFLINE - usedViews(session));
 
 /** Whether enough views are stored to wait for the service. @param {Views} state */
 export const isEnough = (state) => state.link.offline && state.link.stored >= offlineGoal(state);

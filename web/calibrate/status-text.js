@@ -21,11 +21,20 @@ export function remedy(state) {
 }
 
 /** Whether another target is being chosen: nobody is to do anything meanwhile. @param {State} state */
-const isChoosing = ({ capture: { skipAfter }, ui: { notice } }) => skipAfter !== null && notice?.key === "capture.useless";
+const isChoosing = ({ capture: { skipAfter }, ui: { notice } }) =>
+  skipAfter !== null && notice?.key === "capture.useless";
 
 /** The one instruction. @param {State} state */
 export function instruction(state) {
-  const { link, detector, capture: { skipAfter }, ui: { instruction: { code }, notice: refusal } } = state;
+  const {
+    link,
+    detector,
+    capture: { skipAfter },
+    ui: {
+      instruction: { code },
+      notice: refusal,
+    },
+  } = state;
   if (detector.stalled) return t("capture.say_stalled");
   if (link.attempts > 0 && !link.offline) return t("capture.say_retry");
   if (isChoosing(state)) return t("capture.useless");
@@ -33,7 +42,10 @@ export function instruction(state) {
   return code === "" ? "" : t(`capture.say_${code}`);
 }
 
-/** Sentence about what has happened; never what to do, which is the instruction. @param {State["ui"]["notice"]} notice */
+/**
+ * Sentence about what has happened; never what to do, which is the instruction.
+ * @param {State["ui"]["notice"]} notice
+ */
 export const notice = (notice) => (notice && notice.key !== "capture.useless" ? t(notice.key, notice.values) : "");
 
 /** The step of opening that is waited for. @param {State} state */
@@ -53,7 +65,7 @@ export function saved(state) {
 
 /** @param {State} state */
 export const interrupted = ({ ui: { interrupted } }) =>
-  (interrupted ? t("capture.interrupted", { camera: interrupted.camera, count: interrupted.views }) : "");
+  interrupted ? t("capture.interrupted", { camera: interrupted.camera, count: interrupted.views }) : "";
 
 /** Label of the stop button: nothing is lost by it before the first view. @param {State} state */
 export function stopLabel(state) {
@@ -61,14 +73,22 @@ export function stopLabel(state) {
   return t(state.ui.stopAskedAt === null ? "capture.stop" : "capture.stop_really");
 }
 
-/** Views so far and how many there will be, and what else is to be said of that. @param {State} state @returns {string[]} */
+/**
+ * Views so far and how many there will be, and what else is to be said of that.
+ * @param {State} state
+ * @returns {string[]}
+ */
 export function counts(state) {
-  const { capture: { session }, link: { stored, offline } } = state;
+  const {
+    capture: { session },
+    link: { stored, offline },
+  } = state;
   const used = session?.views.filter(({ set_aside }) => !set_aside).length ?? 0;
   const aside = (session?.views.length ?? 0) - used;
   const missing = MIN_VIEWS - used - stored;
   return [
-    offline ? t("capture.kept_of", { count: stored, wanted: offlineGoal(state) })
+    offline
+      ? t("capture.kept_of", { count: stored, wanted: offlineGoal(state) })
       : t("capture.view_of", { number: used + stored, total: expectedViews(state) }),
     aside > 0 ? t("capture.set_aside", { count: aside }) : "",
     !offline && stored > 0 ? t("capture.waiting_views", { count: stored }) : "",
@@ -78,12 +98,15 @@ export function counts(state) {
 
 /** Reason why it goes on before the fourth view. @param {State} state @param {number} missing views */
 const leastViews = (state, missing) =>
-  (isAccurate(state) ? t("capture.goal_early", { count: missing }) : t("capture.at_least", { count: MIN_VIEWS }));
+  isAccurate(state) ? t("capture.goal_early", { count: missing }) : t("capture.at_least", { count: MIN_VIEWS });
 
 /** The accuracy that the views have reached, for who looks at the details. @param {State} state */
 export function accuracy({ capture: { session } }) {
   if (!session?.uncertainty) return "";
-  const reached = t("capture.reached", { reached: rounded(session.uncertainty.rms), goal: rounded(session.target_error) });
+  const reached = t("capture.reached", {
+    reached: rounded(session.uncertainty.rms),
+    goal: rounded(session.target_error),
+  });
   return `${t("capture.accuracy")}: ${reached}`;
 }
 
@@ -100,7 +123,8 @@ export function statusLine(state) {
 }
 
 /**
- * Advice of the service, in its own words if the page has no message for it. Motion is its guess from the fit: it is said only
+ * Advice of the service, in its own words if the page has no message for it. Motion is its guess from the fit: it is
+ * said only
  * if the corners have moved. Fewer views than a result needs do not tell what is wrong with them.
  * @param {State} state
  */
@@ -122,7 +146,8 @@ const describe = (camera, size) => (size ? t("capture.camera_at", { camera, size
 export function wanted({ wanted: { camera, img_size }, ui: { cameras } }, isSent = false) {
   const real = cameras.filter(({ id }) => id !== "virtual");
   if (!camera) return cameras.length > real.length && real.length === 0 ? t("capture.none_at_all") : "";
-  const absent = cameras.length > 0 && !cameras.some(({ label }) => label === camera) && real.every(({ named }) => named);
+  const absent =
+    cameras.length > 0 && !cameras.some(({ label }) => label === camera) && real.every(({ named }) => named);
   const asked = isSent ? "" : t("capture.asked_for", { camera: describe(camera, img_size) });
   if (!absent) return asked;
   return [asked, real.length ? t("capture.not_among") : t("capture.none_here")].filter(Boolean).join(" ");
@@ -134,7 +159,10 @@ export const cameraLabel = ({ id, label }) => (id === "virtual" ? t("capture.vir
 /** Name of a lens type. @param {string} model */
 export const lensName = (model) => (hasMessage(`capture.lens_${model}`) ? t(`capture.lens_${model}`) : model);
 
-/** Says that another camera was opened, until a view was taken after it was read; again if that view is undone. @param {State} state */
+/**
+ * Says that another camera was opened, until a view was taken after it was read; again if that view is undone.
+ * @param {State} state
+ */
 export const mismatchWarning = (state) => (viewCount(state) > state.capture.initialViews ? "" : cameraMismatch(state));
 
 /** Says that another camera than the wanted one was opened; "" if it is that one. @param {State} state */
@@ -149,14 +177,23 @@ export function cameraFacts({ capture: { key, cropped } }) {
   if (!key) return "";
   const { camera, img_size, zoom } = key;
   return [camera, formatSize(img_size), zoom && t("capture.zoom", { zoom }), cropped && t("capture.cropped")]
-    .filter(Boolean).join(" · ");
+    .filter(Boolean)
+    .join(" · ");
 }
 
-/** Label of the button that starts again with the suggested model; "" if there is no suggestion. @param {State} state */
+/**
+ * Label of the button that starts again with the suggested model; "" if there is no suggestion.
+ * @param {State} state
+ */
 export function suggestedModel({ capture: { session }, wanted }) {
   const model = session?.suggested_model;
   return model && model !== wanted.distortion_model ? t("capture.with_model", { model: lensName(model) }) : "";
 }
 
 /** Code of the instruction, about the camera's image. @param {State} state */
-export const unmirrored = ({ capture: { mirrored }, ui: { instruction: { code } } }) => (mirrored ? asMirrored(code) : code);
+export const unmirrored = ({
+  capture: { mirrored },
+  ui: {
+    instruction: { code },
+  },
+}) => (mirrored ? asMirrored(code) : code);

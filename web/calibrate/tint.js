@@ -1,10 +1,12 @@
-// The target's picture in the target's colour. Done once a target: an SVG filter over the video would be worked out again
+// The target's picture in the target's colour. Done once a target: an SVG filter over the video would be worked out
+// again
 // for every frame, and halve the rate where there is no graphics processor.
 
 const TINT_REDUCTION = 2; // a colour laid over a picture needs half of its pixels
 
 /**
- * The service paints white squares green and black ones magenta; here both take the target's colour, the black ones less
+ * The service paints white squares green and black ones magenta; here both take the target's colour, the black ones
+ * less
  * of it. Where the picture is black, nothing is left.
  * @param {Blob} picture JPEG @param {number[][]} outline of the target, px: nothing is drawn beyond it
  * @param {[number, number]} size of the image in which the outline is, px
@@ -12,11 +14,15 @@ const TINT_REDUCTION = 2; // a colour laid over a picture needs half of its pixe
  */
 export async function tint(picture, outline, [width, height]) {
   const bitmap = await createImageBitmap(picture);
-  const canvas = new OffscreenCanvas(Math.ceil(bitmap.width / TINT_REDUCTION), Math.ceil(bitmap.height / TINT_REDUCTION));
+  const canvas = new OffscreenCanvas(
+    Math.ceil(bitmap.width / TINT_REDUCTION),
+    Math.ceil(bitmap.height / TINT_REDUCTION),
+  );
   const context = canvas.getContext("2d", { willReadFrequently: true });
   if (!context) return picture;
   context.beginPath();
-  for (const [x, y] of outline) context.lineTo(((x + 0.5) * canvas.width) / width, ((y + 0.5) * canvas.height) / height);
+  for (const [x, y] of outline)
+    context.lineTo(((x + 0.5) * canvas.width) / width, ((y + 0.5) * canvas.height) / height);
   if (outline.length > 2) context.clip();
   context.drawImage(bitmap, 0, 0, canvas.width, canvas.height);
   bitmap.close();

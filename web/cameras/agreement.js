@@ -1,4 +1,5 @@
-// Plots of the agreement among the calibrations of one camera: focal lengths one after the other, principal points in the plane.
+// Plots of the agreement among the calibrations of one camera: focal lengths one after the other, principal points in
+// the plane.
 import { dateText, number, t } from "../lib/i18n.js";
 import { make, short } from "../lib/svg.js";
 
@@ -31,7 +32,12 @@ export function axis(values, least) {
   const step = [1, 2, 5, 10].map((factor) => factor * power).find((each) => each >= raw * 0.999) ?? raw;
   const first = Math.ceil(from / step - 1e-9);
   const last = Math.floor(to / step + 1e-9);
-  return { from, to, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)), ticks: Array.from({ length: last - first + 1 }, (_, index) => (first + index) * step) };
+  return {
+    from,
+    to,
+    digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)),
+    ticks: Array.from({ length: last - first + 1 }, (_, index) => (first + index) * step),
+  };
 }
 
 /** @typedef {ReturnType<typeof axis>} Axis */
@@ -46,34 +52,58 @@ export function axis(values, least) {
  */
 function frame(across, names, up, label, x, y) {
   const at = {
-    x: (/** @type {number} */ value) => LEFT + ((value - across.from) / (across.to - across.from)) * (WIDTH - LEFT - RIGHT),
-    y: (/** @type {number} */ value) => HEIGHT - BOTTOM - ((value - up.from) / (up.to - up.from)) * (HEIGHT - TOP - BOTTOM),
+    x: (/** @type {number} */ value) =>
+      LEFT + ((value - across.from) / (across.to - across.from)) * (WIDTH - LEFT - RIGHT),
+    y: (/** @type {number} */ value) =>
+      HEIGHT - BOTTOM - ((value - up.from) / (up.to - up.from)) * (HEIGHT - TOP - BOTTOM),
   };
   const svg = make("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "group", "aria-label": label, class: "plot" });
-  svg.append(make("rect", { x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: HEIGHT - TOP - BOTTOM, class: "ground" }));
+  svg.append(
+    make("rect", { x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: HEIGHT - TOP - BOTTOM, class: "ground" }),
+  );
   for (const value of up.ticks) {
-    svg.append(make("path", { d: `M${LEFT} ${short(at.y(value))}H${WIDTH - RIGHT}`, class: "grid" }),
-      make("text", { x: LEFT - 7, y: short(at.y(value) + 4), "text-anchor": "end" }, [number(value, up.digits)]));
+    svg.append(
+      make("path", { d: `M${LEFT} ${short(at.y(value))}H${WIDTH - RIGHT}`, class: "grid" }),
+      make("text", { x: LEFT - 7, y: short(at.y(value) + 4), "text-anchor": "end" }, [number(value, up.digits)]),
+    );
   }
   for (const value of names?.ticks ?? []) {
-    svg.append(make("path", { d: `M${short(at.x(value))} ${HEIGHT - BOTTOM}v5`, class: "tick" }),
-      make("text", { x: short(at.x(value)), y: HEIGHT - BOTTOM + 18, "text-anchor": "middle" }, [number(value, across.digits)]));
+    svg.append(
+      make("path", { d: `M${short(at.x(value))} ${HEIGHT - BOTTOM}v5`, class: "tick" }),
+      make("text", { x: short(at.x(value)), y: HEIGHT - BOTTOM + 18, "text-anchor": "middle" }, [
+        number(value, across.digits),
+      ]),
+    );
   }
-  svg.append(make("rect", { x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: HEIGHT - TOP - BOTTOM, class: "edge" }),
+  svg.append(
+    make("rect", { x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: HEIGHT - TOP - BOTTOM, class: "edge" }),
     make("text", { x: LEFT + (WIDTH - LEFT - RIGHT) / 2, y: HEIGHT - 5, "text-anchor": "middle" }, [x]),
-    make("text", { x: 12, y: TOP + (HEIGHT - TOP - BOTTOM) / 2, "text-anchor": "middle", transform: `rotate(-90 12 ${TOP + (HEIGHT - TOP - BOTTOM) / 2})` }, [y]));
+    make(
+      "text",
+      {
+        x: 12,
+        y: TOP + (HEIGHT - TOP - BOTTOM) / 2,
+        "text-anchor": "middle",
+        transform: `rotate(-90 12 ${TOP + (HEIGHT - TOP - BOTTOM) / 2})`,
+      },
+      [y],
+    ),
+  );
   return { svg, at };
 }
 
 /**
- * A dot for what agrees, a cross for what does not; a link to its page. The table beside the plots has the same links for the keyboard.
+ * A dot for what agrees, a cross for what does not; a link to its page. The table beside the plots has the same links
+ * for the keyboard.
  * @param {number} x @param {number} y @param {Member} member
  */
 function mark(x, y, { id, time, fx, in_group: agrees }) {
   const text = t("cameras.dot", { date: dateText(time), fx: number(fx, 1) });
   return make("a", { href: `../result/?${new URLSearchParams({ id })}`, tabindex: -1, "aria-label": text }, [
-    make("title", {}, [text]), make("circle", { cx: short(x), cy: short(y), r: 16, class: "touch" }),
-    agrees ? make("circle", { cx: short(x), cy: short(y), r: 3.4, class: "agrees" })
+    make("title", {}, [text]),
+    make("circle", { cx: short(x), cy: short(y), r: 16, class: "touch" }),
+    agrees
+      ? make("circle", { cx: short(x), cy: short(y), r: 3.4, class: "agrees" })
       : make("path", { d: `M${short(x - 4)} ${short(y - 4)}l8 8m0-8l-8 8`, class: "cut" }),
   ]);
 }
@@ -86,7 +116,8 @@ export function focalPlot(members, agreed) {
   const across = { from: 0, to: sorted.length + 1, digits: 0, ticks: [] };
   const label = t("cameras.focal_label", { low: number(Math.min(...values), 0), high: number(Math.max(...values), 0) });
   const { svg, at } = frame(across, null, up, label, t("cameras.in_order"), "fx, px");
-  if (agreed !== null) svg.append(make("path", { d: `M${LEFT} ${short(at.y(agreed))}H${WIDTH - RIGHT}`, class: "agreed" }));
+  if (agreed !== null)
+    svg.append(make("path", { d: `M${LEFT} ${short(at.y(agreed))}H${WIDTH - RIGHT}`, class: "agreed" }));
   svg.append(...sorted.map((member, index) => mark(at.x(index + 1), at.y(member.fx), member)));
   return svg;
 }
@@ -94,7 +125,12 @@ export function focalPlot(members, agreed) {
 /** Principal points. @param {Member[]} members @param {[number, number] | null} agreed px */
 export function centrePlot(members, agreed) {
   const points = [...members.map(({ cx, cy }) => [cx, cy]), ...(agreed ? [agreed] : [])];
-  const [across, up] = [0, 1].map((coordinate) => axis(points.map((point) => point[coordinate]), 0.02 * points[0][0]));
+  const [across, up] = [0, 1].map((coordinate) =>
+    axis(
+      points.map((point) => point[coordinate]),
+      0.02 * points[0][0],
+    ),
+  );
   const { svg, at } = frame(across, across, up, t("cameras.centre_label"), "cx, px", "cy, px");
   svg.append(...members.map((member) => mark(at.x(member.cx), at.y(member.cy), member)));
   if (agreed) {

@@ -9,7 +9,11 @@ export function badgeView(key, size, name) {
   const page = `${location.origin}/cameras/?${new URLSearchParams({ key })}`;
   const alt = t("cameras.badge_alt", { camera: name, size: formatSize(size) });
   const markdown = `[![${alt.replace(/[[\]]/g, "")}](${address})](${page})`;
-  return el("details", { class: "badge" }, el("summary", {}, t("cameras.badge")),
+  return el(
+    "details",
+    { class: "badge" },
+    el("summary", {}, t("cameras.badge")),
     el("p", {}, el("img", { src: address, alt, height: 20, loading: "lazy" })),
-    addCopyButton(el("pre", { tabindex: 0, "aria-label": "Markdown" }, el("code", {}, markdown))));
+    addCopyButton(el("pre", { tabindex: 0, "aria-label": "Markdown" }, el("code", {}, markdown))),
+  );
 }

@@ -1,4 +1,5 @@
-// View of one camera: what is missing, its sizes with their calibrations, the numbers for any model, a badge, and the lookup.
+// View of one camera: what is missing, its sizes with their calibrations, the numbers for any model, a badge, and the
+// lookup.
 import { addCopyButton } from "../lib/copy-button.js";
 import { el } from "../lib/dom.js";
 import { estimateView } from "../lib/estimate-view.js";
@@ -25,26 +26,47 @@ import { spreadOf } from "./spread.js";
 export function cameraView(page, explain) {
   const modes = [...page.modes].sort((a, b) => b.calibrations - a.calibrations);
   const practice = isVirtual(page.camera);
-  return el("div", {},
-    el("header", { class: "opening" },
+  return el(
+    "div",
+    {},
+    el(
+      "header",
+      { class: "opening" },
       el("h1", { id: "camera-name", tabindex: -1 }, splitLabel(page.camera).name),
       el("p", { class: "about" }, aboutText(page)),
       ...(practice ? [el("p", { class: "lead" }, t("cameras.practice"))] : []),
       callToAction(page, modes[0]),
-      ...(practice || (modes[0] && isReady(modes[0])) ? [] : [estimatePart(page, modes[0])])),
-    ...(modes.length ? modes.map((mode, index) => modeView(page, mode, index === 0, explain)) : [el("p", { class: "band" }, t("cameras.no_modes"))]),
+      ...(practice || (modes[0] && isReady(modes[0])) ? [] : [estimatePart(page, modes[0])]),
+    ),
+    ...(modes.length
+      ? modes.map((mode, index) => modeView(page, mode, index === 0, explain))
+      : [el("p", { class: "band" }, t("cameras.no_modes"))]),
     lookupView(page, modes[0]),
-    el("details", { class: "raw" }, el("summary", {}, t("cameras.raw")), el("p", { class: "muted" }, `${page.camera} · ${page.platform}`)));
+    el(
+      "details",
+      { class: "raw" },
+      el("summary", {}, t("cameras.raw")),
+      el("p", { class: "muted" }, `${page.camera} · ${page.platform}`),
+    ),
+  );
 }
 
-/** "Linux · USB 046d:082d · Logitech, Inc." @param {{camera: string, platform: string, usb_id?: string | null, vendor?: string | null}} page */
+/**
+ * "Linux · USB 046d:082d · Logitech, Inc."
+ * @param {{camera: string, platform: string, usb_id?: string | null, vendor?: string | null}} page
+ */
 export function aboutText({ camera, platform, usb_id, vendor }) {
   const usb = usb_id ?? splitLabel(camera).usb;
   const files = { photographs: t("cameras.photographs"), video: t("cameras.video") }[platform];
-  return [files ?? systemName(platform), ...(usb ? [`USB ${usb}`] : []), ...(vendor ? [vendor] : [])].filter(Boolean).join(" · ");
+  return [files ?? systemName(platform), ...(usb ? [`USB ${usb}`] : []), ...(vendor ? [vendor] : [])]
+    .filter(Boolean)
+    .join(" · ");
 }
 
-/** "Ready to use", or how many are there of how many. @param {{reliable: boolean, agreeing: number, required: number}} size */
+/**
+ * "Ready to use", or how many are there of how many.
+ * @param {{reliable: boolean, agreeing: number, required: number}} size
+ */
 export function stateText({ reliable, agreeing, required }) {
   if (reliable) return t("cameras.reliable");
   return agreeing >= required ? t("cameras.unreliable") : t("cameras.of", { count: agreeing, required });
@@ -53,16 +75,39 @@ export function stateText({ reliable, agreeing, required }) {
 /** @param {Mode} mode */
 const isReady = (mode) => Object.values(mode.consensus).some((each) => each.reliable);
 
-/** Missing calibrations, and the button that makes one. @param {CameraPage} page @param {Mode | undefined} mode the one of most calibrations */
+/**
+ * Missing calibrations, and the button that makes one.
+ * @param {CameraPage} page
+ * @param {Mode | undefined} mode the one of most calibrations
+ */
 function callToAction({ camera, platform }, mode) {
   const ready = mode !== undefined && isReady(mode);
   const missing = mode ? mode.required - mode.agreeing : 0;
   const model = mode?.members[0]?.model ?? "rectilinear";
-  const href = againAddress(/** @type {Calibration} */ ({ camera, platform, img_size: mode?.img_size ?? [1280, 720], distortion_model: model }));
-  const text = !mode ? t("cameras.no_modes") : ready ? t("cameras.ready_text")
-    : missing > 0 ? t("cameras.missing_text", { count: missing, size: nameOf(mode) }) : reasonText(mode);
-  return el("div", { class: "missing" }, el("p", { class: "lead" }, text),
-    el("div", { class: "actions" }, el("a", { class: ready ? "button" : "button primary", id: "calibrate-this", href }, t(ready ? "cameras.calibrate_again" : "cameras.calibrate_this"))));
+  const href = againAddress(
+    /** @type {Calibration} */ ({ camera, platform, img_size: mode?.img_size ?? [1280, 720], distortion_model: model }),
+  );
+  const text = !mode
+    ? t("cameras.no_modes")
+    : ready
+      ? t("cameras.ready_text")
+      : missing > 0
+        ? t("cameras.missing_text", { count: missing, size: nameOf(mode) })
+        : reasonText(mode);
+  return el(
+    "div",
+    { class: "missing" },
+    el("p", { class: "lead" }, text),
+    el(
+      "div",
+      { class: "actions" },
+      el(
+        "a",
+        { class: ready ? "button" : "button primary", id: "calibrate-this", href },
+        t(ready ? "cameras.calibrate_again" : "cameras.calibrate_this"),
+      ),
+    ),
+  );
 }
 
 /** Estimate of a camera that is not ready, once it is there. @param {CameraPage} page @param {Mode | undefined} mode */
@@ -76,7 +121,8 @@ function estimatePart(page, mode) {
 }
 
 /** Reason why it is not known. @param {Mode} mode */
-const reasonText = ({ reason }) => t(reason && hasMessage(`cameras.reason_${reason}`) ? `cameras.reason_${reason}` : "cameras.unreliable");
+const reasonText = ({ reason }) =>
+  t(reason && hasMessage(`cameras.reason_${reason}`) ? `cameras.reason_${reason}` : "cameras.unreliable");
 
 /** @param {CameraPage} page @param {Mode} mode @param {boolean} open @param {(error: unknown) => string} explain */
 function modeView(page, mode, open, explain) {
@@ -84,20 +130,35 @@ function modeView(page, mode, open, explain) {
   const ready = isReady(mode);
   const outside = mode.members.filter(({ in_group }) => !in_group).length;
   const facts = [
-    t("cameras.calibrations", { count: mode.calibrations }), t("cameras.contributors", { count: mode.contributors }),
+    t("cameras.calibrations", { count: mode.calibrations }),
+    t("cameras.contributors", { count: mode.contributors }),
     ...(outside ? [t("cameras.outside", { count: outside })] : []),
     ...(mode.groups.length > 1 ? [t("cameras.groups", { count: mode.groups.length })] : []),
   ];
   const agreed = Object.values(mode.consensus)[0] ?? null;
   const body = el("div", { class: "inside" });
-  const fill = () => body.replaceChildren(
-    el("p", { class: "number" }, joinFacts([...facts, ...(ready ? [] : [reasonText(mode)])])),
-    ...(agreed ? [modelView(page, mode, explain)] : []),
-    ...(mode.members.length ? [membersView(mode, agreed, id, explain)] : []),
-    badgeView(page.key, mode.img_size, splitLabel(page.camera).name));
-  const details = el("details", { class: "mode", open },
-    el("summary", {}, el("h2", { id, class: "number" }, nameOf(mode)),
-      el("span", { class: `reliability number ${ready ? "known" : ""}` }, stateText({ reliable: ready, agreeing: mode.agreeing, required: mode.required }))), body);
+  const fill = () =>
+    body.replaceChildren(
+      el("p", { class: "number" }, joinFacts([...facts, ...(ready ? [] : [reasonText(mode)])])),
+      ...(agreed ? [modelView(page, mode, explain)] : []),
+      ...(mode.members.length ? [membersView(mode, agreed, id, explain)] : []),
+      badgeView(page.key, mode.img_size, splitLabel(page.camera).name),
+    );
+  const details = el(
+    "details",
+    { class: "mode", open },
+    el(
+      "summary",
+      {},
+      el("h2", { id, class: "number" }, nameOf(mode)),
+      el(
+        "span",
+        { class: `reliability number ${ready ? "known" : ""}` },
+        stateText({ reliable: ready, agreeing: mode.agreeing, required: mode.required }),
+      ),
+    ),
+    body,
+  );
   // What nobody unfolds is not made.
   if (open) fill();
   else details.addEventListener("toggle", fill, { once: true });
@@ -115,8 +176,11 @@ function modelView(page, mode, explain) {
   const show = (calibration) => {
     status.textContent = "";
     const std = spreadOf(mode.members, calibration.distortion_model);
-    place.replaceChildren(downloadPart({ calibration, explain }, `-${id}`, { primary: isReady(mode) }), numbersPart(calibration, std ? { std } : null),
-      ...(std ? [el("p", { class: "muted" }, t("cameras.spread_text", { count: std.count }))] : []));
+    place.replaceChildren(
+      downloadPart({ calibration, explain }, `-${id}`, { primary: isReady(mode) }),
+      numbersPart(calibration, std ? { std } : null),
+      ...(std ? [el("p", { class: "muted" }, t("cameras.spread_text", { count: std.count }))] : []),
+    );
   };
   const choose = async () => {
     const stored = mode.consensus[select.value];
@@ -132,7 +196,13 @@ function modelView(page, mode, explain) {
   select.value = models.find((model) => model in mode.consensus) ?? models[0];
   select.addEventListener("change", choose);
   void choose();
-  return el("div", {}, el("div", { class: "field" }, el("label", { for: id }, t("cameras.model")), select), status, place);
+  return el(
+    "div",
+    {},
+    el("div", { class: "field" }, el("label", { for: id }, t("cameras.model")), select),
+    status,
+    place,
+  );
 }
 
 /** @param {CameraPage} page @param {Mode | undefined} mode */
@@ -142,6 +212,15 @@ function lookupView({ camera, platform }, mode) {
 
 const key = ${jsonText(key)};
 const { calibration } = await lookup(key, { token: "cdb_…" });`;
-  return el("section", { class: "band", "aria-labelledby": "in-code" }, el("h2", { id: "in-code" }, t("cameras.in_code")),
-    el("div", {}, el("p", {}, t("cameras.in_code_text")), addCopyButton(el("pre", { tabindex: 0, "aria-label": t("cameras.in_code") }, el("code", {}, code)))));
+  return el(
+    "section",
+    { class: "band", "aria-labelledby": "in-code" },
+    el("h2", { id: "in-code" }, t("cameras.in_code")),
+    el(
+      "div",
+      {},
+      el("p", {}, t("cameras.in_code_text")),
+      addCopyButton(el("pre", { tabindex: 0, "aria-label": t("cameras.in_code") }, el("code", {}, code))),
+    ),
+  );
 }

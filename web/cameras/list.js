@@ -18,12 +18,40 @@ export function cameraRow(found) {
   const about = [aboutText(found), ...(isVirtual(camera) ? [t("cameras.practice")] : [])];
   const newest = Math.max(0, ...sizes.map(({ calibration_time }) => calibration_time ?? 0));
   const width = sizes.map(widthOf).find((angle) => angle !== null) ?? null;
-  return el("tr", {},
-    el("th", { scope: "row" }, el("a", { href: `./?${new URLSearchParams({ key })}` }, el("strong", {}, splitLabel(camera).name), el("span", { class: "muted" }, about.join(" · ")))),
+  return el(
+    "tr",
+    {},
+    el(
+      "th",
+      { scope: "row" },
+      el(
+        "a",
+        { href: `./?${new URLSearchParams({ key })}` },
+        el("strong", {}, splitLabel(camera).name),
+        el("span", { class: "muted" }, about.join(" · ")),
+      ),
+    ),
     el("td", { class: "number" }, ...(width === null ? ["–"] : [fan(width), `${number(width, 0)}°`])),
-    el("td", { class: "words" }, el("ul", { class: "sizes number" }, ...sizes.map((size) =>
-      el("li", { class: size.reliable ? "known" : "" }, ring(size), el("span", { class: "size" }, nameOf(size)), " ", el("span", { class: "state" }, stateText(size)))))),
-    el("td", { class: "number muted" }, newest ? dateText(newest) : "–"));
+    el(
+      "td",
+      { class: "words" },
+      el(
+        "ul",
+        { class: "sizes number" },
+        ...sizes.map((size) =>
+          el(
+            "li",
+            { class: size.reliable ? "known" : "" },
+            ring(size),
+            el("span", { class: "size" }, nameOf(size)),
+            " ",
+            el("span", { class: "state" }, stateText(size)),
+          ),
+        ),
+      ),
+    ),
+    el("td", { class: "number muted" }, newest ? dateText(newest) : "–"),
+  );
 }
 
 /**
@@ -40,14 +68,23 @@ export function widthOf({ fx, img_size: [width], models: [model] }) {
 function fan(degrees) {
   const half = (Math.min(degrees, 180) * Math.PI) / 360;
   const [x, y] = [12 * Math.sin(half), 13 - 12 * Math.cos(half)].map(short);
-  return make("svg", { viewBox: "0 0 24 14", class: "fan", "aria-hidden": "true" }, [make("path", { d: `M12 13L${12 - Number(x)} ${y}A12 12 0 0 1 ${12 + Number(x)} ${y}Z` })]);
+  return make("svg", { viewBox: "0 0 24 14", class: "fan", "aria-hidden": "true" }, [
+    make("path", { d: `M12 13L${12 - Number(x)} ${y}A12 12 0 0 1 ${12 + Number(x)} ${y}Z` }),
+  ]);
 }
 
 /** Ring with a part for each calibration that is needed. @param {import("./source.js").Size} size */
 function ring({ agreeing, required }) {
-  const parts = Array.from({ length: required }, (_, index) => make("circle", {
-    cx: 10, cy: 10, r: RING, pathLength: required, class: index < agreeing ? "there" : "",
-    "stroke-dasharray": `${1 - GAP} ${required - 1 + GAP}`, "stroke-dashoffset": String(required / 4 - index - GAP / 2),
-  }));
+  const parts = Array.from({ length: required }, (_, index) =>
+    make("circle", {
+      cx: 10,
+      cy: 10,
+      r: RING,
+      pathLength: required,
+      class: index < agreeing ? "there" : "",
+      "stroke-dasharray": `${1 - GAP} ${required - 1 + GAP}`,
+      "stroke-dashoffset": String(required / 4 - index - GAP / 2),
+    }),
+  );
   return make("svg", { viewBox: "0 0 20 20", class: "ring", "aria-hidden": "true" }, parts);
 }

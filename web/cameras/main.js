@@ -16,7 +16,11 @@ import { camera, search } from "./source.js";
 const TYPING_PAUSE_MS = 250; // ms after the last key
 openPage();
 const [searching, status, list, one] = ["searching", "status", "found", "one"].map((id) => part(id, HTMLElement));
-const [input, state, more] = [part("query", HTMLInputElement), part("show", HTMLSelectElement), part("more", HTMLButtonElement)];
+const [input, state, more] = [
+  part("query", HTMLInputElement),
+  part("show", HTMLSelectElement),
+  part("more", HTMLButtonElement),
+];
 const [tell, offers] = [liveRegion(status), liveRegion(part("first", HTMLElement))];
 /** @type {Found[]} */
 let found = [];
@@ -37,7 +41,10 @@ function showList() {
 /** Keeps the search in the address, so that reloads, history and shared links have it. */
 function keepQuery() {
   const there = new URL(location.href);
-  for (const [name, value] of [["query", input.value.trim()], ["show", state.value]]) {
+  for (const [name, value] of [
+    ["query", input.value.trim()],
+    ["show", state.value],
+  ]) {
     if (value) there.searchParams.set(name, value);
     else there.searchParams.delete(name);
   }
@@ -47,22 +54,35 @@ function keepQuery() {
 /** Next steps where nothing was found. */
 function offer() {
   const nothing = found.length === 0 && next === null;
-  const link = (/** @type {string} */ page, /** @type {string} */ key, attributes = {}) => el("a", { class: "button", href: `../${page}/`, ...attributes }, t(key));
-  offers(() => (nothing ? [
-    link("calibrate", "cameras.calibrate_yours", { class: "button primary", id: "calibrate-first" }), link("photos", "cameras.from_photos"), link("import", "cameras.from_file"),
-  ] : []));
+  const link = (/** @type {string} */ page, /** @type {string} */ key, attributes = {}) =>
+    el("a", { class: "button", href: `../${page}/`, ...attributes }, t(key));
+  offers(() =>
+    nothing
+      ? [
+          link("calibrate", "cameras.calibrate_yours", { class: "button primary", id: "calibrate-first" }),
+          link("photos", "cameras.from_photos"),
+          link("import", "cameras.from_file"),
+        ]
+      : [],
+  );
 }
 
 /** @param {{further?: boolean}} [options] */
 async function look({ further = false } = {}) {
   const own = ++asked;
-  const wait = (/** @type {object | null} */ retry) => own === asked && tell(() => t(retry ? "faults.retry" : "cameras.searching"));
+  const wait = (/** @type {object | null} */ retry) =>
+    own === asked && tell(() => t(retry ? "faults.retry" : "cameras.searching"));
   if (!further) {
     keepQuery();
     if (found.length === 0) wait(null);
   }
   try {
-    const answer = await search(input.value.trim(), /** @type {"" | "ready" | "open"} */ (state.value), further ? next : null, wait);
+    const answer = await search(
+      input.value.trim(),
+      /** @type {"" | "ready" | "open"} */ (state.value),
+      further ? next : null,
+      wait,
+    );
     if (own !== asked) return;
     found = further ? [...found, ...answer.cameras] : answer.cameras;
     next = answer.next;
@@ -83,17 +103,22 @@ async function showFigures() {
   if (!figures) return;
   const count = (/** @type {number} */ value) => value.toLocaleString(language());
   const { cameras, known: ready, calibrations } = figures;
-  liveRegion(part("figures", HTMLElement))(() => joinFacts([
-    t("cameras.total", { count: cameras, number: count(cameras) }), t("cameras.total_ready", { count: ready, number: count(ready) }),
-    t("cameras.total_calibrations", { count: calibrations, number: count(calibrations) }),
-  ]));
+  liveRegion(part("figures", HTMLElement))(() =>
+    joinFacts([
+      t("cameras.total", { count: cameras, number: count(cameras) }),
+      t("cameras.total_ready", { count: ready, number: count(ready) }),
+      t("cameras.total_calibrations", { count: calibrations, number: count(calibrations) }),
+    ]),
+  );
 }
 
 /** Reason why there is nothing to show, and the way on. */
 function leadOn() {
   const ways = el("div", { class: "actions" });
-  liveRegion(ways)(() => [el("a", { class: "button primary", href: "./" }, t("cameras.search_all")),
-    el("a", { class: "button", href: "../calibrate/" }, t("cameras.calibrate_yours"))]);
+  liveRegion(ways)(() => [
+    el("a", { class: "button primary", href: "./" }, t("cameras.search_all")),
+    el("a", { class: "button", href: "../calibrate/" }, t("cameras.calibrate_yours")),
+  ]);
   part("waiting", HTMLElement).append(ways);
 }
 

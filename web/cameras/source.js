@@ -38,7 +38,8 @@ import { loadSettings } from "../lib/settings.js";
  * @property {Record<string, Calibration>} consensus by model
  * @property {Member[]} members
  *
- * @typedef {{key: string, camera: string, platform: string, usb_id: string | null, vendor: string | null, modes: Mode[]}} CameraPage
+ * @typedef {{key: string, camera: string, platform: string, usb_id: string | null, vendor: string | null, modes:
+ *   Mode[]}} CameraPage
  */
 
 /** @typedef {import("../lib/api.js").Transport["onRetry"]} OnRetry */
@@ -50,7 +51,12 @@ import { loadSettings } from "../lib/settings.js";
  */
 export async function search(query, state, next, onRetry) {
   const { api, token } = await loadSettings();
-  const parameters = new URLSearchParams({ query, limit: "20", ...(state ? { reliable: String(state === "ready") } : {}), ...(next ? { after: next } : {}) });
+  const parameters = new URLSearchParams({
+    query,
+    limit: "20",
+    ...(state ? { reliable: String(state === "ready") } : {}),
+    ...(next ? { after: next } : {}),
+  });
   return new Api(api, { onRetry }).json("GET", `/cameras?${parameters}`, token);
 }
 

@@ -17,16 +17,35 @@ export function chart(history, label, names) {
   const y = (/** @type {number} */ value) => HEIGHT - BOTTOM - (value / most) * (HEIGHT - BOTTOM - TOP);
   const svg = make("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": label, class: "chart" });
   for (const value of ticks(most, 4).map(Math.round)) {
-    svg.append(make("path", { d: `M${LEFT} ${short(y(value))}H${WIDTH - 8}`, class: "rule" }), make("text", { x: LEFT - 8, y: short(y(value) + 4), "text-anchor": "end" }, [String(value)]));
+    svg.append(
+      make("path", { d: `M${LEFT} ${short(y(value))}H${WIDTH - 8}`, class: "rule" }),
+      make("text", { x: LEFT - 8, y: short(y(value) + 4), "text-anchor": "end" }, [String(value)]),
+    );
   }
   const step = Math.max(1, Math.ceil(history.length / MAX_LABELS));
   for (let index = 0; index < history.length; index += step) {
-    svg.append(make("text", { x: short(x(times[index])), y: HEIGHT - 8, "text-anchor": index === 0 ? "start" : index === history.length - 1 ? "end" : "middle" }, [history[index].date.slice(0, 7)]));
+    svg.append(
+      make(
+        "text",
+        {
+          x: short(x(times[index])),
+          y: HEIGHT - 8,
+          "text-anchor": index === 0 ? "start" : index === history.length - 1 ? "end" : "middle",
+        },
+        [history[index].date.slice(0, 7)],
+      ),
+    );
   }
   for (const name of /** @type {const} */ (["cameras", "known"])) {
     const points = history.map((snapshot, index) => `${short(x(times[index]))},${short(y(snapshot[name]))}`).join(" ");
     svg.append(make("polyline", { points, class: `line ${name}` }));
   }
-  const key = el("figcaption", {}, el("span", { class: "key cameras" }, names[0]), " ", el("span", { class: "key known" }, names[1]));
+  const key = el(
+    "figcaption",
+    {},
+    el("span", { class: "key cameras" }, names[0]),
+    " ",
+    el("span", { class: "key known" }, names[1]),
+  );
   return el("figure", { class: "figure" }, svg, key);
 }

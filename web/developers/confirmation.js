@@ -7,9 +7,21 @@ import { t } from "../lib/i18n.js";
  * @returns {Promise<boolean>} false, too, where the question is closed
  */
 export function askConfirmation({ heading, text, yes, no = t("developers.keep_it") }) {
-  const [agree, decline] = [el("button", { type: "submit", value: "yes", class: "danger" }, yes), el("button", { type: "submit", value: "no", autofocus: true }, no)];
-  const dialog = el("dialog", { class: "question", "aria-labelledby": "question-heading", "aria-describedby": "question-text" },
-    el("form", { method: "dialog" }, el("h2", { id: "question-heading" }, heading), el("p", { id: "question-text" }, text), el("div", { class: "actions" }, decline, agree)));
+  const [agree, decline] = [
+    el("button", { type: "submit", value: "yes", class: "danger" }, yes),
+    el("button", { type: "submit", value: "no", autofocus: true }, no),
+  ];
+  const dialog = el(
+    "dialog",
+    { class: "question", "aria-labelledby": "question-heading", "aria-describedby": "question-text" },
+    el(
+      "form",
+      { method: "dialog" },
+      el("h2", { id: "question-heading" }, heading),
+      el("p", { id: "question-text" }, text),
+      el("div", { class: "actions" }, decline, agree),
+    ),
+  );
   // A closed dialog is removed by its event, which may come later than the next question.
   for (const closed of document.querySelectorAll("dialog.question")) closed.remove();
   const before = document.activeElement;

@@ -16,11 +16,17 @@ export function copyButton(text, what, { id, primary = false, onCopied = () => {
   /** @param {number} ms */
   const showCopied = (ms) => {
     label.textContent = t("developers.copied");
-    setTimeout(() => { label.textContent = t("developers.copy"); }, ms);
+    setTimeout(() => {
+      label.textContent = t("developers.copy");
+    }, ms);
   };
   const left = (copiedUntil.get(id) ?? 0) - Date.now();
   if (left > 0) showCopied(left);
-  const button = el("button", { type: "button", id, class: primary ? "primary copy" : "copy", "aria-label": t("developers.copy_what", { what }) }, label);
+  const button = el(
+    "button",
+    { type: "button", id, class: primary ? "primary copy" : "copy", "aria-label": t("developers.copy_what", { what }) },
+    label,
+  );
   const said = el("span", { class: "unseen", role: "status" });
   button.addEventListener("click", async () => {
     const copied = await copy(text());

@@ -15,7 +15,10 @@
 export const STORAGE_KEY = "calibdb.tokens";
 const DAMAGED_KEY = "calibdb.tokens.damaged";
 const MAX_FILE_TOKENS = 1000;
-const [TOKEN, MANAGEMENT] = [/^cdb_([A-Za-z0-9-]{1,64})_[A-Za-z0-9_-]{1,128}$/, /^cdbm_([A-Za-z0-9-]{1,64})_[A-Za-z0-9_-]{1,128}$/];
+const [TOKEN, MANAGEMENT] = [
+  /^cdb_([A-Za-z0-9-]{1,64})_[A-Za-z0-9_-]{1,128}$/,
+  /^cdbm_([A-Za-z0-9-]{1,64})_[A-Za-z0-9_-]{1,128}$/,
+];
 
 /** The file holds no tokens, or not those of this service. */
 export class TokenFileError extends Error {
@@ -53,7 +56,11 @@ export class KeptTokens {
     }
   }
 
-  /** Keeps a token, over the one with its id. @param {KeptToken} token @returns {boolean} whether it outlasts the page */
+  /**
+   * Keeps a token, over the one with its id.
+   * @param {KeptToken} token
+   * @returns {boolean} whether it outlasts the page
+   */
   keep(token) {
     const all = this.all;
     const at = all.findIndex(({ id }) => id === token.id);
@@ -138,12 +145,15 @@ function tokensOf(content) {
     const id = TOKEN.exec(each?.token)?.[1];
     if (!id) return [];
     const { token, management_token: management, name, origins, api } = each;
-    return [{
-      id, token,
-      ...(MANAGEMENT.exec(management)?.[1] === id && { management_token: management }),
-      name: typeof name === "string" ? name : null,
-      origins: Array.isArray(origins) ? origins.filter((origin) => typeof origin === "string") : [],
-      ...(typeof api === "string" && { api }),
-    }];
+    return [
+      {
+        id,
+        token,
+        ...(MANAGEMENT.exec(management)?.[1] === id && { management_token: management }),
+        name: typeof name === "string" ? name : null,
+        origins: Array.isArray(origins) ? origins.filter((origin) => typeof origin === "string") : [],
+        ...(typeof api === "string" && { api }),
+      },
+    ];
   });
 }

@@ -23,8 +23,15 @@ const MAX_FILE_BYTES = 1_000_000;
 openPage();
 const kept = new KeptTokens(browserStorage());
 const [panel, list, keptPart] = [part("token", HTMLElement), part("tokens", HTMLElement), part("kept", HTMLElement)];
-const [input, makeButton, exportButton, file] = [part("origins", HTMLInputElement), part("make-button", HTMLButtonElement), part("export", HTMLButtonElement), part("import", HTMLInputElement)];
-const [tellMade, tellToken, tellKept] = ["made", "token-status", "kept-status"].map((id) => liveRegion(part(id, HTMLElement)));
+const [input, makeButton, exportButton, file] = [
+  part("origins", HTMLInputElement),
+  part("make-button", HTMLButtonElement),
+  part("export", HTMLButtonElement),
+  part("import", HTMLInputElement),
+];
+const [tellMade, tellToken, tellKept] = ["made", "token-status", "kept-status"].map((id) =>
+  liveRegion(part(id, HTMLElement)),
+);
 /** @type {Promise<string>} */
 const api = apiAddress();
 /** @type {Map<string, ManagedToken>} */
@@ -56,22 +63,32 @@ function show() {
   const [all, token] = [kept.all, current()];
   keptPart.hidden = all.length < 2;
   exportButton.disabled = all.length === 0;
-  list.replaceChildren(...all.map((each) => {
-    const button = el("button", { type: "button", id: `choose-${each.id}`, "aria-current": each.id === token?.id && "true" }, titleOf(each));
-    button.addEventListener("click", () => choose(each.id));
-    return el("li", {}, button, el("span", { class: "muted" }, each.origins.join(" ")));
-  }));
+  list.replaceChildren(
+    ...all.map((each) => {
+      const button = el(
+        "button",
+        { type: "button", id: `choose-${each.id}`, "aria-current": each.id === token?.id && "true" },
+        titleOf(each),
+      );
+      button.addEventListener("click", () => choose(each.id));
+      return el("li", {}, button, el("span", { class: "muted" }, each.origins.join(" ")));
+    }),
+  );
   const again = panel.dataset.token === token?.id;
   const [focused, typed] = [document.activeElement?.id, again ? inputsOf(panel) : []];
   panel.dataset.token = token?.id ?? "";
   panel.replaceChildren(...(token ? [tokenView(token, facts.get(token.id) ?? null, choices, actionsOf(token))] : []));
   for (const { id, value } of typed) part(id, HTMLInputElement).value = value;
-  if (focused && document.activeElement === document.body) document.getElementById(focused)?.focus({ preventScroll: true });
+  if (focused && document.activeElement === document.body)
+    document.getElementById(focused)?.focus({ preventScroll: true });
   part("plans", HTMLElement).replaceChildren(...planRows());
 }
 
 /** Inputs whose text was typed and not sent yet. @param {HTMLElement} place */
-const inputsOf = (place) => [...place.querySelectorAll("input")].filter(({ value, defaultValue }) => value !== defaultValue).map(({ id, value }) => ({ id, value }));
+const inputsOf = (place) =>
+  [...place.querySelectorAll("input")]
+    .filter(({ value, defaultValue }) => value !== defaultValue)
+    .map(({ id, value }) => ({ id, value }));
 
 /** @param {string} id */
 function choose(id) {
@@ -138,49 +155,60 @@ function actionsOf(token) {
       choices = { ...choices, ...choice };
       show();
     },
-    refresh: () => void run(async () => {
-      learn(token, await management.show(await api, secret));
-      show();
-    }),
-    verify: () => void run(async () => {
-      const known = await management.verify(await api, secret);
-      learn(token, known);
-      show();
-      const count = known.origins.filter(({ state }) => state === "pending").length;
-      return () => (count ? t("developers.unproved", { count }) : t("developers.proved"));
-    }),
+    refresh: () =>
+      void run(async () => {
+        learn(token, await management.show(await api, secret));
+        show();
+      }),
+    verify: () =>
+      void run(async () => {
+        const known = await management.verify(await api, secret);
+        learn(token, known);
+        show();
+        const count = known.origins.filter(({ state }) => state === "pending").length;
+        return () => (count ? t("developers.unproved", { count }) : t("developers.proved"));
+      }),
     setOrigins: (text) => {
       const problem = part("new-origins-problem", HTMLElement);
       const origins = readOrigins(text, part("new-origins", HTMLInputElement), problem);
-      if (origins) void run(async () => {
-        learn(token, await management.change(await api, secret, { origins }));
-        part("new-origins", HTMLInputElement).value = part("new-origins", HTMLInputElement).defaultValue;
+      if (origins)
+        void run(
+          async () => {
+            learn(token, await management.change(await api, secret, { origins }));
+            part("new-origins", HTMLInputElement).value = part("new-origins", HTMLInputElement).defaultValue;
+            show();
+            return () => t("developers.saved");
+          },
+          "other",
+          (error) =>
+            refuse(error, origins, part("new-origins", HTMLInputElement), part("new-origins-problem", HTMLElement)),
+        );
+    },
+    setName: (name) =>
+      void run(async () => {
+        learn(token, await management.change(await api, secret, { name }));
+        part("token-name", HTMLInputElement).value = part("token-name", HTMLInputElement).defaultValue;
         show();
         return () => t("developers.saved");
-      }, "other", (error) => refuse(error, origins, part("new-origins", HTMLInputElement), part("new-origins-problem", HTMLElement)));
-    },
-    setName: (name) => void run(async () => {
-      learn(token, await management.change(await api, secret, { name }));
-      part("token-name", HTMLInputElement).value = part("token-name", HTMLInputElement).defaultValue;
-      show();
-      return () => t("developers.saved");
-    }),
-    rotate: (graceS) => void run(async () => {
-      const made = await management.rotate(await api, secret, graceS);
-      keepNew({ ...token, token: made.token }); // before anything else can go wrong
-      show();
-      await refresh();
-      return () => t(graceS ? "developers.rotated" : "developers.rotated_at_once");
-    }, "rotate"),
+      }),
+    rotate: (graceS) =>
+      void run(async () => {
+        const made = await management.rotate(await api, secret, graceS);
+        keepNew({ ...token, token: made.token }); // before anything else can go wrong
+        show();
+        await refresh();
+        return () => t(graceS ? "developers.rotated" : "developers.rotated_at_once");
+      }, "rotate"),
     revoke: async () => {
-      if (await ask(token, "revoke")) await run(async () => {
-        await management.revoke(await api, secret);
-        leave(token);
-        return () => t("developers.revoked", { name: titleOf(token) });
-      });
+      if (await ask(token, "revoke"))
+        await run(async () => {
+          await management.revoke(await api, secret);
+          leave(token);
+          return () => t("developers.revoked", { name: titleOf(token) });
+        });
     },
     forget: async () => {
-      if (!await ask(token, "forget")) return;
+      if (!(await ask(token, "forget"))) return;
       leave(token);
       tellToken(() => t("developers.forgotten", { name: titleOf(token) }));
     },
@@ -191,9 +219,12 @@ function actionsOf(token) {
 }
 
 /** @param {KeptToken} token @param {"revoke" | "forget"} what */
-const ask = (token, what) => askConfirmation({
-  heading: t(`developers.ask_${what}`, { name: titleOf(token) }), text: t(`developers.ask_${what}_text`), yes: t(`developers.yes_${what}`),
-});
+const ask = (token, what) =>
+  askConfirmation({
+    heading: t(`developers.ask_${what}`, { name: titleOf(token) }),
+    text: t(`developers.ask_${what}_text`),
+    yes: t(`developers.yes_${what}`),
+  });
 
 /** Takes a token off the list. @param {KeptToken} token */
 function leave(token) {
@@ -212,7 +243,12 @@ function keepNew(token) {
   unsaved.add(`${token.id} api_token`).add(`${token.id} management_token`);
 }
 
-/** @param {string} text @param {HTMLInputElement} field @param {HTMLElement} problem @returns {string[] | null} null: said beside the field */
+/**
+ * @param {string} text
+ * @param {HTMLInputElement} field
+ * @param {HTMLElement} problem
+ * @returns {string[] | null} null: said beside the field
+ */
 function readOrigins(text, field, problem) {
   const { origins, wrong } = originsIn(text);
   mark(field, problem, wrong && t(`developers.origin_${wrong.fault}`, { origin: wrong.text }));
@@ -273,7 +309,12 @@ file.addEventListener("change", async () => {
     const { tokens, elsewhere } = tokensInFile(await given.text(), await api);
     for (const token of tokens) await load(token);
     const count = tokens.length;
-    tellKept(() => [t("developers.imported", { count }), ...(elsewhere ? [t("developers.left_out", { count: elsewhere })] : [])].join(" "));
+    tellKept(() =>
+      [
+        t("developers.imported", { count }),
+        ...(elsewhere ? [t("developers.left_out", { count: elsewhere })] : []),
+      ].join(" "),
+    );
     show();
     void refresh();
   } catch (error) {
@@ -282,11 +323,22 @@ file.addEventListener("change", async () => {
   }
 });
 
-/** Keeps a token of a file; over another secret of the same token only where that is wanted. @param {KeptToken} token */
+/**
+ * Keeps a token of a file; over another secret of the same token only where that is wanted.
+ * @param {KeptToken} token
+ */
 async function load(token) {
   const before = kept.all.find(({ id }) => id === token.id);
   const other = before && before.token !== token.token;
-  if (other && !await askConfirmation({ heading: t("developers.ask_replace", { name: titleOf(before) }), text: t("developers.ask_replace_text"), yes: t("developers.yes_replace") })) return;
+  if (
+    other &&
+    !(await askConfirmation({
+      heading: t("developers.ask_replace", { name: titleOf(before) }),
+      text: t("developers.ask_replace_text"),
+      yes: t("developers.yes_replace"),
+    }))
+  )
+    return;
   keep({ ...before, ...token, management_token: token.management_token ?? before?.management_token });
 }
 

@@ -11,7 +11,8 @@ import { reach, readable } from "../lib/network.js";
 /** The service refused a request about a token. */
 export class ManagementError extends ApiError {
   /**
-   * @param {number} status @param {{type?: string, title?: string, detail?: string, errors?: {field: string, detail: string}[]}} problem
+   * @param {number} status
+   * @param {{type?: string, title?: string, detail?: string, errors?: {field: string, detail: string}[]}} problem
    * @param {number | null} retryAfter seconds
    */
   constructor(status, problem, retryAfter) {
@@ -28,7 +29,12 @@ export const create = (api, origins) => send(api, "POST", "/tokens", "", { origi
 /** @param {string} api @param {string} secret management token @returns {Promise<ManagedToken>} */
 export const show = (api, secret) => send(api, "GET", "/tokens/self", secret);
 
-/** @param {string} api @param {string} secret @param {{origins?: string[], name?: string}} change @returns {Promise<ManagedToken>} */
+/**
+ * @param {string} api
+ * @param {string} secret
+ * @param {{origins?: string[], name?: string}} change
+ * @returns {Promise<ManagedToken>}
+ */
 export const change = (api, secret, change) => send(api, "PATCH", "/tokens/self", secret, change);
 
 /** @param {string} api @param {string} secret @returns {Promise<ManagedToken>} */
@@ -40,7 +46,14 @@ export const rotate = (api, secret, grace_s) => send(api, "POST", "/tokens/self/
 /** @param {string} api @param {string} secret @returns {Promise<null>} */
 export const revoke = (api, secret) => send(api, "DELETE", "/tokens/self", secret);
 
-/** @param {string} api @param {string} method @param {string} path @param {string} secret @param {object} [body] @returns {Promise<any>} */
+/**
+ * @param {string} api
+ * @param {string} method
+ * @param {string} path
+ * @param {string} secret
+ * @param {object} [body]
+ * @returns {Promise<any>}
+ */
 async function send(api, method, path, secret, body) {
   /** @type {Record<string, string>} */
   const headers = { accept: "application/json" };

@@ -1,6 +1,8 @@
 // Origins that a token may name, read from what a person types; `layers/service/calibdb/schema/origins.py` decides.
 
-/** @typedef {"none" | "too_many" | "unreadable" | "wildcard" | "scheme" | "secure" | "port" | "address" | "name"} Fault */
+/**
+ * @typedef {"none" | "too_many" | "unreadable" | "wildcard" | "scheme" | "secure" | "port" | "address" | "name"} Fault
+ */
 /** @typedef {{text: string, fault: Fault}} Wrong */
 
 const MAX_ORIGINS = 10;
@@ -24,7 +26,8 @@ export function originsIn(text) {
     if ("fault" in read) return { origins: [...origins], wrong: { text: word, fault: read.fault } };
     origins.add(read.origin);
   }
-  const wrong = origins.size > MAX_ORIGINS ? /** @type {const} */ ({ text: String(MAX_ORIGINS), fault: "too_many" }) : null;
+  const wrong =
+    origins.size > MAX_ORIGINS ? /** @type {const} */ ({ text: String(MAX_ORIGINS), fault: "too_many" }) : null;
   return { origins: [...origins], wrong };
 }
 

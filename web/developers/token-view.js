@@ -36,7 +36,8 @@ const GRACES_S = [86_400, 3600, 30 * 86_400, 0]; // s for which the secret until
 export const titleOf = ({ name, id }) => name || t("developers.token_named", { id: id.slice(0, 8) });
 
 /** @param {number} seconds unix */
-const dateOf = (seconds) => new Intl.DateTimeFormat(language(), { dateStyle: "medium", timeStyle: "short" }).format(new Date(1000 * seconds));
+const dateOf = (seconds) =>
+  new Intl.DateTimeFormat(language(), { dateStyle: "medium", timeStyle: "short" }).format(new Date(1000 * seconds));
 
 /**
  * @param {KeptToken} token @param {ManagedToken | null} facts null: not known, or not yet
@@ -44,24 +45,53 @@ const dateOf = (seconds) => new Intl.DateTimeFormat(language(), { dateStyle: "me
  */
 export function tokenView(token, facts, choices, actions) {
   const band = (/** @type {string} */ name, /** @type {(Node | string)[]} */ ...content) =>
-    el("section", { class: "band", "aria-labelledby": `${name}-heading` },
-      el("h3", { id: `${name}-heading` }, t(`developers.part_${name}`)), el("div", {}, ...content));
-  return el("div", { class: "token" },
-    el("div", { class: "token-title" }, el("h2", { id: "token-heading", tabindex: -1 }, titleOf(token)), ...(facts ? [factsLine(facts)] : [])),
+    el(
+      "section",
+      { class: "band", "aria-labelledby": `${name}-heading` },
+      el("h3", { id: `${name}-heading` }, t(`developers.part_${name}`)),
+      el("div", {}, ...content),
+    );
+  return el(
+    "div",
+    { class: "token" },
+    el(
+      "div",
+      { class: "token-title" },
+      el("h2", { id: "token-heading", tabindex: -1 }, titleOf(token)),
+      ...(facts ? [factsLine(facts)] : []),
+    ),
     band("code", ...codePart(token, choices, actions)),
     band("secrets", ...secretsPart(token, actions)),
-    ...(token.management_token ? [
-      band("origins", ...originsPart(token, facts, actions)),
-      ...(facts ? [band("use", ...usePart(facts, choices, actions)), band("limits", el("div", { class: "wide", tabindex: 0, role: "region", "aria-label": t("developers.limits_of_token") }, limitsTable(facts.limits)))] : []),
-      band("change", ...changePart(token, actions)),
-    ] : [band("change", el("p", {}, t("developers.unmanaged")), forgetButton(actions))]));
+    ...(token.management_token
+      ? [
+          band("origins", ...originsPart(token, facts, actions)),
+          ...(facts
+            ? [
+                band("use", ...usePart(facts, choices, actions)),
+                band(
+                  "limits",
+                  el(
+                    "div",
+                    { class: "wide", tabindex: 0, role: "region", "aria-label": t("developers.limits_of_token") },
+                    limitsTable(facts.limits),
+                  ),
+                ),
+              ]
+            : []),
+          band("change", ...changePart(token, actions)),
+        ]
+      : [band("change", el("p", {}, t("developers.unmanaged")), forgetButton(actions))]),
+  );
 }
 
 /** @param {ManagedToken} facts */
 function factsLine({ plan, created, expires, former_until: until }) {
-  const facts = [t("developers.plan", { plan }), t("developers.created", { time: dateOf(created) }),
+  const facts = [
+    t("developers.plan", { plan }),
+    t("developers.created", { time: dateOf(created) }),
     ...(expires ? [t("developers.expires", { time: dateOf(expires) })] : []),
-    ...(until ? [t("developers.former_until", { time: dateOf(until) })] : [])];
+    ...(until ? [t("developers.former_until", { time: dateOf(until) })] : []),
+  ];
   return el("p", { class: "muted", id: "token-facts" }, joinFacts(facts));
 }
 
@@ -70,11 +100,42 @@ function codePart(token, choices, actions) {
   const text = snippet(choices.snippet, { origin: location.origin, token: token.token });
   const local = token.origins.length > 0 && token.origins.every(isLoopback);
   return [
-    el("div", { class: "actions" },
-      choice("snippet", SNIPPETS, choices.snippet, (kind) => actions.choose({ snippet: kind }), (kind) => t(`developers.snippet_${kind}`)),
-      copyButton(() => text, t("developers.the_code"), { id: "copy-snippet", primary: true, onCopied: () => actions.copied("code") })),
-    el("div", { class: "code" }, el("pre", { tabindex: 0, "aria-label": t(`developers.snippet_${choices.snippet}`) }, el("code", { id: "snippet" }, text))),
-    el("p", { class: "muted" }, t(choices.snippet === "curl" ? "developers.about_curl" : local ? "developers.about_page_local" : "developers.about_page")),
+    el(
+      "div",
+      { class: "actions" },
+      choice(
+        "snippet",
+        SNIPPETS,
+        choices.snippet,
+        (kind) => actions.choose({ snippet: kind }),
+        (kind) => t(`developers.snippet_${kind}`),
+      ),
+      copyButton(() => text, t("developers.the_code"), {
+        id: "copy-snippet",
+        primary: true,
+        onCopied: () => actions.copied("code"),
+      }),
+    ),
+    el(
+      "div",
+      { class: "code" },
+      el(
+        "pre",
+        { tabindex: 0, "aria-label": t(`developers.snippet_${choices.snippet}`) },
+        el("code", { id: "snippet" }, text),
+      ),
+    ),
+    el(
+      "p",
+      { class: "muted" },
+      t(
+        choices.snippet === "curl"
+          ? "developers.about_curl"
+          : local
+            ? "developers.about_page_local"
+            : "developers.about_page",
+      ),
+    ),
   ];
 }
 
@@ -89,11 +150,27 @@ function secretsPart(token, actions) {
       reveal.setAttribute("aria-pressed", String(now));
       shown.textContent = now ? secret : mask(secret);
     });
-    return el("div", { class: "secret" }, el("h4", {}, t(`developers.secret_${name}`)), el("p", { class: "muted" }, t(`developers.about_secret_${name}`)),
-      el("div", { class: "actions" }, shown, ...(hidden ? [reveal] : []),
-        copyButton(() => secret, t(`developers.secret_${name}`), { id: `copy-${name}`, onCopied: () => actions.copied(name) })));
+    return el(
+      "div",
+      { class: "secret" },
+      el("h4", {}, t(`developers.secret_${name}`)),
+      el("p", { class: "muted" }, t(`developers.about_secret_${name}`)),
+      el(
+        "div",
+        { class: "actions" },
+        shown,
+        ...(hidden ? [reveal] : []),
+        copyButton(() => secret, t(`developers.secret_${name}`), {
+          id: `copy-${name}`,
+          onCopied: () => actions.copied(name),
+        }),
+      ),
+    );
   };
-  return [row("api_token", token.token, false), ...(token.management_token ? [row("management_token", token.management_token, true)] : [])];
+  return [
+    row("api_token", token.token, false),
+    ...(token.management_token ? [row("management_token", token.management_token, true)] : []),
+  ];
 }
 
 /** @param {string} secret */
@@ -105,18 +182,38 @@ function originsPart(token, facts, actions) {
   const pending = origins.filter(({ state }) => state === "pending");
   const check = el("button", { type: "button", id: "verify", class: "primary" }, t("developers.verify"));
   check.addEventListener("click", actions.verify);
-  const input = el("input", { id: "new-origins", value: token.origins.join(" "), autocomplete: "off", autocapitalize: "none", spellcheck: false, "aria-describedby": "new-origins-problem" });
-  const form = el("form", { class: "change", novalidate: true },
-    el("div", { class: "field wide-field" }, el("label", { for: "new-origins" }, t("developers.change_origins")), input,
-      el("p", { class: "problem", id: "new-origins-problem", role: "alert" })),
-    el("button", { type: "submit" }, t("developers.save")));
+  const input = el("input", {
+    id: "new-origins",
+    value: token.origins.join(" "),
+    autocomplete: "off",
+    autocapitalize: "none",
+    spellcheck: false,
+    "aria-describedby": "new-origins-problem",
+  });
+  const form = el(
+    "form",
+    { class: "change", novalidate: true },
+    el(
+      "div",
+      { class: "field wide-field" },
+      el("label", { for: "new-origins" }, t("developers.change_origins")),
+      input,
+      el("p", { class: "problem", id: "new-origins-problem", role: "alert" }),
+    ),
+    el("button", { type: "submit" }, t("developers.save")),
+  );
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     actions.setOrigins(input.value);
   });
   return [
     ...(facts ? [el("ul", { class: "origins" }, ...origins.map(originItem))] : []),
-    ...(pending.length ? [el("div", { class: "actions" }, check, proofFile(pending)), el("p", { class: "muted" }, t("developers.proof_text"))] : []),
+    ...(pending.length
+      ? [
+          el("div", { class: "actions" }, check, proofFile(pending)),
+          el("p", { class: "muted" }, t("developers.proof_text")),
+        ]
+      : []),
     form,
   ];
 }
@@ -124,12 +221,27 @@ function originsPart(token, facts, actions) {
 /** @param {OriginState} state */
 function originItem({ origin, state, proof, failure, detail }) {
   const verified = state === "verified";
-  const why = failure && (hasMessage(`developers.failure_${failure}`) ? t(`developers.failure_${failure}`) : detail ?? "");
-  return el("li", { class: state }, el("p", {}, el("strong", {}, origin), ` ${t(verified ? "developers.verified" : "developers.pending")}`),
-    ...(proof ? [
-      el("div", { class: "proof" }, el("p", {}, t("developers.place_at")), el("code", {}, proof.url),
-        el("p", {}, t("developers.place_line")), el("code", { class: "proof-line" }, proof.content), copyButton(() => proof.content, t("developers.the_line"), { id: `copy-line-${origin}` }))] : []),
-    ...(why ? [el("p", { class: "problem" }, why)] : []));
+  const why =
+    failure && (hasMessage(`developers.failure_${failure}`) ? t(`developers.failure_${failure}`) : (detail ?? ""));
+  return el(
+    "li",
+    { class: state },
+    el("p", {}, el("strong", {}, origin), ` ${t(verified ? "developers.verified" : "developers.pending")}`),
+    ...(proof
+      ? [
+          el(
+            "div",
+            { class: "proof" },
+            el("p", {}, t("developers.place_at")),
+            el("code", {}, proof.url),
+            el("p", {}, t("developers.place_line")),
+            el("code", { class: "proof-line" }, proof.content),
+            copyButton(() => proof.content, t("developers.the_line"), { id: `copy-line-${origin}` }),
+          ),
+        ]
+      : []),
+    ...(why ? [el("p", { class: "problem" }, why)] : []),
+  );
 }
 
 /** @param {OriginState[]} pending all of a token have the same line */
@@ -144,35 +256,76 @@ function proofFile(pending) {
 function usePart({ use }, { period, kind }, actions) {
   const refresh = el("button", { type: "button", id: "refresh" }, t("developers.refresh"));
   refresh.addEventListener("click", actions.refresh);
-  const select = el("select", { id: "kind" }, ...KINDS.map((each) => new Option(t(`developers.kind_${each}`), each, false, each === kind)));
+  const select = el(
+    "select",
+    { id: "kind" },
+    ...KINDS.map((each) => new Option(t(`developers.kind_${each}`), each, false, each === kind)),
+  );
   select.addEventListener("change", () => actions.choose({ kind: /** @type {Choices["kind"]} */ (select.value) }));
   return [
-    el("div", { class: "actions" }, choice("period", /** @type {const} */ (["hours", "days"]), period, (each) => actions.choose({ period: each }), (each) => t(`developers.period_${each}`)),
-      el("label", { class: "unseen", for: "kind" }, t("developers.calls")), select, refresh),
+    el(
+      "div",
+      { class: "actions" },
+      choice(
+        "period",
+        /** @type {const} */ (["hours", "days"]),
+        period,
+        (each) => actions.choose({ period: each }),
+        (each) => t(`developers.period_${each}`),
+      ),
+      el("label", { class: "unseen", for: "kind" }, t("developers.calls")),
+      select,
+      refresh,
+    ),
     useChart(use, period, kind),
     el("p", { class: "muted" }, t("developers.about_use")),
-    el("details", {}, el("summary", {}, t("developers.as_table")), el("div", { class: "wide tall", tabindex: 0, role: "region", "aria-label": t(`developers.table_${period}`) }, useTable(use, period))),
+    el(
+      "details",
+      {},
+      el("summary", {}, t("developers.as_table")),
+      el(
+        "div",
+        { class: "wide tall", tabindex: 0, role: "region", "aria-label": t(`developers.table_${period}`) },
+        useTable(use, period),
+      ),
+    ),
   ];
 }
 
 /** @param {KeptToken} token @param {Actions} actions */
 function changePart(token, actions) {
   const name = el("input", { id: "token-name", value: token.name ?? "", maxlength: 80, autocomplete: "off" });
-  const naming = el("form", { class: "change" }, el("div", { class: "field" }, el("label", { for: "token-name" }, t("developers.name")), name), el("button", { type: "submit" }, t("developers.save")));
+  const naming = el(
+    "form",
+    { class: "change" },
+    el("div", { class: "field" }, el("label", { for: "token-name" }, t("developers.name")), name),
+    el("button", { type: "submit" }, t("developers.save")),
+  );
   naming.addEventListener("submit", (event) => {
     event.preventDefault();
     if (name.value.trim()) actions.setName(name.value.trim());
   });
-  const grace = el("select", { id: "grace" }, ...GRACES_S.map((seconds) => new Option(t(`developers.grace_${seconds}`), String(seconds))));
+  const grace = el(
+    "select",
+    { id: "grace" },
+    ...GRACES_S.map((seconds) => new Option(t(`developers.grace_${seconds}`), String(seconds))),
+  );
   const rotate = el("button", { type: "button", id: "rotate" }, t("developers.rotate"));
   rotate.addEventListener("click", () => actions.rotate(Number(grace.value)));
   const revoke = el("button", { type: "button", id: "revoke", class: "danger" }, t("developers.revoke"));
   revoke.addEventListener("click", actions.revoke);
   return [
     naming,
-    el("h4", {}, t("developers.rotate_heading")), el("p", { class: "muted" }, t("developers.rotate_text")),
-    el("div", { class: "change" }, el("div", { class: "field" }, el("label", { for: "grace" }, t("developers.grace")), grace), rotate),
-    el("h4", {}, t("developers.end_heading")), el("p", { class: "muted" }, t("developers.end_text")),
+    el("h4", {}, t("developers.rotate_heading")),
+    el("p", { class: "muted" }, t("developers.rotate_text")),
+    el(
+      "div",
+      { class: "change" },
+      el("div", { class: "field" }, el("label", { for: "grace" }, t("developers.grace")), grace),
+      rotate,
+    ),
+    el("h4", {}, t("developers.end_heading")),
+    el("p", { class: "muted" }, t("developers.end_text")),
     el("div", { class: "actions" }, revoke, forgetButton(actions)),
   ];
 }
@@ -186,13 +339,25 @@ function forgetButton(actions) {
 
 /**
  * Buttons of which one is pressed.
- * @template {string} C @param {string} name @param {readonly C[]} all @param {C} chosen @param {(choice: C) => void} choose
+ * @template {string} C
+ * @param {string} name
+ * @param {readonly C[]} all
+ * @param {C} chosen
+ * @param {(choice: C) => void} choose
  * @param {(choice: C) => string} label
  */
 function choice(name, all, chosen, choose, label) {
-  return el("div", { class: "choices", role: "group", "aria-label": t(`developers.choose_${name}`) }, ...all.map((each) => {
-    const button = el("button", { type: "button", id: `${name}-${each}`, "aria-pressed": String(each === chosen) }, label(each));
-    button.addEventListener("click", () => choose(each));
-    return button;
-  }));
+  return el(
+    "div",
+    { class: "choices", role: "group", "aria-label": t(`developers.choose_${name}`) },
+    ...all.map((each) => {
+      const button = el(
+        "button",
+        { type: "button", id: `${name}-${each}`, "aria-pressed": String(each === chosen) },
+        label(each),
+      );
+      button.addEventListener("click", () => choose(each));
+      return button;
+    }),
+  );
 }

@@ -10,14 +10,17 @@ const SHOWN_HEADERS = ["ratelimit", "retry-after", "location", "x-conversion-err
 const learnt = {};
 
 rememberLanguage();
-for (const form of /** @type {NodeListOf<HTMLFormElement>} */ (document.querySelectorAll("form[data-operation]"))) offer(form);
+for (const form of /** @type {NodeListOf<HTMLFormElement>} */ (document.querySelectorAll("form[data-operation]")))
+  offer(form);
 addEventListener("calibdb-token", fillCredentials);
 fillCredentials();
 
 /** Shows all examples in the language chosen last. */
 function rememberLanguage() {
   const choose = (/** @type {string} */ name) => {
-    for (const input of /** @type {NodeListOf<HTMLInputElement>} */ (document.querySelectorAll(".samples input[type=radio]"))) {
+    for (const input of /** @type {NodeListOf<HTMLInputElement>} */ (
+      document.querySelectorAll(".samples input[type=radio]")
+    )) {
       if (input.value === name) input.checked = true;
     }
   };
@@ -40,7 +43,12 @@ function rememberLanguage() {
 /** Fills in the credentials that are known, where the visitor typed none. */
 function fillCredentials() {
   const chosen = chosenToken();
-  const known = { apiToken: chosen?.token, apiTokenInQuery: chosen?.token, managementToken: chosen?.management_token, sessionId: learnt.session };
+  const known = {
+    apiToken: chosen?.token,
+    apiTokenInQuery: chosen?.token,
+    managementToken: chosen?.management_token,
+    sessionId: learnt.session,
+  };
   for (const form of /** @type {NodeListOf<HTMLFormElement>} */ (document.querySelectorAll("form[data-credential]"))) {
     const field = form.elements.namedItem("credential");
     const value = known[/** @type {keyof typeof known} */ (form.dataset.credential)];
@@ -70,7 +78,10 @@ async function send(form) {
   const { method = "GET", path = "", operation = "", accept = "application/json" } = form.dataset;
   const data = new FormData(form);
   const text = (/** @type {string} */ name) => String(data.get(name) ?? "").trim();
-  const url = new URL(path.replace(/\{(\w+)\}/g, (_, name) => encodeURIComponent(text(`path-${name}`))), location.origin);
+  const url = new URL(
+    path.replace(/\{(\w+)\}/g, (_, name) => encodeURIComponent(text(`path-${name}`))),
+    location.origin,
+  );
   for (const name of data.keys()) {
     if (name.startsWith("query-") && text(name)) url.searchParams.set(name.slice("query-".length), text(name));
   }
@@ -80,14 +91,26 @@ async function send(form) {
   if (data.has("body")) headers["content-type"] = "application/json";
   button.disabled = true;
   try {
-    const request = { method, headers, body: data.has("body") ? text("body") : null, signal: AbortSignal.timeout(TIMEOUT_MS), credentials: /** @type {const} */ ("omit") };
+    const request = {
+      method,
+      headers,
+      body: data.has("body") ? text("body") : null,
+      signal: AbortSignal.timeout(TIMEOUT_MS),
+      credentials: /** @type {const} */ ("omit"),
+    };
     const response = await fetch(url, request);
     const body = await response.text();
     output.replaceChildren(...shown(response, body));
     if (response.ok) learn(operation, body);
   } catch (error) {
     if (!(error instanceof TypeError) && !(error instanceof DOMException)) throw error;
-    output.replaceChildren(el("p", { class: "problem" }, error.name === "TimeoutError" ? "No answer within 30 s." : "The service cannot be reached."));
+    output.replaceChildren(
+      el(
+        "p",
+        { class: "problem" },
+        error.name === "TimeoutError" ? "No answer within 30 s." : "The service cannot be reached.",
+      ),
+    );
   } finally {
     button.disabled = false;
   }
@@ -95,15 +118,25 @@ async function send(form) {
 
 /** @param {Response} response @param {string} body @returns {Node[]} */
 function shown(response, body) {
-  const headers = SHOWN_HEADERS.filter((name) => response.headers.has(name)).map((name) => `${name}: ${response.headers.get(name)}`);
-  const status = el("p", {}, el("strong", { class: response.ok ? "good" : "problem" }, String(response.status)), ` ${headers.join(" · ")}`);
+  const headers = SHOWN_HEADERS.filter((name) => response.headers.has(name)).map(
+    (name) => `${name}: ${response.headers.get(name)}`,
+  );
+  const status = el(
+    "p",
+    {},
+    el("strong", { class: response.ok ? "good" : "problem" }, String(response.status)),
+    ` ${headers.join(" · ")}`,
+  );
   return body ? [status, el("pre", { tabindex: "0" }, el("code", {}, readable(body)))] : [status];
 }
 
 /** @param {string} body */
 function readable(body) {
   try {
-    return JSON.stringify(JSON.parse(body), null, 2).replace(/\[\s+([^[\]{}]*?)\s+\]/g, (_, list) => `[${list.replace(/,\s+/g, ", ")}]`);
+    return JSON.stringify(JSON.parse(body), null, 2).replace(
+      /\[\s+([^[\]{}]*?)\s+\]/g,
+      (_, list) => `[${list.replace(/,\s+/g, ", ")}]`,
+    );
   } catch (error) {
     if (!(error instanceof SyntaxError)) throw error;
     return body;
@@ -112,7 +145,12 @@ function readable(body) {
 
 /** @param {string} operation @param {string} body */
 function learn(operation, body) {
-  if (!["openSession", "lookup", "visitLookup", "searchCameras", "startSession", "finishSession", "createRig"].includes(operation)) return;
+  if (
+    !["openSession", "lookup", "visitLookup", "searchCameras", "startSession", "finishSession", "createRig"].includes(
+      operation,
+    )
+  )
+    return;
   const answer = JSON.parse(body);
   learnt.session = answer.session_id ?? learnt.session;
   learnt.rig = answer.rig_id ?? learnt.rig;

@@ -22,13 +22,15 @@ function load() {
 
 async function make() {
   const [{ MiniSearch }, response] = await Promise.all([
-    import("../vendor/minisearch/minisearch.js"), fetch(new URL("search.json", HERE)),
+    import("../vendor/minisearch/minisearch.js"),
+    fetch(new URL("search.json", HERE)),
   ]);
   if (!response.ok) throw new TypeError(`search.json: ${response.status}`);
   /** @type {[string, string, string, string][]} */
   const rows = await response.json();
   const found = new MiniSearch({
-    fields: ["title", "page", "text"], storeFields: ["address", "page", "title", "text"],
+    fields: ["title", "page", "text"],
+    storeFields: ["address", "page", "title", "text"],
     searchOptions: { boost: { title: 4, page: 2 }, prefix: true, fuzzy: 0.15, combineWith: "AND" },
   });
   found.addAll(rows.map(([address, page, title, text], id) => ({ id, address, page, title, text })));
@@ -96,5 +98,9 @@ function item({ address, page, title, text, terms }) {
   const places = terms.map((term) => text.toLowerCase().indexOf(term)).filter((place) => place >= 0);
   const start = Math.max(0, Math.min(...(places.length ? places : [0])) - EXCERPT / 3);
   const excerpt = `${start > 0 ? "…" : ""}${text.slice(start, start + EXCERPT)}${start + EXCERPT < text.length ? "…" : ""}`;
-  return el("li", {}, el("a", { href: new URL(address, HERE).href }, el("strong", {}, name), " ", el("span", {}, excerpt)));
+  return el(
+    "li",
+    {},
+    el("a", { href: new URL(address, HERE).href }, el("strong", {}, name), " ", el("span", {}, excerpt)),
+  );
 }

@@ -1,6 +1,9 @@
 // Tokens that the visitor made on /developers/ and this browser keeps, and the one that examples use.
 
-/** @typedef {{id: string, token: string, management_token?: string, name?: string | null, origins?: unknown[], api?: string}} KeptToken */
+/**
+ * @typedef {{id: string, token: string, management_token?: string, name?: string | null, origins?: unknown[], api?:
+ *   string}} KeptToken
+ */
 
 const TOKENS_KEY = "calibdb.tokens";
 const CHOSEN = "calibdb.docs.token";
@@ -9,7 +12,10 @@ export const DEVELOPMENT_TOKEN = "cdb_dev_local";
 /** Stands in examples for the token of a visitor who has none yet. */
 export const NO_TOKEN = "cdb_…";
 
-/** The tokens, newest first as /developers/ keeps them; on the visitor's own machine also that of development. @returns {KeptToken[]} */
+/**
+ * The tokens, newest first as /developers/ keeps them; on the visitor's own machine also that of development.
+ * @returns {KeptToken[]}
+ */
 export function keptTokens() {
   const local = ["127.0.0.1", "localhost", "[::1]"].includes(location.hostname);
   return [...read(), ...(local ? [{ id: "development", token: DEVELOPMENT_TOKEN, name: "development token" }] : [])];
@@ -32,7 +38,9 @@ function read() {
   const text = stored(() => localStorage.getItem(TOKENS_KEY)) ?? "[]";
   try {
     const tokens = JSON.parse(text);
-    return Array.isArray(tokens) ? tokens.filter((each) => typeof each?.id === "string" && typeof each?.token === "string" && isHere(each.api)) : [];
+    return Array.isArray(tokens)
+      ? tokens.filter((each) => typeof each?.id === "string" && typeof each?.token === "string" && isHere(each.api))
+      : [];
   } catch (error) {
     if (!(error instanceof SyntaxError)) throw error;
     return [];
@@ -41,10 +49,18 @@ function read() {
 
 /** Whether a token is of this service. @param {unknown} api its address, where it is told */
 function isHere(api) {
-  return typeof api !== "string" || (URL.canParse(api, location.href) && new URL(api, location.href).origin === location.origin);
+  return (
+    typeof api !== "string" ||
+    (URL.canParse(api, location.href) && new URL(api, location.href).origin === location.origin)
+  );
 }
 
-/** Value that the browser keeps; null where it keeps nothing for pages. @template T @param {() => T} use @returns {T | null} */
+/**
+ * Value that the browser keeps; null where it keeps nothing for pages.
+ * @template T
+ * @param {() => T} use
+ * @returns {T | null}
+ */
 function stored(use) {
   try {
     return use();

@@ -15,14 +15,20 @@ export const MARK = 0.4; // side, squares
 export const BOX = 2; // side, squares
 
 /** @type {Point[]} */
-export const MARKS = [[0, 0, 0], [COLUMNS, 0, 0], [COLUMNS, ROWS, 0], [0, ROWS, 0]];
+export const MARKS = [
+  [0, 0, 0],
+  [COLUMNS, 0, 0],
+  [COLUMNS, ROWS, 0],
+  [0, ROWS, 0],
+];
 /** Centre of the box. @type {Point} */
 export const CENTRE = [COLUMNS / 2, ROWS / 2, -BOX / 2];
 
 /**
  * Pose of the board at a time: turned to and fro, its middle before the camera. Before a real camera, where nothing is
  * tracked here, it stands upright in the same place.
- * @param {{img_size: readonly [number, number], camera_matrix: number[][]}} calibration @param {number} seconds 0: upright
+ * @param {{img_size: readonly [number, number], camera_matrix: number[][]}} calibration
+ * @param {number} seconds 0: upright
  * @returns {Pose} board → camera, squares
  */
 export function poseAt({ img_size: [width], camera_matrix: [[fx]] }, seconds) {
@@ -34,7 +40,8 @@ export function poseAt({ img_size: [width], camera_matrix: [[fx]] }, seconds) {
 }
 
 /**
- * Pose as the matrix of an engine whose y points up, for points with the same signs: (x, −y, −z) of OpenCV's where z points
+ * Pose as the matrix of an engine whose y points up, for points with the same signs: (x, −y, −z) of OpenCV's where z
+ * points
  * to the viewer (three.js, A-Frame), (x, −y, z) where it points away (Babylon.js).
  * @param {Pose} pose @param {1 | -1} depth sign of z
  * @returns {number[]} 4x4, column by column
@@ -42,6 +49,9 @@ export function poseAt({ img_size: [width], camera_matrix: [[fx]] }, seconds) {
 export function poseMatrix({ rvec, tvec }, depth) {
   const signs = [1, -1, depth];
   const r = rotationMatrix(rvec);
-  const columns = [0, 1, 2].map((column) => [...[0, 1, 2].map((row) => signs[row] * signs[column] * r[3 * row + column]), 0]);
+  const columns = [0, 1, 2].map((column) => [
+    ...[0, 1, 2].map((row) => signs[row] * signs[column] * r[3 * row + column]),
+    0,
+  ]);
   return [...columns.flat(), ...tvec.map((value, row) => signs[row] * value), 1];
 }

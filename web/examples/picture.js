@@ -32,7 +32,8 @@ const WANTED = /** @type {[number, number]} */ ([1280, 720]);
 const USUAL_FIELD_DEG = 60; // whole field of view, width, that is taken for a camera nobody knows
 
 /**
- * Waits for the visitor, then opens the camera; with `?virtual=1` in the address, on pages that offer it, the virtual one at once.
+ * Waits for the visitor, then opens the camera; with `?virtual=1` in the address, on pages that offer it, the virtual
+ * one at once.
  * @param {(picture: Picture) => void | Promise<void>} draw
  */
 export function whenOpen(draw) {
@@ -54,7 +55,8 @@ export function whenOpen(draw) {
     } catch (error) {
       const alone = error instanceof CameraError && error.code === "not_found" && !document.getElementById("virtually");
       if (alone) say(t("examples.no_camera"));
-      else say(error instanceof CameraError ? t(`capture.fault_${error.code}`, { detail: error.detail }) : explain(error));
+      else
+        say(error instanceof CameraError ? t(`capture.fault_${error.code}`, { detail: error.detail }) : explain(error));
     } finally {
       opening = false;
     }
@@ -69,7 +71,12 @@ export function whenOpen(draw) {
  * @returns {Promise<Picture | null>} null: nothing is known to draw with
  */
 async function begin(id, parameters) {
-  const camera = await open(id, { parameters, size: WANTED, place: part("virtual", HTMLElement), board: DEFAULT_BOARD });
+  const camera = await open(id, {
+    parameters,
+    size: WANTED,
+    place: part("virtual", HTMLElement),
+    board: DEFAULT_BOARD,
+  });
   /** @type {Picture | null} */
   let picture = null;
   try {
@@ -94,7 +101,10 @@ async function shown({ track, stream, virtual }, parameters) {
     ? { camera: trueCalibration(setupFrom(parameters)), guidanceUrl: null }
     : await cameraOf(track, [video.videoWidth, video.videoHeight]);
   if (guidanceUrl !== null || !camera) {
-    const text = camera && "interval_90" in camera ? t("examples.estimated", { percent: halfWidth(camera) }) : t("examples.unknown");
+    const text =
+      camera && "interval_90" in camera
+        ? t("examples.estimated", { percent: halfWidth(camera) })
+        : t("examples.unknown");
     say(text, el("a", { href: guidanceUrl ?? "../../calibrate/" }, t("examples.calibrate")));
   }
   if (!camera) return null;
@@ -103,7 +113,8 @@ async function shown({ track, stream, virtual }, parameters) {
 }
 
 /**
- * This is all that an application needs: the calibration that the visitor comes back with, the one that the database has, or the
+ * This is all that an application needs: the calibration that the visitor comes back with, the one that the database
+ * has, or the
  * estimate, with the address that leads to a calibration and back.
  * @param {MediaStreamTrack} track @param {[number, number]} size
  * @returns {Promise<{camera: Camera | import("../sdk/calibdb.js").Estimate | null, guidanceUrl: string | null}>}
@@ -120,12 +131,21 @@ async function cameraOf(track, size) {
   return { camera, guidanceUrl: there.href };
 }
 
-/** Half the width of an estimate's interval, percent of its field of view. @param {import("../sdk/calibration.js").EstimateData} estimate */
-const halfWidth = ({ hfov_deg, interval_90: { hfov_deg: [low, high] } }) => number((50 * (high - low)) / hfov_deg, 0);
+/**
+ * Half the width of an estimate's interval, percent of its field of view.
+ * @param {import("../sdk/calibration.js").EstimateData} estimate
+ */
+const halfWidth = ({
+  hfov_deg,
+  interval_90: {
+    hfov_deg: [low, high],
+  },
+}) => number((50 * (high - low)) / hfov_deg, 0);
 
 /**
  * Puts the picture on the stage, straightened with the calibration or as it is without.
- * @param {{stage: HTMLElement, video: HTMLVideoElement, rectifier: import("../sdk/rectifier.js").Rectifier, moves: boolean,
+ * @param {{stage: HTMLElement, video: HTMLVideoElement, rectifier: import("../sdk/rectifier.js").Rectifier, moves:
+ *   boolean,
  *   camera: Camera, virtual: import("../lib/virtual/camera.js").VirtualCamera | null}} parts
  * @returns {Picture}
  */
@@ -158,7 +178,8 @@ function composed({ stage, video, rectifier, camera, virtual, moves }) {
   requestAnimationFrame(frame);
   return {
     pinhole: () => (choice.checked ? rectifier : usualPinhole(camera.img_size)),
-    camera, stage,
+    camera,
+    stage,
     viewport: () => [stage.clientWidth, stage.clientHeight],
     pose: () => virtual?.shown ?? poseAt(camera, 0),
     onChange: (listener) => {
@@ -169,10 +190,21 @@ function composed({ stage, video, rectifier, camera, virtual, moves }) {
   };
 }
 
-/** Pinhole that applications assume of a camera they know nothing about. @param {readonly [number, number]} size @returns {Pinhole} */
+/**
+ * Pinhole that applications assume of a camera they know nothing about.
+ * @param {readonly [number, number]} size
+ * @returns {Pinhole}
+ */
 function usualPinhole([width, height]) {
   const focal = width / 2 / Math.tan((USUAL_FIELD_DEG * Math.PI) / 360);
-  return { img_size: [width, height], camera_matrix: [[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]] };
+  return {
+    img_size: [width, height],
+    camera_matrix: [
+      [focal, 0, (width - 1) / 2],
+      [0, focal, (height - 1) / 2],
+      [0, 0, 1],
+    ],
+  };
 }
 
 /** @param {...(string | Node)} what */

@@ -52,13 +52,18 @@ export async function readCamera(source, hints) {
 /**
  * Hands the file to the browser in another format.
  * @param {Source} source @param {Hints} hints @param {string} format @param {Camera} camera
- * @returns {Promise<import("../lib/result/source.js").Saved>} rejects as Api does: 422 where the format cannot hold the camera
+ * @returns {Promise<import("../lib/result/source.js").Saved>} rejects as Api does: 422 where the format cannot hold the
+ *   camera
  */
 export async function saveAs(source, hints, format, camera) {
   const { api, token } = await loadSettings();
-  const response = await new Api(api).send("POST", "/convert", token, { body: { ...source, ...hints, format }, accept: "*/*" });
+  const response = await new Api(api).send("POST", "/convert", token, {
+    body: { ...source, ...hints, format },
+    accept: "*/*",
+  });
   const [, named] = /filename="?([^";]+)"?/.exec(response.headers.get("content-disposition") ?? "") ?? [];
-  const number = (/** @type {string} */ name, /** @type {number} */ otherwise) => Number(response.headers.get(name) ?? otherwise);
+  const number = (/** @type {string} */ name, /** @type {number} */ otherwise) =>
+    Number(response.headers.get(name) ?? otherwise);
   const link = document.createElement("a");
   link.href = URL.createObjectURL(await response.blob());
   link.download = named ?? `${camera.camera}.txt`;
@@ -73,13 +78,20 @@ export async function saveAs(source, hints, format, camera) {
  */
 export async function unpackCorners(file) {
   const { api, token } = await loadSettings();
-  const response = await new Api(api).send("POST", "/convert", token, { body: { file, format: "photonvision" }, accept: "*/*" });
+  const response = await new Api(api).send("POST", "/convert", token, {
+    body: { file, format: "photonvision" },
+    accept: "*/*",
+  });
   return response.text();
 }
 
 /** @typedef {import("../lib/result/numbers.js").Calibration} Calibration */
 
-/** Cameras of the database by name. @param {string} query @returns {Promise<{key: string, camera: string, platform: string}[]>} rejects as Api does */
+/**
+ * Cameras of the database by name.
+ * @param {string} query
+ * @returns {Promise<{key: string, camera: string, platform: string}[]>} rejects as Api does
+ */
 export async function searchCameras(query) {
   const { api, token } = await loadSettings();
   const { cameras } = await new Api(api).json("GET", `/cameras?${new URLSearchParams({ query, limit: "20" })}`, token);

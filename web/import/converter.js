@@ -1,4 +1,5 @@
-// Converter of files that have a camera and no measurements: view the camera, write it for another program, compare it with the
+// Converter of files that have a camera and no measurements: view the camera, write it for another program, compare it
+// with the
 // database. Only what is asked for is sent, and nothing is stored.
 import { ApiError } from "../lib/api.js";
 import { el } from "../lib/dom.js";
@@ -63,12 +64,21 @@ export class Converter {
         /** @type {Hints} */
         const hints = { ...size.hint() };
         const camera = await readCamera(source, hints);
-        if (own === this.#turn) this.#show(source, { ...hints, ...(camera.camera === "camera" ? { camera: name.replace(/\.[^.]*$/, "").slice(0, 128) } : {}) }, camera);
+        if (own === this.#turn)
+          this.#show(
+            source,
+            { ...hints, ...(camera.camera === "camera" ? { camera: name.replace(/\.[^.]*$/, "").slice(0, 128) } : {}) },
+            camera,
+          );
       } catch (error) {
         if (own !== this.#turn) return;
         const isSize = error instanceof ApiError && error.status === 422 && /img_size/.test(error.message);
         if (isSize) size.show();
-        status.textContent = isSize ? t("import.needs_size") : error instanceof ApiError && error.status === 422 ? t("import.no_camera") : this.#explain(error);
+        status.textContent = isSize
+          ? t("import.needs_size")
+          : error instanceof ApiError && error.status === 422
+            ? t("import.no_camera")
+            : this.#explain(error);
       } finally {
         open.disabled = false;
       }
@@ -79,13 +89,19 @@ export class Converter {
       try {
         await unpack?.();
       } catch (error) {
-        status.textContent = error instanceof ApiError && error.status === 422 ? t("import.wrong_empty") : this.#explain(error);
+        status.textContent =
+          error instanceof ApiError && error.status === 422 ? t("import.wrong_empty") : this.#explain(error);
       } finally {
         corners.disabled = false;
       }
     });
     if (unpack) open.classList.remove("primary");
-    this.#root.append(el("p", {}, t("import.open_text")), size.element, el("div", { class: "actions" }, ...(unpack ? [corners] : []), open), status);
+    this.#root.append(
+      el("p", {}, t("import.open_text")),
+      size.element,
+      el("div", { class: "actions" }, ...(unpack ? [corners] : []), open),
+      status,
+    );
   }
 
   /** @param {Source} source @param {Hints} hints @param {Camera} camera */
@@ -111,7 +127,11 @@ export class Converter {
   /** @param {Source} source @param {Hints} hints @param {Camera} camera */
   #formats(source, hints, camera) {
     const formats = FORMATS.filter((format) => format !== CORNERS_ALONE);
-    const select = el("select", { id: "convert-format", "aria-describedby": "convert-about" }, ...formats.map((format) => new Option(t(`formats.name_${format}`), format)));
+    const select = el(
+      "select",
+      { id: "convert-format", "aria-describedby": "convert-about" },
+      ...formats.map((format) => new Option(t(`formats.name_${format}`), format)),
+    );
     const about = el("p", { class: "muted", id: "convert-about" }, t(`formats.for_${select.value}`));
     const status = el("p", { class: "saved", id: "convert-done", role: "status" });
     const button = el("button", { type: "button", class: "primary", id: "convert" }, t("import.convert"));
@@ -128,23 +148,46 @@ export class Converter {
       } catch (error) {
         status.classList.add("problem");
         const far = error instanceof ApiError && error.status === 422 ? /([\d.]+) px/.exec(error.message) : null;
-        status.textContent = far ? t("formats.impossible_far", { error: number(Number(far[1]), 0) })
-          : error instanceof ApiError && error.status === 422 ? t("formats.impossible_lens") : this.#explain(error);
+        status.textContent = far
+          ? t("formats.impossible_far", { error: number(Number(far[1]), 0) })
+          : error instanceof ApiError && error.status === 422
+            ? t("formats.impossible_lens")
+            : this.#explain(error);
       } finally {
         button.disabled = false;
       }
     });
-    return el("div", { class: "take" },
-      el("div", { class: "fields" }, el("div", { class: "field" }, el("label", { for: "convert-format" }, t("import.format")), select), button), about, status);
+    return el(
+      "div",
+      { class: "take" },
+      el(
+        "div",
+        { class: "fields" },
+        el("div", { class: "field" }, el("label", { for: "convert-format" }, t("import.format")), select),
+        button,
+      ),
+      about,
+      status,
+    );
   }
 
   /** @param {Camera} camera */
   #comparison(camera) {
-    const input = el("input", { id: "compare-query", type: "search", autocomplete: "off", placeholder: t("import.compare_example"), maxlength: 128 });
+    const input = el("input", {
+      id: "compare-query",
+      type: "search",
+      autocomplete: "off",
+      placeholder: t("import.compare_example"),
+      maxlength: 128,
+    });
     const found = el("ul", { class: "facts", id: "compare-found" });
     const place = el("div", { id: "compare-result", role: "status" });
-    const form = el("form", { class: "fields", role: "search" },
-      el("div", { class: "field" }, el("label", { for: "compare-query" }, t("import.compare_label")), input), el("button", { type: "submit", id: "compare-search" }, t("import.compare_search")));
+    const form = el(
+      "form",
+      { class: "fields", role: "search" },
+      el("div", { class: "field" }, el("label", { for: "compare-query" }, t("import.compare_label")), input),
+      el("button", { type: "submit", id: "compare-search" }, t("import.compare_search")),
+    );
     form.addEventListener("submit", async (event) => {
       event.preventDefault();
       place.replaceChildren();
@@ -152,11 +195,13 @@ export class Converter {
       try {
         const cameras = await searchCameras(input.value.trim());
         if (cameras.length === 0) place.replaceChildren(t("import.compare_none"));
-        found.replaceChildren(...cameras.slice(0, MAX_FOUND).map(({ key, camera: label, platform }) => {
-          const choose = el("button", { type: "button", class: "small" }, label);
-          choose.addEventListener("click", () => void this.#compare(camera, key, place));
-          return el("li", {}, choose, ` ${platform}`);
-        }));
+        found.replaceChildren(
+          ...cameras.slice(0, MAX_FOUND).map(({ key, camera: label, platform }) => {
+            const choose = el("button", { type: "button", class: "small" }, label);
+            choose.addEventListener("click", () => void this.#compare(camera, key, place));
+            return el("li", {}, choose, ` ${platform}`);
+          }),
+        );
       } catch (error) {
         place.replaceChildren(this.#explain(error));
       }
@@ -167,7 +212,9 @@ export class Converter {
   /** @param {Camera} camera @param {string} key @param {HTMLElement} place */
   async #compare(camera, key, place) {
     try {
-      const known = (await knownCalibrations(key, camera.img_size)).filter(({ distortion_model: model }) => model in COEFFICIENTS);
+      const known = (await knownCalibrations(key, camera.img_size)).filter(
+        ({ distortion_model: model }) => model in COEFFICIENTS,
+      );
       const other = known.find(({ distortion_model: model }) => model === camera.distortion_model) ?? known[0];
       if (!other) {
         place.replaceChildren(t("import.compare_no_size", { size: formatSize(camera.img_size) }));
@@ -175,7 +222,12 @@ export class Converter {
       }
       const { px, rms, max } = lensDifference(camera, other);
       const texts = { rms: rough(rms), max: rough(max) };
-      place.replaceChildren(figure({ ...heatPlot(camera.img_size, px, max, t("import.difference_label", texts)), caption: t("import.difference_caption", texts) }));
+      place.replaceChildren(
+        figure({
+          ...heatPlot(camera.img_size, px, max, t("import.difference_label", texts)),
+          caption: t("import.difference_caption", texts),
+        }),
+      );
     } catch (error) {
       place.replaceChildren(this.#explain(error));
     }
@@ -184,28 +236,69 @@ export class Converter {
 
 /** @param {string} name @param {Node} content */
 const section = (name, content) =>
-  el("section", { "aria-labelledby": `converter-${name}` }, el("h2", { id: `converter-${name}`, tabindex: -1 }, t(`import.part_${name}`)), content);
+  el(
+    "section",
+    { "aria-labelledby": `converter-${name}` },
+    el("h2", { id: `converter-${name}`, tabindex: -1 }, t(`import.part_${name}`)),
+    content,
+  );
 
 /** The camera as figures take it. @param {Camera} camera */
 function calibrationOf(camera) {
-  return /** @type {import("../lib/result/numbers.js").Calibration & Camera} */ (/** @type {unknown} */ ({ ...camera, id: null }));
+  return /** @type {import("../lib/result/numbers.js").Calibration & Camera} */ (
+    /** @type {unknown} */ ({ ...camera, id: null })
+  );
 }
 
 /** @param {Camera} camera */
-function values({ camera, img_size, camera_matrix: [[fx, , cx], [, fy, cy]], distortion_model: model, distortion_coefficients: coefficients }) {
+function values({
+  camera,
+  img_size,
+  camera_matrix: [[fx, , cx], [, fy, cy]],
+  distortion_model: model,
+  distortion_coefficients: coefficients,
+}) {
   const rows = [
-    [t("import.value_name"), camera], [t("import.value_size"), `${formatSize(img_size)} px`], ["fx, fy", `${number(fx, 2)}, ${number(fy, 2)} px`],
-    ["cx, cy", `${number(cx, 2)}, ${number(cy, 2)} px`], [t("import.value_model"), t(`photos.model_${model}`)],
+    [t("import.value_name"), camera],
+    [t("import.value_size"), `${formatSize(img_size)} px`],
+    ["fx, fy", `${number(fx, 2)}, ${number(fy, 2)} px`],
+    ["cx, cy", `${number(cx, 2)}, ${number(cy, 2)} px`],
+    [t("import.value_model"), t(`photos.model_${model}`)],
     ...coefficients.map((value, index) => [(COEFFICIENTS[model] ?? [])[index] ?? `d${index}`, number(value, 6)]),
   ];
-  return el("table", { class: "values", id: "converted-values" }, el("tbody", {}, ...rows.map(([name, value]) => el("tr", {}, el("th", { scope: "row" }, name), el("td", { class: "number" }, value)))));
+  return el(
+    "table",
+    { class: "values", id: "converted-values" },
+    el(
+      "tbody",
+      {},
+      ...rows.map(([name, value]) =>
+        el("tr", {}, el("th", { scope: "row" }, name), el("td", { class: "number" }, value)),
+      ),
+    ),
+  );
 }
 
 /** Fields of the size of the pictures, hidden until a file is found not to say it. */
 function sizeFields() {
-  const input = (/** @type {string} */ name) => el("input", { id: `convert-${name}`, type: "number", min: 16, max: 16384, step: 1, "aria-label": t(`import.${name}`) });
+  const input = (/** @type {string} */ name) =>
+    el("input", {
+      id: `convert-${name}`,
+      type: "number",
+      min: 16,
+      max: 16384,
+      step: 1,
+      "aria-label": t(`import.${name}`),
+    });
   const [width, height] = [input("width"), input("height")];
-  const element = el("fieldset", { class: "pair", hidden: true }, el("legend", {}, t("import.size")), width, " × ", height);
+  const element = el(
+    "fieldset",
+    { class: "pair", hidden: true },
+    el("legend", {}, t("import.size")),
+    width,
+    " × ",
+    height,
+  );
   return {
     element,
     show() {
@@ -213,6 +306,9 @@ function sizeFields() {
       width.focus();
     },
     /** @returns {Hints} */
-    hint: () => (width.valueAsNumber > 0 && height.valueAsNumber > 0 ? { img_size: [width.valueAsNumber, height.valueAsNumber] } : {}),
+    hint: () =>
+      width.valueAsNumber > 0 && height.valueAsNumber > 0
+        ? { img_size: [width.valueAsNumber, height.valueAsNumber] }
+        : {},
   };
 }

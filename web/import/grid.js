@@ -20,17 +20,23 @@ const OFF = 0.02; // squares by which a point may lie off its corner
 const MAX_SIDE_SQUARES = 64; // squares on a side of a board
 const MIN_BOARD_CORNERS = 6; // of a board
 
-/** @param {View[]} views @returns {Grid} throws MalformedError where the points are not those of a flat board of squares */
+/**
+ * @param {View[]} views
+ * @returns {Grid} throws MalformedError where the points are not those of a flat board of squares
+ */
 export function grid(views) {
   const upwards = faces(views) < 0;
-  const upright = upwards ? views.map((view) => ({ ...view, object: view.object.map(([x, y, z]) => [x, -y, z]) })) : views;
+  const upright = upwards
+    ? views.map((view) => ({ ...view, object: view.object.map(([x, y, z]) => [x, -y, z]) }))
+    : views;
   const points = upright.flatMap(({ object }) => object);
   const [x, y, z] = [0, 1, 2].map((axis) => distinct(points.map((point) => point[axis])));
   if (x.length < 2 || y.length < 2) throw new MalformedError("line");
   const unit = Math.min(step(x), step(y));
   if (span(z) > OFF * unit) throw new MalformedError("flat");
   const [columns, rows] = [x, y].map((axis) => Math.round(span(axis) / unit) + 1);
-  if (Math.max(columns, rows) >= MAX_SIDE_SQUARES || columns * rows < MIN_BOARD_CORNERS) throw new MalformedError("board", { columns, rows });
+  if (Math.max(columns, rows) >= MAX_SIDE_SQUARES || columns * rows < MIN_BOARD_CORNERS)
+    throw new MalformedError("board", { columns, rows });
   return {
     squares: [columns + 1, rows + 1],
     views: upright.map(({ name, object, image }) => {
@@ -56,8 +62,12 @@ const faces = (views) => views.reduce((sum, view) => sum + Math.sign(handedness(
 /** Determinant of the affine map from board to picture, times a positive number. @param {View} view */
 function handedness({ object, image }) {
   const [p, q] = [centred(object), centred(image)];
-  const sum = (/** @type {number[][]} */ a, /** @type {number} */ i, /** @type {number[][]} */ b, /** @type {number} */ j) =>
-    a.reduce((total, point, index) => total + point[i] * b[index][j], 0);
+  const sum = (
+    /** @type {number[][]} */ a,
+    /** @type {number} */ i,
+    /** @type {number[][]} */ b,
+    /** @type {number} */ j,
+  ) => a.reduce((total, point, index) => total + point[i] * b[index][j], 0);
   // Least squares: (Σ q pᵀ)(Σ p pᵀ)⁻¹; the second has a positive determinant, so the first one's sign is the map's.
   return sum(q, 0, p, 0) * sum(q, 1, p, 1) - sum(q, 0, p, 1) * sum(q, 1, p, 0);
 }

@@ -10,8 +10,13 @@ const MAX_NUMBER = 1e12; // beyond which no number is a camera's
 
 /** Value at a path, undefined where there is none. @param {unknown} data @param {string[]} path @returns {unknown} */
 function at(data, ...path) {
-  return path.reduce((/** @type {unknown} */ here, key) =>
-    (here !== null && typeof here === "object" && Object.hasOwn(here, key) ? /** @type {Record<string, unknown>} */ (here)[key] : undefined), data);
+  return path.reduce(
+    (/** @type {unknown} */ here, key) =>
+      here !== null && typeof here === "object" && Object.hasOwn(here, key)
+        ? /** @type {Record<string, unknown>} */ (here)[key]
+        : undefined,
+    data,
+  );
 }
 
 /** @param {unknown} value @param {string} what @returns {number} */
@@ -51,7 +56,8 @@ function observation(item, index) {
   const name = at(item, "snapshotName");
   return {
     name: typeof name === "string" && name ? name.slice(0, 80) : String(index + 1),
-    object: object.filter((_, number) => kept[number]), image: image.filter((_, number) => kept[number]),
+    object: object.filter((_, number) => kept[number]),
+    image: image.filter((_, number) => kept[number]),
   };
 }
 
@@ -62,7 +68,14 @@ function points(items, axes, what) {
 }
 
 /** Paths at which tools keep the camera matrix. */
-const MATRICES = [["cameraIntrinsics", "data"], ["camera_matrix", "data"], ["camera_matrix"], ["fisheye_params", "camera_matrix"], ["K"], ["mtx"]];
+const MATRICES = [
+  ["cameraIntrinsics", "data"],
+  ["camera_matrix", "data"],
+  ["camera_matrix"],
+  ["fisheye_params", "camera_matrix"],
+  ["K"],
+  ["mtx"],
+];
 
 /** The camera matrix in a file, null where none is found. @param {unknown} data @returns {number[][] | null} */
 export function cameraMatrix(data) {
@@ -77,17 +90,30 @@ export function cameraMatrix(data) {
 }
 
 const MATRIX_NAMES = /^(k|mtx|m\d?|cam(era)?mat(rix)?|(camera)?intrinsics?(matrix)?)(left|right|\d{1,2})?$/;
-const FOCALS = [["fx", "fy", "cx", "cy"], ["fx", "fy", "ppx", "ppy"], ["fl_x", "fl_y", "cx", "cy"]];
+const FOCALS = [
+  ["fx", "fy", "cx", "cy"],
+  ["fx", "fy", "ppx", "ppy"],
+  ["fl_x", "fl_y", "cx", "cy"],
+];
 const MAX_DEPTH = 6;
 const MAX_MEMBERS = 200; // of an object that is searched
 
-/** The first camera matrix at any depth, under any of its usual names or as four numbers. @param {unknown} data @param {number} depth @returns {number[][] | null} */
+/**
+ * The first camera matrix at any depth, under any of its usual names or as four numbers.
+ * @param {unknown} data
+ * @param {number} depth
+ * @returns {number[][] | null}
+ */
 function nestedMatrix(data, depth) {
   if (data === null || typeof data !== "object" || depth > MAX_DEPTH) return null;
   for (const names of FOCALS) {
     const [fx, fy, cx, cy] = names.map((name) => at(data, name));
     if ([fx, fy, cx, cy].every((value) => typeof value === "number" && Number.isFinite(value))) {
-      return /** @type {number[][]} */ ([[fx, 0, cx], [0, fy, cy], [0, 0, 1]]);
+      return /** @type {number[][]} */ ([
+        [fx, 0, cx],
+        [0, fy, cy],
+        [0, 0, 1],
+      ]);
     }
   }
   const members = Object.entries(data).slice(0, MAX_MEMBERS);

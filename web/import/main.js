@@ -38,10 +38,21 @@ import { card, guessView } from "./views.js";
 openPage();
 const query = new URLSearchParams(location.search);
 const parts = {
-  drop: part("drop", HTMLElement), file: part("file", HTMLInputElement), status: part("status", HTMLElement), problem: part("problem", HTMLElement),
-  guess: part("guess", HTMLElement), views: part("views", HTMLElement), table: part("table", HTMLFormElement), form: part("form", HTMLFormElement),
-  kind: part("kind", HTMLSelectElement), camera: part("camera", HTMLInputElement), cameraLabel: part("camera-label", HTMLElement),
-  focal: part("focal", HTMLInputElement), focalField: part("focal-field", HTMLElement), model: part("model", HTMLSelectElement), start: part("start", HTMLButtonElement),
+  drop: part("drop", HTMLElement),
+  file: part("file", HTMLInputElement),
+  status: part("status", HTMLElement),
+  problem: part("problem", HTMLElement),
+  guess: part("guess", HTMLElement),
+  views: part("views", HTMLElement),
+  table: part("table", HTMLFormElement),
+  form: part("form", HTMLFormElement),
+  kind: part("kind", HTMLSelectElement),
+  camera: part("camera", HTMLInputElement),
+  cameraLabel: part("camera-label", HTMLElement),
+  focal: part("focal", HTMLInputElement),
+  focalField: part("focal-field", HTMLElement),
+  model: part("model", HTMLSelectElement),
+  start: part("start", HTMLButtonElement),
 };
 const [columns, rows, width, height] = ["columns", "rows", "width", "height"].map((id) => part(id, HTMLInputElement));
 const view = new LaterResultView(part("result", HTMLElement));
@@ -92,7 +103,9 @@ function show() {
   parts.guess.hidden = guessed === null;
   parts.guess.replaceChildren(...(guessed ? guessView(guessed, own) : []));
   parts.form.hidden = measured === null;
-  parts.views.replaceChildren(...(measured?.views.map((each) => card(each, /** @type {Measured} */ (measured).size, judgements.get(each))) ?? []));
+  parts.views.replaceChildren(
+    ...(measured?.views.map((each) => card(each, /** @type {Measured} */ (measured).size, judgements.get(each))) ?? []),
+  );
 }
 
 /** @param {File | undefined} file */
@@ -109,12 +122,20 @@ async function take(file) {
     const content = decode(bytes);
     const source = sourceOf(bytes, content);
     const isArchive = source?.encoding === "base64";
-    const found = kindOf(content, source !== null && (isArchive || (content.trim() !== "" && !BINARY.test(content.slice(0, 1000)))));
+    const found = kindOf(
+      content,
+      source !== null && (isArchive || (content.trim() !== "" && !BINARY.test(content.slice(0, 1000)))),
+    );
     if (found.kind === "guess") {
       guessed = found;
       own = ownId(content);
       tell(() => t("import.was_read", { name: file.name }));
-      if (source) converter.offer(source, file.name, found.packed && content.length <= MAX_CHARACTERS ? () => unpack(content) : null);
+      if (source)
+        converter.offer(
+          source,
+          file.name,
+          found.packed && content.length <= MAX_CHARACTERS ? () => unpack(content) : null,
+        );
     }
     if (found.kind === "keypoints") accept(found.views, found.size);
     if (found.kind === "table") ask(found.text, found.squares);
@@ -184,10 +205,12 @@ function accept(views, size) {
 function summarise() {
   if (!measured) return;
   const { board, size, views, count } = measured;
-  tell(() => [
-    t("import.found", { count, squares: formatSize(board.squares), size: formatSize(size) }),
-    ...(count > views.length ? [t("import.best", { most: views.length })] : []),
-  ].join(" "));
+  tell(() =>
+    [
+      t("import.found", { count, squares: formatSize(board.squares), size: formatSize(size) }),
+      ...(count > views.length ? [t("import.best", { most: views.length })] : []),
+    ].join(" "),
+  );
 }
 
 /** @param {Set<unknown>} [without] views that are left out this time */
@@ -204,14 +227,22 @@ async function start(without = new Set()) {
     const { api: address, token, return_origins: returnOrigins } = await loadSettings();
     const webcam = parts.kind.value === "webcam";
     const request = {
-      camera: parts.camera.value.trim(), platform: webcam ? await platformHere() : parts.kind.value, img_size: size,
-      zoom: webcam ? 0 : Number(parts.focal.value) || 0, board,
-      distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (parts.model.value),
+      camera: parts.camera.value.trim(),
+      platform: webcam ? await platformHere() : parts.kind.value,
+      img_size: size,
+      zoom: webcam ? 0 : Number(parts.focal.value) || 0,
+      board,
+      distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (
+        parts.model.value
+      ),
     };
     const usable = views.filter((each) => each.points.length >= MIN_VIEW_CORNERS && !without.has(each));
     tell(() => t("photos.calibrating", { done: judgements.size, all: usable.length }));
     const onRetry = (/** @type {object | null} */ retry) => {
-      if (mine === turn) tell(() => (retry ? t("faults.retry") : t("photos.calibrating", { done: judgements.size, all: usable.length })));
+      if (mine === turn)
+        tell(() =>
+          retry ? t("faults.retry") : t("photos.calibrating", { done: judgements.size, all: usable.length }),
+        );
     };
     const { state, numbers } = await calibrate(new Api(address, { onRetry }), token, request, usable, (judgement) => {
       if (mine !== turn) return;
@@ -229,8 +260,17 @@ async function start(without = new Set()) {
     const taken = [...judgements.values()].filter(({ accepted }) => accepted);
     tell(() => t("photos.done", { count: taken.length, all: usable.length }));
     const { calibration, report } = await load(id);
-    const goOn = (/** @type {number[]} */ left) => void start(new Set([...without, ...left.map((index) => usable[numbers.get(index) ?? -1])]));
-    await view.show({ calibration, report, origin: "imported", returnTo: query.get("return_to"), returnOrigins, goOn, explain });
+    const goOn = (/** @type {number[]} */ left) =>
+      void start(new Set([...without, ...left.map((index) => usable[numbers.get(index) ?? -1])]));
+    await view.show({
+      calibration,
+      report,
+      origin: "imported",
+      returnTo: query.get("return_to"),
+      returnOrigins,
+      goOn,
+      explain,
+    });
     document.getElementById("verdict")?.focus();
   } catch (error) {
     if (mine !== turn) return;

@@ -34,7 +34,8 @@ const MAX_BOARD_SQUARES = 2000; // that any has
 const MAX_OUTSIDE_PX = 1; // px outside of the picture that a corner may have been found
 
 /**
- * Measurements or the camera in a file. Every file of a practice run names the simulated camera: its measurements are refused.
+ * Measurements or the camera in a file. Every file of a practice run names the simulated camera: its measurements are
+ * refused.
  * @param {string} text a file's content @returns {Keypoints | Table | Guess} throws MalformedError
  */
 export function read(text) {
@@ -49,7 +50,8 @@ function contentOf(text) {
   const data = /^\s*\{/.test(content) ? parsed(content) : undefined;
   if (data !== undefined) return json(data);
   // mrcal's is a Python dictionary, its measurements a packed archive inside.
-  if (/'(lensmodel|lens_model)'/.test(content)) return { kind: "guess", matrix: null, packed: content.includes("'optimization_inputs'") };
+  if (/'(lensmodel|lens_model)'/.test(content))
+    return { kind: "guess", matrix: null, packed: content.includes("'optimization_inputs'") };
   if (/^\s*\{/.test(content)) throw new MalformedError("json");
   if (isTable(content)) return { kind: "table", text: content, squares: squaresIn(content) };
   const matrix = cameraIn(content);
@@ -96,5 +98,8 @@ export function prepare(views, [width, height]) {
   const { squares, views: numbered } = grid(views);
   const count = squares[0] * squares[1];
   if (count > MAX_BOARD_SQUARES) throw new MalformedError("board", { columns: squares[0] - 1, rows: squares[1] - 1 });
-  return { board: { ...DEFAULT_BOARD, squares, dictionary: count <= SMALL ? "DICT_4X4_50" : "DICT_4X4_1000" }, views: numbered };
+  return {
+    board: { ...DEFAULT_BOARD, squares, dictionary: count <= SMALL ? "DICT_4X4_50" : "DICT_4X4_1000" },
+    views: numbered,
+  };
 }

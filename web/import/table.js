@@ -5,15 +5,23 @@ import { MalformedError } from "./malformed.js";
 
 const MAX_TABLE_VIEWS = 1000;
 
-/** Does it look like such a table: does its first line that says something have a name and two places? @param {string} text */
+/**
+ * Does it look like such a table: does its first line that says something have a name and two places?
+ * @param {string} text
+ */
 export function isTable(text) {
   const line = /^(?![^\S\n]*(?:#|$)).*$/m.exec(text)?.[0] ?? "";
   const [, x, y] = line.trim().split(/\s+/);
-  const place = (/** @type {string | undefined} */ field) => field === "-" || (field !== undefined && Number.isFinite(Number(field)));
+  const place = (/** @type {string | undefined} */ field) =>
+    field === "-" || (field !== undefined && Number.isFinite(Number(field)));
   return place(x) && place(y);
 }
 
-/** The corners of the board that the table itself names in a comment, "# 8 x 5 corners", as calibDB writes it. @param {string} text @returns {[number, number] | null} */
+/**
+ * The corners of the board that the table itself names in a comment, "# 8 x 5 corners", as calibDB writes it.
+ * @param {string} text
+ * @returns {[number, number] | null}
+ */
 export function squaresIn(text) {
   const found = /^#[ \t]*(\d{1,2}) x (\d{1,2}) corners\b/m.exec(text);
   return found ? [Number(found[1]) + 1, Number(found[2]) + 1] : null;

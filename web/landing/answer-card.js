@@ -11,7 +11,13 @@ import { fieldOfView } from "../lib/result/numbers.js";
 
 /** @param {string} name of the camera @param {Calibration & {id?: string | null}} calibration */
 export function knownCard(name, calibration) {
-  const { camera_matrix: [[fx]], img_size, uncertainty, calibrations, id } = calibration;
+  const {
+    camera_matrix: [[fx]],
+    img_size,
+    uncertainty,
+    calibrations,
+    id,
+  } = calibration;
   const { horizontal } = fieldOfView(/** @type {Known} */ (calibration));
   const facts = [
     [t("landing.card_size"), formatSize(img_size)],
@@ -20,12 +26,30 @@ export function knownCard(name, calibration) {
     [t("landing.card_error"), `${rough(uncertainty.rms)}\u00a0px`],
     [t("landing.card_calibrations"), String(calibrations)],
   ];
-  return el("div", { class: "answer" },
+  return el(
+    "div",
+    { class: "answer" },
     el("h3", { class: "verdict good" }, t("landing.known_yes", { camera: name })),
-    el("dl", {}, ...facts.map(([term, value]) => el("div", {}, el("dt", {}, term), el("dd", { class: "number" }, value)))),
-    el("div", { class: "actions" },
-      ...(id ? [el("a", { class: "button primary", href: pageUrl(`result/?${new URLSearchParams({ id })}`).href }, t("landing.card_open"))] : []),
-      el("a", { class: "button", href: pageUrl("ar/").href }, t("landing.card_ar"))));
+    el(
+      "dl",
+      {},
+      ...facts.map(([term, value]) => el("div", {}, el("dt", {}, term), el("dd", { class: "number" }, value))),
+    ),
+    el(
+      "div",
+      { class: "actions" },
+      ...(id
+        ? [
+            el(
+              "a",
+              { class: "button primary", href: pageUrl(`result/?${new URLSearchParams({ id })}`).href },
+              t("landing.card_open"),
+            ),
+          ]
+        : []),
+      el("a", { class: "button", href: pageUrl("ar/").href }, t("landing.card_ar")),
+    ),
+  );
 }
 
 /**
@@ -33,9 +57,12 @@ export function knownCard(name, calibration) {
  * @param {import("../sdk/calibration.js").EstimateData | null} estimate
  */
 export function unknownCard(name, address, estimate) {
-  return el("div", { class: "answer" },
+  return el(
+    "div",
+    { class: "answer" },
     el("h3", {}, t("landing.not_yet", { camera: name })),
     el("p", {}, t("landing.not_yet_text")),
     el("div", { class: "actions" }, el("a", { class: "button primary", href: address }, t("landing.calibrate_it"))),
-    ...(estimate ? [estimateView(estimate)] : []));
+    ...(estimate ? [estimateView(estimate)] : []),
+  );
 }

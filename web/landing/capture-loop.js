@@ -1,4 +1,5 @@
-// Picture of a guided capture: a board that is led to the amber outline, again and again. Board, poses and lens are those of
+// Picture of a guided capture: a board that is led to the amber outline, again and again. Board, poses and lens are
+// those of
 // the capture page, drawn small.
 import { DEFAULT_BOARD, isBlack, markers, outline } from "../lib/board.js";
 import { t } from "../lib/i18n.js";
@@ -11,7 +12,13 @@ import { lensOf } from "../sdk/projection.js";
 /** @type {[number, number]} */
 export const SIZE = [640, 360];
 export const LENS = {
-  camera_matrix: [[460, 0, 320], [0, 460, 180], [0, 0, 1]], distortion_model: "rectilinear", distortion_coefficients: [-0.22, 0.05, 0, 0, 0],
+  camera_matrix: [
+    [460, 0, 320],
+    [0, 460, 180],
+    [0, 0, 1],
+  ],
+  distortion_model: "rectilinear",
+  distortion_coefficients: [-0.22, 0.05, 0, 0, 0],
 };
 /** Poses that a capture asks for, of a board nine squares wide; in squares. @type {Pose[]} */
 export const TARGETS = [
@@ -27,23 +34,35 @@ const STEP_MS = MOVE_MS + HOLD_MS;
 const STRAIGHTEN_MS = 900;
 const END_MS = 3200; // the verdict stands for so long
 /** Bits of the board's markers in their order, four digits each. */
-export const BITS = "b5320f9a332d9946549e79cd9e2ec4f2fedacf56f99111a70eb72a0f24b1263e466566006c5e76af868bb02bccd5dd82fe479471ace4";
+export const BITS =
+  "b5320f9a332d9946549e79cd9e2ec4f2fedacf56f99111a70eb72a0f24b1263e466566006c5e76af868bb02bccd5dd82fe479471ace4";
 /** Blurred room behind the board: a window, a lamp, a plant, a desk. */
 const ROOM = [
-  { cx: 120, cy: 60, rx: 110, ry: 80, fill: "#7d94a6" }, { cx: 470, cy: 40, rx: 60, ry: 50, fill: "#e0a860" }, { cx: 590, cy: 170, rx: 60, ry: 110, fill: "#3f5a44" },
-  { cx: 320, cy: 380, rx: 460, ry: 120, fill: "#6b4a31" }, { cx: 90, cy: 300, rx: 60, ry: 22, fill: "#c9c2b4" },
+  { cx: 120, cy: 60, rx: 110, ry: 80, fill: "#7d94a6" },
+  { cx: 470, cy: 40, rx: 60, ry: 50, fill: "#e0a860" },
+  { cx: 590, cy: 170, rx: 60, ry: 110, fill: "#3f5a44" },
+  { cx: 320, cy: 380, rx: 460, ry: 120, fill: "#6b4a31" },
+  { cx: 90, cy: 300, rx: 60, ry: 22, fill: "#c9c2b4" },
 ];
 const STILL_MS = 0.62 * MOVE_MS; // of who wants no motion: the board on its way, where both can be told apart
 const EDGE_PARTS = 4; // of a side that the lens bends
 
 /**
  * Draws the loop in a figure and plays it while it is in sight.
- * @param {SVGElement} svg @param {HTMLElement} words for the instruction @param {HTMLButtonElement} toggle stops and plays it
+ * @param {SVGElement} svg
+ * @param {HTMLElement} words for the instruction
+ * @param {HTMLButtonElement} toggle stops and plays it
  */
 export function captureLoop(svg, words, toggle) {
   svg.setAttribute("viewBox", `0 0 ${SIZE[0]} ${SIZE[1]}`);
-  const room = make("g", { class: "room" }, ROOM.map((attributes) => make("ellipse", attributes)));
-  const [paper, black, white, target] = ["paper", "black", "paper", "wanted"].map((name) => make("path", { class: name }));
+  const room = make(
+    "g",
+    { class: "room" },
+    ROOM.map((attributes) => make("ellipse", attributes)),
+  );
+  const [paper, black, white, target] = ["paper", "black", "paper", "wanted"].map((name) =>
+    make("path", { class: name }),
+  );
   const ring = make("circle", { class: "held", cx: 46, cy: 46, r: 20, pathLength: 100 });
   svg.replaceChildren(room, paper, black, white, target, ring);
 
@@ -99,14 +118,28 @@ function scene(at) {
   const moved = Math.min(1, since / MOVE_MS);
   const pose = interpolatePose(from, to, moved * moved * (3 - 2 * moved));
   const over = at - TARGETS.length * STEP_MS;
-  if (over >= 0) return { pose, wanted: null, held: 0, said: () => t("landing.loop_done"), strength: Math.max(0, 1 - over / STRAIGHTEN_MS) };
+  if (over >= 0)
+    return {
+      pose,
+      wanted: null,
+      held: 0,
+      said: () => t("landing.loop_done"),
+      strength: Math.max(0, 1 - over / STRAIGHTEN_MS),
+    };
   const held = Math.max(0, Math.min(1, (since - MOVE_MS) / (HOLD_MS - 200)));
-  return { pose, wanted: to, held, said: () => t(moved < 1 ? "landing.loop_follow" : held < 1 ? "landing.loop_hold" : "landing.loop_taken", { count: step + 1 }) };
+  return {
+    pose,
+    wanted: to,
+    held,
+    said: () =>
+      t(moved < 1 ? "landing.loop_follow" : held < 1 ? "landing.loop_hold" : "landing.loop_taken", { count: step + 1 }),
+  };
 }
 
 const [COLUMNS, ROWS] = DEFAULT_BOARD.squares;
 const SQUARES = Array.from({ length: COLUMNS * ROWS }, (_, index) => [index % COLUMNS, Math.floor(index / COLUMNS)])
-  .filter(([x, y]) => isBlack(DEFAULT_BOARD, x, y)).map(([x, y]) => corners(x, y, 1, 1));
+  .filter(([x, y]) => isBlack(DEFAULT_BOARD, x, y))
+  .map(([x, y]) => corners(x, y, 1, 1));
 const MARKERS = markers(DEFAULT_BOARD);
 const RATIO = DEFAULT_BOARD.marker_ratio;
 const MARGIN = (1 - RATIO) / 2;
@@ -114,37 +147,72 @@ const FRAMES = MARKERS.map(({ x, y }) => corners(x + MARGIN, y + MARGIN, RATIO, 
 /** White cells of the markers, which have a black frame one cell wide. */
 const CELLS = MARKERS.flatMap(({ x, y }, index) => {
   const [bits, cell] = [parseInt(BITS.slice(4 * index, 4 * index + 4), 16), RATIO / 6];
-  return Array.from({ length: 16 }, (_, bit) => bit).filter((bit) => (bits >> (15 - bit)) & 1)
-    .map((bit) => corners(x + MARGIN + (1 + (bit % 4)) * cell, y + MARGIN + (1 + Math.floor(bit / 4)) * cell, cell, cell));
+  return Array.from({ length: 16 }, (_, bit) => bit)
+    .filter((bit) => (bits >> (15 - bit)) & 1)
+    .map((bit) =>
+      corners(x + MARGIN + (1 + (bit % 4)) * cell, y + MARGIN + (1 + Math.floor(bit / 4)) * cell, cell, cell),
+    );
 });
 
-/** The board's outline. @param {Pose} pose @param {number} margin squares inwards @param {number} [strength] of the distortion */
+/**
+ * The board's outline.
+ * @param {Pose} pose
+ * @param {number} margin squares inwards
+ * @param {number} [strength] of the distortion
+ */
 function ring4(pose, margin, strength = 1) {
   const vertices = outline(DEFAULT_BOARD);
   const [x, y] = [0, 1].map((axis) => Math.min(...vertices.map((vertex) => vertex[axis])) + margin);
   const [right, bottom] = [0, 1].map((axis) => Math.max(...vertices.map((vertex) => vertex[axis])) - margin);
   const sides = corners(x, y, right - x, bottom - y);
-  return project(pose, strength, sides.flatMap(([u, v], index) => {
-    const [p, q] = sides[(index + 1) % 4];
-    return Array.from({ length: EDGE_PARTS }, (_, part) => [u + ((p - u) * part) / EDGE_PARTS, v + ((q - v) * part) / EDGE_PARTS]);
-  }));
+  return project(
+    pose,
+    strength,
+    sides.flatMap(([u, v], index) => {
+      const [p, q] = sides[(index + 1) % 4];
+      return Array.from({ length: EDGE_PARTS }, (_, part) => [
+        u + ((p - u) * part) / EDGE_PARTS,
+        v + ((q - v) * part) / EDGE_PARTS,
+      ]);
+    }),
+  );
 }
 
 /** @param {number} x @param {number} y @param {number} width @param {number} height */
 function corners(x, y, width, height) {
-  return [[x, y], [x + width, y], [x + width, y + height], [x, y + height]];
+  return [
+    [x, y],
+    [x + width, y],
+    [x + width, y + height],
+    [x, y + height],
+  ];
 }
 
-/** @param {Pose} pose @param {number} strength of the distortion @param {number[][]} points of the board, squares @returns {number[][]} px */
+/**
+ * @param {Pose} pose
+ * @param {number} strength of the distortion
+ * @param {number[][]} points of the board, squares
+ * @returns {number[][]} px
+ */
 function project({ rvec, tvec }, strength, points) {
   const r = rotationMatrix(rvec);
-  const lens = lensOf({ ...LENS, distortion_coefficients: LENS.distortion_coefficients.map((value) => value * strength) });
-  return points.map(([x, y]) => lens.project([
-    r[0] * x + r[1] * y + tvec[0], r[3] * x + r[4] * y + tvec[1], r[6] * x + r[7] * y + tvec[2],
-  ]) ?? [0, 0]);
+  const lens = lensOf({
+    ...LENS,
+    distortion_coefficients: LENS.distortion_coefficients.map((value) => value * strength),
+  });
+  return points.map(
+    ([x, y]) =>
+      lens.project([r[0] * x + r[1] * y + tvec[0], r[3] * x + r[4] * y + tvec[1], r[6] * x + r[7] * y + tvec[2]]) ?? [
+        0, 0,
+      ],
+  );
 }
 
 /** @param {number[][][]} lines */
 function path(lines) {
-  return lines.map((line) => `M${line.map(([x, y]) => `${x.toFixed(1)} ${y.toFixed(1)}`).join("L")}${line.length > 20 ? "" : "Z"}`).join("");
+  return lines
+    .map(
+      (line) => `M${line.map(([x, y]) => `${x.toFixed(1)} ${y.toFixed(1)}`).join("L")}${line.length > 20 ? "" : "Z"}`,
+    )
+    .join("");
 }

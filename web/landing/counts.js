@@ -4,7 +4,10 @@ import { loadSettings } from "../lib/settings.js";
 
 const LIMIT = 50; // cameras of one answer
 
-/** @typedef {{cameras: number, ready: number, calibrations: number, more: boolean}} Counts ready: cameras that a lookup answers */
+/**
+ * @typedef {{cameras: number, ready: number, calibrations: number, more: boolean}} Counts ready: cameras that a lookup
+ *   answers
+ */
 
 /** @returns {Promise<Counts>} of the first cameras of the list; `more`: there are others */
 export async function countCameras() {
@@ -18,7 +21,10 @@ export function countsOf(cameras, more) {
   return {
     cameras: cameras.length,
     ready: cameras.filter(({ sizes }) => sizes.some(({ reliable }) => reliable)).length,
-    calibrations: cameras.reduce((sum, { sizes }) => sizes.reduce((own, { calibrations }) => own + calibrations, sum), 0),
+    calibrations: cameras.reduce(
+      (sum, { sizes }) => sizes.reduce((own, { calibrations }) => own + calibrations, sum),
+      0,
+    ),
     more,
   };
 }

@@ -19,15 +19,46 @@ import { countCameras } from "./counts.js";
 const SIZE = [640, 400];
 /** @param {number} k1 */
 const lens = (k1) => ({
-  camera_matrix: [[500, 0, 320], [0, 500, 200], [0, 0, 1]], distortion_model: "rectilinear", distortion_coefficients: [k1, 0, 0, 0, 0],
+  camera_matrix: [
+    [500, 0, 320],
+    [0, 500, 200],
+    [0, 0, 1],
+  ],
+  distortion_model: "rectilinear",
+  distortion_coefficients: [k1, 0, 0, 0, 0],
 });
 
 /** A regular grid, and the same through a lens. @param {number} k1 */
 function drawFigure(k1) {
   const path = (/** @type {number[][][]} */ lines, /** @type {string} */ name) =>
-    make("path", { d: lines.map((line) => `M${line.map((point) => point.map(short).join(" ")).join("L")}`).join(""), class: name });
+    make("path", {
+      d: lines.map((line) => `M${line.map((point) => point.map(short).join(" ")).join("L")}`).join(""),
+      class: name,
+    });
   const lines = gridLines({ ...lens(k1), img_size: SIZE });
-  part("lens", SVGElement).replaceChildren(path(lines.map(({ ideal }) => ideal), "ideal"), path(lines.map(({ seen }) => seen), "true"), path([[[306, 200], [334, 200]], [[320, 186], [320, 214]]], "axis"));
+  part("lens", SVGElement).replaceChildren(
+    path(
+      lines.map(({ ideal }) => ideal),
+      "ideal",
+    ),
+    path(
+      lines.map(({ seen }) => seen),
+      "true",
+    ),
+    path(
+      [
+        [
+          [306, 200],
+          [334, 200],
+        ],
+        [
+          [320, 186],
+          [320, 214],
+        ],
+      ],
+      "axis",
+    ),
+  );
 }
 
 /** Access to cameras, loaded when somebody asks for theirs. @type {typeof import("../lib/camera.js") | null} */
@@ -38,13 +69,18 @@ async function lookUpMine() {
   cameras ??= await import("../lib/camera.js");
   const { api, token } = await loadSettings();
   const camera = await cameras.open("", {
-    parameters: new URLSearchParams(), size: [1280, 720], place: document.body, board: DEFAULT_BOARD,
+    parameters: new URLSearchParams(),
+    size: [1280, 720],
+    place: document.body,
+    board: DEFAULT_BOARD,
   });
   try {
     const options = { token, api: new URL(api, location.href), device: phoneModel() };
     const { calibration, guidanceUrl, estimate } = await lookup(camera.track, options);
     const name = camera.track.label;
-    return () => [calibration ? knownCard(name, calibration) : unknownCard(name, guidanceUrl ?? "./calibrate/", estimate)];
+    return () => [
+      calibration ? knownCard(name, calibration) : unknownCard(name, guidanceUrl ?? "./calibrate/", estimate),
+    ];
   } finally {
     camera.close();
   }
@@ -67,21 +103,35 @@ async function showCounts() {
   const counts = await countCameras().catch((error) => console.info("not counted:", error.message));
   if (!counts?.cameras) return;
   const more = counts.more ? "+" : "";
-  const show = () => part("counts", HTMLElement).replaceChildren(...[
-    [t("landing.count_cameras", { count: counts.cameras }), counts.cameras],
-    [t("landing.count_ready", { count: counts.ready }), counts.ready],
-    [t("landing.count_calibrations", { count: counts.calibrations }), counts.calibrations],
-  ].map(([words, count]) => el("li", {}, el("strong", {}, `${number(Number(count), 0)}${more}`), ` ${words}`)));
+  const show = () =>
+    part("counts", HTMLElement).replaceChildren(
+      ...[
+        [t("landing.count_cameras", { count: counts.cameras }), counts.cameras],
+        [t("landing.count_ready", { count: counts.ready }), counts.ready],
+        [t("landing.count_calibrations", { count: counts.calibrations }), counts.calibrations],
+      ].map(([words, count]) => el("li", {}, el("strong", {}, `${number(Number(count), 0)}${more}`), ` ${words}`)),
+    );
   onLanguage(show);
   show();
 }
 
 openPage();
-const redraw = captureLoop(/** @type {SVGElement} */ (/** @type {unknown} */ (part("loop", SVGElement))), part("loop-words", HTMLElement), part("loop-toggle", HTMLButtonElement));
+const redraw = captureLoop(
+  /** @type {SVGElement} */ (/** @type {unknown} */ (part("loop", SVGElement))),
+  part("loop-words", HTMLElement),
+  part("loop-toggle", HTMLButtonElement),
+);
 onLanguage(redraw);
-const rig = sceneOf([LENS, LENS].map((one) => ({ ...one, img_size: PICTURE })), [
-  { position: 0, rvec: [0, 0, 0], tvec: [0, 0, 0] }, { position: 1, rvec: [0, 0.5, 0], tvec: [-6, 0, 1.5] },
-], TARGETS, DEFAULT_BOARD, 1);
+const rig = sceneOf(
+  [LENS, LENS].map((one) => ({ ...one, img_size: PICTURE })),
+  [
+    { position: 0, rvec: [0, 0, 0], tvec: [0, 0, 0] },
+    { position: 1, rvec: [0, 0.5, 0], tvec: [-6, 0, 1.5] },
+  ],
+  TARGETS,
+  DEFAULT_BOARD,
+  1,
+);
 const drawRig = () => part("rig", HTMLElement).replaceChildren(scenePlot(rig, t("landing.rig")));
 onLanguage(drawRig);
 drawRig();
@@ -89,7 +139,9 @@ const slide = part("lens-slide", HTMLInputElement);
 drawFigure(slide.valueAsNumber);
 slide.addEventListener("input", () => drawFigure(slide.valueAsNumber));
 const overlay = part("overlay-slide", HTMLInputElement);
-overlay.addEventListener("input", () => part("before-after", HTMLElement).style.setProperty("--cut", `${overlay.value}%`));
+overlay.addEventListener("input", () =>
+  part("before-after", HTMLElement).style.setProperty("--cut", `${overlay.value}%`),
+);
 part("origin", HTMLElement).textContent = location.origin;
 const button = part("look", HTMLButtonElement);
 const tell = liveRegion(part("outcome", HTMLElement));
@@ -104,9 +156,12 @@ button.addEventListener("click", async () => {
     button.disabled = false;
   }
 });
-new IntersectionObserver((entries, watcher) => {
-  // Asked for only by who comes near: most visitors of the page go on at once.
-  if (!entries.some(({ isIntersecting }) => isIntersecting)) return;
-  watcher.disconnect();
-  void showCounts();
-}, { rootMargin: "200px" }).observe(part("counts", HTMLElement));
+new IntersectionObserver(
+  (entries, watcher) => {
+    // Asked for only by who comes near: most visitors of the page go on at once.
+    if (!entries.some(({ isIntersecting }) => isIntersecting)) return;
+    watcher.disconnect();
+    void showCounts();
+  },
+  { rootMargin: "200px" },
+).observe(part("counts", HTMLElement));

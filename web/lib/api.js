@@ -52,7 +52,8 @@ export class Api {
     this.#base = base.replace(/\/$/, "");
     this.#transport = {
       fetch: reach,
-      wait: (/** @type {number} */ ms) => new Promise((/** @type {(value: void) => void} */ done) => setTimeout(done, ms)),
+      wait: (/** @type {number} */ ms) =>
+        new Promise((/** @type {(value: void) => void} */ done) => setTimeout(done, ms)),
       onRetry: () => {},
       ...transport,
     };
@@ -60,9 +61,11 @@ export class Api {
 
   /**
    * @param {string} method @param {string} path "/session" @param {string} credential
-   * @param {{body?: object, accept?: string, brief?: boolean, etag?: string}} [options] brief: a timeout of two seconds, not a minute;
+   * @param {{body?: object, accept?: string, brief?: boolean, etag?: string}} [options] brief: a timeout of two
+   *   seconds, not a minute;
    *   etag: of the answer that is there already
-   * @returns {Promise<Response>} one that is ok, or 304 for an answer that is there already; rejects with ApiError or OfflineError
+   * @returns {Promise<Response>} one that is ok, or 304 for an answer that is there already; rejects with ApiError or
+   *   OfflineError
    *
    * All calls are safe to repeat: the service answers the same view again in the same way.
    */
@@ -74,24 +77,28 @@ export class Api {
     const { signal, timeout } = this.#transport;
     const request = { method, headers, body: body && JSON.stringify(body), signal, timeout };
     const delays = brief ? RETRY_DELAYS_S.slice(0, BRIEF_RETRIES) : RETRY_DELAYS_S;
-    const outcome = await retry(() => this.#attempt(path, request), (result, retries) => {
-      const response = result instanceof Response ? result : null;
-      if (response && !isTransient(response)) {
-        if (this.#vain) this.#transport.onRetry(null);
-        this.#vain = false;
-        return null;
-      }
-      this.#vain = true;
-      const asked = response ? retryAfter(response) : 0;
-      // A used-up hour is not waited for: nobody stands there so long. Nor is silence, where there is better to do.
-      const hopeless = asked > MAX_RETRY_AFTER_MS || (brief && result instanceof OfflineError && result.silent);
-      if (retries === delays.length || hopeless) return null;
-      this.#transport.onRetry({ attempt: retries + 1 });
-      return asked || 1000 * delays[retries];
-    }, async (wait) => {
-      await this.#transport.wait(wait);
-      signal?.throwIfAborted();
-    });
+    const outcome = await retry(
+      () => this.#attempt(path, request),
+      (result, retries) => {
+        const response = result instanceof Response ? result : null;
+        if (response && !isTransient(response)) {
+          if (this.#vain) this.#transport.onRetry(null);
+          this.#vain = false;
+          return null;
+        }
+        this.#vain = true;
+        const asked = response ? retryAfter(response) : 0;
+        // A used-up hour is not waited for: nobody stands there so long. Nor is silence, where there is better to do.
+        const hopeless = asked > MAX_RETRY_AFTER_MS || (brief && result instanceof OfflineError && result.silent);
+        if (retries === delays.length || hopeless) return null;
+        this.#transport.onRetry({ attempt: retries + 1 });
+        return asked || 1000 * delays[retries];
+      },
+      async (wait) => {
+        await this.#transport.wait(wait);
+        signal?.throwIfAborted();
+      },
+    );
     if (outcome instanceof OfflineError) throw outcome;
     if (outcome.ok || outcome.status === 304) return outcome;
     throw new ApiError(outcome.status, await problem(outcome));

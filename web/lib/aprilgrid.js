@@ -20,10 +20,16 @@ const MAX_SHIFT = 0.12; // sides of a tag; a corner that wants to go further was
 /**
  * Corners of an AprilGrid. Tags may be turned on it, as Kalibr's are: which corner is which follows from the grid.
  * @param {Grey} image @param {Board} board @param {Marker[]} markers of its family
- * @param {boolean} [every] the corners at the board's edge, too, where others are surer: a guided capture plans with the whole board
+ * @param {boolean} [every] the corners at the board's edge, too, where others are surer: a guided capture plans with
+ *   the whole board
  * @returns {{ids: number[], points: number[][]}}
  */
-export function aprilgridCorners(image, { squares: [columns, rows], tag_spacing: spacing = DEFAULT_TAG_SPACING }, markers, every = false) {
+export function aprilgridCorners(
+  image,
+  { squares: [columns, rows], tag_spacing: spacing = DEFAULT_TAG_SPACING },
+  markers,
+  every = false,
+) {
   const pitch = 1 + spacing;
   const corner = (/** @type {number} */ tag) => [(tag % columns) * pitch, -Math.floor(tag / columns) * pitch];
   const centre = (/** @type {Marker} */ { id }) => [corner(id)[0] + 0.5, corner(id)[1] - 0.5];
@@ -46,7 +52,9 @@ export function aprilgridCorners(image, { squares: [columns, rows], tag_spacing:
   const all = [];
   for (const tag of tags) {
     const side = sideOf(tag);
-    const half = Math.round(Math.min(MAX_GAP_WINDOW_PX, Math.max(MIN_GAP_WINDOW_PX, GAP_WINDOW_SHARE * spacing * side)));
+    const half = Math.round(
+      Math.min(MAX_GAP_WINDOW_PX, Math.max(MIN_GAP_WINDOW_PX, GAP_WINDOW_SHARE * spacing * side)),
+    );
     for (let n = 0; n < 4; n++) {
       // The detector names corners clockwise from the upper left, Kalibr anticlockwise from the lower left.
       const [x, y] = tag.corners[(3 - n + turn) % 4];
@@ -61,17 +69,31 @@ export function aprilgridCorners(image, { squares: [columns, rows], tag_spacing:
   return { ids: kept.map(({ id }) => id), points: kept.map(({ point }) => point) };
 }
 
-/** Whether a black square of the gap touches a tag's corner. @param {Grey} image @param {number[]} corner px @param {number[]} centre of the tag, px @param {number} spacing */
+/**
+ * Whether a black square of the gap touches a tag's corner.
+ * @param {Grey} image
+ * @param {number[]} corner px
+ * @param {number[]} centre of the tag, px
+ * @param {number} spacing
+ */
 function isSaddle({ width, height, data }, [x, y], [u, v], spacing) {
   const sample = (/** @type {number} */ dx, /** @type {number} */ dy) =>
-    data[Math.min(height - 1, Math.max(0, Math.round(y + dy))) * width + Math.min(width - 1, Math.max(0, Math.round(x + dx)))];
+    data[
+      Math.min(height - 1, Math.max(0, Math.round(y + dy))) * width +
+        Math.min(width - 1, Math.max(0, Math.round(x + dx)))
+    ];
   const [dx, dy] = [(x - u) * 0.8 * spacing, (y - v) * 0.8 * spacing];
   const [outside, inside] = [sample(dx, dy), sample(-0.12 * (x - u), -0.12 * (y - v))];
   const white = (sample(-dy, dx) + sample(dy, -dx)) / 2;
   return Math.abs(outside - inside) < Math.abs(outside - white);
 }
 
-/** Quarter turns of the tags on the grid, by the vote of all. @param {Marker[]} tags @param {import("./homography.js").Homography} h @param {(tag: number) => number[]} corner */
+/**
+ * Quarter turns of the tags on the grid, by the vote of all.
+ * @param {Marker[]} tags
+ * @param {import("./homography.js").Homography} h
+ * @param {(tag: number) => number[]} corner
+ */
 function commonTurn(tags, h, corner) {
   const votes = [0, 0, 0, 0];
   for (const tag of tags) {

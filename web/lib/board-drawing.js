@@ -66,9 +66,16 @@ function tagRectangles(board) {
   return rectangles;
 }
 
-/** Areas that rectangles leave free. @param {Rectangle[]} rectangles @param {[number, number]} size @returns {Rectangle[]} */
+/**
+ * Areas that rectangles leave free.
+ * @param {Rectangle[]} rectangles
+ * @param {[number, number]} size
+ * @returns {Rectangle[]}
+ */
 function complement(rectangles, [width, height]) {
-  const edges = [...new Set([0, height, ...rectangles.flatMap(([, y, , h]) => [y, y + h])].map((y) => Math.round(1e9 * y) / 1e9))].sort((a, b) => a - b);
+  const edges = [
+    ...new Set([0, height, ...rectangles.flatMap(([, y, , h]) => [y, y + h])].map((y) => Math.round(1e9 * y) / 1e9)),
+  ].sort((a, b) => a - b);
   /** @type {Rectangle[]} */
   const free = [];
   for (let index = 0; index + 1 < edges.length; index++) {
@@ -101,7 +108,11 @@ function squareRectangles(board) {
 
 /**
  * Black areas of one marker.
- * @param {boolean[][]} bits @param {number} left @param {number} top @param {number} side @param {number} [border] cells
+ * @param {boolean[][]} bits
+ * @param {number} left
+ * @param {number} top
+ * @param {number} side
+ * @param {number} [border] cells
  * @returns {Rectangle[]}
  */
 function markerRectangles(bits, left, top, side, border = 1) {
@@ -134,7 +145,8 @@ export function exactScale({ kind, tag_spacing: spacing = DEFAULT_TAG_SPACING },
   if (kind !== "aprilgrid") return most;
   const misses = (/** @type {number} */ scale) => Math.abs(scale * spacing - Math.round(scale * spacing));
   let best = most;
-  for (let scale = most; scale >= MAX_SHRINK * most && misses(best) > WHOLE; scale--) if (misses(scale) < misses(best)) best = scale;
+  for (let scale = most; scale >= MAX_SHRINK * most && misses(best) > WHOLE; scale--)
+    if (misses(scale) < misses(best)) best = scale;
   return best;
 }
 
@@ -150,7 +162,8 @@ export function raster(board, scale, margin = 0) {
   const width = Math.round(across * scale) + 2 * margin;
   const height = Math.round(down * scale) + 2 * margin;
   const data = new Uint8Array(width * height).fill(board.inverted ? 0 : 255);
-  for (let row = margin; board.inverted && row < height - margin; row++) data.fill(255, row * width + margin, (row + 1) * width - margin);
+  for (let row = margin; board.inverted && row < height - margin; row++)
+    data.fill(255, row * width + margin, (row + 1) * width - margin);
   for (const [x, y, w, h] of blackRectangles(board)) {
     const [left, right] = [x, x + w].map((value) => margin + Math.round(value * scale));
     const [top, bottom] = [y, y + h].map((value) => margin + Math.round(value * scale));

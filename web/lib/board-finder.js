@@ -17,17 +17,24 @@ const BORDERS = [1, 2]; // cells: AprilTag's own and OpenCV's tags, and those th
 /** px; the squares that join an AprilGrid's tags at their corners are parted from them by a small window only. */
 const TRACKING_WINDOW_PX = 5;
 const MIN_TAGS = 2;
-const MIN_CERTAIN_TAGS = 4; // of one border, from which the other is not looked for: within a wide border lies a narrow one
+// of one border, from which the other is not looked for: within a wide border lies a narrow one
+const MIN_CERTAIN_TAGS = 4;
 
 /** @param {any} cv OpenCV's module @param {Board} board @returns {Finder} */
 export function createFinder(cv, board) {
   const kind = kindOf(board);
-  return kind === "charuco" ? createCharucoFinder(cv, board) : kind === "aprilgrid" ? createAprilgridFinder(cv, board) : createChessboardFinder(cv, board);
+  return kind === "charuco"
+    ? createCharucoFinder(cv, board)
+    : kind === "aprilgrid"
+      ? createAprilgridFinder(cv, board)
+      : createChessboardFinder(cv, board);
 }
 
 /** @param {any} cv @param {Board} board @returns {Finder} */
 function createAprilgridFinder(cv, board) {
-  const [tracking, whole] = [TRACKING_WINDOW_PX, 0].map((window) => BORDERS.map((border) => new MarkerDetector(cv, board.dictionary, { border, window })));
+  const [tracking, whole] = [TRACKING_WINDOW_PX, 0].map((window) =>
+    BORDERS.map((border) => new MarkerDetector(cv, board.dictionary, { border, window })),
+  );
   /** Border that the board was found with last. @type {number | null} */
   let usual = null;
   return {
@@ -67,7 +74,19 @@ function createChessboardFinder(cv, board) {
   };
 }
 
-/** @param {Grey} image @param {Board} board @param {number[][]} points @param {number} square px @returns {import("./frame-metrics.js").FrameMetrics} */
+/**
+ * @param {Grey} image
+ * @param {Board} board
+ * @param {number[][]} points
+ * @param {number} square px
+ * @returns {import("./frame-metrics.js").FrameMetrics}
+ */
 function metricsOf(image, board, points, square) {
-  return { ...exposure(image), sharpness: sharpness(image, points), square, share: points.length / corners(board).length, moire: null };
+  return {
+    ...exposure(image),
+    sharpness: sharpness(image, points),
+    square,
+    share: points.length / corners(board).length,
+    moire: null,
+  };
 }

@@ -19,9 +19,15 @@ const OTHER = "other";
 
 export class BoardForm {
   #fields = {
-    preset: part("preset", HTMLSelectElement), kind: part("board-kind", HTMLSelectElement), columns: part("columns", HTMLInputElement),
-    rows: part("rows", HTMLInputElement), dictionary: part("dictionary", HTMLSelectElement), ratio: part("ratio", HTMLInputElement),
-    spacing: part("spacing", HTMLInputElement), legacy: part("legacy", HTMLInputElement), inverted: part("inverted", HTMLInputElement),
+    preset: part("preset", HTMLSelectElement),
+    kind: part("board-kind", HTMLSelectElement),
+    columns: part("columns", HTMLInputElement),
+    rows: part("rows", HTMLInputElement),
+    dictionary: part("dictionary", HTMLSelectElement),
+    ratio: part("ratio", HTMLInputElement),
+    spacing: part("spacing", HTMLInputElement),
+    legacy: part("legacy", HTMLInputElement),
+    inverted: part("inverted", HTMLInputElement),
   };
   #problem = part("board-problem", HTMLElement);
   #board;
@@ -85,12 +91,16 @@ export class BoardForm {
     const isGrid = kind.value === "aprilgrid";
     const family = isGrid && !dictionary.value.startsWith("DICT_APRILTAG_") ? "DICT_APRILTAG_36h11" : dictionary.value;
     dictionary.value = family;
-    return boardFrom(new URLSearchParams({
-      kind: kind.value, squares: `${columns.value}x${rows.value}`, inverted: String(inverted.checked),
-      ...(kind.value !== "chessboard" && { dictionary: family }),
-      ...(kind.value === "charuco" && { marker_ratio: ratio.value, legacy: String(legacy.checked) }),
-      ...(isGrid && { tag_spacing: spacing.value }),
-    }));
+    return boardFrom(
+      new URLSearchParams({
+        kind: kind.value,
+        squares: `${columns.value}x${rows.value}`,
+        inverted: String(inverted.checked),
+        ...(kind.value !== "chessboard" && { dictionary: family }),
+        ...(kind.value === "charuco" && { marker_ratio: ratio.value, legacy: String(legacy.checked) }),
+        ...(isGrid && { tag_spacing: spacing.value }),
+      }),
+    );
   }
 
   /** Shows the fields of this kind of board, and in which words it is known. */

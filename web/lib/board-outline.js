@@ -14,7 +14,10 @@ const MIN_CORNERS = 6;
 export function observedOutline(board, { ids, points }) {
   if (ids.length < MIN_CORNERS) return null;
   const places = boardCorners(board);
-  const h = homography(ids.map((id) => places[id]), points);
+  const h = homography(
+    ids.map((id) => places[id]),
+    points,
+  );
   if (!h) return null;
   // A vertex beyond the horizon comes back on the other side, and the polygon is no longer convex.
   const vertices = outline(board).map((vertex) => apply(h, vertex));
@@ -30,10 +33,12 @@ export function foreshortening(vertices) {
     const [u, v] = vertices[(index + 1) % 4];
     return Math.hypot(u - x, v - y);
   });
-  return Math.max(...[0, 1].map((side) => {
-    const [a, b] = [sides[side], sides[side + 2]];
-    return Math.max(a, b) / Math.min(a, b) - 1;
-  }));
+  return Math.max(
+    ...[0, 1].map((side) => {
+      const [a, b] = [sides[side], sides[side + 2]];
+      return Math.max(a, b) / Math.min(a, b) - 1;
+    }),
+  );
 }
 
 /** @param {number[][]} vertices @returns {number[]} cross products of successive sides */

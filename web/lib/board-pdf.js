@@ -48,7 +48,9 @@ export function boardPdf(board, paper, foot, letter) {
     const picture = LATIN.test(words) ? null : letter(words);
     if (!picture) return `BT /F1 ${LETTERS} Tf ${number(u)} ${number(v)} Td (${escape(words)}) Tj ET`;
     const scale = LETTERS / picture.size;
-    const place = [picture.width * scale, 0, 0, picture.height * scale, u, v - picture.depth * scale].map(number).join(" ");
+    const place = [picture.width * scale, 0, 0, picture.height * scale, u, v - picture.depth * scale]
+      .map(number)
+      .join(" ");
     return `q ${place} cm /I${pictures.push(picture) - 1} Do Q`;
   };
 
@@ -59,7 +61,9 @@ export function boardPdf(board, paper, foot, letter) {
     // One path, one fill: viewers that smooth edges leave no hairlines between touching rectangles.
     ...blackRectangles(board).map(([x, y, w, h]) => path([left + x * side, top + y * side, w * side, h * side])),
     "f",
-    path([left, below, 100, 0.4]), path([left, below - 1, 0.4, 2.4]), path([left + 99.6, below - 1, 0.4, 2.4]),
+    path([left, below, 100, 0.4]),
+    path([left, below - 1, 0.4, 2.4]),
+    path([left + 99.6, below - 1, 0.4, 2.4]),
     "f",
     text(left + 103, below + 1, foot.bar),
     ...foot.lines.map((line, index) => text(MARGIN_MM, below + 6 + 4 * index, line)),
@@ -73,17 +77,28 @@ export function boardPdf(board, paper, foot, letter) {
     `<< /Type /Page /Parent 2 0 R /MediaBox [${box}] /Contents 4 0 R /Resources << /Font << /F1 5 0 R >> /XObject << ${named} >> >> >>`,
     `<< /Length ${content.length} >>\nstream\n${content}\nendstream`,
     "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>",
-    ...pictures.map((picture) => `<< /Type /XObject /Subtype /Image /ImageMask true /BitsPerComponent 1 /Width ${picture.width} ` +
-      `/Height ${picture.height} /Length ${picture.bits.length} >>\nstream\n${characters(picture.bits)}\nendstream`),
+    ...pictures.map(
+      (picture) =>
+        `<< /Type /XObject /Subtype /Image /ImageMask true /BitsPerComponent 1 /Width ${picture.width} ` +
+        `/Height ${picture.height} /Length ${picture.bits.length} >>\nstream\n${characters(picture.bits)}\nendstream`,
+    ),
   ]);
 }
 
-/** Frame around a rectangle, four rectangles, mm. @param {number} x @param {number} y @param {number} width @param {number} height */
+/**
+ * Frame around a rectangle, four rectangles, mm.
+ * @param {number} x
+ * @param {number} y
+ * @param {number} width
+ * @param {number} height
+ */
 function edge(x, y, width, height) {
   const wide = INVERTED_EDGE_MM;
   return [
-    [x - wide, y - wide, width + 2 * wide, wide], [x - wide, y + height, width + 2 * wide, wide],
-    [x - wide, y, wide, height], [x + width, y, wide, height],
+    [x - wide, y - wide, width + 2 * wide, wide],
+    [x - wide, y + height, width + 2 * wide, wide],
+    [x - wide, y, wide, height],
+    [x + width, y, wide, height],
   ];
 }
 
@@ -99,7 +114,8 @@ function file(objects) {
     return offset;
   });
   const table = offsets.map((offset) => `${String(offset).padStart(10, "0")} 00000 n \n`).join("");
-  text += `xref\n0 ${objects.length + 1}\n0000000000 65535 f \n${table}` +
+  text +=
+    `xref\n0 ${objects.length + 1}\n0000000000 65535 f \n${table}` +
     `trailer\n<< /Size ${objects.length + 1} /Root 1 0 R >>\nstartxref\n${text.length}\n%%EOF\n`;
   return Uint8Array.from(text, (character) => character.charCodeAt(0));
 }

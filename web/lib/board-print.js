@@ -9,12 +9,21 @@ import { PAPERS, squareOn } from "./papers.js";
 
 /** @param {Board} board @param {string} paper @returns {Blob} a PDF */
 export function boardFile(board, paper) {
-  const { squares: [columns, rows], marker_ratio, dictionary, legacy, tag_spacing: spacing = DEFAULT_TAG_SPACING } = board;
+  const {
+    squares: [columns, rows],
+    marker_ratio,
+    dictionary,
+    legacy,
+    tag_spacing: spacing = DEFAULT_TAG_SPACING,
+  } = board;
   const side = squareOn(board, paper);
   const gap = number(side * spacing, 2);
   const marker = number(side * marker_ratio, 2);
   const layout = t(legacy ? "board.layout_legacy" : "board.layout_new");
-  const lines = [t(`board.pdf_${kindOf(board)}`, { columns, rows, side, marker, dictionary, layout, gap }), t("board.pdf_flat")];
+  const lines = [
+    t(`board.pdf_${kindOf(board)}`, { columns, rows, side, marker, dictionary, layout, gap }),
+    t("board.pdf_flat"),
+  ];
   const content = boardPdf(board, PAPERS[paper], { bar: t("board.pdf_bar"), lines }, lettering);
   return new Blob([content], { type: "application/pdf" });
 }

@@ -1,4 +1,5 @@
-// Calibration boards (ChArUco, chessboard, AprilGrid): valid layouts, and the positions of their corners. Frame: x right, y
+// Calibration boards (ChArUco, chessboard, AprilGrid): valid layouts, and the positions of their corners. Frame: x
+// right, y
 // down, unit = one square, of an AprilGrid one side of a tag.
 
 /**
@@ -6,10 +7,15 @@
  * @type {Record<string, {side: number, count: number}>}
  */
 const SIZES = {
-  "4X4": { side: 4, count: 1000 }, "5X5": { side: 5, count: 1000 }, "6X6": { side: 6, count: 1000 }, "7X7": { side: 7, count: 1000 },
+  "4X4": { side: 4, count: 1000 },
+  "5X5": { side: 5, count: 1000 },
+  "6X6": { side: 6, count: 1000 },
+  "7X7": { side: 7, count: 1000 },
   ARUCO_ORIGINAL: { side: 5, count: 1024 },
-  APRILTAG_16h5: { side: 4, count: 30 }, APRILTAG_25h9: { side: 5, count: 35 },
-  APRILTAG_36h10: { side: 6, count: 2320 }, APRILTAG_36h11: { side: 6, count: 587 },
+  APRILTAG_16h5: { side: 4, count: 30 },
+  APRILTAG_25h9: { side: 5, count: 35 },
+  APRILTAG_36h10: { side: 6, count: 2320 },
+  APRILTAG_36h11: { side: 6, count: 587 },
 };
 const COUNTS = [50, 100, 250, 1000]; // of markers, that OpenCV cuts its own dictionaries to
 const [MIN_SQUARES, MAX_SQUARES] = [3, 50]; // a side, that the service takes
@@ -32,20 +38,23 @@ export const KINDS = ["charuco", "chessboard", "aprilgrid"];
  *
  * @typedef {import("../vendor/api.js").Board & Board} SentBoard as the service takes it
  *
- * @typedef {{code: "kind" | "squares" | "few_corners" | "many_corners" | "ratio" | "spacing" | "dictionary" | "family" | "few_markers",
+ * @typedef {{code: "kind" | "squares" | "few_corners" | "many_corners" | "ratio" | "spacing" | "dictionary" | "family"
+ *   | "few_markers",
  *   values: Record<string, string | number>}} Problem
  *   why a board cannot be; problem.js has the words
  */
 
 /** The names of the marker dictionaries, as OpenCV has them. */
 export const DICTIONARIES = Object.keys(SIZES).flatMap((size) =>
-  (isCut(size) ? COUNTS.map((count) => `DICT_${size}_${count}`) : [`DICT_${size}`]));
+  isCut(size) ? COUNTS.map((count) => `DICT_${size}_${count}`) : [`DICT_${size}`],
+);
 
 /** @type {SentBoard} */
 export const DEFAULT_BOARD = { squares: [9, 6], marker_ratio: 0.65, dictionary: "DICT_4X4_50", legacy: false };
 
 /**
- * The board an address asks for: `kind=chessboard`, `squares=9x6`, `marker_ratio`, `dictionary`, `legacy=true`, `inverted=true`,
+ * The board an address asks for: `kind=chessboard`, `squares=9x6`, `marker_ratio`, `dictionary`, `legacy=true`,
+ * `inverted=true`,
  * `tag_spacing`; of each the default where it asks for none.
  * @param {URLSearchParams} query
  * @returns {{board: SentBoard, problem: Problem | null}} problem: why it is the default board all the same
@@ -72,11 +81,20 @@ export function boardFrom(query) {
  * @param {Board} board
  * @returns {URLSearchParams} without those of the default
  */
-export function boardQuery({ kind = "charuco", squares, marker_ratio, dictionary, legacy, inverted, tag_spacing: spacing }) {
+export function boardQuery({
+  kind = "charuco",
+  squares,
+  marker_ratio,
+  dictionary,
+  legacy,
+  inverted,
+  tag_spacing: spacing,
+}) {
   const query = new URLSearchParams();
   if (kind !== "charuco") query.set("kind", kind);
   if (squares.join("x") !== DEFAULT_BOARD.squares.join("x")) query.set("squares", squares.join("x"));
-  if (kind === "charuco" && marker_ratio !== DEFAULT_BOARD.marker_ratio) query.set("marker_ratio", String(marker_ratio));
+  if (kind === "charuco" && marker_ratio !== DEFAULT_BOARD.marker_ratio)
+    query.set("marker_ratio", String(marker_ratio));
   if (kind !== "chessboard" && dictionary !== DEFAULT_BOARD.dictionary) query.set("dictionary", dictionary);
   if (legacy) query.set("legacy", "true");
   if (inverted) query.set("inverted", "true");
@@ -100,7 +118,10 @@ export function impossible(board) {
   const kind = kindOf(board);
   if (!KINDS.includes(kind)) return { code: "kind", values: { kind } };
   const fewest = kind === "aprilgrid" ? 1 : MIN_SQUARES;
-  if (squares.length !== 2 || !squares.every((count) => Number.isInteger(count) && count >= fewest && count <= MAX_SQUARES)) {
+  if (
+    squares.length !== 2 ||
+    !squares.every((count) => Number.isInteger(count) && count >= fewest && count <= MAX_SQUARES)
+  ) {
     return { code: "squares", values: { fewest } };
   }
   const count = cornerCount(board);
@@ -128,7 +149,8 @@ export function sizeOf({ kind, squares: [columns, rows], tag_spacing: spacing = 
 }
 
 /**
- * Corners in the order of their ids: row by row; of an AprilGrid tag by tag from the lower left, anticlockwise from the tag's lower left.
+ * Corners in the order of their ids: row by row; of an AprilGrid tag by tag from the lower left, anticlockwise from the
+ * tag's lower left.
  * @param {Board} board @returns {[number, number][]}
  */
 export function corners({ kind, squares: [columns, rows], tag_spacing: spacing = DEFAULT_TAG_SPACING }) {
@@ -149,7 +171,12 @@ export function corners({ kind, squares: [columns, rows], tag_spacing: spacing =
 export function outline(board) {
   const [width, height] = sizeOf(board);
   const top = board.kind === "aprilgrid" ? -height : 0;
-  return [[0, top], [width, top], [width, top + height], [0, top + height]];
+  return [
+    [0, top],
+    [width, top],
+    [width, top + height],
+    [0, top + height],
+  ];
 }
 
 /** Is this square black? @param {Board} board @param {number} x column @param {number} y row */
@@ -174,14 +201,18 @@ function isCut(size) {
   return /^\dX\d$/.test(size);
 }
 
-/** Markers with the square they are in, in the order of their ids; of an AprilGrid rows count from below. @param {Board} board */
+/**
+ * Markers with the square they are in, in the order of their ids; of an AprilGrid rows count from below.
+ * @param {Board} board
+ */
 export function markers(board) {
   const [columns, rows] = board.squares;
   /** @type {{id: number, x: number, y: number}[]} */
   const found = [];
   if (board.kind === "chessboard") return found;
   for (let y = 0; y < rows; y++) {
-    for (let x = 0; x < columns; x++) if (board.kind === "aprilgrid" || !isBlack(board, x, y)) found.push({ id: found.length, x, y });
+    for (let x = 0; x < columns; x++)
+      if (board.kind === "aprilgrid" || !isBlack(board, x, y)) found.push({ id: found.length, x, y });
   }
   return found;
 }

@@ -2,8 +2,12 @@
 
 const SYSTEMS = /** @type {[RegExp, string][]} */ ([
   // The first that is found: Android calls itself Linux, too, and iOS "like Mac OS X".
-  [/\b(?:iphone|ipad|ipod|ios)\b/i, "iOS"], [/\bandroid\b/i, "Android"], [/\b(?:cros|chrome ?os|chromium ?os)\b/i, "ChromeOS"],
-  [/\bwindows\b|\bwin(?:32|64)\b/i, "Windows"], [/\b(?:macintosh|macintel|mac ?os)\b/i, "macOS"], [/\b(?:linux|x11|[a-z]*bsd)\b/i, "Linux"],
+  [/\b(?:iphone|ipad|ipod|ios)\b/i, "iOS"],
+  [/\bandroid\b/i, "Android"],
+  [/\b(?:cros|chrome ?os|chromium ?os)\b/i, "ChromeOS"],
+  [/\bwindows\b|\bwin(?:32|64)\b/i, "Windows"],
+  [/\b(?:macintosh|macintel|mac ?os)\b/i, "macOS"],
+  [/\b(?:linux|x11|[a-z]*bsd)\b/i, "Linux"],
 ]);
 const NO_DEVICE = /^(?:linux|u|k|wv|mobile|tablet|unknown|rv:[\d.]*|[a-z]{2}[-_][a-z]{2}|android.*)$/i;
 
@@ -14,7 +18,10 @@ const NO_DEVICE = /^(?:linux|u|k|wv|mobile|tablet|unknown|rv:[\d.]*|[a-z]{2}[-_]
 export function systemName(platform) {
   const name = SYSTEMS.find(([pattern]) => pattern.test(platform))?.[1];
   if (name !== "Android") return name ?? platform;
-  const device = platform.split(";").map((part) => part.trim().replace(/ build\/.*$/i, "")).find((part) => part && !NO_DEVICE.test(part));
+  const device = platform
+    .split(";")
+    .map((part) => part.trim().replace(/ build\/.*$/i, ""))
+    .find((part) => part && !NO_DEVICE.test(part));
   return device ? `${name} · ${device}` : name;
 }
 

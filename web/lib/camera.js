@@ -5,7 +5,8 @@ import { labelOf, setupFrom } from "./virtual/setup.js";
 
 /**
  * @typedef {object} Choice
- * @property {string} id device id, "" for the browser's own choice, "virtual"; "environment" and "user" by where a phone's cameras face
+ * @property {string} id device id, "" for the browser's own choice, "virtual"; "environment" and "user" by where a
+ *   phone's cameras face
  * @property {string} label
  * @property {boolean} [named] the browser tells its name: it does once the camera was permitted
  *
@@ -46,7 +47,9 @@ export async function cameras(parameters) {
   const real = devices.filter(({ kind }) => kind === "videoinput");
   // Before permission is given labels are empty and there is at most one entry: the browser's own choice.
   const listed = real.map(({ deviceId, label }, index) => ({
-    id: deviceId, label: label || t("capture.camera_number", { number: index + 1 }), named: label !== "",
+    id: deviceId,
+    label: label || t("capture.camera_number", { number: index + 1 }),
+    named: label !== "",
   }));
   // What a phone's cameras are called says little, and before permission it says nothing: which way they face does.
   const faces = real.length > 0 && !parameters.has("camera") && (parameters.has("facing") || isHandheld());
@@ -56,7 +59,11 @@ export async function cameras(parameters) {
 
 const isHandheld = () => globalThis.matchMedia?.("(pointer: coarse) and (hover: none)").matches ?? false;
 
-/** The cameras of a phone, the one that was asked for first. @param {string | null} asked "user", or the rear one @returns {Choice[]} */
+/**
+ * The cameras of a phone, the one that was asked for first.
+ * @param {string | null} asked "user", or the rear one
+ * @returns {Choice[]}
+ */
 function facing(asked) {
   const rear = { id: "environment", label: t("capture.rear_camera"), named: false };
   const front = { id: "user", label: t("capture.front_camera"), named: false };
@@ -64,20 +71,23 @@ function facing(asked) {
 }
 
 /**
- * The camera to propose: what was chosen, else what was asked for, else a real one. The virtual one never stands in for a
+ * The camera to propose: what was chosen, else what was asked for, else a real one. The virtual one never stands in for
+ * a
  * real one.
  * @param {Choice[]} choices @param {string | null} asked label @param {string} chosen id, "" for none yet
  * @returns {string} id; "" for none
  */
 export function propose(choices, asked, chosen) {
-  const found = choices.find(({ id }) => id === chosen && chosen !== "") ?? choices.find(({ label }) => label === asked);
+  const found =
+    choices.find(({ id }) => id === chosen && chosen !== "") ?? choices.find(({ label }) => label === asked);
   const real = choices.find(({ id }) => id !== "virtual");
   return (found ?? real)?.id ?? (isVirtual(asked ?? "") ? "virtual" : "");
 }
 
 /**
  * @param {string} id of a choice
- * @param {{parameters: URLSearchParams, size: [number, number], place: HTMLElement, board: import("./board.js").Board}} options
+ * @param {{parameters: URLSearchParams, size: [number, number], place: HTMLElement, board: import("./board.js").Board}}
+ *   options
  *   size: what to ask for, px; place: where the virtual camera may put its canvas
  * @returns {Promise<OpenCamera>}
  */

@@ -7,9 +7,11 @@ import { refine } from "./subpixel.js";
  * @typedef {import("./subpixel.js").Grey} Grey
  *
  * @typedef {object} Finder
- * @property {(image: Grey, full: boolean) => {ids: number[], points: number[][], markers: number, metrics: import("./frame-metrics.js").FrameMetrics}} find
+ * @property {(image: Grey, full: boolean) => {ids: number[], points: number[][], markers: number, metrics:
+ *   import("./frame-metrics.js").FrameMetrics}} find
  *   full: for a view that is kept, with all that the detector can do; else for tracking
- * @property {(image: Grey, kind: string) => {kind: string, markers: number, corners: number}} probe looks for something else
+ * @property {(image: Grey, kind: string) => {kind: string, markers: number, corners: number}} probe looks for something
+ *   else
  * @property {number} memory bytes that OpenCV's heap has grown to
  * @property {() => void} delete
  */
@@ -31,7 +33,8 @@ export function createCharucoFinder(cv, board) {
   const held = [noIds, refinement, charucoParameters];
 
   /**
-   * @param {{full?: boolean, legacy?: boolean, name?: string}} options full: all window sizes of the adaptive threshold, or
+   * @param {{full?: boolean, legacy?: boolean, name?: string}} options full: all window sizes of the adaptive
+   *   threshold, or
    *   the one that serves nearly always
    */
   const makeDetector = ({ full = false, legacy = board.legacy, name = board.dictionary }) => {

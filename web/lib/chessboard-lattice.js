@@ -8,7 +8,8 @@ import { describe, hasRing, responseAt } from "./saddle-points.js";
  * @typedef {object} Lattice
  * @property {number} columns of corners
  * @property {number} rows
- * @property {([number, number] | null)[]} points row by row, px; null: not seen. x to the right, y down as the board is seen, or turned
+ * @property {([number, number] | null)[]} points row by row, px; null: not seen. x to the right, y down as the board is
+ *   seen, or turned
  * @property {boolean} firstIsBlack whether the square between the first four corners is black
  */
 
@@ -19,7 +20,8 @@ const EDGE_PLACES = [0.25, 0.4, 0.5, 0.6, 0.75]; // of the way from corner to co
 const EDGE_OFFSET = 0.08; // of that way, to either side of the edge
 const MIN_SIDE_CONTRAST = 0.25; // of the corners' own
 const MAX_CORNER_MISS = 0.2; // of the distance of neighbours, between a predicted corner and a point
-const MIN_FAINT_RESPONSE = 0.15; // of the neighbour's: the edge of a board, where no two black squares meet, has less than none
+// of the neighbour's: the edge of a board, where no two black squares meet, has less than none
+const MIN_FAINT_RESPONSE = 0.15;
 const MIN_CORNERS_A_SIDE = 2;
 const MIN_LINE_SHARE = 0.5; // of the corners of a row or column at the edge of the lattice
 
@@ -37,7 +39,7 @@ export function findLattice(image, saddles) {
     if (seen.has(start) || edges[start].length < 2) continue;
     const placed = label(saddles, edges, start, seen);
     if (placed.size > largest.size) largest = placed;
-    if (largest.size > (saddles.length - seen.size)) break; // what is left cannot be larger
+    if (largest.size > saddles.length - seen.size) break; // what is left cannot be larger
   }
   if (largest.size < 2 * MIN_CORNERS_A_SIDE) return null;
   grow(image, saddles, largest);
@@ -47,7 +49,12 @@ export function findLattice(image, saddles) {
 /** @param {number} angle rad @param {number} period */
 const wrapped = (angle, period) => Math.abs(angle - period * Math.round(angle / period));
 
-/** Neighbours of each point: an edge of alternating colours leads to them. @param {Grey} image @param {Saddle[]} saddles @returns {number[][]} */
+/**
+ * Neighbours of each point: an edge of alternating colours leads to them.
+ * @param {Grey} image
+ * @param {Saddle[]} saddles
+ * @returns {number[][]}
+ */
 function connect(image, saddles) {
   const near = nearest(saddles);
   const chosen = saddles.map((from, index) => {
@@ -96,11 +103,19 @@ function nearest(saddles) {
       }
       if (found.filter(({ distance }) => distance <= reach * side).length >= NEAREST) break;
     }
-    return found.sort((a, b) => a.distance - b.distance).slice(0, NEAREST).map(({ to }) => to);
+    return found
+      .sort((a, b) => a.distance - b.distance)
+      .slice(0, NEAREST)
+      .map(({ to }) => to);
   };
 }
 
-/** Whether one side of the way is dark all along, and the other bright. @param {Grey} image @param {Saddle} from @param {Saddle} to */
+/**
+ * Whether one side of the way is dark all along, and the other bright.
+ * @param {Grey} image
+ * @param {Saddle} from
+ * @param {Saddle} to
+ */
 function isEdge(image, from, to) {
   const [dx, dy] = [to.x - from.x, to.y - from.y];
   const length = Math.hypot(dx, dy);
@@ -125,14 +140,22 @@ function sample({ width, height, data }, x, y) {
 
 /**
  * Columns and rows of all points that edges lead to.
- * @param {Saddle[]} saddles @param {number[][]} edges @param {number} start @param {Set<number>} seen points of any lattice; added to
+ * @param {Saddle[]} saddles
+ * @param {number[][]} edges
+ * @param {number} start
+ * @param {Set<number>} seen points of any lattice; added to
  * @returns {Map<string, Saddle>} by "column,row"
  */
 function label(saddles, edges, start, seen) {
   const [first] = edges[start];
-  const towards = (/** @type {number} */ a, /** @type {number} */ b) => [saddles[b].x - saddles[a].x, saddles[b].y - saddles[a].y];
+  const towards = (/** @type {number} */ a, /** @type {number} */ b) => [
+    saddles[b].x - saddles[a].x,
+    saddles[b].y - saddles[a].y,
+  ];
   const u = towards(start, first);
-  const across = edges[start].map((to) => towards(start, to)).find(([x, y]) => Math.abs(u[0] * y - u[1] * x) > 0.6 * Math.hypot(...u) * Math.hypot(x, y));
+  const across = edges[start]
+    .map((to) => towards(start, to))
+    .find(([x, y]) => Math.abs(u[0] * y - u[1] * x) > 0.6 * Math.hypot(...u) * Math.hypot(x, y));
   const v = across ? (u[0] * across[1] - u[1] * across[0] > 0 ? across : [-across[0], -across[1]]) : [-u[1], u[0]];
   /** @type {Map<string, Saddle>} */
   const placed = new Map([["0,0", saddles[start]]]);
@@ -144,7 +167,10 @@ function label(saddles, edges, start, seen) {
     for (const to of edges[step.index]) {
       if (seen.has(to)) continue;
       const d = towards(step.index, to);
-      const [a, b] = [(d[0] * axes.v[1] - d[1] * axes.v[0]) / determinant, (axes.u[0] * d[1] - axes.u[1] * d[0]) / determinant];
+      const [a, b] = [
+        (d[0] * axes.v[1] - d[1] * axes.v[0]) / determinant,
+        (axes.u[0] * d[1] - axes.u[1] * d[0]) / determinant,
+      ];
       const [alongU, alongV] = [Math.abs(a) > 0.6 && Math.abs(b) < 0.45, Math.abs(b) > 0.6 && Math.abs(a) < 0.45];
       if (alongU === alongV) continue;
       const [i, j] = alongU ? [step.i + Math.sign(a), step.j] : [step.i, step.j + Math.sign(b)];
@@ -159,7 +185,12 @@ function label(saddles, edges, start, seen) {
   return placed;
 }
 
-/** Adds the corners that the ones found so far lead to. @param {Grey} image @param {Saddle[]} saddles @param {Map<string, Saddle>} placed */
+/**
+ * Adds the corners that the ones found so far lead to.
+ * @param {Grey} image
+ * @param {Saddle[]} saddles
+ * @param {Map<string, Saddle>} placed
+ */
 function grow(image, saddles, placed) {
   const used = new Set(placed.values());
   const tried = new Set();
@@ -167,9 +198,18 @@ function grow(image, saddles, placed) {
     more = false;
     for (const key of [...placed.keys()]) {
       const [i, j] = key.split(",").map(Number);
-      for (const [di, dj] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+      for (const [di, dj] of [
+        [1, 0],
+        [-1, 0],
+        [0, 1],
+        [0, -1],
+      ]) {
         const there = `${i + di},${j + dj}`;
-        const [here, before, behind] = [placed.get(key), placed.get(`${i - di},${j - dj}`), placed.get(`${i - 2 * di},${j - 2 * dj}`)];
+        const [here, before, behind] = [
+          placed.get(key),
+          placed.get(`${i - di},${j - dj}`),
+          placed.get(`${i - 2 * di},${j - 2 * dj}`),
+        ];
         const attempt = `${there} ${key} ${Boolean(behind)}`;
         if (placed.has(there) || !here || !before || tried.has(attempt)) continue;
         tried.add(attempt);
@@ -178,7 +218,12 @@ function grow(image, saddles, placed) {
         const [x, y] = [2 * here.x - before.x + bend("x"), 2 * here.y - before.y + bend("y")];
         const reach = MAX_CORNER_MISS * Math.hypot(here.x - before.x, here.y - before.y);
         const found = closest(saddles, x, y, reach, used) ?? faint(image, x, y, here);
-        if (!found || wrapped(here.axis + Math.PI / 2 - found.axis, Math.PI) > MAX_AXIS_DIFFERENCE || !isEdge(image, here, found)) continue;
+        if (
+          !found ||
+          wrapped(here.axis + Math.PI / 2 - found.axis, Math.PI) > MAX_AXIS_DIFFERENCE ||
+          !isEdge(image, here, found)
+        )
+          continue;
         placed.set(there, found);
         used.add(found);
         more = true;
@@ -187,7 +232,14 @@ function grow(image, saddles, placed) {
   }
 }
 
-/** @param {Saddle[]} saddles @param {number} x @param {number} y @param {number} reach px @param {Set<Saddle>} used @returns {Saddle | null} */
+/**
+ * @param {Saddle[]} saddles
+ * @param {number} x
+ * @param {number} y
+ * @param {number} reach px
+ * @param {Set<Saddle>} used
+ * @returns {Saddle | null}
+ */
 function closest(saddles, x, y, reach, used) {
   let [best, least] = [/** @type {Saddle | null} */ (null), reach];
   for (const saddle of saddles) {
@@ -197,7 +249,14 @@ function closest(saddles, x, y, reach, used) {
   return best;
 }
 
-/** A corner too faint to be found without knowing where it is. @param {Grey} image @param {number} x @param {number} y @param {Saddle} next @returns {Saddle | null} */
+/**
+ * A corner too faint to be found without knowing where it is.
+ * @param {Grey} image
+ * @param {number} x
+ * @param {number} y
+ * @param {Saddle} next
+ * @returns {Saddle | null}
+ */
 function faint(image, x, y, next) {
   const [column, row] = [Math.round(x), Math.round(y)];
   if (!hasRing(image, column, row)) return null;
@@ -237,14 +296,24 @@ function rectangle(image, placed) {
   return { columns, rows, points, firstIsBlack: firstIsBlack(image, columns, rows, points) };
 }
 
-/** By the vote of all squares. @param {Grey} image @param {number} columns @param {number} rows @param {([number, number] | null)[]} points */
+/**
+ * By the vote of all squares.
+ * @param {Grey} image
+ * @param {number} columns
+ * @param {number} rows
+ * @param {([number, number] | null)[]} points
+ */
 function firstIsBlack(image, columns, rows, points) {
   /** @type {{even: boolean, value: number}[]} */
   const cells = [];
   for (let j = 0; j + 1 < rows; j++) {
     for (let i = 0; i + 1 < columns; i++) {
       const [a, b, c, d] = [0, 1, columns, columns + 1].map((offset) => points[j * columns + i + offset]);
-      if (a && b && c && d) cells.push({ even: (i + j) % 2 === 0, value: sample(image, (a[0] + b[0] + c[0] + d[0]) / 4, (a[1] + b[1] + c[1] + d[1]) / 4) });
+      if (a && b && c && d)
+        cells.push({
+          even: (i + j) % 2 === 0,
+          value: sample(image, (a[0] + b[0] + c[0] + d[0]) / 4, (a[1] + b[1] + c[1] + d[1]) / 4),
+        });
     }
   }
   const mean = (/** @type {boolean} */ even) => {

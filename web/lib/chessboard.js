@@ -1,4 +1,5 @@
-// Chessboards in an image: OpenCV.js binds neither findChessboardCorners nor cornerSubPix, so their corners are found as
+// Chessboards in an image: OpenCV.js binds neither findChessboardCorners nor cornerSubPix, so their corners are found
+// as
 // saddle points that form a lattice, and refined as those of a ChArUco board are. Pure.
 import { findLattice } from "./chessboard-lattice.js";
 import { median } from "./marker-grid.js";
@@ -10,8 +11,10 @@ import { refineCorner } from "./subpixel.js";
  * @typedef {import("./chessboard-lattice.js").Lattice} Lattice
  */
 
-const WORKING_SIDES_PX = [1400, 700, 350]; // px of the longer side at which corners are looked for: blur hides them at the largest
-const FULL_SIDES_PX = [700, 1400, 350]; // the same of a board whose size is known: where it is seen whole at once, the rest is spared
+// px of the longer side at which corners are looked for: blur hides them at the largest
+const WORKING_SIDES_PX = [1400, 700, 350];
+// the same of a board whose size is known: where it is seen whole at once, the rest is spared
+const FULL_SIDES_PX = [700, 1400, 350];
 const TRACKING_SIDES_PX = [700];
 const MIN_SIDE_CORNERS = 3; // of a board of unknown size: less is found by chance
 const CELL_PLACES = [0.2, 0.35, 0.5, 0.65, 0.8]; // within a square
@@ -23,7 +26,8 @@ const [MIN_WINDOW_PX, MAX_WINDOW_PX] = [2, 9];
 /**
  * Chessboard of known size, whole in the picture.
  * @param {Grey} image @param {[number, number]} squares columns and rows of the board
- * @param {{inverted?: boolean, full?: boolean}} [options] inverted: its first square is white; full: all sizes of corners, else the usual one
+ * @param {{inverted?: boolean, full?: boolean}} [options] inverted: its first square is white; full: all sizes of
+ *   corners, else the usual one
  * @returns {{ids: number[], points: number[][]}} none where it is not seen whole
  */
 export function findChessboard(image, squares, { inverted = false, full = true } = {}) {
@@ -45,20 +49,29 @@ export function findChessboard(image, squares, { inverted = false, full = true }
 /**
  * Chessboard of any size: its squares, where a lattice is found.
  * @param {Grey} image
- * @returns {{squares: [number, number], points: number[][], isPlain: boolean} | null} squares: the longer side first; isPlain: its
+ * @returns {{squares: [number, number], points: number[][], isPlain: boolean} | null} squares: the longer side first;
+ *   isPlain: its
  *   squares hold no markers
  */
 export function recogniseChessboard(image) {
   for (const { columns, rows, points } of lattices(image, WORKING_SIDES_PX)) {
     const seen = /** @type {number[][]} */ (points.filter(Boolean));
     if (columns < MIN_SIDE_CORNERS || rows < MIN_SIDE_CORNERS || seen.length < MIN_SEEN_SHARE * points.length) continue;
-    const squares = /** @type {[number, number]} */ (columns >= rows ? [columns + 1, rows + 1] : [rows + 1, columns + 1]);
+    const squares = /** @type {[number, number]} */ (
+      columns >= rows ? [columns + 1, rows + 1] : [rows + 1, columns + 1]
+    );
     return { squares, points: seen, isPlain: isPlain(image, columns, rows, points) };
   }
   return null;
 }
 
-/** Whether neither the black nor the white squares hold anything. @param {Grey} image @param {number} columns @param {number} rows @param {([number, number] | null)[]} points */
+/**
+ * Whether neither the black nor the white squares hold anything.
+ * @param {Grey} image
+ * @param {number} columns
+ * @param {number} rows
+ * @param {([number, number] | null)[]} points
+ */
 function isPlain({ width, data }, columns, rows, points) {
   const groups = [0, 1].map((parity) => {
     /** @type {{mean: number, deviation: number}[]} */
@@ -68,12 +81,17 @@ function isPlain({ width, data }, columns, rows, points) {
       const quad = [index, index + 1, index + columns + 1, index + columns].map((each) => points[each]);
       const [a, b, c, d] = quad;
       if (i + 1 === columns || (i + j) % 2 !== parity || !a || !b || !c || !d) continue;
-      const values = CELL_PLACES.flatMap((v) => CELL_PLACES.map((u) => {
-        const [x, y] = [0, 1].map((k) => (1 - v) * ((1 - u) * a[k] + u * b[k]) + v * ((1 - u) * d[k] + u * c[k]));
-        return data[Math.round(y) * width + Math.round(x)];
-      }));
+      const values = CELL_PLACES.flatMap((v) =>
+        CELL_PLACES.map((u) => {
+          const [x, y] = [0, 1].map((k) => (1 - v) * ((1 - u) * a[k] + u * b[k]) + v * ((1 - u) * d[k] + u * c[k]));
+          return data[Math.round(y) * width + Math.round(x)];
+        }),
+      );
       const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
-      cells.push({ mean, deviation: Math.sqrt(values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / values.length) });
+      cells.push({
+        mean,
+        deviation: Math.sqrt(values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / values.length),
+      });
     }
     return { mean: median(cells.map(({ mean }) => mean)), deviation: median(cells.map(({ deviation }) => deviation)) };
   });
@@ -81,14 +99,24 @@ function isPlain({ width, data }, columns, rows, points) {
   return groups.every(({ deviation }) => deviation < MAX_PLAIN_DEVIATION * contrast);
 }
 
-/** @param {Grey} image @param {number[]} sides px @returns {Generator<Lattice>} of each size at which there is one, in pixels of the image */
+/**
+ * @param {Grey} image
+ * @param {number[]} sides px
+ * @returns {Generator<Lattice>} of each size at which there is one, in pixels of the image
+ */
 function* lattices(image, sides) {
   const longer = Math.max(image.width, image.height);
   const factors = [...new Set(sides.map((side) => Math.max(1, Math.round(longer / side))))];
   for (const factor of factors) {
     const small = shrunk(image, factor);
     const lattice = findLattice(small, saddlePoints(small));
-    if (lattice) yield { ...lattice, points: lattice.points.map((point) => point && [factor * (point[0] + 0.5) - 0.5, factor * (point[1] + 0.5) - 0.5]) };
+    if (lattice)
+      yield {
+        ...lattice,
+        points: lattice.points.map(
+          (point) => point && [factor * (point[0] + 0.5) - 0.5, factor * (point[1] + 0.5) - 0.5],
+        ),
+      };
   }
 }
 
@@ -110,14 +138,31 @@ export function shrunk(image, factor) {
   return { width, height, data };
 }
 
-/** Corners to a fraction of a pixel; those that have none are dropped. @param {Grey} image @param {Lattice} lattice @returns {Lattice} */
+/**
+ * Corners to a fraction of a pixel; those that have none are dropped.
+ * @param {Grey} image
+ * @param {Lattice} lattice
+ * @returns {Lattice}
+ */
 function refined(image, { columns, rows, points, firstIsBlack }) {
   const side = (/** @type {number} */ index) => {
     const here = points[index];
     const column = index % columns;
-    const others = [index - columns, index + columns, ...(column > 0 ? [index - 1] : []), ...(column + 1 < columns ? [index + 1] : [])];
-    const distances = others.map((other) => points[other]).filter((other) => other).map((other) =>
-      Math.hypot(/** @type {number[]} */ (other)[0] - /** @type {number[]} */ (here)[0], /** @type {number[]} */ (other)[1] - /** @type {number[]} */ (here)[1]));
+    const others = [
+      index - columns,
+      index + columns,
+      ...(column > 0 ? [index - 1] : []),
+      ...(column + 1 < columns ? [index + 1] : []),
+    ];
+    const distances = others
+      .map((other) => points[other])
+      .filter((other) => other)
+      .map((other) =>
+        Math.hypot(
+          /** @type {number[]} */ (other)[0] - /** @type {number[]} */ (here)[0],
+          /** @type {number[]} */ (other)[1] - /** @type {number[]} */ (here)[1],
+        ),
+      );
     return Math.min(...distances);
   };
   const better = points.map((point, index) => {
@@ -125,7 +170,12 @@ function refined(image, { columns, rows, points, firstIsBlack }) {
     const square = side(index);
     if (!Number.isFinite(square)) return null;
     // Twice: a coarse position needs a wide window, which takes in what is bent by the lens.
-    const wide = refineCorner(image, point[0], point[1], Math.round(Math.min(3 * MAX_WINDOW_PX, Math.max(MIN_WINDOW_PX + 1, 0.3 * square))));
+    const wide = refineCorner(
+      image,
+      point[0],
+      point[1],
+      Math.round(Math.min(3 * MAX_WINDOW_PX, Math.max(MIN_WINDOW_PX + 1, 0.3 * square))),
+    );
     const half = Math.round(Math.min(MAX_WINDOW_PX, Math.max(MIN_WINDOW_PX, WINDOW_SHARE * square)));
     const fine = wide && refineCorner(image, wide[0], wide[1], half);
     return fine && Math.hypot(fine[0] - point[0], fine[1] - point[1]) < 0.3 * square ? fine : null;
@@ -134,7 +184,8 @@ function refined(image, { columns, rows, points, firstIsBlack }) {
 }
 
 /**
- * Ids of the corners: row by row from the one next to the first square, which is black unless the board is inverted. Where the
+ * Ids of the corners: row by row from the one next to the first square, which is black unless the board is inverted.
+ * Where the
  * colours leave a choice, from the one nearest the top left of the picture: half a turn does not change the intrinsics.
  * @param {Lattice} lattice @param {number} across corners in a row of the board @param {boolean} inverted
  */
@@ -144,13 +195,26 @@ function numbered({ columns, rows, points, firstIsBlack }, across, inverted) {
   const even = (/** @type {number} */ value) => value % 2 === 0;
   for (const quarter of [0, 1, 2, 3]) {
     if ((even(quarter) ? columns : rows) !== across) continue;
-    const at = (/** @type {number} */ row, /** @type {number} */ column) => [
-      row * columns + column, (rows - 1 - column) * columns + row, (rows - 1 - row) * columns + columns - 1 - column, column * columns + columns - 1 - row,
-    ][quarter];
+    const at = (/** @type {number} */ row, /** @type {number} */ column) =>
+      [
+        row * columns + column,
+        (rows - 1 - column) * columns + row,
+        (rows - 1 - row) * columns + columns - 1 - column,
+        column * columns + columns - 1 - row,
+      ][quarter];
     // Colour of the square within the first four corners of the turned lattice, counted from the lattice's own first.
-    const [i, j] = [[0, 0], [0, rows - 2], [columns - 2, rows - 2], [columns - 2, 0]][quarter];
+    const [i, j] = [
+      [0, 0],
+      [0, rows - 2],
+      [columns - 2, rows - 2],
+      [columns - 2, 0],
+    ][quarter];
     const corner = points[at(0, 0)];
-    turns.push({ at, black: even(i + j) ? firstIsBlack : !firstIsBlack, first: corner ? corner[0] + corner[1] : Infinity });
+    turns.push({
+      at,
+      black: even(i + j) ? firstIsBlack : !firstIsBlack,
+      first: corner ? corner[0] + corner[1] : Infinity,
+    });
   }
   const right = turns.filter(({ black }) => black !== inverted);
   const [chosen] = (right.length ? right : turns).sort((a, b) => a.first - b.first);

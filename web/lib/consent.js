@@ -1,8 +1,11 @@
-// Consent of the person who calibrates: may the measurements be given away under CC0? Asked on every page that calibrates,
+// Consent of the person who calibrates: may the measurements be given away under CC0? Asked on every page that
+// calibrates,
 // before or after, never assumed, kept on this device until it is changed.
 import { onLanguage, t, translate } from "./i18n.js";
 
-/** Licence under which dumps are given away, an SPDX identifier, and the date of the text on /terms/ that is agreed to. */
+/**
+ * Licence under which dumps are given away, an SPDX identifier, and the date of the text on /terms/ that is agreed to.
+ */
 export const LICENCE = "CC0-1.0";
 export const LICENCE_VERSION = "2026-11-22";
 const CONSENT_KEY = "calibdb.consent";
@@ -10,7 +13,10 @@ const CONSENT_KEY = "calibdb.consent";
 /** Was it given on this device, to the text as it is today? @type {boolean | null} null: not read yet */
 let given = null;
 
-/** Publishes what was measured before the person agreed; null: there is nothing to publish. @type {(() => Promise<unknown>) | null} */
+/**
+ * Publishes what was measured before the person agreed; null: there is nothing to publish.
+ * @type {(() => Promise<unknown>) | null}
+ */
 let publish = null;
 
 /** @param {typeof publish} action called once when the person agrees; rejects if the service refuses */

@@ -7,8 +7,11 @@
  * @param {Values} values @param {[number, number]} size px
  */
 function bordered(values, [width, height]) {
-  const places = (/** @type {number} */ count, /** @type {number} */ side) =>
-    [-0.5, ...Array.from({ length: count }, (_, index) => ((index + 0.5) * side) / count - 0.5), side - 0.5];
+  const places = (/** @type {number} */ count, /** @type {number} */ side) => [
+    -0.5,
+    ...Array.from({ length: count }, (_, index) => ((index + 0.5) * side) / count - 0.5),
+    side - 0.5,
+  ];
   const widen = (/** @type {any[]} */ line) => [line[0], ...line, line[line.length - 1]];
   return { x: places(values[0].length, width), y: places(values.length, height), at: widen(values.map(widen)) };
 }
@@ -27,8 +30,10 @@ export function above(values, size, level) {
     let run = null; // whole cells side by side are one polygon
     for (let column = 0; column + 1 < x.length; column++) {
       const corners = /** @type {[number, number, number | null][]} */ ([
-        [x[column], y[row], at[row][column]], [x[column + 1], y[row], at[row][column + 1]],
-        [x[column + 1], y[row + 1], at[row + 1][column + 1]], [x[column], y[row + 1], at[row + 1][column]],
+        [x[column], y[row], at[row][column]],
+        [x[column + 1], y[row], at[row][column + 1]],
+        [x[column + 1], y[row + 1], at[row + 1][column + 1]],
+        [x[column], y[row + 1], at[row + 1][column]],
       ]);
       const whole = corners.every(([, , value]) => value !== null && value >= level);
       if (whole && run) {
@@ -73,9 +78,19 @@ export function valueAt(values, size, [u, v]) {
   return (1 - r) * ((1 - s) * a + s * b) + r * ((1 - s) * c + s * d);
 }
 
-/** @param {number[]} places @param {number} value @returns {[number, number]} index before it, and the share of the way to the next */
+/**
+ * @param {number[]} places
+ * @param {number} value
+ * @returns {[number, number]} index before it, and the share of the way to the next
+ */
 function between(places, value) {
-  const index = Math.min(places.length - 2, Math.max(0, places.findLastIndex((place) => place <= value)));
+  const index = Math.min(
+    places.length - 2,
+    Math.max(
+      0,
+      places.findLastIndex((place) => place <= value),
+    ),
+  );
   return [index, Math.min(1, Math.max(0, (value - places[index]) / (places[index + 1] - places[index])))];
 }
 
@@ -86,13 +101,18 @@ function between(places, value) {
  */
 export function refined(values, factor) {
   const turned = (/** @type {Values} */ rows) => rows[0].map((_, column) => rows.map((row) => row[column]));
-  const along = (/** @type {Values} */ rows) => rows.map((row) => Array.from({ length: row.length * factor }, (_, index) => {
-    const place = Math.min(row.length - 1, Math.max(0, (index + 0.5) / factor - 0.5));
-    const first = Math.min(Math.floor(place), Math.max(0, row.length - 2));
-    const [a, b, c, d] = [-1, 0, 1, 2].map((step) => row[Math.min(row.length - 1, Math.max(0, first + step))]);
-    if (b === null || c === null) return null;
-    const [before, after, s] = [a ?? b, d ?? c, place - first];
-    return b + 0.5 * s * (c - before + s * (2 * before - 5 * b + 4 * c - after + s * (3 * (b - c) + after - before)));
-  }));
+  const along = (/** @type {Values} */ rows) =>
+    rows.map((row) =>
+      Array.from({ length: row.length * factor }, (_, index) => {
+        const place = Math.min(row.length - 1, Math.max(0, (index + 0.5) / factor - 0.5));
+        const first = Math.min(Math.floor(place), Math.max(0, row.length - 2));
+        const [a, b, c, d] = [-1, 0, 1, 2].map((step) => row[Math.min(row.length - 1, Math.max(0, first + step))]);
+        if (b === null || c === null) return null;
+        const [before, after, s] = [a ?? b, d ?? c, place - first];
+        return (
+          b + 0.5 * s * (c - before + s * (2 * before - 5 * b + 4 * c - after + s * (3 * (b - c) + after - before)))
+        );
+      }),
+    );
   return turned(along(turned(along(values))));
 }

@@ -1,10 +1,14 @@
-// A button that copies a block of code. Blocks of a page's source have one from the start (header.js); a block that is made
+// A button that copies a block of code. Blocks of a page's source have one from the start (header.js); a block that is
+// made
 // later gets its own by `addCopyButton(pre)`, before or after it is put into the page.
 import { onLanguage, t } from "./i18n.js";
 
 const SHOWN_MS = 2000;
 
-/** @param {HTMLElement} pre with the code; gets a wrapper with the button, unless it has one @returns {HTMLElement} the wrapper */
+/**
+ * @param {HTMLElement} pre with the code; gets a wrapper with the button, unless it has one
+ * @returns {HTMLElement} the wrapper
+ */
 export function addCopyButton(pre) {
   if (pre.parentElement?.classList.contains("code")) return pre.parentElement;
   const wrapper = document.createElement("div");
@@ -22,7 +26,7 @@ export function addCopyButton(pre) {
   };
   let timer = 0;
   button.addEventListener("click", async () => {
-    outcome = await copy(pre) ? "common.copied" : "common.selected";
+    outcome = (await copy(pre)) ? "common.copied" : "common.selected";
     show();
     clearTimeout(timer);
     timer = setTimeout(() => {
@@ -37,7 +41,11 @@ export function addCopyButton(pre) {
   return wrapper;
 }
 
-/** Copies the text; where the browser does not allow that, selects it. @param {HTMLElement} pre @returns {Promise<boolean>} copied? */
+/**
+ * Copies the text; where the browser does not allow that, selects it.
+ * @param {HTMLElement} pre
+ * @returns {Promise<boolean>} copied?
+ */
 async function copy(pre) {
   try {
     await navigator.clipboard.writeText((pre.textContent ?? "").trimEnd());

@@ -9,15 +9,18 @@ import { reach } from "./network.js";
  * @property {number[][]} points px, pixel centres at whole numbers
  * @property {number} markers how many markers were recognised
  * @property {import("./frame-metrics.js").FrameMetrics} [metrics] what the frame looks like
- * @property {{kind: string, markers: number, corners: number} | null} [probe] what was found of something else, where that was asked for
+ * @property {{kind: string, markers: number, corners: number} | null} [probe] what was found of something else, where
+ *   that was asked for
  * @property {[number, number]} size of the frame
  * @property {number} elapsed ms in the worker
  * @property {number} memory bytes that OpenCV holds
  */
 
 const START_TIMEOUT_MS = 20_000; // ms; a worker that a content policy stops never answers and never fails
-const FRAME_TIMEOUT_MS = 4_000; // ms for one frame: ten times what a slow phone needs. A worker that was killed does not say so
-const SIGHT_TIMEOUT_MS = 30_000; // ms for one picture in which boards of every kind are looked for, which takes much longer
+// ms for one frame: ten times what a slow phone needs. A worker that was killed does not say so
+const FRAME_TIMEOUT_MS = 4_000;
+// ms for one picture in which boards of every kind are looked for, which takes much longer
+const SIGHT_TIMEOUT_MS = 30_000;
 const CLOSE_TIMEOUT_MS = 1_000; // ms for the frames that are still there when it is closed
 const OPENCV = new URL("../vendor/opencv/", import.meta.url);
 
@@ -32,7 +35,8 @@ export class DetectorError extends Error {
 
 export class Detector {
   /**
-   * @type {Map<number, {resolve: (value: any) => void, reject: (error: Error) => void, timer: ReturnType<typeof setTimeout>, end: number}>}
+   * @type {Map<number, {resolve: (value: any) => void, reject: (error: Error) => void, timer: ReturnType<typeof
+   *   setTimeout>, end: number}>}
    */
   #waiting = new Map();
   #next = 0;
@@ -56,7 +60,8 @@ export class Detector {
     const detector = new Detector(onProgress); // its modules are loaded meanwhile
     try {
       const response = await reach(new URL("opencv.json", OPENCV));
-      if (!response.ok) throw new DetectorError(`The board detector is not there (${response.status}).`, "detector_missing");
+      if (!response.ok)
+        throw new DetectorError(`The board detector is not there (${response.status}).`, "detector_missing");
       const { bytes } = await response.json();
       await detector.#ask({ open: board, wasm: new URL("opencv.wasm", OPENCV).href, bytes }, []);
     } catch (error) {
@@ -69,8 +74,10 @@ export class Detector {
   /**
    * Finds the board's corners. Takes over the frame and closes it.
    * @param {VideoFrame | ImageBitmap} frame
-   * @param {{full?: boolean, probe?: string | null, flip?: boolean, timeout?: number}} [options] full: all threshold windows and a sub-pixel
-   *   second pass, for a view that is kept; probe: what else to look for where no corner is seen; flip: the frame is mirrored, and is turned back; timeout: ms
+   * @param {{full?: boolean, probe?: string | null, flip?: boolean, timeout?: number}} [options] full: all threshold
+   *   windows and a sub-pixel
+   *   second pass, for a view that is kept; probe: what else to look for where no corner is seen; flip: the frame is
+   * mirrored, and is turned back; timeout: ms
    * @returns {Promise<Detection>}
    */
   detect(frame, { full = false, probe = null, flip = false, timeout = FRAME_TIMEOUT_MS } = {}) {
@@ -82,7 +89,8 @@ export class Detector {
   }
 
   /**
-   * Looks for boards of any kind; `recognise` of board-recognition.js concludes from several pictures. Takes over the frame and
+   * Looks for boards of any kind; `recognise` of board-recognition.js concludes from several pictures. Takes over the
+   * frame and
    * closes it.
    * @param {VideoFrame | ImageBitmap} frame
    * @param {{flip?: boolean, timeout?: number}} [options] as of `detect`

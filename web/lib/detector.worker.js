@@ -7,7 +7,8 @@ import { flipped } from "./charuco-finder.js";
  * @typedef {import("./board.js").Board} Board
  * @typedef {import("./subpixel.js").Grey} Grey
  * @typedef {{id: number, open: Board, wasm: string, bytes: number}} OpenRequest
- * @typedef {{id: number, frame: VideoFrame | ImageBitmap, full: boolean, probe: string | null, flip: boolean}} DetectRequest
+ * @typedef {{id: number, frame: VideoFrame | ImageBitmap, full: boolean, probe: string | null, flip: boolean}}
+ *   DetectRequest
  * @typedef {{id: number, frame: VideoFrame | ImageBitmap, recognise: true, flip: boolean}} RecogniseRequest
  */
 
@@ -29,19 +30,22 @@ class LoadError extends Error {
 /** Compiles the WebAssembly while it arrives. @param {string} address @param {number} bytes its size, uncompressed */
 async function loadOpenCV(address, bytes) {
   const response = await fetch(address).catch(lost);
-  if (!response.ok || !response.body) throw new LoadError(`OpenCV is not there (${response.status}).`, "detector_missing");
+  if (!response.ok || !response.body)
+    throw new LoadError(`OpenCV is not there (${response.status}).`, "detector_missing");
   let loaded = 0;
   let reported = 0;
-  const counted = response.body.pipeThrough(new TransformStream({
-    transform(chunk, controller) {
-      loaded += chunk.length;
-      if (loaded - reported > bytes / 50 || loaded === bytes) {
-        reported = loaded;
-        self.postMessage({ progress: loaded / bytes });
-      }
-      controller.enqueue(chunk);
-    },
-  }));
+  const counted = response.body.pipeThrough(
+    new TransformStream({
+      transform(chunk, controller) {
+        loaded += chunk.length;
+        if (loaded - reported > bytes / 50 || loaded === bytes) {
+          reported = loaded;
+          self.postMessage({ progress: loaded / bytes });
+        }
+        controller.enqueue(chunk);
+      },
+    }),
+  );
   const wasm = new Response(counted, { headers: { "content-type": "application/wasm" } });
   const compiled = await WebAssembly.compileStreaming(wasm).catch(lost);
   return createOpenCV({
@@ -88,9 +92,8 @@ async function luma(frame) {
     }
     return { width, height, data: grey };
   }
-  const [width, height] = "displayWidth" in frame
-    ? [frame.displayWidth, frame.displayHeight]
-    : [frame.width, frame.height];
+  const [width, height] =
+    "displayWidth" in frame ? [frame.displayWidth, frame.displayHeight] : [frame.width, frame.height];
   if (!canvas || canvas.canvas.width !== width || canvas.canvas.height !== height) {
     canvas = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
     if (!canvas) throw new Error("this browser has no 2D canvas in workers");
@@ -108,9 +111,15 @@ async function luma(frame) {
 
 /** A frame that is shown as it is stored: no rotation, no stretched pixels. @param {VideoFrame} frame */
 function upright(frame) {
-  const { rotation = 0, flip = false } = /** @type {{rotation?: number, flip?: boolean}} */ (/** @type {unknown} */ (frame));
-  return !rotation && !flip && frame.visibleRect?.width === frame.displayWidth
-    && frame.visibleRect?.height === frame.displayHeight;
+  const { rotation = 0, flip = false } = /** @type {{rotation?: number, flip?: boolean}} */ (
+    /** @type {unknown} */ (frame)
+  );
+  return (
+    !rotation &&
+    !flip &&
+    frame.visibleRect?.width === frame.displayWidth &&
+    frame.visibleRect?.height === frame.displayHeight
+  );
 }
 
 /** @param {OpenRequest | DetectRequest | RecogniseRequest} request */

@@ -2,7 +2,8 @@
 
 /**
  * @template {keyof HTMLElementTagNameMap} K
- * @param {K} name @param {Record<string, string | number | boolean | undefined>} [attributes] false and undefined: left out
+ * @param {K} name
+ * @param {Record<string, string | number | boolean | undefined>} [attributes] false and undefined: left out
  * @param {...(Node | string)} content
  * @returns {HTMLElementTagNameMap[K]}
  */

@@ -12,12 +12,31 @@ export function estimateView({ hfov_deg, interval_90, basis, sources }) {
     [t("estimate.interval"), t("estimate.interval_value", { low: number(low, 0), high: number(high, 0) })],
     [t("estimate.basis"), t(`estimate.basis_${basis}`)],
   ];
-  return el("div", { class: "estimate" },
+  return el(
+    "div",
+    { class: "estimate" },
     el("p", {}, el("strong", {}, t("estimate.heading"))),
     el("p", { class: "muted" }, t("estimate.text")),
-    el("dl", {}, ...facts.map(([term, value]) => el("div", {}, el("dt", {}, term), el("dd", { class: "number" }, value)))),
-    ...(sources.length ? [el("details", {}, el("summary", {}, t("estimate.sources")),
-      el("ul", {}, ...sources.map(({ title, url }) => el("li", {}, el("a", { href: safe(url), rel: "noreferrer" }, title)))))] : []));
+    el(
+      "dl",
+      {},
+      ...facts.map(([term, value]) => el("div", {}, el("dt", {}, term), el("dd", { class: "number" }, value))),
+    ),
+    ...(sources.length
+      ? [
+          el(
+            "details",
+            {},
+            el("summary", {}, t("estimate.sources")),
+            el(
+              "ul",
+              {},
+              ...sources.map(({ title, url }) => el("li", {}, el("a", { href: safe(url), rel: "noreferrer" }, title))),
+            ),
+          ),
+        ]
+      : []),
+  );
 }
 
 /** Address of a page; nothing else becomes a link. @param {string} url */

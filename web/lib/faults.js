@@ -25,6 +25,10 @@ export function explain(error) {
  * @param {string} detail
  */
 function service(status, kind, detail) {
-  const keys = [`faults.kind_${kind.replaceAll("-", "_")}`, `faults.status_${status}`, status >= 500 ? "faults.status_500" : ""];
+  const keys = [
+    `faults.kind_${kind.replaceAll("-", "_")}`,
+    `faults.status_${status}`,
+    status >= 500 ? "faults.status_500" : "",
+  ];
   return t(keys.find(hasMessage) ?? "faults.refused", { detail });
 }

@@ -3,7 +3,8 @@ import { onLanguage, t } from "./i18n.js";
 
 /**
  * Says beside an input how many files are chosen.
- * @param {HTMLInputElement} input within a label that looks like a button; the element described by its aria-describedby
+ * @param {HTMLInputElement} input within a label that looks like a button; the element described by its
+ *   aria-describedby
  *   says the state
  */
 export function sayChosen(input) {

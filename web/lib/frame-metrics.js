@@ -1,4 +1,5 @@
-// Image quality of a frame in a few numbers: exposure, sharpness, size of the squares, moiré. Cheap enough for every frame.
+// Image quality of a frame in a few numbers: exposure, sharpness, size of the squares, moiré. Cheap enough for every
+// frame.
 import { corners, isBlack } from "./board.js";
 import { squareSizes } from "./subpixel.js";
 
@@ -10,10 +11,12 @@ import { squareSizes } from "./subpixel.js";
  * @property {number} median brightness, 0…255
  * @property {number} high brightness that 5 % of the picture exceed
  * @property {number} overexposed share of the picture that is saturated
- * @property {number | null} sharpness of the edges: about 0.2 in focus, 0.06 where they are 7 px wide; null where there are none
+ * @property {number | null} sharpness of the edges: about 0.2 in focus, 0.06 where they are 7 px wide; null where there
+ *   are none
  * @property {number} square median side of the squares or, where no corner was found, of the markers, px; 0: none
  * @property {number} share of the board's corners that were found, 0…1
- * @property {number | null} moire unevenness of the board's bright squares, as a share of their contrast; null where none is seen
+ * @property {number | null} moire unevenness of the board's bright squares, as a share of their contrast; null where
+ *   none is seen
  */
 
 const SUBSAMPLING = 4; // every fourth pixel of every fourth row
@@ -36,33 +39,43 @@ export function exposure({ width, height, data }) {
     while (value < 255 && (sum += counts[value]) < share * total) value += 1;
     return value;
   };
-  return { median: quantile(0.5), high: quantile(0.95), overexposed: (counts[255] + counts[254] + counts[253]) / total };
+  return {
+    median: quantile(0.5),
+    high: quantile(0.95),
+    overexposed: (counts[255] + counts[254] + counts[253]) / total,
+  };
 }
 
 /**
  * Squared differences over one pixel, as a share of those over four: a step in one place gives 1/4, a long ramp 1/16.
  * Blur in any one direction lowers it across that direction; the lower of the two counts.
- * @param {Grey} image @param {number[][]} points corners of a board, about which to look; everywhere where there are none
+ * @param {Grey} image
+ * @param {number[][]} points corners of a board, about which to look; everywhere where there are none
  * @returns {number | null}
  */
 export function sharpness({ width, height, data }, points) {
   const [left, top, right, bottom] = boundingBox(points, width, height);
-  const ratios = [[1, width], [width, 1]].map(([along]) => {
-    const [stepX, stepY] = along === 1 ? [1, 2 * SUBSAMPLING] : [2 * SUBSAMPLING, 1];
-    let [near, far, places] = [0, 0, 0];
-    for (let y = top; y < bottom - EDGE_SPAN; y += stepY) {
-      for (let x = left; x < right - EDGE_SPAN; x += stepX) {
-        const at = y * width + x;
-        const wide = data[at + EDGE_SPAN * along] - data[at];
-        if (wide < MIN_EDGE_CONTRAST && wide > -MIN_EDGE_CONTRAST) continue;
-        const narrow = data[at + along] - data[at];
-        near += narrow * narrow;
-        far += wide * wide;
-        places += 1;
+  const ratios = [
+    [1, width],
+    [width, 1],
+  ]
+    .map(([along]) => {
+      const [stepX, stepY] = along === 1 ? [1, 2 * SUBSAMPLING] : [2 * SUBSAMPLING, 1];
+      let [near, far, places] = [0, 0, 0];
+      for (let y = top; y < bottom - EDGE_SPAN; y += stepY) {
+        for (let x = left; x < right - EDGE_SPAN; x += stepX) {
+          const at = y * width + x;
+          const wide = data[at + EDGE_SPAN * along] - data[at];
+          if (wide < MIN_EDGE_CONTRAST && wide > -MIN_EDGE_CONTRAST) continue;
+          const narrow = data[at + along] - data[at];
+          near += narrow * narrow;
+          far += wide * wide;
+          places += 1;
+        }
       }
-    }
-    return places < MIN_EDGE_PIXELS ? null : near / far;
-  }).filter((ratio) => ratio !== null);
+      return places < MIN_EDGE_PIXELS ? null : near / far;
+    })
+    .filter((ratio) => ratio !== null);
   return ratios.length ? Math.min(...ratios) : null;
 }
 
@@ -71,16 +84,20 @@ function boundingBox(points, width, height) {
   if (points.length < 6) return [0, 0, width - 1, height - 1];
   const [xs, ys] = [points.map(([x]) => x), points.map(([, y]) => y)];
   return [
-    Math.max(0, Math.floor(Math.min(...xs))), Math.max(0, Math.floor(Math.min(...ys))),
-    Math.min(width - 1, Math.ceil(Math.max(...xs))), Math.min(height - 1, Math.ceil(Math.max(...ys))),
+    Math.max(0, Math.floor(Math.min(...xs))),
+    Math.max(0, Math.floor(Math.min(...ys))),
+    Math.min(width - 1, Math.ceil(Math.max(...xs))),
+    Math.min(height - 1, Math.ceil(Math.max(...ys))),
   ];
 }
 
 /**
- * Unevenness of the squares that are bright in the picture: the pixels of a filmed screen beat against the camera's. Dark print
+ * Unevenness of the squares that are bright in the picture: the pixels of a filmed screen beat against the camera's.
+ * Dark print
  * reflects the room, which is no stripe; shading is taken out line by line.
  * @param {Grey} image @param {Board} board @param {{ids: number[], points: number[][]}} found
- * @returns {number | null} standard deviation along lines, of the contrast between bright and dark; median over the squares
+ * @returns {number | null} standard deviation along lines, of the contrast between bright and dark; median over the
+ *   squares
  */
 export function moire(image, board, { ids, points }) {
   const [columns, rows] = board.squares;
@@ -98,8 +115,15 @@ export function moire(image, board, { ids, points }) {
       if (!quad || shortestSide(quad) * ring < MIN_FRAME_PX) continue;
       const [a, b, c, d] = quad;
       /** @param {number} u @param {number} v bilinear in the square */
-      const at = (u, v) => sample(image, [0, 1].map((k) => (1 - v) * ((1 - u) * a[k] + u * b[k]) + v * ((1 - u) * d[k] + u * c[k])));
-      const lines = offsets.flatMap((offset) => [LINE_PLACES.map((s) => at(s, offset)), LINE_PLACES.map((s) => at(offset, s))]);
+      const at = (u, v) =>
+        sample(
+          image,
+          [0, 1].map((k) => (1 - v) * ((1 - u) * a[k] + u * b[k]) + v * ((1 - u) * d[k] + u * c[k])),
+        );
+      const lines = offsets.flatMap((offset) => [
+        LINE_PLACES.map((s) => at(s, offset)),
+        LINE_PLACES.map((s) => at(offset, s)),
+      ]);
       const values = lines.flat();
       const contrast = values.reduce((sum, value) => sum + value, 0) / values.length - at(0.5, dark);
       if (contrast < MIN_MOIRE_CONTRAST) continue;
@@ -110,17 +134,27 @@ export function moire(image, board, { ids, points }) {
   return ratios.length === 0 ? null : ratios.sort((p, q) => p - q)[ratios.length >> 1];
 }
 
-/** Four corners of a square; of three the fourth follows. @param {(number[] | undefined)[]} quad @returns {number[][] | null} */
+/**
+ * Four corners of a square; of three the fourth follows.
+ * @param {(number[] | undefined)[]} quad
+ * @returns {number[][] | null}
+ */
 function completed(quad) {
   const missing = quad.findIndex((corner) => !corner);
   if (missing < 0) return /** @type {number[][]} */ (quad);
   const [next, opposite, last] = [1, 2, 3].map((step) => quad[(missing + step) % 4]);
   if (!next || !opposite || !last) return null;
-  return /** @type {number[][]} */ (quad.with(missing, [0, 1].map((k) => next[k] + last[k] - opposite[k])));
+  return /** @type {number[][]} */ (
+    quad.with(
+      missing,
+      [0, 1].map((k) => next[k] + last[k] - opposite[k]),
+    )
+  );
 }
 
 /** @param {number[][]} quad */
-const shortestSide = (quad) => Math.min(...quad.map(([x, y], n) => Math.hypot(quad[(n + 1) % 4][0] - x, quad[(n + 1) % 4][1] - y)));
+const shortestSide = (quad) =>
+  Math.min(...quad.map(([x, y], n) => Math.hypot(quad[(n + 1) % 4][0] - x, quad[(n + 1) % 4][1] - y)));
 
 /** Squared differences from the straight line that fits evenly spaced values best. @param {number[]} values */
 function squaresAboutSlope(values) {
@@ -133,7 +167,10 @@ function squaresAboutSlope(values) {
 
 /** Brightness between pixels. @param {Grey} image @param {number[]} place px */
 function sample({ width, height, data }, [x, y]) {
-  const [left, top] = [Math.min(width - 2, Math.max(0, Math.floor(x))), Math.min(height - 2, Math.max(0, Math.floor(y)))];
+  const [left, top] = [
+    Math.min(width - 2, Math.max(0, Math.floor(x))),
+    Math.min(height - 2, Math.max(0, Math.floor(y))),
+  ];
   const [u, v] = [Math.min(1, Math.max(0, x - left)), Math.min(1, Math.max(0, y - top))];
   const at = top * width + left;
   const upper = data[at] + u * (data[at + 1] - data[at]);

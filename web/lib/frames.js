@@ -10,7 +10,9 @@ export class Pace {
   /** @param {number} taken ms, for one more frame */
   isSlow(taken) {
     this.#taken = [...this.#taken, taken].slice(-PACE_FRAMES);
-    return this.#taken.length === PACE_FRAMES && [...this.#taken].sort((a, b) => a - b)[PACE_FRAMES / 2] > SLOW_FRAME_MS;
+    return (
+      this.#taken.length === PACE_FRAMES && [...this.#taken].sort((a, b) => a - b)[PACE_FRAMES / 2] > SLOW_FRAME_MS
+    );
   }
 }
 

@@ -1,4 +1,5 @@
-// Start of every page with a header: its menus close like menus, blocks of code can be copied, and the language can be chosen
+// Start of every page with a header: its menus close like menus, blocks of code can be copied, and the language can be
+// chosen
 // where no page's script offers that.
 import { addCopyButton } from "./copy-button.js";
 
@@ -22,8 +23,11 @@ for (const menu of menus()) {
 }
 document.addEventListener("change", ({ target }) => {
   // Pages with texts of their own change them in place (i18n.js).
-  if (!(target instanceof HTMLSelectElement) || target.id !== "language" || target.dataset.inPlace !== undefined) return;
-  const there = /** @type {HTMLLinkElement | null} */ (document.querySelector(`link[rel=alternate][hreflang="${target.value}"]`));
+  if (!(target instanceof HTMLSelectElement) || target.id !== "language" || target.dataset.inPlace !== undefined)
+    return;
+  const there = /** @type {HTMLLinkElement | null} */ (
+    document.querySelector(`link[rel=alternate][hreflang="${target.value}"]`)
+  );
   if (!there) return;
   const address = new URL(there.getAttribute("href") ?? "", location.href);
   location.assign(`${address.pathname}?lang=${target.value}`);

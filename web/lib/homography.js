@@ -18,7 +18,10 @@ export function homography(from, to) {
   from.forEach((_, index) => {
     const [x, y] = a.apply(from[index]);
     const [u, v] = b.apply(to[index]);
-    for (const row of [[x, y, 1, 0, 0, 0, -u * x, -u * y, u], [0, 0, 0, x, y, 1, -v * x, -v * y, v]]) {
+    for (const row of [
+      [x, y, 1, 0, 0, 0, -u * x, -u * y, u],
+      [0, 0, 0, x, y, 1, -v * x, -v * y, v],
+    ]) {
       for (let i = 0; i < 8; i++) for (let j = 0; j < 9; j++) normal[i][j] += row[i] * row[j];
     }
   });

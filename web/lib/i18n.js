@@ -3,15 +3,20 @@
 //     import { t, translate } from "../lib/i18n.js";
 //     t("board.full_screen"); t("board.views", { count: 3 });
 //
-// `messages/de/board.json` is the German catalog "board": key → text, with the same keys in each language. A built page contains the
-// texts that it may show in its own language, as JSON (infra/web_build/messages.mjs); another language comes from the page in that language.
+// `messages/de/board.json` is the German catalog "board": key → text, with the same keys in each language. A built page
+// contains the
+// texts that it may show in its own language, as JSON (infra/web_build/messages.mjs); another language comes from the
+// page in that language.
 // A message has its values in braces,
 // "{count} views"; one that depends on a number is an object of plural forms, chosen by the value `count`.
-// In pages: data-t is the element's text, data-t-label its aria-label, data-t-title its title, data-t-alt that of a picture. Where the element has
+// In pages: data-t is the element's text, data-t-label its aria-label, data-t-title its title, data-t-alt that of a
+// picture. Where the element has
 // children of its own, "<0>…</0>" in the text is the first of them, "<1>…</1>" the second.
 //
-// Each page is there in every language, "/board/", "/de/board/", with its texts already in place (infra/web_build/site.mjs).
-// A change of language writes the texts anew where they stand, so that nothing under way is lost, and changes the address.
+// Each page is there in every language, "/board/", "/de/board/", with its texts already in place
+// (infra/web_build/site.mjs).
+// A change of language writes the texts anew where they stand, so that nothing under way is lost, and changes the
+// address.
 
 /**
  * @typedef {"en" | "de" | "uk"} Language
@@ -49,7 +54,11 @@ function addFrom(page, spoken) {
 /** The language spoken now. @returns {Language} */
 export function language() {
   // Pages are served in their language; who prefers another one has been led on by language.js.
-  current ??= choose(languageInQuery(), globalThis.document?.documentElement?.lang || keep(), globalThis.navigator?.languages ?? []);
+  current ??= choose(
+    languageInQuery(),
+    globalThis.document?.documentElement?.lang || keep(),
+    globalThis.navigator?.languages ?? [],
+  );
   return current;
 }
 
@@ -59,7 +68,9 @@ export function language() {
  * @returns {Language}
  */
 export function choose(wanted, kept, preferred) {
-  const known = [wanted, kept, ...preferred].map((tag) => tag?.toLowerCase().split("-")[0] ?? "").find((tag) => tag in LANGUAGES);
+  const known = [wanted, kept, ...preferred]
+    .map((tag) => tag?.toLowerCase().split("-")[0] ?? "")
+    .find((tag) => tag in LANGUAGES);
   return /** @type {Language} */ (known ?? "en");
 }
 
@@ -91,7 +102,10 @@ export function t(key, values = {}) {
 export function say(key, values, spoken) {
   const text = messages[spoken][key];
   if (text === undefined) return key;
-  const form = typeof text === "string" ? text : text[new Intl.PluralRules(spoken).select(Number(values.count))] ?? text.other ?? key;
+  const form =
+    typeof text === "string"
+      ? text
+      : (text[new Intl.PluralRules(spoken).select(Number(values.count))] ?? text.other ?? key);
   const whole = form.replace(/\{(\w+)\}/g, (braces, name) => (name in values ? String(values[name]) : braces));
   return whole.replace(UNIT, "$1\u00a0");
 }
@@ -108,12 +122,17 @@ export function hasMessage(key) {
  */
 export function number(value, digits) {
   const rounded = Number(value.toFixed(digits)) || 0; // nought has no sign
-  const written = rounded.toLocaleString(language(), { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false });
+  const written = rounded.toLocaleString(language(), {
+    minimumFractionDigits: digits,
+    maximumFractionDigits: digits,
+    useGrouping: false,
+  });
   return written.replace("-", "−");
 }
 
 /** A day as it is written. @param {number} time unix seconds */
-export const dateText = (time) => new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(time * 1000));
+export const dateText = (time) =>
+  new Intl.DateTimeFormat(language(), { dateStyle: "medium" }).format(new Date(time * 1000));
 
 /** A size as it is written, on one line. @param {readonly number[]} size */
 export const formatSize = (size) => size.join("\u00a0×\u00a0");
@@ -130,7 +149,10 @@ export function rough(value) {
 /** Puts the texts into all marked elements in and below one; sets the page's language too. @param {Element} root */
 export function translate(root) {
   root.ownerDocument.documentElement.lang = language();
-  for (const element of [root, ...root.querySelectorAll("[data-t], [data-t-label], [data-t-title], [data-t-alt], [data-t-content]")]) {
+  for (const element of [
+    root,
+    ...root.querySelectorAll("[data-t], [data-t-label], [data-t-title], [data-t-alt], [data-t-content]"),
+  ]) {
     const { t: text, tLabel, tTitle, tAlt, tContent } = /** @type {HTMLElement} */ (element).dataset ?? {};
     if (text) write(element, t(text));
     if (tLabel) element.setAttribute("aria-label", t(tLabel));
@@ -143,11 +165,13 @@ export function translate(root) {
 /** Makes a select the place where the language is chosen. @param {HTMLSelectElement} select */
 export function offerLanguages(select) {
   if (!select.options.length) {
-    select.replaceChildren(...Object.entries(LANGUAGES).map(([code, name]) => {
-      const option = new Option(name, code);
-      option.lang = code;
-      return option;
-    }));
+    select.replaceChildren(
+      ...Object.entries(LANGUAGES).map(([code, name]) => {
+        const option = new Option(name, code);
+        option.lang = code;
+        return option;
+      }),
+    );
   }
   const show = () => {
     select.value = language();
@@ -204,7 +228,12 @@ export function pageUrl(page) {
   return inLanguage(new URL(ROOT + page, globalThis.location?.href ?? import.meta.url).href, language());
 }
 
-/** The address of the same page in another language. @param {string} address @param {Language} language @returns {URL} */
+/**
+ * The address of the same page in another language.
+ * @param {string} address
+ * @param {Language} language
+ * @returns {URL}
+ */
 export function inLanguage(address, language) {
   const there = new URL(address);
   if (!there.pathname.startsWith(ROOT)) return there;

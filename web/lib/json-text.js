@@ -4,12 +4,15 @@
 export function jsonText(value, indent = "") {
   const inner = `${indent}  `;
   if (Array.isArray(value)) {
-    if (value.every((each) => each === null || typeof each !== "object")) return `[${value.map((each) => JSON.stringify(each)).join(", ")}]`;
+    if (value.every((each) => each === null || typeof each !== "object"))
+      return `[${value.map((each) => JSON.stringify(each)).join(", ")}]`;
     return `[\n${value.map((each) => inner + jsonText(each, inner)).join(",\n")}\n${indent}]`;
   }
   if (value !== null && typeof value === "object") {
     const members = Object.entries(value).filter(([, each]) => each !== undefined);
-    return members.length ? `{\n${members.map(([name, each]) => `${inner}${JSON.stringify(name)}: ${jsonText(each, inner)}`).join(",\n")}\n${indent}}` : "{}";
+    return members.length
+      ? `{\n${members.map(([name, each]) => `${inner}${JSON.stringify(name)}: ${jsonText(each, inner)}`).join(",\n")}\n${indent}}`
+      : "{}";
   }
   return JSON.stringify(value);
 }

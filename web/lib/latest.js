@@ -2,12 +2,15 @@
 
 /**
  * @template {unknown[]} A @template T
- * @typedef {((...parameters: A) => Promise<T | undefined>) & {cancel: () => void}} Latest cancel: aborts the current run
+ * @typedef {((...parameters: A) => Promise<T | undefined>) & {cancel: () => void}} Latest cancel: aborts the current
+ *   run
  */
 
 /**
- * Makes a function of which only the latest call counts. An earlier call is aborted: whatever it returns or throws after
- * that is dropped, and its promise resolves to undefined. In the task, `signal.throwIfAborted()` after an `await` ends it.
+ * Makes a function of which only the latest call counts. An earlier call is aborted: whatever it returns or throws
+ * after
+ * that is dropped, and its promise resolves to undefined. In the task, `signal.throwIfAborted()` after an `await` ends
+ * it.
  * @template {unknown[]} A @template T
  * @param {(signal: AbortSignal, ...parameters: A) => Promise<T>} task
  * @returns {Latest<A, T>}

@@ -19,7 +19,8 @@ export function minimize(residuals, start) {
       return shifted.map((value, index) => (value - r[index]) / DIFFERENCE_STEP);
     });
     const normal = columns.map((a, i) => [
-      ...columns.map((b, j) => dot(a, b) * (i === j ? 1 + damping : 1)), -dot(a, r),
+      ...columns.map((b, j) => dot(a, b) * (i === j ? 1 + damping : 1)),
+      -dot(a, r),
     ]);
     const step = solveLinear(normal).solution;
     const next = at.map((value, index) => value + step[index]);

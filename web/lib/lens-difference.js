@@ -15,32 +15,45 @@ function turned([x, y, z], [a, b, c]) {
   const [sin, cos] = [Math.sin(angle), Math.cos(angle)];
   const along = (ux * x + uy * y + uz * z) * (1 - cos);
   return [
-    x * cos + (uy * z - uz * y) * sin + ux * along, y * cos + (uz * x - ux * z) * sin + uy * along,
+    x * cos + (uy * z - uz * y) * sin + ux * along,
+    y * cos + (uz * x - ux * z) * sin + uy * along,
     z * cos + (ux * y - uy * x) * sin + uz * along,
   ];
 }
 
 /**
  * @param {Lens} one @param {Lens} other of the same picture size
- * @returns {{px: (number | null)[][], rms: number, max: number}} px: at the centres of cells; null: one of them sees no ray there
+ * @returns {{px: (number | null)[][], rms: number, max: number}} px: at the centres of cells; null: one of them sees no
+ *   ray there
  */
 export function lensDifference(one, other) {
   const [width, height] = one.img_size;
   const [columns, rows] = GRID;
   const [first, second] = [lensOf(one), lensOf(other)];
-  const points = Array.from({ length: columns * rows }, (_, index) => /** @type {[number, number]} */ ([
-    ((index % columns) + 0.5) * (width / columns) - 0.5, (Math.floor(index / columns) + 0.5) * (height / rows) - 0.5]));
+  const points = Array.from(
+    { length: columns * rows },
+    (_, index) =>
+      /** @type {[number, number]} */ ([
+        ((index % columns) + 0.5) * (width / columns) - 0.5,
+        (Math.floor(index / columns) + 0.5) * (height / rows) - 0.5,
+      ]),
+  );
   const rays = points.map((point) => first.unproject(point));
-  const apart = (/** @type {number[]} */ rotation) => points.map((point, index) => {
-    const ray = rays[index];
-    const seen = ray && second.project(/** @type {[number, number, number]} */ (turned(ray, rotation)));
-    return seen ? [seen[0] - point[0], seen[1] - point[1]] : null;
-  });
-  const rotation = minimize((at) => apart(at).flatMap((d, index) => d ?? (rays[index] ? [FAR_PX, FAR_PX] : [0, 0])), [0, 0, 0]);
+  const apart = (/** @type {number[]} */ rotation) =>
+    points.map((point, index) => {
+      const ray = rays[index];
+      const seen = ray && second.project(/** @type {[number, number, number]} */ (turned(ray, rotation)));
+      return seen ? [seen[0] - point[0], seen[1] - point[1]] : null;
+    });
+  const rotation = minimize(
+    (at) => apart(at).flatMap((d, index) => d ?? (rays[index] ? [FAR_PX, FAR_PX] : [0, 0])),
+    [0, 0, 0],
+  );
   const lengths = apart(rotation).map((d) => d && Math.hypot(d[0], d[1]));
   const there = lengths.filter((each) => each !== null);
   return {
     px: Array.from({ length: rows }, (_, row) => lengths.slice(row * columns, (row + 1) * columns)),
-    rms: Math.sqrt(there.reduce((sum, each) => sum + each * each, 0) / Math.max(1, there.length)), max: Math.max(0, ...there),
+    rms: Math.sqrt(there.reduce((sum, each) => sum + each * each, 0) / Math.max(1, there.length)),
+    max: Math.max(0, ...there),
   };
 }

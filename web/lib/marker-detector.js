@@ -6,7 +6,8 @@
  *
  * @typedef {object} MarkerOptions
  * @property {number} [border] width of the black frame, cells: 1, or 2 as Kalibr prints it
- * @property {number} [window] side of the one window of the adaptive threshold, px; three windows unless given, which take longer
+ * @property {number} [window] side of the one window of the adaptive threshold, px; three windows unless given, which
+ *   take longer
  */
 
 export class MarkerDetector {
@@ -40,7 +41,11 @@ export class MarkerDetector {
     return [...found.values()];
   }
 
-  /** Dark quadrilaterals, whether or not they are markers. @param {Grey} image @returns {number[][][]} corners, clockwise, px */
+  /**
+   * Dark quadrilaterals, whether or not they are markers.
+   * @param {Grey} image
+   * @returns {number[][][]} corners, clockwise, px
+   */
   quads(image) {
     return this.#detect(image, (corners, _, rejected) => [...corners, ...rejected]);
   }
@@ -51,7 +56,12 @@ export class MarkerDetector {
    */
   #detect({ width, height, data }, use) {
     const cv = this.#cv;
-    const [input, corners, ids, rejected] = [new cv.Mat(height, width, cv.CV_8UC1), new cv.MatVector(), new cv.Mat(), new cv.MatVector()];
+    const [input, corners, ids, rejected] = [
+      new cv.Mat(height, width, cv.CV_8UC1),
+      new cv.MatVector(),
+      new cv.Mat(),
+      new cv.MatVector(),
+    ];
     try {
       input.data.set(data);
       this.#detector.detectMarkers(input, corners, ids, rejected);
@@ -78,13 +88,19 @@ function quadsOf(vector) {
 
 /** Mean length of a marker's sides, px. @param {Marker} marker */
 export function sideOf({ corners }) {
-  return corners.reduce((sum, [x, y], n) => sum + Math.hypot(corners[(n + 1) % 4][0] - x, corners[(n + 1) % 4][1] - y), 0) / 4;
+  return (
+    corners.reduce((sum, [x, y], n) => sum + Math.hypot(corners[(n + 1) % 4][0] - x, corners[(n + 1) % 4][1] - y), 0) /
+    4
+  );
 }
 
 /** @param {Marker} marker @returns {number[]} px */
 export function centreOf({ corners: [a, b, c, d] }) {
   // Intersection of the diagonals: the centre in the plane of the marker, too.
-  const [p, q] = [[c[0] - a[0], c[1] - a[1]], [d[0] - b[0], d[1] - b[1]]];
+  const [p, q] = [
+    [c[0] - a[0], c[1] - a[1]],
+    [d[0] - b[0], d[1] - b[1]],
+  ];
   const determinant = p[0] * q[1] - p[1] * q[0];
   const s = ((b[0] - a[0]) * q[1] - (b[1] - a[1]) * q[0]) / (determinant || 1);
   return [a[0] + s * p[0], a[1] + s * p[1]];

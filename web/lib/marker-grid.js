@@ -8,9 +8,11 @@ import { apply, homography } from "./homography.js";
  * @typedef {object} Hypothesis
  * @property {"charuco" | "aprilgrid"} kind
  * @property {number} columns of squares, or tags
- * @property {boolean} markerFirst whether the first square of a ChArUco board holds a marker, as OpenCV before 4.6 drew some
+ * @property {boolean} markerFirst whether the first square of a ChArUco board holds a marker, as OpenCV before 4.6 drew
+ *   some
  *
- * @typedef {Hypothesis & {error: number, inliers: Marker[], side: number}} GridFit error: median distance of a marker from where the
+ * @typedef {Hypothesis & {error: number, inliers: Marker[], side: number}} GridFit error: median distance of a marker
+ *   from where the
  *   hypothesis has it, of its side; side: of a marker, in squares (charuco) or distances of tags (aprilgrid)
  */
 
@@ -21,7 +23,12 @@ const MAX_ERROR = 0.2; // sides of a marker: a lens bends a board by no more
 const MIN_ERROR_RATIO = 2.5; // by which every other hypothesis must be worse
 const MAX_OUTLIER_ERROR = 0.6; // sides of a marker
 
-/** Column and row of the square in which a marker lies; of a tag, from below. @param {Hypothesis} hypothesis @param {number} id @returns {[number, number]} */
+/**
+ * Column and row of the square in which a marker lies; of a tag, from below.
+ * @param {Hypothesis} hypothesis
+ * @param {number} id
+ * @returns {[number, number]}
+ */
 export function squareOf({ kind, columns, markerFirst }, id) {
   if (kind === "aprilgrid") return [id % columns, Math.floor(id / columns)];
   // Two rows together hold `columns` markers; the first of them those of its odd squares, or of its even ones.
@@ -46,14 +53,24 @@ export function fitGrid(markers, isTagFamily) {
   if (markers.length < MIN_MARKERS) return null;
   /** @type {Hypothesis[]} */
   const hypotheses = [];
-  for (let columns = 3; columns <= MAX_SQUARES; columns++) for (const markerFirst of [false, true]) hypotheses.push({ kind: "charuco", columns, markerFirst });
-  if (isTagFamily) for (let columns = 1; columns <= MAX_SQUARES; columns++) hypotheses.push({ kind: "aprilgrid", columns, markerFirst: true });
-  const fits = hypotheses.map((hypothesis) => fit(hypothesis, markers)).filter((found) => found !== null).filter(({ error }) => error < MAX_ERROR);
+  for (let columns = 3; columns <= MAX_SQUARES; columns++)
+    for (const markerFirst of [false, true]) hypotheses.push({ kind: "charuco", columns, markerFirst });
+  if (isTagFamily)
+    for (let columns = 1; columns <= MAX_SQUARES; columns++)
+      hypotheses.push({ kind: "aprilgrid", columns, markerFirst: true });
+  const fits = hypotheses
+    .map((hypothesis) => fit(hypothesis, markers))
+    .filter((found) => found !== null)
+    .filter(({ error }) => error < MAX_ERROR);
   // Without the ends of its rows a board looks like one that begins a column later.
   fits.sort((a, b) => b.inliers.length - a.inliers.length || a.error - b.error);
   const [best, next] = fits;
   if (!best) return null;
-  return next && next.inliers.length === best.inliers.length && next.error < MIN_ERROR_RATIO * Math.max(best.error, 0.02) ? null : best;
+  return next &&
+    next.inliers.length === best.inliers.length &&
+    next.error < MIN_ERROR_RATIO * Math.max(best.error, 0.02)
+    ? null
+    : best;
 }
 
 /** @param {Hypothesis} hypothesis @param {Marker[]} markers @returns {GridFit | null} */
@@ -77,7 +94,14 @@ function fit(hypothesis, markers) {
   return null;
 }
 
-/** The fit, if markers lie on the board as they must: not mirrored, and ChArUco's upright. @param {Hypothesis} hypothesis @param {Marker[]} inliers @param {number[][]} places @param {number} error @returns {GridFit | null} */
+/**
+ * The fit, if markers lie on the board as they must: not mirrored, and ChArUco's upright.
+ * @param {Hypothesis} hypothesis
+ * @param {Marker[]} inliers
+ * @param {number[][]} places
+ * @param {number} error
+ * @returns {GridFit | null}
+ */
 function turned(hypothesis, inliers, places, error) {
   const back = homography(inliers.map(centreOf), places);
   if (!back) return null;

@@ -7,18 +7,31 @@ import { refineCorner } from "./subpixel.js";
 /**
  * @typedef {import("./subpixel.js").Grey} Grey
  * @typedef {import("./marker-detector.js").Marker} Marker
- * @typedef {{family: string, border: number, mirrored: boolean, markers: Marker[]}} Reading markers of one family in one picture; of a
+ * @typedef {{family: string, border: number, mirrored: boolean, markers: Marker[]}} Reading markers of one family in
+ *   one picture; of a
  *   mirrored one as they would be in the picture turned back
  */
 
 /** The longest dictionary of each family, those that people use first. */
 export const FAMILIES = [
-  "DICT_4X4_1000", "DICT_5X5_1000", "DICT_6X6_1000", "DICT_APRILTAG_36h11", "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_36h10",
-  "DICT_APRILTAG_25h9", "DICT_APRILTAG_16h5",
+  "DICT_4X4_1000",
+  "DICT_5X5_1000",
+  "DICT_6X6_1000",
+  "DICT_APRILTAG_36h11",
+  "DICT_7X7_1000",
+  "DICT_ARUCO_ORIGINAL",
+  "DICT_APRILTAG_36h10",
+  "DICT_APRILTAG_25h9",
+  "DICT_APRILTAG_16h5",
 ];
 const KALIBR_BORDER = 2; // cells
 const CELL_SAMPLES = [0.25, 0.5, 0.75]; // within a cell
-const UNIT_SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]];
+const UNIT_SQUARE = [
+  [0, 0],
+  [1, 0],
+  [1, 1],
+  [0, 1],
+];
 const FRAME_PLACES = [0.15, 0.29, 0.43, 0.57, 0.71, 0.85]; // across a marker
 const FRAME_DEPTH = 0.05; // within the black frame of the narrowest
 const MARKER_WINDOW_SHARE = 0.1; // of a marker's side: half the window of the refinement
@@ -26,12 +39,22 @@ const [MIN_WINDOW_PX, MAX_WINDOW_PX] = [2, 5];
 const MIN_CONTRAST = 30; // of 255, between the black and the white of a marker
 
 /** Cells a side of the markers of all families, and of their black borders. @type {[number, number][]} */
-const SHAPES = [...new Map(FAMILIES.flatMap((family) => {
-  const { side } = dictionaryOf(family);
-  return (isTagFamily(family) ? [1, KALIBR_BORDER] : [1]).map((border) => [`${side} ${border}`, /** @type {[number, number]} */ ([side, border])]);
-})).values()];
+const SHAPES = [
+  ...new Map(
+    FAMILIES.flatMap((family) => {
+      const { side } = dictionaryOf(family);
+      return (isTagFamily(family) ? [1, KALIBR_BORDER] : [1]).map((border) => [
+        `${side} ${border}`,
+        /** @type {[number, number]} */ ([side, border]),
+      ]);
+    }),
+  ).values(),
+];
 
-/** Families and numbers by the cells of a marker, by its side. @type {Map<number, Map<number, {family: string, id: number}[]>>} */
+/**
+ * Families and numbers by the cells of a marker, by its side.
+ * @type {Map<number, Map<number, {family: string, id: number}[]>>}
+ */
 const codes = new Map();
 
 /** @param {number} side */
@@ -69,14 +92,20 @@ export function readMarkers(image, quads) {
     let fine = null;
     for (const [side, border] of SHAPES) {
       const cells = readCells(image, h, side, border);
-      for (const each of cells ? lookUp(cells, fine ??= refined(image, quad), side, border, image.width) : []) add(readings, each, border);
+      for (const each of cells ? lookUp(cells, (fine ??= refined(image, quad)), side, border, image.width) : [])
+        add(readings, each, border);
     }
   }
-  return [...readings.values()].map(({ found, ...reading }) => ({ ...reading, markers: [...found.values()] }))
+  return [...readings.values()]
+    .map(({ found, ...reading }) => ({ ...reading, markers: [...found.values()] }))
     .sort((a, b) => b.markers.length - a.markers.length);
 }
 
-/** @param {Map<string, Reading & {found: Map<number, Marker>}>} readings @param {{family: string, mirrored: boolean, marker: Marker}} each @param {number} border */
+/**
+ * @param {Map<string, Reading & {found: Map<number, Marker>}>} readings
+ * @param {{family: string, mirrored: boolean, marker: Marker}} each
+ * @param {number} border
+ */
 function add(readings, { family, mirrored, marker }, border) {
   const key = `${family} ${border} ${mirrored}`;
   const reading = readings.get(key) ?? { family, border, mirrored, markers: [], found: new Map() };
@@ -105,17 +134,28 @@ function refined(image, quad) {
   });
 }
 
-/** Whether a quadrilateral is dark all along its sides, and brighter somewhere within: most are not. @param {Grey} image @param {number[]} h */
+/**
+ * Whether a quadrilateral is dark all along its sides, and brighter somewhere within: most are not.
+ * @param {Grey} image
+ * @param {number[]} h
+ */
 function hasDarkFrame(image, h) {
   let [frame, inside] = [0, 0];
   for (const place of FRAME_PLACES) {
-    for (const depth of [FRAME_DEPTH, 1 - FRAME_DEPTH]) frame = Math.max(frame, level(image, h, place, depth), level(image, h, depth, place));
+    for (const depth of [FRAME_DEPTH, 1 - FRAME_DEPTH])
+      frame = Math.max(frame, level(image, h, place, depth), level(image, h, depth, place));
     for (const other of FRAME_PLACES) inside = Math.max(inside, level(image, h, place, other));
   }
   return inside - frame >= MIN_CONTRAST;
 }
 
-/** Brightness at a place of the unit square. @param {Grey} image @param {number[]} h @param {number} u @param {number} v */
+/**
+ * Brightness at a place of the unit square.
+ * @param {Grey} image
+ * @param {number[]} h
+ * @param {number} u
+ * @param {number} v
+ */
 function level({ width, height, data }, h, u, v) {
   const w = h[6] * u + h[7] * v + h[8];
   const [x, y] = [Math.round((h[0] * u + h[1] * v + h[2]) / w), Math.round((h[3] * u + h[4] * v + h[5]) / w)];
@@ -132,7 +172,8 @@ function readCells(image, h, side, border) {
   const levels = new Float64Array(count * count);
   for (let index = 0; index < levels.length; index++) {
     const [column, row] = [index % count, Math.floor(index / count)];
-    for (const v of CELL_SAMPLES) for (const u of CELL_SAMPLES) levels[index] += level(image, h, (column + u) / count, (row + v) / count);
+    for (const v of CELL_SAMPLES)
+      for (const u of CELL_SAMPLES) levels[index] += level(image, h, (column + u) / count, (row + v) / count);
   }
   const [low, high] = [Math.min(...levels), Math.max(...levels)];
   if (high - low < MIN_CONTRAST * CELL_SAMPLES.length ** 2) return null;
@@ -149,7 +190,11 @@ function readCells(image, h, side, border) {
 }
 
 /**
- * @param {boolean[]} cells @param {number[][]} quad @param {number} side @param {number} border @param {number} width of the image, px
+ * @param {boolean[]} cells
+ * @param {number[][]} quad
+ * @param {number} side
+ * @param {number} border
+ * @param {number} width of the image, px
  * @returns {{family: string, mirrored: boolean, marker: Marker}[]}
  */
 function lookUp(cells, quad, side, border, width) {

@@ -15,7 +15,8 @@ export class OfflineError extends Error {
 
 /**
  * `fetch`, whose rejections a person can read, and which does not wait for ever.
- * @param {RequestInfo | URL} address @param {RequestInit & {timeout?: number}} [request] timeout: ms for the whole answer
+ * @param {RequestInfo | URL} address
+ * @param {RequestInit & {timeout?: number}} [request] timeout: ms for the whole answer
  * @returns {Promise<Response>} rejects with OfflineError; reading the body rejects as `readable` understands
  */
 export async function reach(address, { timeout = TIMEOUT_MS, signal, ...request } = {}) {

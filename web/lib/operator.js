@@ -1,4 +1,5 @@
-// Operator of this service, as the deployment names them: name, contact, imprint. Without any of it the page says that it is a private copy.
+// Operator of this service, as the deployment names them: name, contact, imprint. Without any of it the page says that
+// it is a private copy.
 import { el, part } from "./dom.js";
 import { onLanguage, t } from "./i18n.js";
 import { OfflineError } from "./network.js";
@@ -7,16 +8,21 @@ import { SettingsError, loadSettings, storedSettings } from "./settings.js";
 /** @typedef {{name?: string, contact?: string, imprint?: string}} Operator */
 /** Keys of the words for them. @typedef {{name: string, contact: string, imprint: string}} Words */
 
-/** Shows it on the page, in words of the page's own catalog; and tells it. @param {Words} words @returns {Promise<Operator>} */
+/**
+ * Shows it on the page, in words of the page's own catalog; and tells it.
+ * @param {Words} words
+ * @returns {Promise<Operator>}
+ */
 export async function showOperator(words) {
   const operator = (await settings())?.operator ?? {};
   if (Object.keys(operator).length === 0) return operator;
   const list = part("operator", HTMLElement);
-  const show = () => list.replaceChildren(
-    ...row(t(words.name), operator.name),
-    ...row(t(words.contact), operator.contact && link(operator.contact)),
-    ...row(t(words.imprint), ...imprint(operator.imprint ?? "")),
-  );
+  const show = () =>
+    list.replaceChildren(
+      ...row(t(words.name), operator.name),
+      ...row(t(words.contact), operator.contact && link(operator.contact)),
+      ...row(t(words.imprint), ...imprint(operator.imprint ?? "")),
+    );
   onLanguage(show);
   show();
   list.hidden = false;

@@ -17,7 +17,11 @@ const MAX_OWN = 100; // calibrations; the oldest go first
 export function ownCalibrations() {
   try {
     const kept = JSON.parse(localStorage.getItem(KEY) ?? "[]");
-    return Array.isArray(kept) ? kept.filter((each) => typeof each?.id === "string" && typeof each.camera === "string" && Array.isArray(each.img_size)) : [];
+    return Array.isArray(kept)
+      ? kept.filter(
+          (each) => typeof each?.id === "string" && typeof each.camera === "string" && Array.isArray(each.img_size),
+        )
+      : [];
   } catch (error) {
     // A browser that keeps nothing for pages refuses the very question.
     if (!(error instanceof DOMException) && !(error instanceof SyntaxError)) throw error;

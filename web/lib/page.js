@@ -8,11 +8,15 @@ export function openPage() {
   translate(document.documentElement);
   document.addEventListener("invalid", explainField, { capture: true });
   document.addEventListener("input", ({ target }) => clearExplanation(target));
-  document.addEventListener("click", ({ target }) => {
-    // A script may have filled the field in since: the form is checked again.
-    const form = target instanceof Element ? target.closest("button")?.form : null;
-    for (const field of form?.elements ?? []) clearExplanation(field);
-  }, { capture: true });
+  document.addEventListener(
+    "click",
+    ({ target }) => {
+      // A script may have filled the field in since: the form is checked again.
+      const form = target instanceof Element ? target.closest("button")?.form : null;
+      for (const field of form?.elements ?? []) clearExplanation(field);
+    },
+    { capture: true },
+  );
   // Pages that calibrate have a consent block.
   if (document.getElementById("consent")) void import("./consent.js").then(({ offerConsent }) => offerConsent());
   if (document.readyState === "complete") cacheFiles();
@@ -20,7 +24,8 @@ export function openPage() {
 }
 
 /**
- * Registers sw.js, which fetches all files of the pages, those of the detector's worker among them: once this page is there,
+ * Registers sw.js, which fetches all files of the pages, those of the detector's worker among them: once this page is
+ * there,
  * so that it does not compete for the line. Without it everything works, but is fetched anew with each visit.
  */
 function cacheFiles() {
@@ -31,10 +36,17 @@ function cacheFiles() {
 /** Fields whose custom validity is a text of ours. @type {WeakSet<EventTarget>} */
 const explained = new WeakSet();
 
-/** Says in the page's language what a form's field lacks; the browser's own text is in its own language. @param {Event} event */
+/**
+ * Says in the page's language what a form's field lacks; the browser's own text is in its own language.
+ * @param {Event} event
+ */
 function explainField({ target }) {
   if (!(target instanceof HTMLInputElement) || target.validity.customError) return;
-  const { validity: { valueMissing }, min, max } = target;
+  const {
+    validity: { valueMissing },
+    min,
+    max,
+  } = target;
   const isNumber = target.type === "number" && min && max;
   if (!valueMissing && !isNumber) return;
   explained.add(target);

@@ -10,7 +10,8 @@ import { blackSquares, vertexOf } from "./target-preview.js";
  */
 
 /**
- * Rim and black areas of a board whose corners are those of a pose. Where a lens is hardly known, its model bends the board's edge
+ * Rim and black areas of a board whose corners are those of a pose. Where a lens is hardly known, its model bends the
+ * board's edge
  * another way than the corners: the rim follows the corners, so that it holds all of them.
  * @param {Board} board @param {{ids: number[], corners: number[][], outline: number[][]}} pose
  * @returns {{rim: Polygon, black: Polygon[]}} px
@@ -23,18 +24,40 @@ export function drawnBoard(board, pose) {
   /** A place of the board, squares. @param {number} x @param {number} y */
   const place = (x, y) => {
     const [column, row] = [Math.min(columns - 1, Math.floor(x)), Math.min(rows - 1, Math.floor(y))];
-    const corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(([u, v]) => /** @type {number[]} */ (vertex(column + u, row + v)));
+    const corners = [
+      [0, 0],
+      [1, 0],
+      [0, 1],
+      [1, 1],
+    ].map(([u, v]) => /** @type {number[]} */ (vertex(column + u, row + v)));
     const [u, v] = [x - column, y - row];
-    return [0, 1].map((k) => (1 - v) * ((1 - u) * corners[0][k] + u * corners[1][k]) + v * ((1 - u) * corners[2][k] + u * corners[3][k]));
+    return [0, 1].map(
+      (k) =>
+        (1 - v) * ((1 - u) * corners[0][k] + u * corners[1][k]) + v * ((1 - u) * corners[2][k] + u * corners[3][k]),
+    );
   };
-  const black = blackRectangles(board).map(([x, y, width, height]) => [[x, y], [x + width, y], [x + width, y + height], [x, y + height]].map(([u, v]) => place(u, v)));
+  const black = blackRectangles(board).map(([x, y, width, height]) =>
+    [
+      [x, y],
+      [x + width, y],
+      [x + width, y + height],
+      [x, y + height],
+    ].map(([u, v]) => place(u, v)),
+  );
   return { rim: rimOf(board, whole), black };
 }
 
-/** The pose with the corners that lie outside the picture. @param {Board} board @param {{ids: number[], corners: number[][]}} pose */
+/**
+ * The pose with the corners that lie outside the picture.
+ * @param {Board} board
+ * @param {{ids: number[], corners: number[][]}} pose
+ */
 function completed(board, { ids, corners }) {
   const places = allCorners(board);
-  const h = homography(ids.map((id) => places[id]), corners);
+  const h = homography(
+    ids.map((id) => places[id]),
+    corners,
+  );
   const seen = new Map(ids.map((id, index) => [id, corners[index]]));
   return h && { ids: places.map((_, id) => id), corners: places.map((place, id) => seen.get(id) ?? apply(h, place)) };
 }
@@ -45,8 +68,10 @@ function rimOf(board, pose) {
   const vertex = vertexOf(board, pose);
   const range = (/** @type {number} */ count) => Array.from({ length: count }, (_, n) => n);
   const rim = [
-    ...range(columns).map((x) => vertex(x, 0)), ...range(rows).map((y) => vertex(columns, y)),
-    ...range(columns).map((x) => vertex(columns - x, rows)), ...range(rows).map((y) => vertex(0, rows - y)),
+    ...range(columns).map((x) => vertex(x, 0)),
+    ...range(rows).map((y) => vertex(columns, y)),
+    ...range(columns).map((x) => vertex(columns - x, rows)),
+    ...range(rows).map((y) => vertex(0, rows - y)),
   ];
   return /** @type {Polygon} */ (rim);
 }

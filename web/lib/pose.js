@@ -33,7 +33,8 @@ export function interpolatePose(from, to, part) {
 }
 
 /**
- * Pose in which a person shown `target` holds the board: turned by about 3° and 3 % of the distance off, times `amount`.
+ * Pose in which a person shown `target` holds the board: turned by about 3° and 3 % of the distance off, times
+ * `amount`.
  * @param {Pose} target @param {number} amount 0 = a robot @param {() => number} random uniform 0…1
  * @param {number[]} pivot centre of the board, board frame: the hand turns the board about it
  * @returns {Pose}

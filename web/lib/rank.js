@@ -24,8 +24,11 @@ export function rankByNovelty(candidates, size, most = Infinity) {
   const chosen = [];
   const seen = new Set();
   while (left.length && chosen.length < most) {
-    const scores = left.map(({ candidate, cells: its }) =>
-      [...its].filter((cell) => !seen.has(cell)).length / GRID_COLUMNS + SHAPE_WEIGHT * novelty(candidate, chosen, size[0]));
+    const scores = left.map(
+      ({ candidate, cells: its }) =>
+        [...its].filter((cell) => !seen.has(cell)).length / GRID_COLUMNS +
+        SHAPE_WEIGHT * novelty(candidate, chosen, size[0]),
+    );
     const best = scores.indexOf(Math.max(...scores));
     const [{ candidate, cells: its }] = left.splice(best, 1);
     chosen.push(candidate);
@@ -40,7 +43,9 @@ export function rankByNovelty(candidates, size, most = Infinity) {
  * @param {F[]} frames in the video's order @param {number} width of the picture, px
  */
 export function distinct(frames, width) {
-  const motions = frames.map((frame, index) => Math.max(...[frames[index - 1], frames[index + 1]].filter(Boolean).map((other) => motion(frame, other))));
+  const motions = frames.map((frame, index) =>
+    Math.max(...[frames[index - 1], frames[index + 1]].filter(Boolean).map((other) => motion(frame, other))),
+  );
   /** @type {F[]} */
   const chosen = [];
   for (const index of [...frames.keys()].sort((a, b) => motions[a] - motions[b])) {
@@ -53,7 +58,11 @@ export function distinct(frames, width) {
 function cells(points, [width, height]) {
   const side = width / GRID_COLUMNS;
   const rows = Math.ceil(height / side);
-  return new Set(points.map(([x, y]) => Math.min(rows - 1, Math.floor((y + 0.5) / side)) * GRID_COLUMNS + Math.floor((x + 0.5) / side)));
+  return new Set(
+    points.map(
+      ([x, y]) => Math.min(rows - 1, Math.floor((y + 0.5) / side)) * GRID_COLUMNS + Math.floor((x + 0.5) / side),
+    ),
+  );
 }
 
 /**
@@ -65,18 +74,25 @@ function cells(points, [width, height]) {
 function novelty({ outline }, chosen, width) {
   if (!outline) return 0;
   if (chosen.length === 0) return Math.min(1, foreshortening(outline));
-  const distances = chosen.map((other) => (other.outline ? distance(outline, other.outline) / width : MAX_OUTLINE_DISTANCE));
+  const distances = chosen.map((other) =>
+    other.outline ? distance(outline, other.outline) / width : MAX_OUTLINE_DISTANCE,
+  );
   return Math.min(MAX_OUTLINE_DISTANCE, ...distances) / MAX_OUTLINE_DISTANCE;
 }
 
 /** Root mean squared distance of the vertices, px. @param {number[][]} a @param {number[][]} b */
 function distance(a, b) {
-  return Math.sqrt(a.reduce((sum, [x, y], index) => sum + (x - b[index][0]) ** 2 + (y - b[index][1]) ** 2, 0) / a.length);
+  return Math.sqrt(
+    a.reduce((sum, [x, y], index) => sum + (x - b[index][0]) ** 2 + (y - b[index][1]) ** 2, 0) / a.length,
+  );
 }
 
 /**
- * Those first that were taken, in the order in which the error fell with them, best first; then the others as they came.
- * @template P @param {P[]} pictures @param {(picture: P) => {accepted: boolean, after: number | null} | undefined} judgementOf
+ * Those first that were taken, in the order in which the error fell with them, best first; then the others as they
+ * came.
+ * @template P
+ * @param {P[]} pictures
+ * @param {(picture: P) => {accepted: boolean, after: number | null} | undefined} judgementOf
  */
 export function sortByGain(pictures, judgementOf) {
   const place = (/** @type {P} */ picture) => {

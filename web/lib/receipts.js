@@ -1,4 +1,5 @@
-// Receipts of the calibrations made with this browser, kept in it and nowhere else. Who shows one to the operator has made
+// Receipts of the calibrations made with this browser, kept in it and nowhere else. Who shows one to the operator has
+// made
 // that calibration, and can have it erased (`/privacy/`).
 
 /**
@@ -24,7 +25,11 @@ export function receipts(now = Date.now()) {
   }
 }
 
-/** Keeps the receipt of a session that has ended. @param {string} receipt @param {{calibration_id?: string | null, camera?: string}} state */
+/**
+ * Keeps the receipt of a session that has ended.
+ * @param {string} receipt
+ * @param {{calibration_id?: string | null, camera?: string}} state
+ */
 export function keepReceipt(receipt, { calibration_id: id, camera = "" }, now = Date.now()) {
   if (!id || !receipt) return;
   const others = receipts(now).filter((each) => each.id !== id);

@@ -27,14 +27,29 @@ export class Recogniser {
     const small = shrunk(image, factor);
     const chessboard = recogniseChessboard(image);
     /** @type {Sighting} */
-    const nothing = { family: null, markers: [], inverted: false, mirrored: false, size: [image.width, image.height], chessboard };
+    const nothing = {
+      family: null,
+      markers: [],
+      inverted: false,
+      mirrored: false,
+      size: [image.width, image.height],
+      chessboard,
+    };
     /** @type {Sighting[]} */
     const sightings = [];
     for (const inverted of [false, true]) {
       const upright = inverted ? negative(small) : small;
       for (const { family, mirrored, markers } of readMarkers(upright, this.#detector.quads(upright))) {
-        const sighting = { ...nothing, family, mirrored, inverted, markers: markers.map(({ id, corners }) =>
-          ({ id, corners: corners.map(([x, y]) => [factor * (x + 0.5) - 0.5, factor * (y + 0.5) - 0.5]) })) };
+        const sighting = {
+          ...nothing,
+          family,
+          mirrored,
+          inverted,
+          markers: markers.map(({ id, corners }) => ({
+            id,
+            corners: corners.map(([x, y]) => [factor * (x + 0.5) - 0.5, factor * (y + 0.5) - 0.5]),
+          })),
+        };
         if (isTelling(sighting)) sightings.push(sighting);
       }
     }

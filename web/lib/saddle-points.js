@@ -13,7 +13,22 @@
 
 // ChESS (Bennett & Lasenby, "ChESS: quick and robust detection of chess-board features", 2014): 16 samples on a ring.
 const RING = [
-  [0, -5], [2, -5], [3, -3], [5, -2], [5, 0], [5, 2], [3, 3], [2, 5], [0, 5], [-2, 5], [-3, 3], [-5, 2], [-5, 0], [-5, -2], [-3, -3], [-2, -5],
+  [0, -5],
+  [2, -5],
+  [3, -3],
+  [5, -2],
+  [5, 0],
+  [5, 2],
+  [3, 3],
+  [2, 5],
+  [0, 5],
+  [-2, 5],
+  [-3, 3],
+  [-5, 2],
+  [-5, 0],
+  [-5, -2],
+  [-3, -3],
+  [-2, -5],
 ];
 const RING_RADIUS_PX = 5;
 const MIN_RESPONSE = 60; // of 255 grey levels: four pairs of samples that differ by 15
@@ -31,14 +46,30 @@ export function saddlePoints(image) {
   const found = [];
   for (let y = RING_RADIUS_PX; y < height - RING_RADIUS_PX; y++) {
     for (let x = RING_RADIUS_PX, at = y * width + x; x < width - RING_RADIUS_PX; x++, at++) {
-      const [a, b, c, d] = [data[at + o0] + data[at + o8], data[at + o4] + data[at + o12], data[at + o2] + data[at + o10], data[at + o6] + data[at + o14]];
+      const [a, b, c, d] = [
+        data[at + o0] + data[at + o8],
+        data[at + o4] + data[at + o12],
+        data[at + o2] + data[at + o10],
+        data[at + o6] + data[at + o14],
+      ];
       const first = Math.abs(a - b) + Math.abs(c - d);
       if (first < MIN_RESPONSE / 3) continue; // most of a picture is none
-      const [e, f, g, h] = [data[at + o1] + data[at + o9], data[at + o5] + data[at + o13], data[at + o3] + data[at + o11], data[at + o7] + data[at + o15]];
+      const [e, f, g, h] = [
+        data[at + o1] + data[at + o9],
+        data[at + o5] + data[at + o13],
+        data[at + o3] + data[at + o11],
+        data[at + o7] + data[at + o15],
+      ];
       const sum = first + Math.abs(e - f) + Math.abs(g - h);
-      const difference = Math.abs(data[at + o0] - data[at + o8]) + Math.abs(data[at + o1] - data[at + o9]) + Math.abs(data[at + o2] - data[at + o10])
-        + Math.abs(data[at + o3] - data[at + o11]) + Math.abs(data[at + o4] - data[at + o12]) + Math.abs(data[at + o5] - data[at + o13])
-        + Math.abs(data[at + o6] - data[at + o14]) + Math.abs(data[at + o7] - data[at + o15]);
+      const difference =
+        Math.abs(data[at + o0] - data[at + o8]) +
+        Math.abs(data[at + o1] - data[at + o9]) +
+        Math.abs(data[at + o2] - data[at + o10]) +
+        Math.abs(data[at + o3] - data[at + o11]) +
+        Math.abs(data[at + o4] - data[at + o12]) +
+        Math.abs(data[at + o5] - data[at + o13]) +
+        Math.abs(data[at + o6] - data[at + o14]) +
+        Math.abs(data[at + o7] - data[at + o15]);
       if (sum - difference < MIN_RESPONSE) continue;
       const mean = (a + b + c + d + e + f + g + h) / 16;
       const local = (data[at] + data[at - 1] + data[at + 1] + data[at - width] + data[at + width]) / 5;
@@ -48,7 +79,9 @@ export function saddlePoints(image) {
       found.push(at);
     }
   }
-  const peaks = found.filter((at) => isPeak(response, at, width)).map((at) => describe(image, response[at], at % width, Math.floor(at / width)));
+  const peaks = found
+    .filter((at) => isPeak(response, at, width))
+    .map((at) => describe(image, response[at], at % width, Math.floor(at / width)));
   peaks.sort((p, q) => q.strength - p.strength);
   const typical = peaks[Math.min(peaks.length - 1, 20)]?.strength ?? 0;
   return peaks.filter(({ strength }) => strength >= MIN_RELATIVE_RESPONSE * typical).slice(0, MAX_SADDLES);
@@ -79,7 +112,12 @@ export function describe({ width, data }, strength, x, y) {
   return { x, y, strength, axis: axis < 0 ? axis + Math.PI : axis, contrast: samples[12] - samples[3] };
 }
 
-/** Response of the detector at one pixel, of either sign. @param {Grey} image @param {number} x @param {number} y whole pixels */
+/**
+ * Response of the detector at one pixel, of either sign.
+ * @param {Grey} image
+ * @param {number} x
+ * @param {number} y whole pixels
+ */
 export function responseAt({ width, data }, x, y) {
   const at = y * width + x;
   const ring = RING.map(([dx, dy]) => data[at + dy * width + dx]);

@@ -10,7 +10,8 @@ import { keepReceipt } from "./receipts.js";
  * @typedef {import("../vendor/api.js").Pose} Pose
  *
  * @typedef {{ids: number[], points: number[][]}} View
- * @typedef {{view: number, accepted: boolean, reason: string | null, before: number | null, after: number | null}} Judgement
+ * @typedef {{view: number, accepted: boolean, reason: string | null, before: number | null, after: number | null}}
+ *   Judgement
  *   view: its number; before, after: predicted error, px
  *
  * @typedef {object} Outcome
@@ -27,14 +28,17 @@ const MAX_POINTS = 20_000; // of all views, that a session holds
  * Offers all views, and ends the session with those that agree if they are enough.
  * @param {Api} api @param {string} token @param {SessionRequest} request @param {View[]} views best first
  * @param {(judgement: Judgement) => void} onJudgement
- * @param {{detectModel?: boolean}} [options] detectModel: where the views say that the lens model is too simple, begin again with
+ * @param {{detectModel?: boolean}} [options] detectModel: where the views say that the lens model is too simple, begin
+ *   again with
  *   the one that explains them
  * @returns {Promise<Outcome>} rejects as Api does
  */
 export async function calibrate(api, token, request, views, onJudgement, { detectModel = false } = {}) {
   const { session_id: credential } = await api.json("POST", "/auth", token);
   /** @type {SessionState} */
-  const begun = await api.json("POST", "/session", credential, { body: { ...request, ...consentFields(), capture: "recorded" } });
+  const begun = await api.json("POST", "/session", credential, {
+    body: { ...request, ...consentFields(), capture: "recorded" },
+  });
   const { state, numbers } = await offer(api, credential, begun, views, onJudgement);
   const { suggested_model: suggested } = state;
   if (detectModel && suggested && suggested !== request.distortion_model) {
@@ -65,7 +69,10 @@ async function offer(api, credential, state, views, onJudgement) {
     /** @type {number[]} */
     const contradicting = [];
     while (waiting.length) {
-      const body = { index: numbers.size, views: waiting.map((view) => ({ ids: views[view].ids, points: views[view].points })) };
+      const body = {
+        index: numbers.size,
+        views: waiting.map((view) => ({ ids: views[view].ids, points: views[view].points })),
+      };
       /** @type {BatchAnswer} */
       const answer = await api.json("POST", "/session/batch", credential, { body });
       state = answer;

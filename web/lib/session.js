@@ -1,4 +1,5 @@
-// Session of one guided capture at the service. Its views are also stored in the page and on this device: nothing is lost
+// Session of one guided capture at the service. Its views are also stored in the page and on this device: nothing is
+// lost
 // when the session expires, the network fails or the page is reloaded.
 import { ApiError, OfflineError } from "./api.js";
 import { consentFields } from "./consent.js";
@@ -24,7 +25,8 @@ import { keepReceipt } from "./receipts.js";
  * @property {View[]} views
  * @property {string} [address] of the page that it was captured with, "?virtual=1"
  *
- * @typedef {{credential?: string, body?: object, accept?: string}} RequestOptions credential: another than the session's own
+ * @typedef {{credential?: string, body?: object, accept?: string}} RequestOptions credential: another than the
+ *   session's own
  *
  * @typedef {object} Resumed outcome of sending the views that were waiting
  * @property {SessionState} state
@@ -54,7 +56,8 @@ export class CaptureSession {
 
   /**
    * @param {import("./api.js").Api} api @param {string} token API token @param {SessionRequest} request
-   * @param {{about?: string, save?: (capture: SavedCapture) => void, saved?: SavedCapture | null, answered?: Set<string>}} [memory] save: called
+   * @param {{about?: string, save?: (capture: SavedCapture) => void, saved?: SavedCapture | null, answered?:
+   *   Set<string>}} [memory] save: called
    *   after each change; saved: by an earlier page; answered: kinds of requests that have been answered before
    */
   constructor(api, token, request, { about = "", save = () => {}, saved = null, answered = new Set() } = {}) {
@@ -98,7 +101,10 @@ export class CaptureSession {
   /** @returns {Promise<SessionState>} */
   async start() {
     const { session_id } = await this.#call("POST", "/auth", { credential: this.#token });
-    const state = await this.#call("POST", "/session", { credential: session_id, body: { ...this.#request, ...consentFields() } });
+    const state = await this.#call("POST", "/session", {
+      credential: session_id,
+      body: { ...this.#request, ...consentFields() },
+    });
     this.#credential = session_id;
     return state;
   }
@@ -121,7 +127,9 @@ export class CaptureSession {
 
   /**
    * Resumes the capture after the camera, the network or the page was lost, with all views so far.
-   * @param {import("./api.js").Api} [api] @param {{onSending?: () => void}} [options] onSending: called when the service is there and views are about to be sent
+   * @param {import("./api.js").Api} [api]
+   * @param {{onSending?: () => void}} [options] onSending: called when the service is there and views are about to be
+   *   sent
    * @returns {Promise<Resumed>}
    */
   async resume(api = this.#api, { onSending = () => {} } = {}) {
@@ -269,5 +277,7 @@ export class CaptureSession {
 
 /** Whether the session has expired or was forgotten. @param {unknown} error */
 function isExpired(error) {
-  return error instanceof ApiError && (error.status === 401 || error.kind === "session-expired" || error.status === 404);
+  return (
+    error instanceof ApiError && (error.status === 401 || error.kind === "session-expired" || error.status === 404)
+  );
 }

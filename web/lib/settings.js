@@ -2,7 +2,8 @@
 import { reach } from "./network.js";
 
 /**
- * @typedef {{api: string, token: string, return_origins?: string[], operator?: {name?: string, contact?: string, imprint?: string}}} Settings return_origins: to which results may be
+ * @typedef {{api: string, token: string, return_origins?: string[], operator?: {name?: string, contact?: string,
+ *   imprint?: string}}} Settings return_origins: to which results may be
  *    handed
  */
 

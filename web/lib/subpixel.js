@@ -75,10 +75,12 @@ export function squareSizes(ids, points, columns) {
     const neighbours = [id - columns, id + columns];
     if (column > 0) neighbours.push(id - 1);
     if (column < columns - 1) neighbours.push(id + 1);
-    return Math.min(...neighbours.map((other) => {
-      const point = place.get(other);
-      return point ? Math.hypot(point[0] - points[index][0], point[1] - points[index][1]) : Infinity;
-    }));
+    return Math.min(
+      ...neighbours.map((other) => {
+        const point = place.get(other);
+        return point ? Math.hypot(point[0] - points[index][0], point[1] - points[index][1]) : Infinity;
+      }),
+    );
   });
   const known = sizes.filter(Number.isFinite).sort((a, b) => a - b);
   const median = known[known.length >> 1] ?? 0;

@@ -29,7 +29,9 @@ export function ticks(length, most) {
 
 /**
  * A frame of the picture's shape.
- * @param {readonly [number, number]} size px @param {string} label for those who cannot see it @param {string} [name] class
+ * @param {readonly [number, number]} size px
+ * @param {string} label for those who cannot see it
+ * @param {string} [name] class
  * @returns {{svg: SVGElement, area: SVGElement, x: (u: number) => number, y: (v: number) => number}}
  *   area: clipped to the picture; x, y: px → plot
  */
@@ -37,7 +39,12 @@ export function imagePlot([width, height], label, name = "") {
   const unit = (WIDTH - 2) / width;
   const x = (/** @type {number} */ u) => 1 + (u + 0.5) * unit;
   const bottom = 1 + height * unit;
-  const svg = make("svg", { viewBox: `0 0 ${WIDTH} ${short(bottom + 1)}`, role: "img", "aria-label": label, class: `plot ${name}` });
+  const svg = make("svg", {
+    viewBox: `0 0 ${WIDTH} ${short(bottom + 1)}`,
+    role: "img",
+    "aria-label": label,
+    class: `plot ${name}`,
+  });
   const frame = { x: 1, y: 1, width: WIDTH - 2, height: short(bottom - 1) };
   // One level of nesting clips what leaves the picture, without ids that several plots would share.
   const area = make("svg", { ...frame, viewBox: `1 1 ${frame.width} ${frame.height}`, overflow: "hidden" });
@@ -52,6 +59,8 @@ export function arrow(x0, y0, x1, y1) {
   if (length < 0.5) return `M${short(x0)} ${short(y0)}h.1`;
   const head = Math.min(4, 0.45 * length) / length;
   const [hx, hy] = [dx * head, dy * head];
-  return `M${short(x0)} ${short(y0)}L${short(x1)} ${short(y1)}` +
-    `M${short(x1 - hx + 0.5 * hy)} ${short(y1 - hy - 0.5 * hx)}L${short(x1)} ${short(y1)}L${short(x1 - hx - 0.5 * hy)} ${short(y1 - hy + 0.5 * hx)}`;
+  return (
+    `M${short(x0)} ${short(y0)}L${short(x1)} ${short(y1)}` +
+    `M${short(x1 - hx + 0.5 * hy)} ${short(y1 - hy - 0.5 * hx)}L${short(x1)} ${short(y1)}L${short(x1 - hx - 0.5 * hy)} ${short(y1 - hy + 0.5 * hx)}`
+  );
 }

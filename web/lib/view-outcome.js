@@ -9,5 +9,7 @@ export function viewOutcome({ accepted, reason, before, after }) {
   const px = (/** @type {number} */ value) => number(value, value < 1 ? 2 : 1);
   if (!accepted) return t(`photos.refused_${reason === "no_information" ? "no_information" : "other"}`);
   if (after === null) return t("photos.taken");
-  return before === null ? t("photos.first", { after: px(after) }) : t("photos.added", { before: px(before), after: px(after) });
+  return before === null
+    ? t("photos.first", { after: px(after) })
+    : t("photos.added", { before: px(before), after: px(after) });
 }

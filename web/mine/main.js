@@ -1,4 +1,5 @@
-// Page of the calibrations that were made in this browser: open them, compare two or one with the consensus, forget them.
+// Page of the calibrations that were made in this browser: open them, compare two or one with the consensus, forget
+// them.
 import { splitLabel } from "../lib/camera-name.js";
 import { el, part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
@@ -28,7 +29,11 @@ function forget(id) {
 /** @param {Own} own */
 function row({ id, camera, img_size, time, level, rms }) {
   const { name } = splitLabel(camera);
-  const box = el("input", { type: "checkbox", id: `tick-${id}`, "aria-label": t("mine.compare_this", { camera: name, date: dateText(time) }) });
+  const box = el("input", {
+    type: "checkbox",
+    id: `tick-${id}`,
+    "aria-label": t("mine.compare_this", { camera: name, date: dateText(time) }),
+  });
   box.checked = ticked.has(id);
   box.disabled = ticked.size === 2 && !box.checked;
   box.addEventListener("change", () => {
@@ -37,20 +42,36 @@ function row({ id, camera, img_size, time, level, rms }) {
     draw();
     document.getElementById(box.id)?.focus();
   });
-  return el("li", {}, el("label", { class: "tick" }, box),
-    el("a", { href: pageUrl(`result/?${new URLSearchParams({ id })}`).href }, el("strong", {}, name), ` ${formatSize(img_size)}`),
+  return el(
+    "li",
+    {},
+    el("label", { class: "tick" }, box),
+    el(
+      "a",
+      { href: pageUrl(`result/?${new URLSearchParams({ id })}`).href },
+      el("strong", {}, name),
+      ` ${formatSize(img_size)}`,
+    ),
     el("span", { class: `verdict tint ${level}` }, t(`result.level_${level}`)),
     el("span", { class: "muted number" }, `± ${rough(rms)}\u00a0px · ${dateText(time)}`),
-    button(t("cameras.forget"), () => forget(id), { class: "small", "aria-label": t("cameras.forget_this", { camera: name }) }));
+    button(t("cameras.forget"), () => forget(id), {
+      class: "small",
+      "aria-label": t("cameras.forget_this", { camera: name }),
+    }),
+  );
 }
 
-/** Compares what is ticked; one calibration with the consensus of its camera. @param {HTMLElement} shown @param {HTMLElement} status */
+/**
+ * Compares what is ticked; one calibration with the consensus of its camera.
+ * @param {HTMLElement} shown
+ * @param {HTMLElement} status
+ */
 async function compare(shown, status) {
   const own = ++asked;
   status.textContent = t("cameras.comparing");
   try {
     const [one, other] = await Promise.all([...ticked].map((id) => load(id)));
-    const pair = [one, other ?? await consensusOf(one.calibration)];
+    const pair = [one, other ?? (await consensusOf(one.calibration))];
     if (own !== asked) return;
     const isOneSize = pair[1] !== null && String(pair[0].calibration.img_size) === String(pair[1].calibration.img_size);
     status.textContent = isOneSize ? "" : t(pair[1] ? "mine.other_size" : "mine.no_consensus");
@@ -60,7 +81,10 @@ async function compare(shown, status) {
   }
 }
 
-/** @param {Awaited<ReturnType<typeof load>>["calibration"]} calibration @returns {Promise<Awaited<ReturnType<typeof load>> | null>} null: there is none */
+/**
+ * @param {Awaited<ReturnType<typeof load>>["calibration"]} calibration
+ * @returns {Promise<Awaited<ReturnType<typeof load>> | null>} null: there is none
+ */
 async function consensusOf({ id, img_size, distortion_model }) {
   const key = factsOf(id)?.cameraKey;
   const known = key ? await knownCalibrations(key, img_size) : [];
@@ -71,14 +95,40 @@ async function consensusOf({ id, img_size, distortion_model }) {
 function draw() {
   const all = ownCalibrations();
   if (all.length === 0) {
-    return place.replaceChildren(el("div", { class: "nothing" }, el("p", {}, t("mine.empty")),
-      el("div", { class: "actions", id: "first" }, el("a", { class: "button primary", href: pageUrl("calibrate/").href }, t("cameras.calibrate_yours")), el("a", { class: "button", href: pageUrl("photos/").href }, t("cameras.from_photos")))));
+    return place.replaceChildren(
+      el(
+        "div",
+        { class: "nothing" },
+        el("p", {}, t("mine.empty")),
+        el(
+          "div",
+          { class: "actions", id: "first" },
+          el("a", { class: "button primary", href: pageUrl("calibrate/").href }, t("cameras.calibrate_yours")),
+          el("a", { class: "button", href: pageUrl("photos/").href }, t("cameras.from_photos")),
+        ),
+      ),
+    );
   }
   const shown = el("div", { class: "comparison" });
   const status = el("p", { class: "muted", role: "status" }, t(ticked.size ? "mine.tick_another" : "cameras.tick_two"));
-  place.replaceChildren(el("ul", { class: "own" }, ...all.map(row)),
-    el("div", { class: "actions" }, ...(ticked.size === 1 ? [button(t("mine.with_consensus"), () => void compare(shown, status), { id: "with-consensus" })] : []), status), shown,
-    el("div", { class: "actions" }, el("a", { class: "button", href: pageUrl("import/").href }, t("mine.with_file")), ...(all.length > 1 ? [button(t("cameras.forget_all"), () => forget(), { id: "forget-all" })] : [])));
+  place.replaceChildren(
+    el("ul", { class: "own" }, ...all.map(row)),
+    el(
+      "div",
+      { class: "actions" },
+      ...(ticked.size === 1
+        ? [button(t("mine.with_consensus"), () => void compare(shown, status), { id: "with-consensus" })]
+        : []),
+      status,
+    ),
+    shown,
+    el(
+      "div",
+      { class: "actions" },
+      el("a", { class: "button", href: pageUrl("import/").href }, t("mine.with_file")),
+      ...(all.length > 1 ? [button(t("cameras.forget_all"), () => forget(), { id: "forget-all" })] : []),
+    ),
+  );
   if (ticked.size === 2) void compare(shown, status);
 }
 

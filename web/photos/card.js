@@ -36,9 +36,13 @@ export function thumbnail(picture, points) {
  */
 export function card(picture, chosen, judgement) {
   const { name, thumbnail: small, ids } = picture;
-  const what = !isView(picture) ? t(ids.length ? "photos.too_few" : "photos.no_board")
-    : !chosen ? t("photos.other_series")
-    : judgement ? viewOutcome(judgement) : t("photos.corners", { count: ids.length });
+  const what = !isView(picture)
+    ? t(ids.length ? "photos.too_few" : "photos.no_board")
+    : !chosen
+      ? t("photos.other_series")
+      : judgement
+        ? viewOutcome(judgement)
+        : t("photos.corners", { count: ids.length });
   const kind = judgement?.accepted ? "taken" : isView(picture) && chosen ? "" : "unused";
   return el("li", { class: kind }, small, el("p", { class: "name" }, name), el("p", { class: "what number" }, what));
 }

@@ -10,7 +10,15 @@
  * @property {{at: number, little: boolean, value: number} | null} orientation and where in the file it is written
  */
 
-const TAGS = { make: 0x010f, model: 0x0110, orientation: 0x0112, more: 0x8769, focal: 0x920a, focal35: 0xa405, lens: 0xa434 };
+const TAGS = {
+  make: 0x010f,
+  model: 0x0110,
+  orientation: 0x0112,
+  more: 0x8769,
+  focal: 0x920a,
+  focal35: 0xa405,
+  lens: 0xa434,
+};
 const TYPES = { ascii: 2, short: 3, rational: 5 };
 const SIZES = [0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8]; // bytes of one value, by type
 /** @type {Exif} */
@@ -39,7 +47,8 @@ function blockStart(view) {
   if (view.byteLength < 12) return null;
   if (view.getUint16(0) === 0xffd8) return inJpeg(view);
   if (view.getUint32(0) === 0x89504e47) return inChunks(view, 8, "eXIf", { little: false, head: 8, foot: 4 });
-  if (name(0, 4) === "RIFF" && name(8, 4) === "WEBP") return inChunks(view, 12, "EXIF", { little: true, head: 8, foot: 0 });
+  if (name(0, 4) === "RIFF" && name(8, 4) === "WEBP")
+    return inChunks(view, 12, "EXIF", { little: true, head: 8, foot: 0 });
   return ["II*\0", "MM\0*"].includes(name(0, 4)) ? 0 : null;
 }
 
@@ -48,18 +57,25 @@ function inJpeg(view) {
   for (let at = 2; at + 10 <= view.byteLength;) {
     const marker = view.getUint16(at);
     // Past the headers; what follows is the picture.
-    if (marker < 0xffe0 && marker !== 0xffdb && marker !== 0xffc4 || marker === 0xffda) return null;
+    if ((marker < 0xffe0 && marker !== 0xffdb && marker !== 0xffc4) || marker === 0xffda) return null;
     if (marker === 0xffe1 && text(view, at + 4, 6) === "Exif\0\0") return at + 10;
     at += 2 + view.getUint16(at + 2);
   }
   return null;
 }
 
-/** @param {DataView} view @param {number} from @param {string} wanted @param {{little: boolean, head: number, foot: number}} layout */
+/**
+ * @param {DataView} view
+ * @param {number} from
+ * @param {string} wanted
+ * @param {{little: boolean, head: number, foot: number}} layout
+ */
 function inChunks(view, from, wanted, { little, head, foot }) {
   for (let at = from; at + head <= view.byteLength;) {
     // PNG names a chunk after its length, RIFF before it; and RIFF pads to even lengths.
-    const [length, name] = little ? [view.getUint32(at + 4, true), text(view, at, 4)] : [view.getUint32(at), text(view, at + 4, 4)];
+    const [length, name] = little
+      ? [view.getUint32(at + 4, true), text(view, at, 4)]
+      : [view.getUint32(at), text(view, at + 4, 4)];
     if (name === wanted) return text(view, at + head, 6) === "Exif\0\0" ? at + head + 6 : at + head;
     at += head + length + foot + (little ? length % 2 : 0);
   }
@@ -73,28 +89,46 @@ function readBlock(view, start) {
   const more = first.get(TAGS.more);
   const second = more ? directory(view, start, start + view.getUint32(more.at, little), little) : new Map();
   const words = (/** @type {Entry | undefined} */ entry) =>
-    (entry?.type === TYPES.ascii ? text(view, entry.at, entry.count).replace(/\0.*$/s, "").trim() : "");
+    entry?.type === TYPES.ascii ? text(view, entry.at, entry.count).replace(/\0.*$/s, "").trim() : "";
   const focal = second.get(TAGS.focal);
   const focal35 = second.get(TAGS.focal35);
   const orientation = first.get(TAGS.orientation);
   return {
-    make: words(first.get(TAGS.make)), model: words(first.get(TAGS.model)), lens: words(second.get(TAGS.lens)),
-    focal: focal?.type === TYPES.rational ? ratio(view.getUint32(focal.at, little), view.getUint32(focal.at + 4, little)) : 0,
+    make: words(first.get(TAGS.make)),
+    model: words(first.get(TAGS.model)),
+    lens: words(second.get(TAGS.lens)),
+    focal:
+      focal?.type === TYPES.rational
+        ? ratio(view.getUint32(focal.at, little), view.getUint32(focal.at + 4, little))
+        : 0,
     focal35: focal35?.type === TYPES.short ? view.getUint16(focal35.at, little) : 0,
-    orientation: orientation?.type === TYPES.short ? { at: orientation.at, little, value: view.getUint16(orientation.at, little) } : null,
+    orientation:
+      orientation?.type === TYPES.short
+        ? { at: orientation.at, little, value: view.getUint16(orientation.at, little) }
+        : null,
   };
 }
 
 /** @typedef {{type: number, count: number, at: number}} Entry at: where its value is */
 
-/** @param {DataView} view @param {number} start @param {number} at @param {boolean} little @returns {Map<number, Entry>} by tag */
+/**
+ * @param {DataView} view
+ * @param {number} start
+ * @param {number} at
+ * @param {boolean} little
+ * @returns {Map<number, Entry>} by tag
+ */
 function directory(view, start, at, little) {
   const entries = new Map();
   for (let index = 0; index < view.getUint16(at, little); index++) {
     const entry = at + 2 + 12 * index;
     const [type, count] = [view.getUint16(entry + 2, little), view.getUint32(entry + 4, little)];
     const fits = (SIZES[type] ?? 0) * count <= 4;
-    entries.set(view.getUint16(entry, little), { type, count, at: fits ? entry + 8 : start + view.getUint32(entry + 8, little) });
+    entries.set(view.getUint16(entry, little), {
+      type,
+      count,
+      at: fits ? entry + 8 : start + view.getUint32(entry + 8, little),
+    });
   }
   return entries;
 }
@@ -108,7 +142,8 @@ function text(view, at, length) {
 }
 
 /**
- * The same file with the sensor's own rows and columns: browsers turn photographs upright, and a turned one has other intrinsics.
+ * The same file with the sensor's own rows and columns: browsers turn photographs upright, and a turned one has other
+ * intrinsics.
  * @param {ArrayBuffer} file @param {Exif} exif of it
  * @returns {ArrayBuffer}
  */
@@ -119,7 +154,11 @@ export function unturned(file, { orientation }) {
   return copy;
 }
 
-/** A camera's name as one would say it: "Canon EOS R6, RF24-70mm F2.8 L IS USM". @param {Exif} exif @returns {string} "" where nothing is known */
+/**
+ * A camera's name as one would say it: "Canon EOS R6, RF24-70mm F2.8 L IS USM".
+ * @param {Exif} exif
+ * @returns {string} "" where nothing is known
+ */
 export function cameraName({ make, model, lens }) {
   const brand = make.split(/[\s,]/)[0];
   const body = model.toLowerCase().startsWith(brand.toLowerCase()) ? model : [make, model].filter(Boolean).join(" ");

@@ -47,7 +47,8 @@ const isVideo = ({ type, name }) => type.startsWith("video/") || (type === "" &&
 
 /**
  * @param {File} file @param {AbortSignal} signal
- * @param {{samples?: number, mirrored?: boolean}} [options] samples: so many frames from all over a video, else all, or as many as time
+ * @param {{samples?: number, mirrored?: boolean}} [options] samples: so many frames from all over a video, else all, or
+ *   as many as time
  *   allows; mirrored: the pictures are, and are turned back
  * @returns {AsyncGenerator<Shot>} throws UnreadableError
  */
@@ -73,14 +74,27 @@ async function photograph(file) {
   const exif = readExif(bytes);
   try {
     const picture = await createImageBitmap(new Blob([unturned(bytes, exif)], { type: file.type }));
-    return { name: file.name, picture, camera: cameraName(exif), focal: exif.focal, focal35: exif.focal35, kind: "photographs", share: 1 };
+    return {
+      name: file.name,
+      picture,
+      camera: cameraName(exif),
+      focal: exif.focal,
+      focal35: exif.focal35,
+      kind: "photographs",
+      share: 1,
+    };
   } catch (error) {
     if (error instanceof DOMException) throw new UnreadableError(file);
     throw error;
   }
 }
 
-/** @param {File} file @param {AbortSignal} signal @param {number} samples 0: all frames @returns {AsyncGenerator<Shot>} */
+/**
+ * @param {File} file
+ * @param {AbortSignal} signal
+ * @param {number} samples 0: all frames
+ * @returns {AsyncGenerator<Shot>}
+ */
 async function* frames(file, signal, samples) {
   const video = document.createElement("video");
   video.muted = true;
@@ -90,8 +104,17 @@ async function* frames(file, signal, samples) {
     await event(video, "loadeddata", file);
     const { duration } = video;
     const isPlayed = samples === 0 && "requestVideoFrameCallback" in video;
-    for await (const { time, picture } of isPlayed ? playedFrames(video, MAX_FRAMES, signal) : sampledFrames(video, file, samples, signal)) {
-      yield { name: `${file.name}, ${time.toFixed(2)} s`, picture, camera: "", focal: 0, kind: "video", share: Math.min(1, time / duration || 0) };
+    for await (const { time, picture } of isPlayed
+      ? playedFrames(video, MAX_FRAMES, signal)
+      : sampledFrames(video, file, samples, signal)) {
+      yield {
+        name: `${file.name}, ${time.toFixed(2)} s`,
+        picture,
+        camera: "",
+        focal: 0,
+        kind: "video",
+        share: Math.min(1, time / duration || 0),
+      };
     }
   } finally {
     URL.revokeObjectURL(video.src);
@@ -100,10 +123,18 @@ async function* frames(file, signal, samples) {
   }
 }
 
-/** @param {HTMLVideoElement} video @param {File} file @param {number} samples @param {AbortSignal} signal @returns {AsyncGenerator<import("./video-frames.js").VideoPicture>} */
+/**
+ * @param {HTMLVideoElement} video
+ * @param {File} file
+ * @param {number} samples
+ * @param {AbortSignal} signal
+ * @returns {AsyncGenerator<import("./video-frames.js").VideoPicture>}
+ */
 async function* sampledFrames(video, file, samples, signal) {
   const { duration } = video;
-  const count = !Number.isFinite(duration) ? 1 : samples || Math.min(MAX_FRAMES, Math.max(1, Math.floor(duration * FRAMES_PER_S)));
+  const count = !Number.isFinite(duration)
+    ? 1
+    : samples || Math.min(MAX_FRAMES, Math.max(1, Math.floor(duration * FRAMES_PER_S)));
   for (let index = 0; index < count && !signal.aborted; index++) {
     video.currentTime = ((index + 0.5) * duration) / count;
     await event(video, "seeked", file);
@@ -122,16 +153,21 @@ function event(video, name, file) {
       reject(new UnreadableError(file));
     };
     video.addEventListener("error", fail, { signal: end.signal });
-    video.addEventListener(name, () => {
-      clearTimeout(timer);
-      end.abort();
-      resolve();
-    }, { signal: end.signal });
+    video.addEventListener(
+      name,
+      () => {
+        clearTimeout(timer);
+        end.abort();
+        resolve();
+      },
+      { signal: end.signal },
+    );
   });
 }
 
 /** Words that cameras and programs put into names of files. */
-const FILE_WORDS = /^(?:img|dsc[fn]?|pxl|dji|gopr\d+|gh\d\d|mvi|mov|vid|video|image|frame|frames|photo|photos|picture|pic|capture|captured|snapshot|screenshot|output|left|right|calib|calibration|board|charuco|chessboard|aprilgrid|test|scan|wp|p|s)$/i;
+const FILE_WORDS =
+  /^(?:img|dsc[fn]?|pxl|dji|gopr\d+|gh\d\d|mvi|mov|vid|video|image|frame|frames|photo|photos|picture|pic|capture|captured|snapshot|screenshot|output|left|right|calib|calibration|board|charuco|chessboard|aprilgrid|test|scan|wp|p|s)$/i;
 const MIN_NAME_LETTERS = 4;
 
 /**
@@ -140,11 +176,18 @@ const MIN_NAME_LETTERS = 4;
  * @returns {string} "" where they say nothing
  */
 export function cameraOfNames(names) {
-  const [first = "", ...others] = names.map((name) => name.replace(/\.[^.]*$/, "").split(/[_\s]+/).filter(Boolean));
+  const [first = "", ...others] = names.map((name) =>
+    name
+      .replace(/\.[^.]*$/, "")
+      .split(/[_\s]+/)
+      .filter(Boolean),
+  );
   const common = [...first].filter((word, index) => others.every((words) => words[index] === word));
   const end = common.findIndex((word) => FILE_WORDS.test(word) || /^\d+$/.test(word) || /^\d{4}-?\d{2}/.test(word));
   // A size at the end of a word is no part of the name: "HD-3000-1280" is of pictures 1280 px wide.
-  const words = common.slice(0, end < 0 ? undefined : end).map((word) => word.replace(/-(?:\d{3,4}x\d{3,4}|640|1280|1920|3840)$/, ""));
+  const words = common
+    .slice(0, end < 0 ? undefined : end)
+    .map((word) => word.replace(/-(?:\d{3,4}x\d{3,4}|640|1280|1920|3840)$/, ""));
   const name = words.join(" ").trim();
   return (name.match(/\p{L}/gu)?.length ?? 0) >= MIN_NAME_LETTERS ? name.slice(0, 128) : "";
 }

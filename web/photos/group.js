@@ -12,7 +12,8 @@
  * @property {number[][]} points
  * @property {[number, number][] | null} outline
  *
- * @typedef {{id: string, camera: string, focal: number, kind: Found["kind"], size: [number, number], members: number[]}} Group
+ * @typedef {{id: string, camera: string, focal: number, kind: Found["kind"], size: [number, number], members:
+ *   number[]}} Group
  *   members: numbers of the pictures that show the board
  */
 

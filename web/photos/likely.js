@@ -20,7 +20,11 @@ export function questionOf(pictures) {
   return { camera, platform: kind, img_size: size, zoom: focal, ...reported, redirect: false, miss: "ok" };
 }
 
-/** Shows what is likely of the camera, where it is not calibrated. @param {HTMLElement} place @param {readonly Found[]} pictures */
+/**
+ * Shows what is likely of the camera, where it is not calibrated.
+ * @param {HTMLElement} place
+ * @param {readonly Found[]} pictures
+ */
 export async function showLikely(place, pictures) {
   const body = questionOf(pictures);
   const about = JSON.stringify(body);

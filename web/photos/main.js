@@ -39,13 +39,25 @@ const query = new URLSearchParams(location.search);
 const asked = boardFrom(query);
 let { board } = asked;
 let mirrored = false; // the pictures; then they are turned back
-let isChosen = asked.problem === null && ["kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted"].some((name) => query.has(name));
+let isChosen =
+  asked.problem === null &&
+  ["kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted"].some((name) => query.has(name));
 const parts = {
-  drop: part("drop", HTMLElement), files: part("files", HTMLInputElement), status: part("status", HTMLElement),
-  progress: part("progress", HTMLProgressElement), pictures: part("pictures", HTMLElement), form: part("form", HTMLFormElement),
-  series: part("series", HTMLSelectElement), several: part("several", HTMLElement), camera: part("camera", HTMLInputElement),
-  focal: part("focal", HTMLInputElement), model: part("model", HTMLSelectElement), start: part("start", HTMLButtonElement),
-  wanted: part("wanted", HTMLElement), problem: part("problem", HTMLElement), clear: part("clear", HTMLButtonElement),
+  drop: part("drop", HTMLElement),
+  files: part("files", HTMLInputElement),
+  status: part("status", HTMLElement),
+  progress: part("progress", HTMLProgressElement),
+  pictures: part("pictures", HTMLElement),
+  form: part("form", HTMLFormElement),
+  series: part("series", HTMLSelectElement),
+  several: part("several", HTMLElement),
+  camera: part("camera", HTMLInputElement),
+  focal: part("focal", HTMLInputElement),
+  model: part("model", HTMLSelectElement),
+  start: part("start", HTMLButtonElement),
+  wanted: part("wanted", HTMLElement),
+  problem: part("problem", HTMLElement),
+  clear: part("clear", HTMLButtonElement),
 };
 const view = new LaterResultView(part("result", HTMLElement));
 const [tell, want] = [liveRegion(parts.status), liveRegion(parts.wanted)];
@@ -75,10 +87,11 @@ function explain(error) {
   return t(hasMessage(key) ? key : "capture.fault_detector", { detail: error.message });
 }
 
-const openDetector = () => (detector ??= Detector.open(board).catch((error) => {
-  detector = null;
-  throw error;
-}));
+const openDetector = () =>
+  (detector ??= Detector.open(board).catch((error) => {
+    detector = null;
+    throw error;
+  }));
 
 /** Invalidate the results for the chosen pictures. @returns {number} the turn that begins */
 function discard() {
@@ -96,12 +109,18 @@ const chosenSeries = () => groups(pictures).find(({ id }) => id === parts.series
 function showPictures() {
   const members = new Set((chosenSeries()?.members ?? []).map((index) => pictures[index]));
   const isUsed = (/** @type {Picture} */ picture) => judgements.get(picture)?.accepted === true;
-  const shown = (judged ? sortByGain(pictures, (picture) => judgements.get(picture)) : pictures).filter((picture) => picture.kind !== "video");
+  const shown = (judged ? sortByGain(pictures, (picture) => judgements.get(picture)) : pictures).filter(
+    (picture) => picture.kind !== "video",
+  );
   const frames = pictures.filter((picture) => picture.kind === "video" && isUsed(picture));
   const cards = [...shown, ...frames].map((picture) => {
     const judgement = judgements.get(picture);
     // Errors on the way to the result say nothing about a picture once it is there.
-    return card(picture, members.has(picture), judged && judgement?.accepted ? { ...judgement, after: null } : judgement);
+    return card(
+      picture,
+      members.has(picture),
+      judged && judgement?.accepted ? { ...judgement, after: null } : judgement,
+    );
   });
   parts.pictures.classList.toggle("filmstrip", frames.length > 0 && shown.length === 0);
   parts.pictures.replaceChildren(...cards);
@@ -111,8 +130,20 @@ function showSeries() {
   void showLikely(part("likely", HTMLElement), pictures);
   const found = groups(pictures);
   const before = parts.series.value;
-  parts.series.replaceChildren(...found.map(({ id, camera, focal, size, members }) =>
-    new Option([camera || t("photos.unnamed"), ...(focal ? [`${focal} mm`] : []), size.join(" × "), t("photos.count", { count: members.length })].join(" · "), id)));
+  parts.series.replaceChildren(
+    ...found.map(
+      ({ id, camera, focal, size, members }) =>
+        new Option(
+          [
+            camera || t("photos.unnamed"),
+            ...(focal ? [`${focal} mm`] : []),
+            size.join(" × "),
+            t("photos.count", { count: members.length }),
+          ].join(" · "),
+          id,
+        ),
+    ),
+  );
   if (found.some(({ id }) => id === before)) parts.series.value = before;
   parts.several.hidden = found.length < 2;
   parts.form.hidden = found.length === 0;
@@ -153,7 +184,7 @@ function take(added) {
 /** @param {File[]} list */
 async function look(list) {
   run.abort();
-  const { signal } = run = new AbortController();
+  const { signal } = (run = new AbortController());
   discard();
   parts.progress.hidden = false;
   parts.progress.removeAttribute("value");
@@ -189,7 +220,11 @@ async function look(list) {
     const isFilm = pictures.every(({ kind }) => kind === "video");
     const found = () => {
       if (pictures.length === 0) return [];
-      return [views ? t(`photos.found_${isFilm ? "frames" : "photos"}`, values) : t("photos.not_found", { count: pictures.length })];
+      return [
+        views
+          ? t(`photos.found_${isFilm ? "frames" : "photos"}`, values)
+          : t("photos.not_found", { count: pictures.length }),
+      ];
     };
     tell(() => [...found(), ...unreadableTexts(unreadable)].join(" "));
     if (views === 0 && pictures.length) whichBoard.open();
@@ -203,7 +238,8 @@ async function look(list) {
 /**
  * Recognises the board, and asks whether it is the one.
  * @param {Detector} finder @param {File[]} list @param {AbortSignal} signal
- * @returns {Promise<boolean>} whether a board was recognised that is not the one looked for; then the answer has been acted on
+ * @returns {Promise<boolean>} whether a board was recognised that is not the one looked for; then the answer has been
+ *   acted on
  */
 async function recognise(finder, list, signal) {
   tell(() => t("photos.recognising"));
@@ -235,23 +271,40 @@ async function start(without = new Set()) {
     const { api: address, token, return_origins: returnOrigins } = await loadSettings();
     if (mine !== turn) return;
     const members = group.members.map((index) => pictures[index]).filter((picture) => !without.has(picture));
-    const views = rankByNovelty(group.kind === "video" ? distinct(members, group.size[0]) : members, group.size, MAX_VIEWS);
+    const views = rankByNovelty(
+      group.kind === "video" ? distinct(members, group.size[0]) : members,
+      group.size,
+      MAX_VIEWS,
+    );
     const detectModel = parts.model.value === AUTOMATIC;
     const request = {
-      camera: parts.camera.value.trim(), platform: group.kind, img_size: group.size, zoom: Number(parts.focal.value) || 0,
-      distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (detectModel ? "rectilinear" : parts.model.value), board,
+      camera: parts.camera.value.trim(),
+      platform: group.kind,
+      img_size: group.size,
+      zoom: Number(parts.focal.value) || 0,
+      distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (
+        detectModel ? "rectilinear" : parts.model.value
+      ),
+      board,
     };
     const progress = () => t("photos.calibrating", { done: judgements.size, all: views.length });
     tell(progress);
     const onRetry = (/** @type {object | null} */ retry) => {
       if (mine === turn) tell(retry ? () => t("faults.retry") : progress);
     };
-    const outcome = await calibrate(new Api(address, { onRetry }), token, request, views, (judgement) => {
-      if (mine !== turn) return;
-      judgements.set(views[judgement.view], judgement);
-      tell(progress);
-      showPictures();
-    }, { detectModel });
+    const outcome = await calibrate(
+      new Api(address, { onRetry }),
+      token,
+      request,
+      views,
+      (judgement) => {
+        if (mine !== turn) return;
+        judgements.set(views[judgement.view], judgement);
+        tell(progress);
+        showPictures();
+      },
+      { detectModel },
+    );
     if (mine === turn) await finish(outcome, views, returnOrigins, without);
   } catch (error) {
     if (mine === turn) tell(() => explain(error));
@@ -260,7 +313,12 @@ async function start(without = new Set()) {
   }
 }
 
-/** @param {Outcome} outcome @param {Picture[]} views @param {string[] | undefined} returnOrigins @param {Set<Picture>} without */
+/**
+ * @param {Outcome} outcome
+ * @param {Picture[]} views
+ * @param {string[] | undefined} returnOrigins
+ * @param {Set<Picture>} without
+ */
 async function finish({ state, wanted, numbers }, views, returnOrigins, without) {
   const mine = turn;
   judged = true;
@@ -268,7 +326,8 @@ async function finish({ state, wanted, numbers }, views, returnOrigins, without)
   const taken = views.filter((each) => judgements.get(each)?.accepted);
   const id = state.calibration_id;
   const isFolded = taken.length >= MIN_SUFFICIENT_PHOTOS && Boolean(id);
-  const helpful = () => (wanted ? [wantedFigure(board, wanted, state.img_size, { addMore: () => parts.files.click(), isFolded })] : []);
+  const helpful = () =>
+    wanted ? [wantedFigure(board, wanted, state.img_size, { addMore: () => parts.files.click(), isFolded })] : [];
   if (!id) {
     const { uncertainty } = state;
     tell(() => (uncertainty ? t("photos.not_enough") : t("photos.nothing_taken")));
@@ -280,12 +339,25 @@ async function finish({ state, wanted, numbers }, views, returnOrigins, without)
   const picture = await canvasOf(taken[0]);
   if (mine !== turn) return;
   const aside = el("div", { class: "wanted" });
-  if (levelOf(calibration) !== "good" || (report?.verdict && report.verdict.level !== "good")) liveRegion(aside)(helpful);
+  if (levelOf(calibration) !== "good" || (report?.verdict && report.verdict.level !== "good"))
+    liveRegion(aside)(helpful);
   const pictureOf = (/** @type {number} */ index) => views[numbers.get(index) ?? -1];
   const goOn = (/** @type {number[]} */ left) => void start(new Set([...without, ...left.map(pictureOf)]));
   const names = (/** @type {number} */ index) => pictureOf(index)?.name ?? "";
   const photo = (/** @type {number} */ index) => pictureOf(index)?.thumbnail.toDataURL("image/jpeg") ?? null;
-  await view.show({ calibration, report, picture, origin: "added", returnTo: query.get("return_to"), returnOrigins, goOn, names, photo, aside, explain });
+  await view.show({
+    calibration,
+    report,
+    picture,
+    origin: "added",
+    returnTo: query.get("return_to"),
+    returnOrigins,
+    goOn,
+    names,
+    photo,
+    aside,
+    explain,
+  });
   document.getElementById("verdict")?.focus();
 }
 
@@ -305,7 +377,9 @@ async function canvasOf(picture) {
 
 /** Links to the board lead to the one looked for. */
 function linkBoard() {
-  for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (document.querySelectorAll("main a[href*='/board/']"))) {
+  for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (
+    document.querySelectorAll("main a[href*='/board/']")
+  )) {
     const there = new URL(link.href);
     there.search = boardQuery(board).toString();
     link.href = there.href;
@@ -332,7 +406,8 @@ for (const name of ["dragenter", "dragover", "dragleave", "drop"]) {
   parts.drop.addEventListener(name, (event) => {
     event.preventDefault();
     parts.drop.classList.toggle("over", name === "dragenter" || name === "dragover");
-    if (name === "drop") take([...(/** @type {DragEvent} */ (event).dataTransfer?.files ?? [])]);
+    const { dataTransfer } = /** @type {DragEvent} */ (event);
+    if (name === "drop") take([...(dataTransfer?.files ?? [])]);
   });
 }
 parts.series.addEventListener("change", () => {
@@ -350,7 +425,7 @@ parts.clear.addEventListener("click", () => {
   discard();
   [files, pictures, mirrored] = [[], [], false];
   origins.clear();
-  if (isSameBoard(board, DEFAULT_BOARD)) whichBoard.show(board, isChosen = false);
+  if (isSameBoard(board, DEFAULT_BOARD)) whichBoard.show(board, (isChosen = false));
   parts.progress.hidden = true;
   tell();
   showSeries();

@@ -1,4 +1,5 @@
-// The board in files of which nobody said what board they show: a few pictures are looked at, and one question is asked.
+// The board in files of which nobody said what board they show: a few pictures are looked at, and one question is
+// asked.
 import { isTelling, recognise } from "../lib/board-recognition.js";
 import { boardWords } from "../lib/board-words.js";
 import { el, part } from "../lib/dom.js";
@@ -11,10 +12,12 @@ import { UnreadableError, shots } from "./files.js";
  * @typedef {import("../lib/board.js").SentBoard} SentBoard
  * @typedef {import("../lib/detector.js").Detector} Detector
  * @typedef {import("../lib/board-recognition.js").Sighting} Sighting
- * @typedef {import("../lib/board-recognition.js").Recognised & {image: HTMLCanvasElement}} Shown image: a picture with its corners
+ * @typedef {import("../lib/board-recognition.js").Recognised & {image: HTMLCanvasElement}} Shown image: a picture with
+ *   its corners
  */
 
-const MAX_PICTURES = 8; // that are looked at: rows that one does not show another does, and a board may come late in a video
+// that are looked at: rows that one does not show another does, and a board may come late in a video
+const MAX_PICTURES = 8;
 const ENOUGH = 4; // pictures that show a board: more would say the same
 const TIMEOUT_MS = 120_000; // ms for one picture, which may have a hundred times the pixels of a frame
 const PICTURE_WIDTH = 480; // px
@@ -31,13 +34,23 @@ export async function recogniseIn(detector, files, signal) {
   const images = [];
   for await (const shot of samples(files, signal)) {
     if (signal.aborted) return null;
-    const small = await createImageBitmap(shot, { resizeWidth: Math.min(shot.width, PICTURE_WIDTH), resizeQuality: "high" });
+    const small = await createImageBitmap(shot, {
+      resizeWidth: Math.min(shot.width, PICTURE_WIDTH),
+      resizeQuality: "high",
+    });
     const sighting = await detector.sight(shot, { timeout: TIMEOUT_MS });
     sightings.push(sighting);
     const [scale, width] = [small.width / sighting.size[0], sighting.size[0]];
-    const points = isTelling(sighting) ? sighting.markers.flatMap(({ corners }) => corners) : sighting.chessboard?.points ?? [];
+    const points = isTelling(sighting)
+      ? sighting.markers.flatMap(({ corners }) => corners)
+      : (sighting.chessboard?.points ?? []);
     const places = sighting.mirrored ? points.map(([x, y]) => [width - 1 - x, y]) : points;
-    images.push(thumbnail(small, places.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5])));
+    images.push(
+      thumbnail(
+        small,
+        places.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]),
+      ),
+    );
     small.close();
     if (sightings.filter((each) => each.chessboard?.isPlain || isTelling(each)).length === ENOUGH) break;
   }
@@ -45,7 +58,12 @@ export async function recogniseIn(detector, files, signal) {
   return found && { ...found, image: images[found.picture] };
 }
 
-/** Pictures from all over the files, in an order that shows much of them soon. @param {File[]} files @param {AbortSignal} signal @returns {AsyncGenerator<ImageBitmap>} */
+/**
+ * Pictures from all over the files, in an order that shows much of them soon.
+ * @param {File[]} files
+ * @param {AbortSignal} signal
+ * @returns {AsyncGenerator<ImageBitmap>}
+ */
 async function* samples(files, signal) {
   const count = Math.min(MAX_PICTURES, files.length);
   for (let index = 0; index < count && !signal.aborted; index++) {
@@ -67,12 +85,19 @@ export class BoardQuestion {
   #answer = null;
 
   constructor() {
-    for (const [id, isRight] of /** @type {[string, boolean][]} */ ([["use-board", true], ["other-board", false]])) {
+    for (const [id, isRight] of /** @type {[string, boolean][]} */ ([
+      ["use-board", true],
+      ["other-board", false],
+    ])) {
       part(id, HTMLButtonElement).addEventListener("click", () => this.#answer?.(isRight));
     }
   }
 
-  /** @param {Shown} shown @param {AbortSignal} signal @returns {Promise<boolean>} whether it is the board; false once aborted */
+  /**
+   * @param {Shown} shown
+   * @param {AbortSignal} signal
+   * @returns {Promise<boolean>} whether it is the board; false once aborted
+   */
   ask({ board, image, mirrored, isCut }, signal) {
     part("question-picture", HTMLElement).replaceChildren(el("div", { class: "frame" }, image));
     const question = () => t(mirrored ? "photos.looks_mirrored" : "photos.looks_like", { board: boardWords(board) });

@@ -11,11 +11,15 @@ import { UnreadableError, conversion, shots } from "./files.js";
  *   onFile: with the share of all files that has been looked at, 0 to 1
  */
 
-const DETECTION_TIMEOUT_MS = 120_000; // ms for the board in one picture: they may have a hundred times the pixels of a frame
+// ms for the board in one picture: they may have a hundred times the pixels of a frame
+const DETECTION_TIMEOUT_MS = 120_000;
 
 /**
  * Looks for the board in files.
- * @param {Detector} detector @param {import("../lib/board.js").Board} board that it looks for @param {File[]} files @param {AbortSignal} signal
+ * @param {Detector} detector
+ * @param {import("../lib/board.js").Board} board that it looks for
+ * @param {File[]} files
+ * @param {AbortSignal} signal
  * @param {Listener & {mirrored: boolean}} options mirrored: the pictures are, and are turned back
  * @returns {Promise<UnreadableError[]>} files that could not be read
  */
@@ -49,12 +53,31 @@ export function unreadableTexts(errors) {
   });
 }
 
-/** @param {Detector} detector @param {import("../lib/board.js").Board} board @param {import("./files.js").Shot} shot @returns {Promise<Picture>} */
+/**
+ * @param {Detector} detector
+ * @param {import("../lib/board.js").Board} board
+ * @param {import("./files.js").Shot} shot
+ * @returns {Promise<Picture>}
+ */
 async function find(detector, board, { name, picture, camera, focal, focal35, kind }) {
   const kept = await createImageBitmap(picture, { resizeWidth: Math.min(picture.width, 480), resizeQuality: "high" });
   const { ids, points, size } = await detector.detect(picture, { full: true, timeout: DETECTION_TIMEOUT_MS });
   const scale = kept.width / size[0];
-  const small = thumbnail(kept, points.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]));
+  const small = thumbnail(
+    kept,
+    points.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]),
+  );
   kept.close();
-  return { name, camera, focal, focal35, kind, size, ids, points, outline: observedOutline(board, { ids, points }), thumbnail: small };
+  return {
+    name,
+    camera,
+    focal,
+    focal35,
+    kind,
+    size,
+    ids,
+    points,
+    outline: observedOutline(board, { ids, points }),
+    thumbnail: small,
+  };
 }

@@ -4,7 +4,8 @@
  * @typedef {{time: number, picture: ImageBitmap}} VideoPicture time: s, of the frame in the video
  */
 
-const MIN_FRAMES_PER_S = 10; // that are played at first, as many as any detector manages; a video of fewer is played faster
+// that are played at first, as many as any detector manages; a video of fewer is played faster
+const MIN_FRAMES_PER_S = 10;
 const MAX_FRAMES_PER_S = 30; // that are played as long as no frame is missed and all are looked at
 const ACCELERATION = 1.06; // for each frame that came in time
 const MISSED_INTERVALS = 1.6; // between frames, from which one between them was missed
@@ -26,7 +27,8 @@ export async function* playedFrames(video, most, signal) {
   /** @type {{time: number, picture: Promise<ImageBitmap>}[]} */
   const waiting = [];
   let [last, due, previous, isOver] = [-Infinity, 0, NaN, false];
-  let [speed, top, interval] = [MIN_FRAMES_PER_S, MAX_FRAMES_PER_S, Infinity]; // frames/s; s, the shortest between frames so far
+  // frames/s; s, the shortest between frames so far
+  let [speed, top, interval] = [MIN_FRAMES_PER_S, MAX_FRAMES_PER_S, Infinity];
   let wake = () => {};
   const over = () => {
     isOver = true;
@@ -38,7 +40,8 @@ export async function* playedFrames(video, most, signal) {
     if (mediaTime > previous) {
       const gap = mediaTime - previous;
       interval = Math.min(interval, gap);
-      if (gap > MISSED_INTERVALS * interval && mediaTime > due + interval - TOLERANCE_S) top = Math.max(MIN_FRAMES_PER_S, RETREAT * speed);
+      if (gap > MISSED_INTERVALS * interval && mediaTime > due + interval - TOLERANCE_S)
+        top = Math.max(MIN_FRAMES_PER_S, RETREAT * speed);
       else top = Math.min(MAX_FRAMES_PER_S, RECOVERY * top);
       speed = Math.min(top, waiting.length < 2 ? speed * ACCELERATION : speed);
       video.playbackRate = Math.min(MAX_RATE, Math.max(1, speed * Math.max(stride, interval)));
@@ -55,7 +58,9 @@ export async function* playedFrames(video, most, signal) {
   };
   const end = new AbortController();
   for (const name of ["ended", "error"]) video.addEventListener(name, over, { signal: end.signal });
-  document.addEventListener("visibilitychange", () => void (document.hidden ? video.pause() : play(video)), { signal: end.signal });
+  document.addEventListener("visibilitychange", () => void (document.hidden ? video.pause() : play(video)), {
+    signal: end.signal,
+  });
   signal.addEventListener("abort", over, { signal: end.signal });
   try {
     take(0, { mediaTime: video.currentTime });

@@ -5,8 +5,11 @@ import { imagePlot, make, short } from "../lib/svg.js";
 import { drawnBoard } from "../lib/pose-drawing.js";
 
 /**
- * @param {import("../lib/board.js").Board} board @param {import("../vendor/api.js").Pose} pose @param {[number, number]} size px
- * @param {{addMore: () => void, isFolded: boolean}} options addMore: called to choose more photographs; isFolded: only who wants to knows
+ * @param {import("../lib/board.js").Board} board
+ * @param {import("../vendor/api.js").Pose} pose
+ * @param {[number, number]} size px
+ * @param {{addMore: () => void, isFolded: boolean}} options addMore: called to choose more photographs; isFolded: only
+ *   who wants to knows
  */
 export function wantedFigure(board, pose, size, { addMore, isFolded }) {
   const { svg, area, x, y } = imagePlot(size, t("photos.like_this"));

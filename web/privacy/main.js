@@ -8,7 +8,11 @@ import { receipts, removeReceipts } from "../lib/receipts.js";
 const MAX_LETTER_RECEIPTS = 5; // mail programs cut longer addresses
 
 openPage();
-const [list, none, actions] = [part("receipts", HTMLElement), part("no-receipts", HTMLElement), part("receipt-actions", HTMLElement)];
+const [list, none, actions] = [
+  part("receipts", HTMLElement),
+  part("no-receipts", HTMLElement),
+  part("receipt-actions", HTMLElement),
+];
 const write = part("write", HTMLAnchorElement);
 let contact = "";
 
@@ -16,7 +20,18 @@ let contact = "";
 function item({ id, camera, time, receipt }) {
   const made = new Date(time).toLocaleDateString(language(), { dateStyle: "medium" });
   const page = el("a", { href: `../result/?id=${encodeURIComponent(id)}` }, camera || id);
-  return el("li", {}, page, ` · ${made}`, el("details", {}, el("summary", {}, t("privacy.receipt", { receipt: "" }).trim()), el("code", { class: "receipt" }, receipt)));
+  return el(
+    "li",
+    {},
+    page,
+    ` · ${made}`,
+    el(
+      "details",
+      {},
+      el("summary", {}, t("privacy.receipt", { receipt: "" }).trim()),
+      el("code", { class: "receipt" }, receipt),
+    ),
+  );
 }
 
 function show() {
@@ -29,7 +44,9 @@ function show() {
     write.href = contact;
     return;
   }
-  const body = [t("privacy.letter"), "", ...kept.slice(0, MAX_LETTER_RECEIPTS).map(({ receipt }) => receipt)].join("\n");
+  const body = [t("privacy.letter"), "", ...kept.slice(0, MAX_LETTER_RECEIPTS).map(({ receipt }) => receipt)].join(
+    "\n",
+  );
   write.href = `${contact}?subject=${encodeURIComponent(t("privacy.letter_subject"))}&body=${encodeURIComponent(body)}`;
 }
 
@@ -39,5 +56,7 @@ part("remove", HTMLButtonElement).addEventListener("click", () => {
   removeReceipts();
   show();
 });
-contact = (await showOperator({ name: "privacy.name", contact: "privacy.contact", imprint: "privacy.imprint_name" })).contact ?? "";
+contact =
+  (await showOperator({ name: "privacy.name", contact: "privacy.contact", imprint: "privacy.imprint_name" })).contact ??
+  "";
 show();

@@ -27,8 +27,10 @@ function entitle({ calibration, report }) {
 /** Reason why there is nothing to show, and the way on. @param {() => string} why */
 function leadOn(why) {
   const ways = el("div", { class: "actions" });
-  liveRegion(ways)(() => [el("a", { class: "button primary", href: "../cameras/" }, t("result.search")),
-    el("a", { class: "button", href: "../calibrate/" }, t("result.calibrate"))]);
+  liveRegion(ways)(() => [
+    el("a", { class: "button primary", href: "../cameras/" }, t("result.search")),
+    el("a", { class: "button", href: "../calibrate/" }, t("result.calibrate")),
+  ]);
   part("skeleton", HTMLElement).hidden = true;
   part("waiting", HTMLElement).append(ways);
   say(why);
@@ -40,7 +42,10 @@ async function show() {
   const onRetry = (/** @type {object | null} */ retry) => say(() => t(retry ? "faults.retry" : "result.loading"));
   onRetry(null);
   try {
-    const [{ calibration, report }, { return_origins: returnOrigins }] = await Promise.all([load(id, [], { onRetry }), loadSettings()]);
+    const [{ calibration, report }, { return_origins: returnOrigins }] = await Promise.all([
+      load(id, [], { onRetry }),
+      loadSettings(),
+    ]);
     part("waiting", HTMLElement).hidden = true;
     /** @type {Result} */
     const result = { calibration, report, origin: "stored", returnTo: query.get("return_to"), returnOrigins, explain };

@@ -1,4 +1,5 @@
-// Capture of a rig on one device: watches its cameras, opens moments if it leads, takes views for them, and delivers them.
+// Capture of a rig on one device: watches its cameras, opens moments if it leads, takes views for them, and delivers
+// them.
 import { lenienceAfter } from "../lib/capture/at-target.js";
 import { explain } from "../lib/faults.js";
 import { isUnavailable } from "../lib/session.js";
@@ -28,7 +29,17 @@ export class RigCapture {
   #resources;
   #outbox;
   /** @type {Model} */
-  model = { state: null, sights: new Map(), moment: null, opening: false, offline: false, waiting: 0, notice: null, finishing: false, patience: 0 };
+  model = {
+    state: null,
+    sights: new Map(),
+    moment: null,
+    opening: false,
+    offline: false,
+    waiting: 0,
+    notice: null,
+    finishing: false,
+    patience: 0,
+  };
   #link;
   #watch;
   #known = new Set();
@@ -50,25 +61,38 @@ export class RigCapture {
   constructor(resources) {
     this.#resources = resources;
     const { record, save, signal, members } = resources;
-    this.#outbox = new Outbox({
-      send: (letter) => this.#send(letter),
-      save: () => {
-        record.letters = [...this.#outbox.letters];
-        this.model.waiting = this.#outbox.views;
-        void save();
-        this.#changed();
+    this.#outbox = new Outbox(
+      {
+        send: (letter) => this.#send(letter),
+        save: () => {
+          record.letters = [...this.#outbox.letters];
+          this.model.waiting = this.#outbox.views;
+          void save();
+          this.#changed();
+        },
+        onSent: ({ kind }) => kind === "view" && this.#link.hurry(),
+        onRefused: (letter, error) => this.#refused(letter, error),
+        onLink: (offline) => this.#setOffline(offline),
+        signal,
       },
-      onSent: ({ kind }) => kind === "view" && this.#link.hurry(),
-      onRefused: (letter, error) => this.#refused(letter, error),
-      onLink: (offline) => this.#setOffline(offline),
-      signal,
-    }, record.letters);
+      record.letters,
+    );
     this.#link = new RigLink({
-      service: resources.service, id: record.about, session: members[0].session, signal,
+      service: resources.service,
+      id: record.about,
+      session: members[0].session,
+      signal,
       onState: (state, unopenedAt) => this.#receive(state, unopenedAt),
-      onLink: (offline) => this.#setOffline(offline), onFailure: resources.onFailure,
+      onLink: (offline) => this.#setOffline(offline),
+      onFailure: resources.onFailure,
     });
-    this.#watch = new Watch({ members, board: resources.board, detector: resources.detector, signal, onFailure: resources.onFailure });
+    this.#watch = new Watch({
+      members,
+      board: resources.board,
+      detector: resources.detector,
+      signal,
+      onFailure: resources.onFailure,
+    });
     this.model.sights = this.#watch.sights;
     this.model.waiting = this.#outbox.views;
     addEventListener("online", () => this.#hurry(), { signal });
@@ -173,7 +197,7 @@ export class RigCapture {
 
   async #look() {
     const { signal } = this.#resources;
-    if (!await this.#watch.look(lenienceAfter(performance.now() - this.#targetSince))) return;
+    if (!(await this.#watch.look(lenienceAfter(performance.now() - this.#targetSince)))) return;
     await this.#decide();
     if (signal.aborted) return;
     if (this.model.notice && performance.now() - this.#noticedAt > NOTICE_MS) this.model.notice = null;
@@ -194,18 +218,26 @@ export class RigCapture {
       // Who has just joined has to look first.
       if (isAlone(state) || performance.now() - this.#joinedAt < this.#patience) return;
       if (isReady(this.#sights, this.#patience)) void this.open();
-      else if (performance.now() - this.#targetSince > STUCK_MS && this.#sights.some((sight) => isSeen(sight) || sight.markers > 0)) void this.skip();
+      else if (
+        performance.now() - this.#targetSince > STUCK_MS &&
+        this.#sights.some((sight) => isSeen(sight) || sight.markers > 0)
+      )
+        void this.skip();
     }
   }
 
-  /** Whether the state has the last moment, and so a target after it. Without the service, a rig of one device goes on. */
+  /**
+   * Whether the state has the last moment, and so a target after it. Without the service, a rig of one device goes on.
+   */
   get #isSettled() {
     const { moment, state, offline } = this.model;
     if (offline) return !this.#remote;
     if (this.#outbox.letters.length > 0) return false;
     const there = state?.moments.find(({ id }) => id === moment?.id)?.positions ?? [];
-    const taken = [...moment?.answers ?? []].filter(([, each]) => each === "take").map(([position]) => position);
-    return !moment || taken.every((position) => there.includes(position)) || performance.now() - moment.seenAt > WINDOW_MS;
+    const taken = [...(moment?.answers ?? [])].filter(([, each]) => each === "take").map(([position]) => position);
+    return (
+      !moment || taken.every((position) => there.includes(position)) || performance.now() - moment.seenAt > WINDOW_MS
+    );
   }
 
   /** Opens a moment: all cameras that see the board held still take a view. */
@@ -271,7 +303,9 @@ export class RigCapture {
     const taken = [...moment.answers].filter(([, each]) => each === "take").map(([position]) => position);
     const there = state.moments.find(({ id }) => id === moment.id)?.positions ?? [];
     const remote = remotePositions(state, this.#own);
-    const isAwaited = record.leads ? remote.some((position) => !there.includes(position)) : taken.length + there.length === 0;
+    const isAwaited = record.leads
+      ? remote.some((position) => !there.includes(position))
+      : taken.length + there.length === 0;
     if (isAwaited && performance.now() - moment.seenAt < WINDOW_MS) return;
     moment.over = true;
     const all = new Set([...taken, ...there]).size;
@@ -304,7 +338,9 @@ export class RigCapture {
     const { service, record } = this.#resources;
     if (!record.leads) return;
     this.#targetSince = performance.now();
-    await this.#ask((askedAt) => service.skip(record.about, this.#leader).then((state) => this.#link.receive(state, askedAt)));
+    await this.#ask((askedAt) =>
+      service.skip(record.about, this.#leader).then((state) => this.#link.receive(state, askedAt)),
+    );
   }
 
   /** Ends the capture with the moments that are there. */
@@ -314,7 +350,9 @@ export class RigCapture {
     this.model.finishing = true;
     this.#changed();
     await this.#outbox.flush();
-    await this.#ask((askedAt) => service.finish(record.about, this.#leader).then((state) => this.#link.receive(state, askedAt)));
+    await this.#ask((askedAt) =>
+      service.finish(record.about, this.#leader).then((state) => this.#link.receive(state, askedAt)),
+    );
     this.model.finishing = false;
     this.#changed();
   }
@@ -334,8 +372,10 @@ export class RigCapture {
   async #send(letter) {
     const { service, record } = this.#resources;
     const askedAt = performance.now();
-    if (letter.kind === "open") return this.#link.receive(await service.openMoment(record.about, this.#leader, letter.moment), askedAt);
-    if (letter.kind === "undo") return this.#link.receive(await service.undo(record.about, this.#leader, letter.moment), askedAt);
+    if (letter.kind === "open")
+      return this.#link.receive(await service.openMoment(record.about, this.#leader, letter.moment), askedAt);
+    if (letter.kind === "undo")
+      return this.#link.receive(await service.undo(record.about, this.#leader, letter.moment), askedAt);
     const { session, moment, ids, points } = letter;
     return service.submit(session, { moment, ids, points });
   }
@@ -348,7 +388,11 @@ export class RigCapture {
     this.#notify("rig.view_refused", "bad", { reason: explain(error) });
   }
 
-  /** @param {string} key of a message @param {"good" | "bad" | "plain"} kind @param {Record<string, string | number>} [values] */
+  /**
+   * @param {string} key of a message
+   * @param {"good" | "bad" | "plain"} kind
+   * @param {Record<string, string | number>} [values]
+   */
   #notify(key, kind, values) {
     this.model.notice = { key, kind, values };
     this.#noticedAt = performance.now();

@@ -21,14 +21,27 @@ export class Figure {
 
   /** @param {number} position of the camera @param {import("./streams.js").Half | null} half of its stream */
   constructor(position, half) {
-    this.video = el("video", { muted: true, playsinline: true, "aria-hidden": "true", class: half ? `half ${half}` : "" });
+    this.video = el("video", {
+      muted: true,
+      playsinline: true,
+      "aria-hidden": "true",
+      class: half ? `half ${half}` : "",
+    });
     this.video.muted = true;
     const name = (/** @type {string} */ kind, /** @type {string} */ tag = "polygon") => make(tag, { class: kind });
     this.#parts = {
-      ghost: name("ghost", "path"), seenOutline: name("seen-outline"), targetBack: name("target-back"), target: name("target"),
-      targetCorner: make("circle", { class: "target-corner", r: 9, cx: -99, cy: -99 }), corners: make("g"),
+      ghost: name("ghost", "path"),
+      seenOutline: name("seen-outline"),
+      targetBack: name("target-back"),
+      target: name("target"),
+      targetCorner: make("circle", { class: "target-corner", r: 9, cx: -99, cy: -99 }),
+      corners: make("g"),
     };
-    this.#marks = make("svg", { "aria-hidden": "true", preserveAspectRatio: "xMidYMid meet" }, Object.values(this.#parts));
+    this.#marks = make(
+      "svg",
+      { "aria-hidden": "true", preserveAspectRatio: "xMidYMid meet" },
+      Object.values(this.#parts),
+    );
     this.#stage = el("div", { class: "stage" }, this.video, this.#marks);
     this.#caption = el("figcaption", {});
     this.root = el("figure", { class: "picture", "data-position": position }, this.#stage, this.#caption);

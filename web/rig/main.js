@@ -1,4 +1,5 @@
-// Rig page: several cameras calibrated together. It begins or joins a rig, goes on with an interrupted one, and shows results.
+// Rig page: several cameras calibrated together. It begins or joins a rig, goes on with an interrupted one, and shows
+// results.
 import { Api } from "../lib/api.js";
 import { boardFrom, boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-problem.js";
@@ -37,13 +38,21 @@ const parameters = new URLSearchParams(location.search);
 const parts = findParts();
 const { board, problem } = boardFrom(parameters);
 const joins = parameters.has("code") || parameters.has("join");
-const store = /** @type {import("../lib/capture/capture-store.js").CaptureStore<RigRecord>} */ (openCaptureStore(undefined, undefined, "calibdb.rigs"));
+const store = /** @type {import("../lib/capture/capture-store.js").CaptureStore<RigRecord>} */ (
+  openCaptureStore(undefined, undefined, "calibdb.rigs")
+);
 const feedback = new Feedback();
 const announcer = new Announcer(parts.said);
 const setup = new Setup(parts, parameters, joins);
-/** Pictures of the views taken last, by position: the result shows them straightened. @type {Map<number, ImageBitmap>} */
+/**
+ * Pictures of the views taken last, by position: the result shows them straightened.
+ * @type {Map<number, ImageBitmap>}
+ */
 const pictures = new Map();
-/** Views that this page took, by moment: the result draws the boards. @type {Map<string, {position: number, corners: import("../lib/board-outline.js").Corners}>} */
+/**
+ * Views that this page took, by moment: the result draws the boards.
+ * @type {Map<string, {position: number, corners: import("../lib/board-outline.js").Corners}>}
+ */
 const taken = new Map();
 /** @type {Beginning | null} */
 let last = null;
@@ -74,8 +83,12 @@ function address(query) {
 }
 
 /** Parameters of the simulated cameras: whoever joins looks at the same scene. */
-const simulation = () => Object.fromEntries([...parameters].filter(([name]) =>
-  ["virtual", "img_size", "error", "seed", "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"].includes(name)));
+const simulation = () =>
+  Object.fromEntries(
+    [...parameters].filter(([name]) =>
+      ["virtual", "img_size", "error", "seed", "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"].includes(name),
+    ),
+  );
 
 /** The service, without a network by the settings of the last visit. @param {AbortSignal} signal */
 async function openService(signal) {
@@ -103,7 +116,12 @@ const begin = latest(async (signal, /** @type {Beginning} */ beginning) => {
 
 /** @param {Beginning} beginning @param {AbortSignal} signal */
 async function run({ record, code }, signal) {
-  const { virtual, shown } = await openCameras(parts, record, { parameters, board, signal, onEnded: () => fail(new CameraError("unplugged"), signal) });
+  const { virtual, shown } = await openCameras(parts, record, {
+    parameters,
+    board,
+    signal,
+    onEnded: () => fail(new CameraError("unplugged"), signal),
+  });
   const detector = await openDetector(parts, board, signal);
   parts.openingText.textContent = t("capture.opening_service");
   const service = await openService(signal);
@@ -113,18 +131,30 @@ async function run({ record, code }, signal) {
   isStopAsked = false;
   parts.stop.textContent = t("rig.stop");
   const invited = await enter(service, record, requests, { code, save });
-  if (!await acquireLock(record.about, signal)) throw new CameraError("elsewhere");
+  if (!(await acquireLock(record.about, signal))) throw new CameraError("elsewhere");
   await save();
   // A rig whose code has expired, or that a reload has forgotten, has a new one.
-  if (record.leads) setInvitation(invited ?? await freshCode(service, record));
+  if (record.leads) setInvitation(invited ?? (await freshCode(service, record)));
   history.replaceState(null, "", address({ ...simulation(), id: record.about }));
   const members = shown.map(({ stream, figure, picture, half }, index) => ({
-    ...record.members[index], stream, half, figure, size: picture.size, camera: picture.camera,
+    ...record.members[index],
+    stream,
+    half,
+    figure,
+    size: picture.size,
+    camera: picture.camera,
   }));
   const { leads } = record;
   let before = /** @type {import("./render.js").Shown} */ (NOTHING_SHOWN);
   capture = new RigCapture({
-    service, record, save, board, detector, members, virtual, signal,
+    service,
+    record,
+    save,
+    board,
+    detector,
+    members,
+    virtual,
+    signal,
     onChange: () => redraw(),
     onSign: (sign) => feedback.give(sign),
     onFailure: (error) => fail(error, signal),
@@ -136,7 +166,12 @@ async function run({ record, code }, signal) {
   });
   const { model } = capture;
   redraw = () => {
-    const drawn = render(parts, model, { members, leads, board, invitation, time: performance.now(), undo: (id) => capture?.undo(id) }, before);
+    const drawn = render(
+      parts,
+      model,
+      { members, leads, board, invitation, time: performance.now(), undo: (id) => capture?.undo(id) },
+      before,
+    );
     before = drawn;
     announcer.say(drawn.said, drawn.line);
     feedback.say(drawn.said, language(), performance.now());
@@ -162,7 +197,12 @@ async function freshCode(service, record) {
 function setInvitation(invited) {
   const own = last?.record.members.length ?? 0;
   invitation = invited && {
-    ...invited, address: address({ ...simulation(), ...(parameters.get("virtual") === "1" && { position: String(own) }), code: invited.code }),
+    ...invited,
+    address: address({
+      ...simulation(),
+      ...(parameters.get("virtual") === "1" && { position: String(own) }),
+      code: invited.code,
+    }),
   };
   redraw();
 }
@@ -171,7 +211,14 @@ function setInvitation(invited) {
 async function finished(state, record) {
   begin.cancel();
   feedback.give("done");
-  history.replaceState(null, "", inLanguage(new URL(`${location.pathname}?id=${encodeURIComponent(state.rig_id)}`, location.origin).href, language()));
+  history.replaceState(
+    null,
+    "",
+    inLanguage(
+      new URL(`${location.pathname}?id=${encodeURIComponent(state.rig_id)}`, location.origin).href,
+      language(),
+    ),
+  );
   await showResult(state, record);
   // The rig has everything now.
   if (record) await store.remove(record.about);
@@ -208,14 +255,30 @@ function failureText(error) {
   return explain(error);
 }
 
-/** @param {readonly Choice[]} choices @param {boolean} leads @param {number} first position of simulated cameras @returns {RigRecord} */
+/**
+ * @param {readonly Choice[]} choices
+ * @param {boolean} leads
+ * @param {number} first position of simulated cameras
+ * @returns {RigRecord}
+ */
 function newRecord(choices, leads, first = 0) {
-  const members = choices.flatMap(({ layout }) => HALVES[layout]).map((_, index) => ({
-    position: leads || first > 0 ? first + index : 0, session: "", opened: false, request: null,
-  }));
+  const members = choices
+    .flatMap(({ layout }) => HALVES[layout])
+    .map((_, index) => ({
+      position: leads || first > 0 ? first + index : 0,
+      session: "",
+      opened: false,
+      request: null,
+    }));
   return {
-    about: "", leads, query: new URLSearchParams([...boardQuery(board), ...Object.entries(simulation())]).toString(), cameras: Math.max(MIN_CAMERAS, setup.count),
-    square_size: setup.squareSize, choices: [...choices], members, letters: [],
+    about: "",
+    leads,
+    query: new URLSearchParams([...boardQuery(board), ...Object.entries(simulation())]).toString(),
+    cameras: Math.max(MIN_CAMERAS, setup.count),
+    square_size: setup.squareSize,
+    choices: [...choices],
+    members,
+    letters: [],
   };
 }
 
@@ -223,9 +286,18 @@ function newRecord(choices, leads, first = 0) {
 function practice() {
   parameters.set("virtual", "1");
   const layout = /** @type {Choice["layout"]} */ (parameters.get("layout") ?? "one");
-  const number = (/** @type {string} */ name, /** @type {number} */ otherwise) => Number(parameters.get(name) ?? otherwise);
-  const choice = (/** @type {number} */ index) => ({ id: `virtual-${index}`, label: "", layout, distortion_model: /** @type {const} */ ("rectilinear") });
-  const own = number("cameras", joins ? 1 : layout === "one" && !Number(parts.others.value) && !parameters.has("others") ? 2 : 1);
+  const number = (/** @type {string} */ name, /** @type {number} */ otherwise) =>
+    Number(parameters.get(name) ?? otherwise);
+  const choice = (/** @type {number} */ index) => ({
+    id: `virtual-${index}`,
+    label: "",
+    layout,
+    distortion_model: /** @type {const} */ ("rectilinear"),
+  });
+  const own = number(
+    "cameras",
+    joins ? 1 : layout === "one" && !Number(parts.others.value) && !parameters.has("others") ? 2 : 1,
+  );
   const choices = Array.from({ length: own }, (_, index) => choice(index));
   const record = newRecord(choices, !joins, joins ? number("position", 1) : 0);
   record.cameras = Math.max(MIN_CAMERAS, record.members.length + number("others", Number(parts.others.value)));
@@ -242,8 +314,13 @@ function start(virtual) {
 
 /** @param {RigRecord} record */
 function resume(record) {
-  if (new URLSearchParams(record.query).toString() !== new URLSearchParams([...boardQuery(board), ...Object.entries(simulation())]).toString()) {
-    return location.assign(`${location.pathname}?${record.query}${record.query ? "&" : ""}id=${encodeURIComponent(record.about)}`);
+  if (
+    new URLSearchParams(record.query).toString() !==
+    new URLSearchParams([...boardQuery(board), ...Object.entries(simulation())]).toString()
+  ) {
+    return location.assign(
+      `${location.pathname}?${record.query}${record.query ? "&" : ""}id=${encodeURIComponent(record.about)}`,
+    );
   }
   void begin({ record });
 }
@@ -251,7 +328,9 @@ function resume(record) {
 async function listInterrupted() {
   interrupted = await store.last(await heldLocks());
   parts.interrupted.hidden = !interrupted;
-  parts.interruptedText.textContent = interrupted ? t("rig.interrupted", { count: interrupted.letters.filter(({ kind }) => kind === "view").length }) : "";
+  parts.interruptedText.textContent = interrupted
+    ? t("rig.interrupted", { count: interrupted.letters.filter(({ kind }) => kind === "view").length })
+    : "";
 }
 
 /** Ends this device's part: what would be lost is said first. */
@@ -267,7 +346,8 @@ async function stop() {
   begin.cancel();
   if (record?.about) {
     await store.remove(record.about);
-    await giveUp(record).catch((error) => console.info("not given up at the service:", String(error))); // it forgets by itself
+    // it forgets by itself
+    await giveUp(record).catch((error) => console.info("not given up at the service:", String(error)));
   }
   location.assign(inLanguage(new URL(location.pathname, location.origin).href, language()));
 }
@@ -292,7 +372,10 @@ async function open(id) {
     resume(record);
   } catch (error) {
     if (record) return resume(record); // without the network, too
-    parts.failure.textContent = error instanceof Error && !("status" in error) && error.message === t("rig.not_here") ? error.message : failureText(error);
+    parts.failure.textContent =
+      error instanceof Error && !("status" in error) && error.message === t("rig.not_here")
+        ? error.message
+        : failureText(error);
     show("failed");
   }
 }
@@ -314,10 +397,11 @@ parts.forget.addEventListener("click", async () => {
   await listInterrupted();
   parts.start.focus();
 });
-for (const button of [parts.cancel, parts.back]) button.addEventListener("click", () => {
-  begin.cancel();
-  show("welcome");
-});
+for (const button of [parts.cancel, parts.back])
+  button.addEventListener("click", () => {
+    begin.cancel();
+    show("welcome");
+  });
 parts.again.addEventListener("click", () => (last ? void begin(last) : location.reload()));
 parts.stop.addEventListener("click", ({ detail }) => void (detail < 2 && stop()));
 parts.undo.addEventListener("click", () => capture?.undo());

@@ -37,17 +37,32 @@ export class JoinError extends Error {
   }
 }
 
-/** Body of POST /v1/session for one picture. @param {Picture} picture @param {import("../lib/board.js").SentBoard} board @param {Choice} choice @returns {SessionRequest} */
-export const requestOf = ({ camera, platform, size, zoom, track }, board, { distortion_model }) =>
-  ({ camera, platform, img_size: size, zoom, board, distortion_model, track });
+/**
+ * Body of POST /v1/session for one picture.
+ * @param {Picture} picture
+ * @param {import("../lib/board.js").SentBoard} board
+ * @param {Choice} choice
+ * @returns {SessionRequest}
+ */
+export const requestOf = ({ camera, platform, size, zoom, track }, board, { distortion_model }) => ({
+  camera,
+  platform,
+  img_size: size,
+  zoom,
+  board,
+  distortion_model,
+  track,
+});
 
 /**
- * Makes this device's cameras members of a rig: its first camera begins the rig, or joins with a code. What a lost page has
+ * Makes this device's cameras members of a rig: its first camera begins the rig, or joins with a code. What a lost page
+ * has
  * begun is completed.
  * @param {RigService} service @param {RigRecord} record completed in place
  * @param {SessionRequest[]} requests of the cameras, in the record's order
  * @param {{code?: string, save: () => Promise<unknown>}} options code: of the rig to join
- * @returns {Promise<{code: string, expires: number} | null>} the fresh code of a rig that is led; expires: ms since 1970
+ * @returns {Promise<{code: string, expires: number} | null>} the fresh code of a rig that is led; expires: ms since
+ *   1970
  */
 export async function enter(service, record, requests, { code, save }) {
   /** @type {{code: string, expires: number} | null} */
@@ -64,7 +79,9 @@ export async function enter(service, record, requests, { code, save }) {
     } else {
       const rig = record.about ? { id: record.about } : { code: code ?? "" };
       const asked = member.position > 0 ? { position: member.position } : {};
-      const state = await service.openSession(member.session, { ...member.request, rig: { ...rig, ...asked } }).catch(refuse);
+      const state = await service
+        .openSession(member.session, { ...member.request, rig: { ...rig, ...asked } })
+        .catch(refuse);
       if (!state.rig) throw new TypeError("the service has not made this session part of the rig");
       record.about = state.rig.id;
       member.position = state.rig.position;
@@ -77,7 +94,11 @@ export async function enter(service, record, requests, { code, save }) {
 
 /** A code for the rig, which the first call makes. @param {RigService} service @param {RigRecord} record */
 export async function invite(service, record) {
-  const { cameras, square_size, members: [{ session }] } = record;
+  const {
+    cameras,
+    square_size,
+    members: [{ session }],
+  } = record;
   const made = await service.create(session, { cameras, ...(square_size && { square_size }) });
   record.about = made.rig_id;
   return { code: made.join_code, expires: 1000 * made.expires_at };

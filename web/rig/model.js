@@ -43,7 +43,8 @@
  * @property {(model: Model) => void} onChange
  * @property {(sign: import("../lib/capture/feedback.js").Sign) => void} onSign
  * @property {(error: unknown) => void} onFailure
- * @property {(moment: string, position: number, corners: import("../lib/board-outline.js").Corners, picture: ImageBitmap) => void} onTaken picture: never sent
+ * @property {(moment: string, position: number, corners: import("../lib/board-outline.js").Corners, picture:
+ *   ImageBitmap) => void} onTaken picture: never sent
  */
 
 /** A device was turned: its picture has another size. */

@@ -1,7 +1,9 @@
 // Rules of a moment: when it is opened, and whether a camera may take a view for it. Pure: the time comes in.
 //
-// Cameras have no common clock. A moment was opened at some time between the last answer without it and the first one with
-// it. A camera takes a view only if the board has been still in its own picture since before that answer was asked for: then
+// Cameras have no common clock. A moment was opened at some time between the last answer without it and the first one
+// with
+// it. A camera takes a view only if the board has been still in its own picture since before that answer was asked for:
+// then
 // the board was still in all cameras that take one when the moment was opened, and all saw the same pose.
 import { observedOutline } from "../lib/board-outline.js";
 import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget } from "../lib/capture/at-target.js";
@@ -39,12 +41,24 @@ const MIN_SEEN_CORNERS = 6;
 
 /** @type {Sight} */
 export const BLIND = {
-  corners: { ids: [], points: [] }, markers: 0, outline: null, stillness: MOVING, diagnosis: HEALTHY, overlap: 0, aim: null, target: null,
-  distance: Infinity, lastTaken: null, width: 1280,
+  corners: { ids: [], points: [] },
+  markers: 0,
+  outline: null,
+  stillness: MOVING,
+  diagnosis: HEALTHY,
+  overlap: 0,
+  aim: null,
+  target: null,
+  distance: Infinity,
+  lastTaken: null,
+  width: 1280,
 };
 
 /**
- * @param {Sight} before @param {Detection} detection @param {number} time ms @param {import("../lib/board.js").Board} board
+ * @param {Sight} before
+ * @param {Detection} detection
+ * @param {number} time ms
+ * @param {import("../lib/board.js").Board} board
  * @param {number} [lenience] how many times a steady hand's motion counts as still
  * @returns {Sight}
  */
@@ -56,13 +70,28 @@ export function observeFrame(before, detection, time, board, lenience = 1) {
   const passed = stillness === before.stillness;
   const corners = passed ? before.corners : found;
   const outline = passed ? before.outline : observedOutline(board, corners);
-  return measured({
-    ...before, corners, outline, stillness, markers: passed ? before.markers : markers, width: size[0],
-    diagnosis: diagnose(before.diagnosis, detection, motion(before.corners, found), time),
-  }, size);
+  return measured(
+    {
+      ...before,
+      corners,
+      outline,
+      stillness,
+      markers: passed ? before.markers : markers,
+      width: size[0],
+      diagnosis: diagnose(before.diagnosis, detection, motion(before.corners, found), time),
+    },
+    size,
+  );
 }
 
-/** Gives a camera its target, or none. @param {Sight} sight @param {Target | null} target @param {import("../lib/board.js").Board} board @param {[number, number]} size px @returns {Sight} */
+/**
+ * Gives a camera its target, or none.
+ * @param {Sight} sight
+ * @param {Target | null} target
+ * @param {import("../lib/board.js").Board} board
+ * @param {[number, number]} size px
+ * @returns {Sight}
+ */
 export function aimAt(sight, target, board, size) {
   const aim = target && observedOutline(board, { ids: target.ids, points: target.corners });
   return measured({ ...sight, target, aim }, size);
@@ -80,20 +109,23 @@ function measured(sight, size) {
 export const isSeen = ({ corners }) => corners.ids.length >= MIN_SEEN_CORNERS;
 
 /**
- * Time for which the board must be held still before a moment is opened, ms; null: it has not been moved since the last one,
+ * Time for which the board must be held still before a moment is opened, ms; null: it has not been moved since the last
+ * one,
  * or nobody sees it.
  * @param {Sight[]} sights of this device @param {number} patience ms, for which other devices need it to be still, too
  */
 export function requiredHold(sights, patience) {
   const seeing = sights.filter(isSeen);
-  const moved = seeing.some(({ lastTaken, corners, width }) =>
-    !lastTaken || motion(lastTaken, corners) >= (MIN_DISPLACEMENT_PX * width) / 1280);
+  const moved = seeing.some(
+    ({ lastTaken, corners, width }) => !lastTaken || motion(lastTaken, corners) >= (MIN_DISPLACEMENT_PX * width) / 1280,
+  );
   if (!moved) return null;
   return Math.max(isThere(sights) ? HOLD_MS : LONG_HOLD_MS, patience);
 }
 
 /** Whether a camera sees the board at its target. @param {Sight[]} sights */
-export const isThere = (sights) => sights.some((sight) => isSeen(sight) && sight.target !== null && isAtTarget(sight, sight.aim));
+export const isThere = (sights) =>
+  sights.some((sight) => isSeen(sight) && sight.target !== null && isAtTarget(sight, sight.aim));
 
 /** Time for which the board has been still in the camera that sees it best, ms. @param {Sight[]} sights */
 export function holdTime(sights) {
@@ -101,7 +133,10 @@ export function holdTime(sights) {
   return Math.max(0, ...steady.map(({ stillness }) => stillness.held));
 }
 
-/** Time for which other devices need the board to be still, ms. @param {number} unanswered moments in a row that they have not answered */
+/**
+ * Time for which other devices need the board to be still, ms.
+ * @param {number} unanswered moments in a row that they have not answered
+ */
 export const remoteHold = (unanswered) => Math.min(MAX_REMOTE_HOLD_MS, REMOTE_HOLD_MS + unanswered * MORE_HOLD_MS);
 
 /** Share of the hold that is done, 0…1. @param {Sight[]} sights @param {number} patience ms */
@@ -118,7 +153,8 @@ export function isReady(sights, patience) {
 
 /**
  * Decision of a camera about a moment that is open.
- * @param {Sight} sight @param {{unopenedAt: number, seenAt: number}} moment unopenedAt: ms, when it was certainly not open yet;
+ * @param {Sight} sight
+ * @param {{unopenedAt: number, seenAt: number}} moment unopenedAt: ms, when it was certainly not open yet;
  *   seenAt: when it was seen to be open
  * @param {number} time ms
  * @returns {"take" | "wait" | "miss"}

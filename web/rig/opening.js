@@ -8,14 +8,17 @@ import { HALVES, openStream } from "./streams.js";
  * @typedef {import("./parts.js").Parts} Parts
  * @typedef {import("./streams.js").Stream} Stream
  * @typedef {import("../lib/board.js").SentBoard} Board
- * @typedef {{stream: Stream, figure: Figure, half: number, picture: import("./streams.js").Picture}} Shown half: index of the picture in the stream
+ * @typedef {{stream: Stream, figure: Figure, half: number, picture: import("./streams.js").Picture}} Shown half: index
+ *   of the picture in the stream
  */
 
 /**
  * Opens the cameras of a record, and shows all of them. They are closed when the capture ends.
  * @param {Parts} parts @param {import("./membership.js").RigRecord} record
- * @param {{parameters: URLSearchParams, board: Board, signal: AbortSignal, onEnded: () => void}} options onEnded: called when a camera is unplugged
- * @returns {Promise<{virtual: import("./virtual-rig.js").VirtualRig | null, shown: Shown[]}>} virtual: the simulated rig, if it is one
+ * @param {{parameters: URLSearchParams, board: Board, signal: AbortSignal, onEnded: () => void}} options onEnded:
+ *   called when a camera is unplugged
+ * @returns {Promise<{virtual: import("./virtual-rig.js").VirtualRig | null, shown: Shown[]}>} virtual: the simulated
+ *   rig, if it is one
  */
 export async function openCameras(parts, { choices, members }, { parameters, board, signal, onEnded }) {
   const virtual = choices.some(({ id }) => id.startsWith("virtual")) ? await simulate(parameters, board) : null;
@@ -23,7 +26,9 @@ export async function openCameras(parts, { choices, members }, { parameters, boa
   const shown = [];
   parts.pictures.replaceChildren();
   for (const choice of choices) {
-    const stream = virtual ? await virtual.open(choice, members[shown.length].position) : await openStream(choice, { parameters, place: document.body, board });
+    const stream = virtual
+      ? await virtual.open(choice, members[shown.length].position)
+      : await openStream(choice, { parameters, place: document.body, board });
     if (signal.aborted) stream.close();
     signal.throwIfAborted();
     signal.addEventListener("abort", () => stream.close());

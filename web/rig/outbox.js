@@ -1,11 +1,13 @@
-// Outbox of a rig's client: what it has captured and the service does not have yet, in order. Nothing leaves it unanswered.
+// Outbox of a rig's client: what it has captured and the service does not have yet, in order. Nothing leaves it
+// unanswered.
 import { ApiError } from "../lib/api.js";
 import { isUnavailable } from "../lib/session.js";
 
 /**
  * @typedef {{kind: "open", moment: string}} Opening of a moment, by the leader
  * @typedef {{kind: "undo", moment: string}} Undoing
- * @typedef {{kind: "view", position: number, session: string, moment: string, ids: number[], points: number[][]}} TakenView
+ * @typedef {{kind: "view", position: number, session: string, moment: string, ids: number[], points: number[][]}}
+ *   TakenView
  * @typedef {Opening | Undoing | TakenView} Letter
  *
  * @typedef {object} Options
@@ -54,16 +56,25 @@ export class Outbox {
     void this.flush();
   }
 
-  /** Drops what waits of a moment. @param {string} moment @returns {boolean} whether its opening was among it: the service never heard of it */
+  /**
+   * Drops what waits of a moment.
+   * @param {string} moment
+   * @returns {boolean} whether its opening was among it: the service never heard of it
+   */
   withdraw(moment) {
     // The first one may be on its way.
-    const unopened = this.#letters.some((letter, index) => letter.kind === "open" && letter.moment === moment && (index > 0 || !this.#running));
+    const unopened = this.#letters.some(
+      (letter, index) => letter.kind === "open" && letter.moment === moment && (index > 0 || !this.#running),
+    );
     this.#letters = this.#letters.filter((letter) => letter.moment !== moment);
     this.#options.save();
     return unopened;
   }
 
-  /** Sends what waits, and goes on trying. @returns {Promise<void>} resolves when nothing waits, or nothing more is to be sent */
+  /**
+   * Sends what waits, and goes on trying.
+   * @returns {Promise<void>} resolves when nothing waits, or nothing more is to be sent
+   */
   flush() {
     this.#running ??= this.#run().finally(() => {
       this.#running = null;
@@ -109,9 +120,12 @@ export class Outbox {
 
   /** @param {number} ms */
   async #pause(ms) {
-    await Promise.race([this.#wait(ms), new Promise((resolve) => {
-      this.#wake = () => resolve(undefined);
-    })]);
+    await Promise.race([
+      this.#wait(ms),
+      new Promise((resolve) => {
+        this.#wake = () => resolve(undefined);
+      }),
+    ]);
     this.#wake = null;
   }
 }

@@ -2,7 +2,8 @@
 
 /**
  * @typedef {import("./service.js").RigState} RigState
- * @typedef {{rms: number | null, atTarget: boolean}} Stage of a capture, after one of its moments: the error stated then, px, and
+ * @typedef {{rms: number | null, atTarget: boolean}} Stage of a capture, after one of its moments: the error stated
+ *   then, px, and
  *   whether the board was at its target
  */
 
@@ -16,12 +17,19 @@ const MAX_ABOVE_BEST = 1.3; // error / the smallest so far, with which a capture
 const IDLE_MS = 30_000; // without another moment, after which a capture ends if it can
 const MAX_MISSED = 2; // moments in a row that a camera has not answered, before it is waited for
 
-/** Positions of the cameras of other devices that have joined. @param {RigState} state @param {readonly number[]} own positions of this device */
+/**
+ * Positions of the cameras of other devices that have joined.
+ * @param {RigState} state
+ * @param {readonly number[]} own positions of this device
+ */
 export const remotePositions = ({ cameras }, own) =>
-  cameras.filter(({ position, status }) => status !== "waiting" && !own.includes(position)).map(({ position }) => position);
+  cameras
+    .filter(({ position, status }) => status !== "waiting" && !own.includes(position))
+    .map(({ position }) => position);
 
 /** Positions that no device has taken yet. @param {RigState} state */
-export const freePositions = ({ cameras }) => cameras.filter(({ status }) => status === "waiting").map(({ position }) => position);
+export const freePositions = ({ cameras }) =>
+  cameras.filter(({ status }) => status === "waiting").map(({ position }) => position);
 
 /** Whether one camera alone has joined so far. @param {RigState} state */
 export const isAlone = (state) => state.cameras.length - freePositions(state).length < 2;
@@ -30,23 +38,36 @@ export const isAlone = (state) => state.cameras.length - freePositions(state).le
 export const isFinishable = ({ status, cameras, unlinked, rms }) =>
   status === "capturing" && rms !== null && unlinked.length === 0 && cameras.every(({ views }) => views >= MIN_VIEWS);
 
-/** True if the error has stopped falling although the board is held at its targets. @param {readonly Stage[]} course one for each moment */
+/**
+ * True if the error has stopped falling although the board is held at its targets.
+ * @param {readonly Stage[]} course one for each moment
+ */
 export function hasPlateau(course) {
   /** @type {number[]} */
   const smallest = [];
-  for (const { rms } of course.slice(MIN_VIEWS - 1)) smallest.push(Math.min(smallest.at(-1) ?? Infinity, rms ?? Infinity));
+  for (const { rms } of course.slice(MIN_VIEWS - 1))
+    smallest.push(Math.min(smallest.at(-1) ?? Infinity, rms ?? Infinity));
   const [last, best] = [course.at(-1)?.rms ?? null, smallest.at(-1) ?? Infinity];
-  return course.length >= MIN_PLATEAU_MOMENTS && last !== null && last <= MAX_ABOVE_BEST * best
-    && best > MIN_PROGRESS * smallest[smallest.length - 1 - PLATEAU_SPAN] && course.slice(-PLATEAU_SPAN).every(({ atTarget }) => atTarget);
+  return (
+    course.length >= MIN_PLATEAU_MOMENTS &&
+    last !== null &&
+    last <= MAX_ABOVE_BEST * best &&
+    best > MIN_PROGRESS * smallest[smallest.length - 1 - PLATEAU_SPAN] &&
+    course.slice(-PLATEAU_SPAN).every(({ atTarget }) => atTarget)
+  );
 }
 
 /**
  * True if the capture ends without a click: it is accurate, or more moments would hardly help, or none come any more.
- * @param {RigState} state @param {number} idle ms since the last moment @param {readonly Stage[]} course one for each moment
+ * @param {RigState} state
+ * @param {number} idle ms since the last moment
+ * @param {readonly Stage[]} course one for each moment
  */
 export function isComplete(state, idle, course) {
   const isAccurate = state.uncertainty !== null && state.uncertainty.rms <= state.target_error;
-  return isFinishable(state) && (isAccurate || hasPlateau(course) || state.moments.length >= MAX_MOMENTS || idle > IDLE_MS);
+  return (
+    isFinishable(state) && (isAccurate || hasPlateau(course) || state.moments.length >= MAX_MOMENTS || idle > IDLE_MS)
+  );
 }
 
 /**

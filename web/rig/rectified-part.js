@@ -15,7 +15,11 @@ const LINES = 12; // epipolar lines over the pictures
 export function rectifiedPart(rig, pictures) {
   const positions = rig.extrinsics.map(({ position }) => position);
   const select = (/** @type {string} */ label, /** @type {number} */ chosen) => {
-    const made = el("select", { "aria-label": label }, ...positions.map((position) => new Option(cameraName(position), String(position))));
+    const made = el(
+      "select",
+      { "aria-label": label },
+      ...positions.map((position) => new Option(cameraName(position), String(position))),
+    );
     made.value = String(chosen);
     return made;
   };
@@ -32,22 +36,36 @@ export function rectifiedPart(rig, pictures) {
     status.textContent = "";
     if (chosen[0] === chosen[1]) return void (status.textContent = t("rig.two_different"));
     const found = chosen.map((position) => pictures.get(position));
-    const choosers = chosen.map((position) => chooser(t(pictures.has(position) ? "rig.another_picture" : "rig.choose_picture", { camera: cameraName(position) }),
-      rig.calibrations[position].img_size, (picture) => {
-        pictures.get(position)?.close();
-        pictures.set(position, picture);
-        void draw();
-      }, (words) => (status.textContent = words)));
+    const choosers = chosen.map((position) =>
+      chooser(
+        t(pictures.has(position) ? "rig.another_picture" : "rig.choose_picture", { camera: cameraName(position) }),
+        rig.calibrations[position].img_size,
+        (picture) => {
+          pictures.get(position)?.close();
+          pictures.set(position, picture);
+          void draw();
+        },
+        (words) => (status.textContent = words),
+      ),
+    );
     const row = el("div", { class: "actions" }, ...choosers);
     if (found.includes(undefined)) return void view.append(el("p", {}, t("rig.pictures_missing")), row);
     try {
-      pair = await /** @type {typeof rectifyPair<HTMLCanvasElement>} */ (rectifyPair)(/** @type {ImageBitmap} */ (found[0]), /** @type {ImageBitmap} */ (found[1]), rig, { positions: /** @type {[number, number]} */ (chosen) });
+      pair = await /** @type {typeof rectifyPair<HTMLCanvasElement>} */ (rectifyPair)(
+        /** @type {ImageBitmap} */ (found[0]),
+        /** @type {ImageBitmap} */ (found[1]),
+        rig,
+        { positions: /** @type {[number, number]} */ (chosen) },
+      );
       const { isVertical } = pair.rectification;
       for (const [index, canvas] of [pair.left, pair.right].entries()) {
         canvas.setAttribute("role", "img");
         canvas.setAttribute("aria-label", t("rig.rectified_of", { camera: cameraName(chosen[index]) }));
       }
-      view.append(el("div", { class: `epipolar${isVertical ? " vertical" : ""}` }, pair.left, pair.right, lines()), row);
+      view.append(
+        el("div", { class: `epipolar${isVertical ? " vertical" : ""}` }, pair.left, pair.right, lines()),
+        row,
+      );
     } catch (error) {
       console.info("no rectified pair:", String(error)); // no GPU, or cameras that look apart
       view.append(el("p", {}, t("rig.no_pair")), row);
@@ -57,7 +75,14 @@ export function rectifiedPart(rig, pictures) {
   void draw();
   const choice = positions.length > 2 ? [el("div", { class: "fields" }, left, right)] : [];
   return {
-    element: el("div", { class: "rectified" }, el("p", { class: "muted" }, t("rig.rectified_text")), ...choice, view, status),
+    element: el(
+      "div",
+      { class: "rectified" },
+      el("p", { class: "muted" }, t("rig.rectified_text")),
+      ...choice,
+      view,
+      status,
+    ),
     dispose: () => pair?.dispose(),
   };
 }

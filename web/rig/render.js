@@ -28,7 +28,8 @@ export const NOTHING_SHOWN = { code: "", next: "", since: 0, state: null, invita
 
 /**
  * @param {Parts} parts @param {Model} model
- * @param {{members: readonly Member[], leads: boolean, board: import("../lib/board.js").Board, invitation: Invitation, time: number, undo: (id: string) => void}} page
+ * @param {{members: readonly Member[], leads: boolean, board: import("../lib/board.js").Board, invitation: Invitation,
+ *   time: number, undo: (id: string) => void}} page
  *   time: ms; undo: called for a moment
  * @param {Shown} before @returns {Shown & {said: string, line: string}}
  */
@@ -38,7 +39,10 @@ export function render(parts, model, { members, leads, board, invitation, time, 
   const wanted = text.instruct(model, members, leads);
   const since = wanted === before.next ? before.since : time;
   // Steady enough to be read; what one must do at once is said at once, and what is done need not be done any more.
-  const code = !before.code || wanted === "hold" || (before.code === "hold" && model.moment?.over) || time - since >= MIN_CHOSEN_MS ? wanted : before.code;
+  const code =
+    !before.code || wanted === "hold" || (before.code === "hold" && model.moment?.over) || time - since >= MIN_CHOSEN_MS
+      ? wanted
+      : before.code;
   const said = text.instruction(code, model);
   const line = text.detail(model, members, leads, code);
   write(parts.instruction, said);
@@ -56,11 +60,17 @@ export function render(parts, model, { members, leads, board, invitation, time, 
   parts.take.disabled = model.opening || (model.moment !== null && !model.moment.over);
   const { lang } = document.documentElement;
   if (state !== before.state || lang !== before.language) renderState(parts, state, own, leads, undo);
-  if (invitation !== before.invitation || state !== before.state || lang !== before.language) renderInvitation(parts, state, invitation, leads);
+  if (invitation !== before.invitation || state !== before.state || lang !== before.language)
+    renderInvitation(parts, state, invitation, leads);
   return { code, next: wanted, since, state, invitation, language: lang, said, line };
 }
 
-/** @param {number} position @param {string} camera @param {import("./moments.js").Sight} sight @param {import("./service.js").RigState | null} state */
+/**
+ * @param {number} position
+ * @param {string} camera
+ * @param {import("./moments.js").Sight} sight
+ * @param {import("./service.js").RigState | null} state
+ */
 function caption(position, camera, sight, state) {
   const seen = sight.corners.ids.length > 0;
   const aimed = !state?.target || sight.target !== null || state.unlinked.length > 0;
@@ -76,26 +86,58 @@ function renderRing({ ring, held }, { sights, moment, opening, patience }) {
   ring.classList.toggle("taken", !open && moment !== null && share === 0);
 }
 
-/** @param {Parts} parts @param {import("./service.js").RigState | null} state @param {readonly number[]} own @param {boolean} leads @param {(id: string) => void} undo */
+/**
+ * @param {Parts} parts
+ * @param {import("./service.js").RigState | null} state
+ * @param {readonly number[]} own
+ * @param {boolean} leads
+ * @param {(id: string) => void} undo
+ */
 function renderState({ progress, counts, members, advice, moments, momentList }, state, own, leads, undo) {
   if (!state) return;
   progress.value = state.progress;
   write(counts, text.counts(state));
-  members.replaceChildren(...state.cameras.map(({ position, status }) => {
-    const { name, text: words } = text.memberLine(state, position, own);
-    return el("li", { class: status }, el("strong", {}, name), " ", el("span", {}, words));
-  }));
+  members.replaceChildren(
+    ...state.cameras.map(({ position, status }) => {
+      const { name, text: words } = text.memberLine(state, position, own);
+      return el("li", { class: status }, el("strong", {}, name), " ", el("span", {}, words));
+    }),
+  );
   advice.replaceChildren(...text.adviceTexts(state).map((words) => el("li", {}, words)));
   moments.hidden = state.moments.length === 0;
-  momentList.replaceChildren(...state.moments.map((moment, index) => {
-    const words = [t("rig.moment_line", { number: index + 1, cameras: moment.positions.length > 0 ? text.cameraNames(moment.positions) : "…" }), ...text.asideTexts(moment)];
-    const button = el("button", { type: "button", "aria-label": t("rig.undo_moment", { number: index + 1 }) }, t("rig.undo"));
-    button.addEventListener("click", () => undo(moment.id));
-    return el("li", { class: moment.set_aside?.length ? "aside" : "" }, el("span", {}, words.join(" ")), ...(leads ? [button] : []));
-  }).reverse());
+  momentList.replaceChildren(
+    ...state.moments
+      .map((moment, index) => {
+        const words = [
+          t("rig.moment_line", {
+            number: index + 1,
+            cameras: moment.positions.length > 0 ? text.cameraNames(moment.positions) : "…",
+          }),
+          ...text.asideTexts(moment),
+        ];
+        const button = el(
+          "button",
+          { type: "button", "aria-label": t("rig.undo_moment", { number: index + 1 }) },
+          t("rig.undo"),
+        );
+        button.addEventListener("click", () => undo(moment.id));
+        return el(
+          "li",
+          { class: moment.set_aside?.length ? "aside" : "" },
+          el("span", {}, words.join(" ")),
+          ...(leads ? [button] : []),
+        );
+      })
+      .reverse(),
+  );
 }
 
-/** @param {Parts} parts @param {import("./service.js").RigState | null} state @param {Invitation} invitation @param {boolean} leads */
+/**
+ * @param {Parts} parts
+ * @param {import("./service.js").RigState | null} state
+ * @param {Invitation} invitation
+ * @param {boolean} leads
+ */
 function renderInvitation({ joining, qr, joinAddress, joinCode, joinUntil }, state, invitation, leads) {
   joining.hidden = !leads || !invitation || (state !== null && freePositions(state).length === 0);
   if (joining.hidden || !invitation) return;
@@ -106,7 +148,10 @@ function renderInvitation({ joining, qr, joinAddress, joinCode, joinUntil }, sta
   searchParams.delete("code");
   write(joinAddress, `${host}${pathname}?join${searchParams.size > 0 ? `&${searchParams}` : ""}`);
   write(joinCode, code);
-  const until = new Date(expires).toLocaleTimeString(document.documentElement.lang, { hour: "2-digit", minute: "2-digit" });
+  const until = new Date(expires).toLocaleTimeString(document.documentElement.lang, {
+    hour: "2-digit",
+    minute: "2-digit",
+  });
   write(joinUntil, t("rig.code_until", { time: until }));
 }
 

@@ -15,7 +15,8 @@ import { cameraName, cameraNames, labelText } from "./status-text.js";
 /**
  * @typedef {import("./service.js").RigState} RigState
  * @typedef {import("./service.js").RigResult} RigResult
- * @typedef {{service: import("./service.js").RigService, pictures: Map<number, ImageBitmap>, views: {position: number, corners: import("../lib/board-outline.js").Corners}[]}} Sources
+ * @typedef {{service: import("./service.js").RigService, pictures: Map<number, ImageBitmap>, views: {position: number,
+ *   corners: import("../lib/board-outline.js").Corners}[]}} Sources
  *   pictures and views that this page has taken
  */
 
@@ -42,7 +43,11 @@ export class RigView {
     for (const release of this.#held.splice(0)) release();
     const { result } = this.#state;
     if (!result) return;
-    const rig = new Rig(/** @type {import("../sdk/rig.js").RigData} */ (/** @type {unknown} */ ({ ...result, rig_id: this.#state.rig_id })));
+    const rig = new Rig(
+      /** @type {import("../sdk/rig.js").RigData} */ (
+        /** @type {unknown} */ ({ ...result, rig_id: this.#state.rig_id })
+      ),
+    );
     const rectified = rectifiedPart(rig, this.#sources.pictures);
     this.#held.push(rectified.dispose);
     this.#root.replaceChildren(
@@ -59,9 +64,26 @@ export class RigView {
   #where(result) {
     const { board, square_size: size } = this.#state;
     const square = result.unit === "metres" && size ? size : 1;
-    const boards = result.board_poses ?? this.#sources.views.map(({ position, corners }) => boardInRig(result, position, corners, board, square)).filter((pose) => pose !== null);
-    const plot = scenePlot(sceneOf(result.calibrations, result.extrinsics, boards, board, square), t("rig.plot_label", { count: result.cameras.length }));
-    return el("div", { class: "where" }, el("figure", { class: "figure" }, plot, el("figcaption", {}, t(boards.length ? "rig.plot_caption_boards" : "rig.plot_caption"))), relations(result));
+    const boards =
+      result.board_poses ??
+      this.#sources.views
+        .map(({ position, corners }) => boardInRig(result, position, corners, board, square))
+        .filter((pose) => pose !== null);
+    const plot = scenePlot(
+      sceneOf(result.calibrations, result.extrinsics, boards, board, square),
+      t("rig.plot_label", { count: result.cameras.length }),
+    );
+    return el(
+      "div",
+      { class: "where" },
+      el(
+        "figure",
+        { class: "figure" },
+        plot,
+        el("figcaption", {}, t(boards.length ? "rig.plot_caption_boards" : "rig.plot_caption")),
+      ),
+      relations(result),
+    );
   }
 
   #files() {
@@ -71,7 +93,11 @@ export class RigView {
       status.textContent = words;
     };
     const buttons = FORMATS.map((format) => {
-      const button = el("button", { type: "button", id: `file-${format}`, "data-format": format }, t(`rig.format_${format}`));
+      const button = el(
+        "button",
+        { type: "button", id: `file-${format}`, "data-format": format },
+        t(`rig.format_${format}`),
+      );
       button.addEventListener("click", async () => {
         button.disabled = true;
         try {
@@ -90,7 +116,9 @@ export class RigView {
   async #save(format) {
     const response = await this.#sources.service.file(this.#state.rig_id, format === "json" ? "" : format);
     const [, named] = /filename="?([^";]+)"?/.exec(response.headers.get("content-disposition") ?? "") ?? [];
-    const link = el("a", { download: named ?? `rig-${this.#state.rig_id.slice(0, 8)}.${format === "json" ? "json" : "zip"}` });
+    const link = el("a", {
+      download: named ?? `rig-${this.#state.rig_id.slice(0, 8)}.${format === "json" ? "json" : "zip"}`,
+    });
     link.href = URL.createObjectURL(await response.blob());
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 60_000); // ms: the browser has taken it by then
@@ -100,7 +128,12 @@ export class RigView {
 
 /** @param {string} id @param {HTMLElement} content */
 function section(id, content) {
-  return el("section", { class: "band", "aria-labelledby": `rig-${id}` }, el("h2", { id: `rig-${id}` }, t(`rig.part_${id}`)), content);
+  return el(
+    "section",
+    { class: "band", "aria-labelledby": `rig-${id}` },
+    el("h2", { id: `rig-${id}` }, t(`rig.part_${id}`)),
+    content,
+  );
 }
 
 /** @param {RigState} state @param {RigResult} result */
@@ -114,37 +147,93 @@ function head({ cameras, rig_id: id, moments }, { verdict, rms, held_out_rms: he
     t("rig.figure_moments", { count: moments.length }),
     ...(aside ? [t("rig.figure_aside", { count: aside })] : []),
   ];
-  return el("header", { class: "opening" },
+  return el(
+    "header",
+    { class: "opening" },
     ...(practice ? [el("p", { class: "practice" }, t("rig.practice_result"))] : []),
     el("h1", { id: "result-title", tabindex: -1 }, t("rig.result_title", { count: all.length })),
     el("p", { id: "verdict", class: `verdict tint ${level}` }, t(`rig.level_${level}`)),
-    ...(uncertainty ? [el("p", { class: "lead" }, t("rig.uncertainty", {
-      rms: rough(uncertainty.rms), rotation: rough(uncertainty.rotation_deg), translation: rough(uncertainty.translation_percent),
-    }))] : []),
+    ...(uncertainty
+      ? [
+          el(
+            "p",
+            { class: "lead" },
+            t("rig.uncertainty", {
+              rms: rough(uncertainty.rms),
+              rotation: rough(uncertainty.rotation_deg),
+              translation: rough(uncertainty.translation_percent),
+            }),
+          ),
+        ]
+      : []),
     el("p", { class: "muted small" }, joinFacts(figures)),
-    el("div", { class: "actions" }, copyButton(t("rig.copy_link"), () => new URL(`?id=${encodeURIComponent(id)}`, location.href).href), el("a", { class: "button", href: "./" }, t("rig.another"))));
+    el(
+      "div",
+      { class: "actions" },
+      copyButton(t("rig.copy_link"), () => new URL(`?id=${encodeURIComponent(id)}`, location.href).href),
+      el("a", { class: "button", href: "./" }, t("rig.another")),
+    ),
+  );
 }
 
 /** @param {RigResult} result */
 function relations({ extrinsics, unit }) {
   const cell = (/** @type {string} */ words, /** @type {string} */ kind = "") => el("td", { class: kind }, words);
-  const rows = extrinsics.filter(({ position }) => position > 0).map((extrinsic) => {
-    const { distance, distanceStd, angle, angleStd } = relationOf(extrinsic);
-    const [factor, name] = unit === "metres" ? (distance < 1 ? [1000, "mm"] : [1, "m"]) : [1, t("rig.squares")];
-    return el("tr", {}, el("th", { scope: "row" }, t("rig.relation", { from: 1, to: extrinsic.position + 1 })),
-      cell(withError(distance * factor, distanceStd * factor, name)), cell(withError(angle, angleStd, "°")));
-  });
+  const rows = extrinsics
+    .filter(({ position }) => position > 0)
+    .map((extrinsic) => {
+      const { distance, distanceStd, angle, angleStd } = relationOf(extrinsic);
+      const [factor, name] = unit === "metres" ? (distance < 1 ? [1000, "mm"] : [1, "m"]) : [1, t("rig.squares")];
+      return el(
+        "tr",
+        {},
+        el("th", { scope: "row" }, t("rig.relation", { from: 1, to: extrinsic.position + 1 })),
+        cell(withError(distance * factor, distanceStd * factor, name)),
+        cell(withError(angle, angleStd, "°")),
+      );
+    });
   const heads = [t("rig.col_cameras"), t("rig.col_distance"), t("rig.col_angle")];
-  const vectors = extrinsics.filter(({ position }) => position > 0).map(({ position, rvec, tvec, std }) =>
-    `${cameraName(position)}\nrvec = [${rvec.join(", ")}]\ntvec = [${tvec.join(", ")}]\nstd  = [${std.join(", ")}]`).join("\n\n");
-  return el("div", { class: "relations" },
-    el("div", { class: "scrolls", tabindex: 0, role: "group", "aria-labelledby": "rig-where" }, el("table", {}, el("caption", {}, t("rig.relations_caption")),
-      el("thead", {}, el("tr", {}, ...heads.map((words, index) => el("th", { scope: "col", class: index ? "number" : "" }, words)))), el("tbody", {}, ...rows))),
-    el("details", {}, el("summary", {}, t("rig.vectors")), el("p", { class: "muted" }, t("rig.vectors_text", { unit: unit === "metres" ? "m" : t("rig.squares") })),
-      addCopyButton(el("pre", { tabindex: 0, "aria-label": t("rig.vectors") }, el("code", {}, vectors)))));
+  const vectors = extrinsics
+    .filter(({ position }) => position > 0)
+    .map(
+      ({ position, rvec, tvec, std }) =>
+        `${cameraName(position)}\nrvec = [${rvec.join(", ")}]\ntvec = [${tvec.join(", ")}]\nstd  = [${std.join(", ")}]`,
+    )
+    .join("\n\n");
+  return el(
+    "div",
+    { class: "relations" },
+    el(
+      "div",
+      { class: "scrolls", tabindex: 0, role: "group", "aria-labelledby": "rig-where" },
+      el(
+        "table",
+        {},
+        el("caption", {}, t("rig.relations_caption")),
+        el(
+          "thead",
+          {},
+          el("tr", {}, ...heads.map((words, index) => el("th", { scope: "col", class: index ? "number" : "" }, words))),
+        ),
+        el("tbody", {}, ...rows),
+      ),
+    ),
+    el(
+      "details",
+      {},
+      el("summary", {}, t("rig.vectors")),
+      el("p", { class: "muted" }, t("rig.vectors_text", { unit: unit === "metres" ? "m" : t("rig.squares") })),
+      addCopyButton(el("pre", { tabindex: 0, "aria-label": t("rig.vectors") }, el("code", {}, vectors))),
+    ),
+  );
 }
 
-/** A value with as many digits as its error is worth. @param {number} value @param {number} error @param {string} unit */
+/**
+ * A value with as many digits as its error is worth.
+ * @param {number} value
+ * @param {number} error
+ * @param {string} unit
+ */
 function withError(value, error, unit) {
   const digits = error > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(error)))) : 2;
   const space = unit === "°" ? "" : "\u00a0";
@@ -153,12 +242,25 @@ function withError(value, error, unit) {
 
 /** @param {RigState} state @param {RigResult} result */
 function cameraList({ cameras }, { cameras: ids, calibrations }) {
-  return el("ul", { class: "each" }, ...ids.map((id, position) => {
-    const label = cameras[position]?.camera ?? calibrations[position].camera;
-    const link = new URL(`../result/?${new URLSearchParams({ id })}`, location.href).href;
-    return el("li", {}, el("a", { href: link }, t("rig.own_calibration", { camera: cameraName(position) })), " ",
-      el("span", { class: "muted" }, [labelText(label), formatSize(calibrations[position].img_size)].filter(Boolean).join(" · ")));
-  }));
+  return el(
+    "ul",
+    { class: "each" },
+    ...ids.map((id, position) => {
+      const label = cameras[position]?.camera ?? calibrations[position].camera;
+      const link = new URL(`../result/?${new URLSearchParams({ id })}`, location.href).href;
+      return el(
+        "li",
+        {},
+        el("a", { href: link }, t("rig.own_calibration", { camera: cameraName(position) })),
+        " ",
+        el(
+          "span",
+          { class: "muted" },
+          [labelText(label), formatSize(calibrations[position].img_size)].filter(Boolean).join(" · "),
+        ),
+      );
+    }),
+  );
 }
 
 /** @param {string} id */
@@ -176,10 +278,21 @@ document.body.append(pair.left, pair.right);
 file = cv2.FileStorage("stereo-0-1.yml", cv2.FILE_STORAGE_READ)
 K1, D1, K2, D2, R, T = (file.getNode(name).mat() for name in ("K1", "D1", "K2", "D2", "R", "T"))
 `;
-  const block = (/** @type {string} */ name, /** @type {string} */ label, /** @type {string} */ code) => el("div", {}, el("h3", { id: `code-${name}` }, label),
-    addCopyButton(el("pre", { tabindex: 0, "aria-labelledby": `code-${name}` }, el("code", {}, code))));
-  return el("div", { class: "codes" }, block("javascript", "JavaScript", javascript), block("python", t("rig.python"), python));
+  const block = (/** @type {string} */ name, /** @type {string} */ label, /** @type {string} */ code) =>
+    el(
+      "div",
+      {},
+      el("h3", { id: `code-${name}` }, label),
+      addCopyButton(el("pre", { tabindex: 0, "aria-labelledby": `code-${name}` }, el("code", {}, code))),
+    );
+  return el(
+    "div",
+    { class: "codes" },
+    block("javascript", "JavaScript", javascript),
+    block("python", t("rig.python"), python),
+  );
 }
 
 /** Sentence about cameras that a rig has, for a page's title. @param {RigState} state */
-export const titleOf = ({ cameras }) => t("rig.title_of", { cameras: cameraNames(cameras.map(({ position }) => position)) });
+export const titleOf = ({ cameras }) =>
+  t("rig.title_of", { cameras: cameraNames(cameras.map(({ position }) => position)) });

@@ -1,4 +1,5 @@
-// Scene of the simulated rig: where its cameras stand, and where the board is for a target. A function of the rig's state
+// Scene of the simulated rig: where its cameras stand, and where the board is for a target. A function of the rig's
+// state
 // alone, so that browsers that know nothing of each other show the same board. Pure.
 import { composePoses, invertPose, perturbPose, seededRandom } from "../lib/pose.js";
 import { setupFrom } from "../lib/virtual/camera.js";
@@ -27,25 +28,47 @@ export function cameraPose(position) {
   return composePoses(turn, { rvec: [0, 0, 0], tvec: place.map((value) => -value) });
 }
 
-/** Simulated camera at a position: each has a lens of its own. @param {URLSearchParams} parameters @param {number} position @returns {Setup} */
+/**
+ * Simulated camera at a position: each has a lens of its own.
+ * @param {URLSearchParams} parameters
+ * @param {number} position
+ * @returns {Setup}
+ */
 export function setupAt(parameters, position) {
   const setup = setupFrom(parameters);
   const part = VARIATIONS[position % VARIATIONS.length];
-  const { lens, size: [width] } = setup;
+  const {
+    lens,
+    size: [width],
+  } = setup;
   return {
     ...setup,
-    lens: { ...lens, fx: lens.fx * (1 + part), fy: lens.fy * (1 + part), cx: lens.cx - 0.3 * part * width, cy: lens.cy + 0.2 * part * width, k1: lens.k1 * (1 - 2 * part) },
+    lens: {
+      ...lens,
+      fx: lens.fx * (1 + part),
+      fy: lens.fy * (1 + part),
+      cx: lens.cx - 0.3 * part * width,
+      cy: lens.cy + 0.2 * part * width,
+      k1: lens.k1 * (1 - 2 * part),
+    },
   };
 }
 
-/** Pose of the board before anybody knows a target: before camera 0. @param {Board} board @param {Setup} setup of camera 0 @returns {Pose} board → camera 0, squares */
+/**
+ * Pose of the board before anybody knows a target: before camera 0.
+ * @param {Board} board
+ * @param {Setup} setup of camera 0
+ * @returns {Pose} board → camera 0, squares
+ */
 export function firstPose({ squares: [columns, rows] }, { lens, size: [width] }) {
   return { rvec: [0, 0, 0], tvec: [-columns / 2, -rows / 2, (1.6 * columns * lens.fx) / width] };
 }
 
 /**
  * Pose in which somebody holds the board for a target: it covers the target in the first camera that has one.
- * @param {readonly Target[]} targets of the rig's cameras @param {Board} board @param {URLSearchParams} parameters of the address
+ * @param {readonly Target[]} targets of the rig's cameras
+ * @param {Board} board
+ * @param {URLSearchParams} parameters of the address
  * @returns {Pose | null} board → camera 0, squares; null where no camera has a target
  */
 export function boardPose(targets, board, parameters) {

@@ -15,7 +15,8 @@
  * @property {"waiting" | "capturing" | "finished"} status
  * @property {number} views
  *
- * @typedef {Pose & {position: number, ids: number[], corners: number[][], outline: [number, number][]}} Target of one camera;
+ * @typedef {Pose & {position: number, ids: number[], corners: number[][], outline: [number, number][]}} Target of one
+ *   camera;
  *   board → camera, px
  * @typedef {{position: number, reason: string, detail: string}} SetAside
  * @typedef {{id: string, positions: number[], set_aside?: SetAside[]}} Moment positions: cameras whose views it has
@@ -76,18 +77,30 @@ export class RigService {
     return (await this.#api.json("POST", "/auth", this.#token, { brief: true })).session_id;
   }
 
-  /** Opens one camera's session. @param {string} session @param {SessionRequest} request @returns {Promise<SessionState>} */
+  /**
+   * Opens one camera's session.
+   * @param {string} session
+   * @param {SessionRequest} request
+   * @returns {Promise<SessionState>}
+   */
   openSession(session, request) {
     return this.#api.json("POST", "/session", session, { body: request, brief: true });
   }
 
-  /** Makes the rig of the first camera's session, or a fresh code for it. @param {string} session @param {{cameras: number, square_size?: number}} rig @returns {Promise<Created>} */
+  /**
+   * Makes the rig of the first camera's session, or a fresh code for it.
+   * @param {string} session
+   * @param {{cameras: number, square_size?: number}} rig
+   * @returns {Promise<Created>}
+   */
   create(session, rig) {
     return this.#api.json("POST", "/rigs", session, { body: rig, brief: true });
   }
 
   /**
-   * @param {string} id @param {string} [credential] of a member; the pages' token unless told @param {string} [etag] of the last answer
+   * @param {string} id
+   * @param {string} [credential] of a member; the pages' token unless told
+   * @param {string} [etag] of the last answer
    * @returns {Promise<Answer | null>} null: nothing has changed
    */
   async state(id, credential = this.#token, etag = "") {
@@ -105,7 +118,13 @@ export class RigService {
     return this.#api.json("POST", `${path(id)}/moments`, leader, { body: { moment }, brief: true });
   }
 
-  /** Withdraws a moment in all cameras. @param {string} id @param {string} leader @param {string} moment @returns {Promise<RigState>} */
+  /**
+   * Withdraws a moment in all cameras.
+   * @param {string} id
+   * @param {string} leader
+   * @param {string} moment
+   * @returns {Promise<RigState>}
+   */
   undo(id, leader, moment) {
     return this.#api.json("DELETE", `${path(id)}/moments/${encodeURIComponent(moment)}`, leader, { brief: true });
   }
@@ -130,7 +149,12 @@ export class RigService {
     await this.#api.send("DELETE", "/session", session, { brief: true });
   }
 
-  /** The result as a file. @param {string} id @param {string} format "" for the JSON that the SDK reads @returns {Promise<Response>} */
+  /**
+   * The result as a file.
+   * @param {string} id
+   * @param {string} format "" for the JSON that the SDK reads
+   * @returns {Promise<Response>}
+   */
   file(id, format) {
     const query = format ? `?${new URLSearchParams({ format })}` : "";
     return this.#api.send("GET", `${path(id)}/result${query}`, this.#token, { accept: "*/*" });

@@ -6,7 +6,8 @@ import { t } from "../lib/i18n.js";
 /**
  * @typedef {import("./parts.js").Parts} Parts
  * @typedef {import("./streams.js").Choice} Choice
- * @typedef {{id: string, label: string, used: HTMLInputElement, layout: HTMLSelectElement, lens: HTMLSelectElement}} Row
+ * @typedef {{id: string, label: string, used: HTMLInputElement, layout: HTMLSelectElement, lens: HTMLSelectElement}}
+ *   Row
  */
 
 export const MIN_CAMERAS = 2;
@@ -34,16 +35,28 @@ export class Setup {
     this.#writeOthers();
   }
 
-  /** Lists the cameras that the browser names; what was chosen stays chosen. @param {boolean} [anew] in another language */
+  /**
+   * Lists the cameras that the browser names; what was chosen stays chosen.
+   * @param {boolean} [anew] in another language
+   */
   async list(anew = false) {
     const found = (await cameras(this.#parameters)).filter(({ id, named }) => id !== "virtual" && named);
     const { cameras: place, allow, camerasNote } = this.#parts;
     const chosen = new Map(this.#rows.map((row) => [row.id, row]));
     if (anew || found.map(({ id }) => id).join() !== this.#rows.map(({ id }) => id).join()) {
-      this.#rows = found.map(({ id, label }, index) => this.#row(id, label, index < (this.#joins ? 1 : 2), chosen.get(id)));
-      place.replaceChildren(...this.#rows.map(({ label, used, layout, lens }) => el("div", { class: "camera" },
-        el("label", { class: "choice" }, used, el("span", {}, label)),
-        el("div", { class: "fields" }, field(layout, t("rig.layout")), field(lens, t("rig.lens"))))));
+      this.#rows = found.map(({ id, label }, index) =>
+        this.#row(id, label, index < (this.#joins ? 1 : 2), chosen.get(id)),
+      );
+      place.replaceChildren(
+        ...this.#rows.map(({ label, used, layout, lens }) =>
+          el(
+            "div",
+            { class: "camera" },
+            el("label", { class: "choice" }, used, el("span", {}, label)),
+            el("div", { class: "fields" }, field(layout, t("rig.layout")), field(lens, t("rig.lens"))),
+          ),
+        ),
+      );
     }
     allow.hidden = found.length > 0;
     camerasNote.textContent = found.length === 0 ? t("rig.not_listed") : "";
@@ -62,7 +75,12 @@ export class Setup {
       for (const track of stream.getTracks()) track.stop();
       if (this.#rows.length === 0) camerasNote.textContent = t("rig.none_found");
     } catch (error) {
-      const code = error instanceof CameraError ? error.code : error instanceof DOMException && error.name === "NotFoundError" ? "not_found" : "not_allowed";
+      const code =
+        error instanceof CameraError
+          ? error.code
+          : error instanceof DOMException && error.name === "NotFoundError"
+            ? "not_found"
+            : "not_allowed";
       camerasNote.textContent = "";
       setupProblem.textContent = t(`capture.fault_${code}`);
     }
@@ -73,7 +91,11 @@ export class Setup {
     const used = el("input", { type: "checkbox", autocomplete: "off" });
     used.checked = before?.used.checked ?? checked;
     const select = (/** @type {string} */ kind, /** @type {string[]} */ names) =>
-      el("select", { "aria-label": `${t(`rig.${kind}`)}: ${label}` }, ...names.map((name) => new Option(t(kind === "lens" ? `capture.lens_${name}` : `rig.layout_${name}`), name)));
+      el(
+        "select",
+        { "aria-label": `${t(`rig.${kind}`)}: ${label}` },
+        ...names.map((name) => new Option(t(kind === "lens" ? `capture.lens_${name}` : `rig.layout_${name}`), name)),
+      );
     const [layout, lens] = [select("layout", LAYOUTS), select("lens", LENSES)];
     if (before) [layout.value, lens.value] = [before.layout.value, before.lens.value];
     return { id, label, used, layout, lens };
@@ -83,7 +105,9 @@ export class Setup {
   #writeOthers() {
     const { others } = this.#parts;
     const { value } = others;
-    others.replaceChildren(...Array.from({ length: MAX_CAMERAS }, (_, count) => new Option(String(count), String(count))));
+    others.replaceChildren(
+      ...Array.from({ length: MAX_CAMERAS }, (_, count) => new Option(String(count), String(count))),
+    );
     others.value = value || "0";
   }
 
@@ -101,9 +125,14 @@ export class Setup {
 
   /** @returns {Choice[]} */
   get choices() {
-    return this.#rows.filter(({ used }) => used.checked).map(({ id, label, layout, lens }) => ({
-      id, label, layout: /** @type {Choice["layout"]} */ (layout.value), distortion_model: /** @type {Choice["distortion_model"]} */ (lens.value),
-    }));
+    return this.#rows
+      .filter(({ used }) => used.checked)
+      .map(({ id, label, layout, lens }) => ({
+        id,
+        label,
+        layout: /** @type {Choice["layout"]} */ (layout.value),
+        distortion_model: /** @type {Choice["distortion_model"]} */ (lens.value),
+      }));
   }
 
   /** Code as the service takes it. */

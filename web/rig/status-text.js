@@ -23,7 +23,10 @@ export const cameraName = (position) => t("rig.camera", { number: position + 1 }
 /** @param {readonly number[]} positions */
 export function cameraNames(positions) {
   const names = positions.map((position) => String(position + 1));
-  return t("rig.cameras_listed", { count: names.length, numbers: new Intl.ListFormat(document.documentElement.lang || "en").format(names) });
+  return t("rig.cameras_listed", {
+    count: names.length,
+    numbers: new Intl.ListFormat(document.documentElement.lang || "en").format(names),
+  });
 }
 
 /** @param {string | null} label */
@@ -38,14 +41,31 @@ export function instruct({ state, moment, opening, offline, finishing, sights, p
   if (!state) return offline ? "away" : "wait";
   if (opening || (moment && !moment.over)) return "hold";
   if (leads && isAlone(state)) return "join";
-  const remote = remotePositions(state, members.map(({ position }) => position)).length > 0;
+  const remote =
+    remotePositions(
+      state,
+      members.map(({ position }) => position),
+    ).length > 0;
   if (offline && remote) return "away";
-  const seeing = members.map((member) => ({ member, sight: /** @type {Sight} */ (sights.get(member.position)) })).filter(({ sight }) => sight && isSeen(sight));
+  const seeing = members
+    .map((member) => ({ member, sight: /** @type {Sight} */ (sights.get(member.position)) }))
+    .filter(({ sight }) => sight && isSeen(sight));
   if (seeing.length === 0) return unseen(state, [...sights.values()], members, leads);
-  if (seeing.some(({ sight }) => sight.target && isAtTarget(sight, sight.aim)) && requiredHold(seeing.map(({ sight }) => sight), patience) !== null) return "hold";
-  const aimed = seeing.filter(({ sight }) => sight.aim && sight.outline).sort((a, b) => a.sight.distance - b.sight.distance)[0];
-  if (!aimed) return seeing.some(({ sight }) => sight.target) || !state.target ? "match" : leads ? "elsewhere" : "follow";
-  const code = advice(/** @type {number[][]} */ (aimed.sight.outline), /** @type {number[][]} */ (aimed.sight.aim)) || "match";
+  if (
+    seeing.some(({ sight }) => sight.target && isAtTarget(sight, sight.aim)) &&
+    requiredHold(
+      seeing.map(({ sight }) => sight),
+      patience,
+    ) !== null
+  )
+    return "hold";
+  const aimed = seeing
+    .filter(({ sight }) => sight.aim && sight.outline)
+    .sort((a, b) => a.sight.distance - b.sight.distance)[0];
+  if (!aimed)
+    return seeing.some(({ sight }) => sight.target) || !state.target ? "match" : leads ? "elsewhere" : "follow";
+  const code =
+    advice(/** @type {number[][]} */ (aimed.sight.outline), /** @type {number[][]} */ (aimed.sight.aim)) || "match";
   return aimed.member.stream.mirrored ? asMirrored(code) : code;
 }
 
@@ -63,7 +83,13 @@ export function instruction(code, { state }) {
   return t(key, { camera: cameraName(first) });
 }
 
-/** Line below the instruction. @param {Model} model @param {readonly Member[]} members @param {boolean} leads @param {string} code of the instruction */
+/**
+ * Line below the instruction.
+ * @param {Model} model
+ * @param {readonly Member[]} members
+ * @param {boolean} leads
+ * @param {string} code of the instruction
+ */
 export function detail({ state, moment, notice, offline, waiting, opening }, members, leads, code) {
   const own = members.map(({ position }) => position);
   const remote = state ? remotePositions(state, own) : [];
@@ -97,14 +123,34 @@ export function counts(state) {
 export function memberLine(state, position, own) {
   const { camera, img_size, status, views } = state.cameras[position];
   if (status === "waiting") return { name: cameraName(position), text: t("rig.waiting_to_join") };
-  const what = [labelText(camera), img_size?.join("\u00a0×\u00a0"), own.includes(position) ? "" : t("rig.other_device")].filter(Boolean).join(" · ");
+  const what = [labelText(camera), img_size?.join("\u00a0×\u00a0"), own.includes(position) ? "" : t("rig.other_device")]
+    .filter(Boolean)
+    .join(" · ");
   return { name: cameraName(position), text: `${what} · ${t("rig.views_of", { count: views, needed: MIN_VIEWS })}` };
 }
 
-/** Sentences that the rig's state calls for: the service's own only where the page has none, for they are English. @param {RigState} state @returns {string[]} */
-export const adviceTexts = ({ advice: found }) => found.filter(({ code }) => !SHOWN_ELSEWHERE.has(code)).map(({ code, text, positions = [] }) =>
-  (RIG_ADVICE.has(code) ? t(`rig.advice_${code}`, { cameras: cameraNames(positions), count: positions.length }) : text));
+/**
+ * Sentences that the rig's state calls for: the service's own only where the page has none, for they are English.
+ * @param {RigState} state
+ * @returns {string[]}
+ */
+export const adviceTexts = ({ advice: found }) =>
+  found
+    .filter(({ code }) => !SHOWN_ELSEWHERE.has(code))
+    .map(({ code, text, positions = [] }) =>
+      RIG_ADVICE.has(code)
+        ? t(`rig.advice_${code}`, { cameras: cameraNames(positions), count: positions.length })
+        : text,
+    );
 
-/** Reasons for which views of a moment were set aside. @param {import("./service.js").Moment} moment @returns {string[]} */
-export const asideTexts = ({ set_aside: aside = [] }) => aside.map(({ position, reason, detail: said }) =>
-  (hasMessage(`rig.aside_${reason}`) ? t(`rig.aside_${reason}`, { camera: cameraName(position) }) : `${cameraName(position)}: ${said}`));
+/**
+ * Reasons for which views of a moment were set aside.
+ * @param {import("./service.js").Moment} moment
+ * @returns {string[]}
+ */
+export const asideTexts = ({ set_aside: aside = [] }) =>
+  aside.map(({ position, reason, detail: said }) =>
+    hasMessage(`rig.aside_${reason}`)
+      ? t(`rig.aside_${reason}`, { camera: cameraName(position) })
+      : `${cameraName(position)}: ${said}`,
+  );

@@ -35,12 +35,17 @@ const ASKED_SIZES = { one: [1280, 720], side_by_side: [2560, 720], top_bottom: [
  */
 export function placeOf(half, [width, height]) {
   const size = /** @type {[number, number]} */ ([
-    half === "left" || half === "right" ? width >> 1 : width, half === "top" || half === "bottom" ? height >> 1 : height,
+    half === "left" || half === "right" ? width >> 1 : width,
+    half === "top" || half === "bottom" ? height >> 1 : height,
   ]);
   return { size, offset: [half === "right" ? width - size[0] : 0, half === "bottom" ? height - size[1] : 0] };
 }
 
-/** Label of one half: another lens is another camera. The USB id stays at the end. @param {string} label @param {Half | null} half */
+/**
+ * Label of one half: another lens is another camera. The USB id stays at the end.
+ * @param {string} label
+ * @param {Half | null} half
+ */
 export function labelOfHalf(label, half) {
   return half ? label.replace(/(\s*\([0-9a-f]{4}:[0-9a-f]{4}\))?$/i, (id) => ` ${half}${id}`) : label;
 }
@@ -71,7 +76,12 @@ export class Stream {
     const key = cameraKey(track);
     const platform = await platformHere();
     const pictures = HALVES[this.choice.layout].map((half) => ({
-      half, ...placeOf(half, [videoWidth, videoHeight]), track: facts(track), camera: labelOfHalf(key.camera, half), platform, zoom: key.zoom ?? 0,
+      half,
+      ...placeOf(half, [videoWidth, videoHeight]),
+      track: facts(track),
+      camera: labelOfHalf(key.camera, half),
+      platform,
+      zoom: key.zoom ?? 0,
     }));
     this.#shown = pictures.map((picture, index) => ({ picture, video: videos[index] }));
     return pictures;
@@ -84,13 +94,18 @@ export class Stream {
     return String(size) === String(picture.size);
   }
 
-  /** The stream's pictures now, all of the same moment. @returns {Promise<(VideoFrame | ImageBitmap)[]>} to be closed by the caller */
+  /**
+   * The stream's pictures now, all of the same moment.
+   * @returns {Promise<(VideoFrame | ImageBitmap)[]>} to be closed by the caller
+   */
   async grab() {
     const [{ video }] = this.#shown;
     const whole = typeof VideoFrame === "function" ? new VideoFrame(video) : await createImageBitmap(video);
     if (this.#shown.length === 1) return [whole];
     try {
-      return await Promise.all(this.#shown.map(({ picture: { offset, size } }) => createImageBitmap(whole, ...offset, ...size)));
+      return await Promise.all(
+        this.#shown.map(({ picture: { offset, size } }) => createImageBitmap(whole, ...offset, ...size)),
+      );
     } finally {
       whole.close();
     }

@@ -8,7 +8,8 @@ const MAX_MOTION_PX = 3; // between the last frame and the one that is taken, at
 /**
  * @param {import("./streams.js").Stream} stream @param {number} half index of the camera's picture in the stream
  * @param {import("./moments.js").Sight} sight of the board in the last frame
- * @param {(picture: VideoFrame | ImageBitmap) => Promise<import("../lib/detector.js").Detection | null>} detect takes the picture over
+ * @param {(picture: VideoFrame | ImageBitmap) => Promise<import("../lib/detector.js").Detection | null>} detect takes
+ *   the picture over
  * @returns {Promise<{corners: Corners, picture: ImageBitmap} | null>} null: this frame will not do
  */
 export async function takeView(stream, half, sight, detect) {

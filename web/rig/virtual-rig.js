@@ -26,7 +26,11 @@ export class VirtualRig {
   #timer;
   #target = "";
 
-  /** @param {URLSearchParams} parameters of the address @param {import("../lib/board.js").Board} board @param {HTMLElement} place of the canvases */
+  /**
+   * @param {URLSearchParams} parameters of the address
+   * @param {import("../lib/board.js").Board} board
+   * @param {HTMLElement} place of the canvases
+   */
   constructor(parameters, board, place) {
     this.#parameters = parameters;
     this.#board = board;
@@ -40,17 +44,25 @@ export class VirtualRig {
    */
   async open(choice, position) {
     const positions = choice.layout === "one" ? [position] : [position, position + 1];
-    const made = positions.map((each) => ({ camera: new VirtualCamera(setupAt(this.#parameters, each), this.#place, this.#board), pose: cameraPose(each) }));
+    const made = positions.map((each) => ({
+      camera: new VirtualCamera(setupAt(this.#parameters, each), this.#place, this.#board),
+      pose: cameraPose(each),
+    }));
     const streams = [];
     for (const { camera } of made) streams.push(await camera.open());
     this.#cameras.push(...made);
     this.#show();
     const cameras = made.map(({ camera }) => camera);
     const { rate } = setupAt(this.#parameters, position);
-    const stream = choice.layout === "one" ? streams[0] : joined(cameras, choice.layout === "side_by_side", rate, this.#place);
+    const stream =
+      choice.layout === "one" ? streams[0] : joined(cameras, choice.layout === "side_by_side", rate, this.#place);
     const [track] = stream.getVideoTracks();
     return new Stream(choice, {
-      stream, track, virtual: cameras[0], mirrored: false, cropped: facts(track).resizeMode === "crop-and-scale",
+      stream,
+      track,
+      virtual: cameras[0],
+      mirrored: false,
+      cropped: facts(track).resizeMode === "crop-and-scale",
       close() {
         for (const camera of cameras) camera.close();
         track.stop();
@@ -95,14 +107,21 @@ const tick = (rate) => Math.max(MIN_TICK_MS, 1000 / rate);
  */
 function joined(cameras, sideBySide, rate, place) {
   const canvas = place.ownerDocument.createElement("canvas");
-  const [{ canvas: { width, height } }] = cameras;
+  const [
+    {
+      canvas: { width, height },
+    },
+  ] = cameras;
   canvas.width = sideBySide ? 2 * width : width;
   canvas.height = sideBySide ? height : 2 * height;
   canvas.className = "virtual-camera";
   canvas.setAttribute("aria-hidden", "true");
   place.append(canvas);
   const context = canvas.getContext("2d", { alpha: false });
-  const draw = () => cameras.forEach((camera, index) => context?.drawImage(camera.canvas, sideBySide ? index * width : 0, sideBySide ? 0 : index * height));
+  const draw = () =>
+    cameras.forEach((camera, index) =>
+      context?.drawImage(camera.canvas, sideBySide ? index * width : 0, sideBySide ? 0 : index * height),
+    );
   draw();
   const timer = setInterval(draw, tick(rate));
   const stream = canvas.captureStream(rate);

@@ -22,7 +22,10 @@ export class Watch {
   #options;
   /** Streams whose focus is locked. */
   #focused = new Set();
-  /** Corners seen when a moment was opened, by position. @type {Map<number, import("../lib/board-outline.js").Corners>} */
+  /**
+   * Corners seen when a moment was opened, by position.
+   * @type {Map<number, import("../lib/board-outline.js").Corners>}
+   */
   #marked = new Map();
   /** By position. @type {Map<number, Sight>} */
   sights = new Map();
@@ -33,7 +36,11 @@ export class Watch {
     for (const { position } of options.members) this.sights.set(position, BLIND);
   }
 
-  /** Looks at the next frame of each camera. @param {number} lenience how many times a steady hand's motion counts as still @returns {Promise<boolean>} whether anything was looked at */
+  /**
+   * Looks at the next frame of each camera.
+   * @param {number} lenience how many times a steady hand's motion counts as still
+   * @returns {Promise<boolean>} whether anything was looked at
+   */
   async look(lenience) {
     const { members, signal, onFailure } = this.#options;
     await nextFrame(members[0].stream.video);
@@ -44,7 +51,8 @@ export class Watch {
         return false;
       }
       const pictures = await stream.grab();
-      for (const member of members) if (member.stream === stream) await this.#observe(member, pictures[member.half], lenience);
+      for (const member of members)
+        if (member.stream === stream) await this.#observe(member, pictures[member.half], lenience);
       if (signal.aborted) return false;
     }
     return true;
@@ -52,7 +60,9 @@ export class Watch {
 
   /** @param {Member} member @param {VideoFrame | ImageBitmap} picture @param {number} lenience */
   async #observe({ position, stream }, picture, lenience) {
-    const detection = await this.detect(picture, { probe: nextProbe(this.sight(position).diagnosis, performance.now()) });
+    const detection = await this.detect(picture, {
+      probe: nextProbe(this.sight(position).diagnosis, performance.now()),
+    });
     if (!detection) return;
     const sight = observeFrame(this.sight(position), detection, performance.now(), this.#options.board, lenience);
     this.sights.set(position, sight);
@@ -90,12 +100,15 @@ export class Watch {
 
   /** Notes what each camera sees now, while a moment is opened. */
   mark() {
-    this.#marked = new Map([...this.sights].filter(([, sight]) => isSeen(sight)).map(([position, { corners }]) => [position, corners]));
+    this.#marked = new Map(
+      [...this.sights].filter(([, sight]) => isSeen(sight)).map(([position, { corners }]) => [position, corners]),
+    );
   }
 
   /** Counts what was seen when the moment was opened as taken. */
   take() {
-    for (const [position, corners] of this.#marked) this.sights.set(position, { ...this.sight(position), lastTaken: corners });
+    for (const [position, corners] of this.#marked)
+      this.sights.set(position, { ...this.sight(position), lastTaken: corners });
   }
 
   /** Counts nothing as taken any more, after an undo. */

@@ -4,7 +4,8 @@
 //     const bundle = new Bundle(await (await fetch("cameras.json")).json());
 //     const { calibration } = await lookup(track, { bundle });
 //
-// `python -m infra.ops bundle` writes the file. Which label means which camera it has found by the service's own rules, label by label:
+// `python -m infra.ops bundle` writes the file. Which label means which camera it has found by the service's own rules,
+// label by label:
 // here they are only compared, so what it does not name, it does not know.
 
 import { CROPPED } from "./key.js";
@@ -44,12 +45,14 @@ export class Bundle {
 
   /** @param {BundleData} data the file's content; throws a TypeError where it is something else */
   constructor(data) {
-    if (data?.format !== "calibdb-bundle" || data.version !== 1) throw new TypeError("this is no bundle of calibrations that is understood here");
+    if (data?.format !== "calibdb-bundle" || data.version !== 1)
+      throw new TypeError("this is no bundle of calibrations that is understood here");
     this.#data = data;
   }
 
   /**
-   * Answer that a lookup of the service would give, where that is certain. As there, the closest size is marked, and nothing is told
+   * Answer that a lookup of the service would give, where that is certain. As there, the closest size is marked, and
+   * nothing is told
    * of another zoom.
    * @param {CameraKey} key @param {string} model
    * @returns {CalibrationData | null} null: ask the service
@@ -72,17 +75,31 @@ export class Bundle {
 
 /**
  * A row as the service answers it.
- * @param {Record<string, any>} row @param {{camera: string, platform: string}} whose @param {readonly [number, number]} asked
+ * @param {Record<string, any>} row
+ * @param {{camera: string, platform: string}} whose
+ * @param {readonly [number, number]} asked
  * @returns {CalibrationData}
  */
 function answerOf({ intrinsics, uncertainty: [rms, max, inside, covered], at, ...row }, whose, asked) {
   const { zoom, distortion_coefficients } = /** @type {Record<string, any>} */ (row);
-  const matrix = (/** @type {number[]} */ [fx, fy, cx, cy]) => [[fx, 0, cx], [0, fy, cy], [0, 0, 1]];
+  const matrix = (/** @type {number[]} */ [fx, fy, cx, cy]) => [
+    [fx, 0, cx],
+    [0, fy, cy],
+    [0, 0, 1],
+  ];
   const [relation, ...carried] = own(at, asked.join("x")) ?? [row.relation];
-  const adapted = carried.length ? { img_size: asked, zoom, camera_matrix: matrix(carried), distortion_coefficients, interpolated: false } : null;
+  const adapted = carried.length
+    ? { img_size: asked, zoom, camera_matrix: matrix(carried), distortion_coefficients, interpolated: false }
+    : null;
   return /** @type {any} */ ({
-    ...row, ...whose, camera_matrix: matrix(intrinsics), uncertainty: { rms, max, inside, covered }, reliable: true, exact_size: same(row.img_size, asked),
-    relation, adapted,
+    ...row,
+    ...whose,
+    camera_matrix: matrix(intrinsics),
+    uncertainty: { rms, max, inside, covered },
+    reliable: true,
+    exact_size: same(row.img_size, asked),
+    relation,
+    adapted,
   });
 }
 
@@ -101,7 +118,11 @@ const same = (a, b) => a[0] === b[0] && a[1] === b[1];
 function compareSizes(a, b, [w, h]) {
   const [x, y] = [a, b].map((size) => {
     const aspect = Math.abs(Math.log((size[0] * h) / (size[1] * w)));
-    return [same(size, [w, h]) ? 0 : 1, aspect < SAME_ASPECT ? 0 : aspect, Math.abs(Math.log((size[0] * size[1]) / (w * h)))];
+    return [
+      same(size, [w, h]) ? 0 : 1,
+      aspect < SAME_ASPECT ? 0 : aspect,
+      Math.abs(Math.log((size[0] * size[1]) / (w * h))),
+    ];
   });
   return x[0] - y[0] || x[1] - y[1] || x[2] - y[2];
 }

@@ -3,7 +3,8 @@
 //     import { lookup } from "https://<host>/sdk/calibdb.js";
 //     const { calibration, guidanceUrl } = await lookup(track, { token });
 //
-// Modules without dependencies; what is imported from here alone is all that is loaded, but for what works on the GPU, which
+// Modules without dependencies; what is imported from here alone is all that is loaded, but for what works on the GPU,
+// which
 // `calibration.rectifier()` and `rectifyPair()` load.
 
 /**

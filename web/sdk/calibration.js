@@ -24,13 +24,15 @@ import { lensOf } from "./projection.js";
  * @property {number | null} [spread] px rms between the calibrations that agree, over the image
  * @property {number | null} [held_out_error] px rms of views under a fit that did not see them
  * @property {number | null} [systematic] variance that the intrinsics see / that of white noise, at least 1
- * @property {"scale" | "crop" | "scale+crop" | "neither" | null} [relation] of this size to the one asked for, where verified
+ * @property {"scale" | "crop" | "scale+crop" | "neither" | null} [relation] of this size to the one asked for, where
+ *   verified
  * @property {Adapted | null} [adapted] parameters for the size or zoom asked for, where verified
  * @property {number} calibrations how many agree on this
  * @property {number} contributors
  * @property {boolean} reliable
  * @property {boolean} exact_size false: the closest known size, not the one asked for
- * @property {{rms: number, max: number, inside?: number | null, covered?: number | null}} uncertainty predicted projection error, px: over the
+ * @property {{rms: number, max: number, inside?: number | null, covered?: number | null}} uncertainty predicted
+ *   projection error, px: over the
  *   image, and `inside` the part that the boards have shown, a share `covered` of the image
  * @property {number} calibration_time unix seconds
  *
@@ -43,7 +45,8 @@ import { lensOf } from "./projection.js";
  * @typedef {object} OnlyEstimated
  * @property {number} hfov_deg horizontal field of view, degrees
  * @property {{hfov_deg: [number, number]}} interval_90 contains the true value with a probability of 90 %
- * @property {"calibrations" | "views" | "device" | "other_size" | "published" | "family" | "population"} basis best evidence
+ * @property {"calibrations" | "views" | "device" | "other_size" | "published" | "family" | "population"} basis best
+ *   evidence
  * @property {string} [group] name of the group of calibrations that fits the views sent
  * @property {{title: string, url: string}[]} sources publications that it rests on
  *
@@ -124,7 +127,9 @@ export class Camera extends Data {
   }
 }
 
-const OfCalibration = /** @type {new (data: CalibrationData) => Camera & CalibrationData} */ (/** @type {unknown} */ (Camera));
+const OfCalibration = /** @type {new (data: CalibrationData) => Camera & CalibrationData} */ (
+  /** @type {unknown} */ (Camera)
+);
 const OfEstimate = /** @type {new (data: EstimateData) => Camera & EstimateData} */ (/** @type {unknown} */ (Camera));
 
 /** A calibration, with functions. */

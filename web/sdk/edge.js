@@ -1,4 +1,5 @@
-// Known cameras: a lookup without a credential, which caches near the caller answer, also for a day while no server runs.
+// Known cameras: a lookup without a credential, which caches near the caller answer, also for a day while no server
+// runs.
 import { CROPPED } from "./key.js";
 import { address, reach } from "./request.js";
 
@@ -7,7 +8,8 @@ import { address, reach } from "./request.js";
  * @typedef {import("./calibration.js").CalibrationData} CalibrationData
  * @typedef {import("./request.js").RequestOptions} RequestOptions
  *
- * @typedef {"answered" | "missing" | "unasked"} Outcome missing: the edge is there and has no answer; unasked: it is not there
+ * @typedef {"answered" | "missing" | "unasked"} Outcome missing: the edge is there and has no answer; unasked: it is
+ *   not there
  * @typedef {{outcome: Outcome, calibration: CalibrationData | null}} EdgeAnswer
  */
 
@@ -40,12 +42,19 @@ export async function askEdge(key, model, { api, signal, fetch = globalThis.fetc
   // Without headers of its own, which a browser would have to ask permission for first, and without cookies.
   const answer = await reach(fetch, url, { credentials: "omit", signal });
   if (!("response" in answer)) return { outcome: "unasked", calibration: null };
-  const { response: { ok, status }, body } = answer;
+  const {
+    response: { ok, status },
+    body,
+  } = answer;
   if (ok && body.camera_matrix) return { outcome: "answered", calibration: body };
   return { outcome: status === 404 ? "missing" : "unasked", calibration: null };
 }
 
-/** As the service writes it: to six decimals, without zeros at the end. @param {number} zoom @returns {string | null} null: it has more */
+/**
+ * As the service writes it: to six decimals, without zeros at the end.
+ * @param {number} zoom
+ * @returns {string | null} null: it has more
+ */
 function zoomText(zoom) {
   const text = zoom.toFixed(6);
   return Number(text) === zoom ? text.replace(/\.?0+$/, "") : null;

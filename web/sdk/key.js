@@ -27,9 +27,10 @@ export function platformOf(userAgent) {
  * @param {{userAgent: string, userAgentData?: unknown}} [browser]
  */
 export async function platformHere(browser = navigator) {
-  const data = /** @type {{getHighEntropyValues?: (hints: string[]) => Promise<Record<string, string>>} | undefined} */ (
-    browser.userAgentData
-  );
+  const data =
+    /** @type {{getHighEntropyValues?: (hints: string[]) => Promise<Record<string, string>>} | undefined} */ (
+      browser.userAgentData
+    );
   try {
     const { model, platformVersion = "" } = (await data?.getHighEntropyValues?.(["model", "platformVersion"])) ?? {};
     if (model) return `Linux; Android ${platformVersion.split(".")[0]}; ${model}`;
@@ -44,7 +45,8 @@ export async function platformHere(browser = navigator) {
  * @param {string} platform @param {string} [device] "" or undefined: not known
  */
 export function withDevice(platform, device) {
-  if (!device || platform.split(";").some((part) => part.trim().toLowerCase() === device.toLowerCase())) return platform;
+  if (!device || platform.split(";").some((part) => part.trim().toLowerCase() === device.toLowerCase()))
+    return platform;
   return `${platform}; ${device}`;
 }
 
@@ -75,7 +77,8 @@ export function cameraKey(track, userAgent = navigator.userAgent) {
  */
 export async function keyOf(source, device) {
   if (!source) throw new TypeError("there is no camera: lookup(track) or lookup({ camera, platform, img_size, zoom })");
-  if (!("getSettings" in source)) return { ...source, platform: withDevice(source.platform, device), zoom: source.zoom ?? 0 };
+  if (!("getSettings" in source))
+    return { ...source, platform: withDevice(source.platform, device), zoom: source.zoom ?? 0 };
   const { resizeMode } = /** @type {MediaTrackSettings & {resizeMode?: string}} */ (source.getSettings());
   const key = { ...cameraKey(source), platform: withDevice(await platformHere(), device) };
   // Of a stream that the browser crops nothing is known, whatever is known of its camera.

@@ -12,10 +12,12 @@ import { LookupError, address, ask, calibrationIn } from "./request.js";
  * @typedef {object} Answer
  * @property {Calibration | null} calibration null: nothing is known that is good enough
  * @property {string | null} guidanceUrl where this camera can be calibrated, then
- * @property {string | null} reason "unknown_camera", "too_few", "disagree", "few_contributors" or "imprecise", as the service says; "other_size" where
+ * @property {string | null} reason "unknown_camera", "too_few", "disagree", "few_contributors" or "imprecise", as the
+ *   service says; "other_size" where
  *   `exact`, "too_uncertain" where `maxError` asked for more than is known
  * @property {Estimate | null} estimate where nothing reliable is known: what is likely, and how likely
- * @property {Calibration | Estimate | null} camera to draw with: the calibration; the estimate, too, if `accept` is "estimate"
+ * @property {Calibration | Estimate | null} camera to draw with: the calibration; the estimate, too, if `accept` is
+ *   "estimate"
  *
  * @typedef {object} LookupOptions
  * @property {"calibration" | "estimate"} [accept] "estimate": `camera` may be an estimate
@@ -31,16 +33,21 @@ import { LookupError, address, ask, calibrationIn } from "./request.js";
  *
  * @typedef {{ids: number[], points: [number, number][]}} View corners of a board in one frame, px
  *
- * @typedef {{getItem: (name: string) => string | null, setItem: (name: string, value: string) => void}} Cache as a Storage
+ * @typedef {{getItem: (name: string) => string | null, setItem: (name: string, value: string) => void}} Cache as a
+ *   Storage
  *
  * @typedef {object} Offline
  * @property {(key: CameraKey, model: string) => CalibrationData | null} find
  *
  * @typedef {import("./request.js").RequestOptions} RequestOptions
- * @typedef {LookupOptions & (RequestOptions | Omit<RequestOptions, "token"> & {token?: string | undefined, bundle: Offline})} Options without a token only the bundle is asked
+ * @typedef {LookupOptions & (RequestOptions | Omit<RequestOptions, "token"> & {token?: string | undefined, bundle:
+ *   Offline})} Options without a token only the bundle is asked
  */
 
-/** @typedef {{calibration: CalibrationData | null, guidanceUrl: string | null, reason: string | null, estimate?: EstimateData | null}} Found */
+/**
+ * @typedef {{calibration: CalibrationData | null, guidanceUrl: string | null, reason: string | null, estimate?:
+ *   EstimateData | null}} Found
+ */
 
 /** ms: a cached answer takes tens; what takes longer is likely to be no hit. */
 const EDGE_TIMEOUT_MS = 300;
@@ -62,10 +69,23 @@ const worker = {
  * Looks up the calibration of a camera.
  * @param {MediaStreamTrack | CameraKey} source an open camera, or what identifies it
  * @param {Options} options
- * @returns {Promise<Answer>} rejects with LookupError, with a TypeError for a track that shows nothing, or as its signal says
+ * @returns {Promise<Answer>} rejects with LookupError, with a TypeError for a track that shows nothing, or as its
+ *   signal says
  */
 export async function lookup(source, options) {
-  const { model = "rectilinear", accept = "calibration", device, views, board, exact = false, maxError = Infinity, onNeedCalibration, cache = tabs(), bundle, ...manner } = /** @type {Options} */ (options ?? {});
+  const {
+    model = "rectilinear",
+    accept = "calibration",
+    device,
+    views,
+    board,
+    exact = false,
+    maxError = Infinity,
+    onNeedCalibration,
+    cache = tabs(),
+    bundle,
+    ...manner
+  } = /** @type {Options} */ (options ?? {});
   const key = await keyOf(source, device);
   manner.signal?.throwIfAborted();
   const guidance = () => guidanceUrl(key, model, manner.api);
@@ -74,7 +94,14 @@ export async function lookup(source, options) {
   /** @type {Found} */
   let answer = { calibration: known, guidanceUrl: null, reason: null };
   if (!known && bundle && !manner.token) answer = { ...answer, guidanceUrl: guidance(), reason: "unknown_camera" };
-  else if (!known) answer = await fetchCalibration(key, model, /** @type {RequestOptions} */ (manner), missesOf(cache, name), views && { views, board });
+  else if (!known)
+    answer = await fetchCalibration(
+      key,
+      model,
+      /** @type {RequestOptions} */ (manner),
+      missesOf(cache, name),
+      views && { views, board },
+    );
   if (answer.calibration && !known) keep(cache, name, answer.calibration);
   const enough = applyRequirements(answer, { accept, exact, maxError }, guidance);
   if (!enough.calibration) onNeedCalibration?.(enough);
@@ -82,7 +109,8 @@ export async function lookup(source, options) {
 }
 
 /**
- * Looks a camera up, and again whenever its picture changes: another size, another zoom, a phone that is turned. After a failure that
+ * Looks a camera up, and again whenever its picture changes: another size, another zoom, a phone that is turned. After
+ * a failure that
  * may pass, it asks again every half minute.
  * @param {MediaStreamTrack} track
  * @param {Options} options its signal ends the watch, as the end of the track does
@@ -108,7 +136,10 @@ export function watch(track, options, onAnswer, every = 500) {
     const tell = (/** @type {Answer | Error} */ answer) => own.signal.aborted || onAnswer(answer);
     lookup(track, { ...options, signal: own.signal }).then(tell, (error) => {
       if (error instanceof LookupError && (error.status === 0 || error.status === 429 || error.status >= 500)) {
-        retry = setTimeout(() => { shown = ""; look(); }, WATCH_RETRY_MS);
+        retry = setTimeout(() => {
+          shown = "";
+          look();
+        }, WATCH_RETRY_MS);
       }
       tell(error);
     });
@@ -140,8 +171,13 @@ export function guidanceUrl(key, model, api) {
 }
 
 /**
- * Asks the edge, and then the service. Where the edge is slow, both are asked side by side, and whoever knows the camera first answers.
- * @param {CameraKey} key @param {string} model @param {RequestOptions} options @param {Misses} misses @param {object} [seen] views and their board
+ * Asks the edge, and then the service. Where the edge is slow, both are asked side by side, and whoever knows the
+ * camera first answers.
+ * @param {CameraKey} key
+ * @param {string} model
+ * @param {RequestOptions} options
+ * @param {Misses} misses
+ * @param {object} [seen] views and their board
  * @returns {Promise<Found>}
  */
 async function fetchCalibration(key, model, options, misses, seen) {
@@ -196,8 +232,10 @@ function within(milliseconds, promise) {
  * @param {unknown} error @param {import("./edge.js").EdgeAnswer} edge
  */
 function explain(error, { outcome }) {
-  if (!(error instanceof LookupError) || outcome !== "missing" || (error.status !== 0 && error.status < 500)) return error;
-  const text = "calibDB does not know this camera well enough to answer without its service, which cannot be asked now: try again later";
+  if (!(error instanceof LookupError) || outcome !== "missing" || (error.status !== 0 && error.status < 500))
+    return error;
+  const text =
+    "calibDB does not know this camera well enough to answer without its service, which cannot be asked now: try again later";
   return new LookupError(text, error.status, { cause: error });
 }
 
@@ -211,19 +249,31 @@ async function askService(key, model, options, seen) {
   const answer = await ask("lookup", { method: "POST", body: JSON.stringify(asked) }, options);
   const { calibration, guidance_url: guidanceUrl, reason = null, estimate = null } = answer.body;
   // 404: as a service answers that does not know `miss`.
-  if (guidanceUrl && (answer.response.status === 404 || (answer.response.ok && calibration === null))) return { calibration: null, guidanceUrl, reason, estimate };
+  if (guidanceUrl && (answer.response.status === 404 || (answer.response.ok && calibration === null)))
+    return { calibration: null, guidanceUrl, reason, estimate };
   return answerOf(calibrationIn(answer));
 }
 
 /**
  * As it is for the size asked for, where that could be verified, and if it is good enough.
- * @param {Found} answer @param {{accept: string, exact: boolean, maxError: number}} requirements @param {() => string} guidance
+ * @param {Found} answer
+ * @param {{accept: string, exact: boolean, maxError: number}} requirements
+ * @param {() => string} guidance
  * @returns {Answer}
  */
-function applyRequirements({ calibration: known, guidanceUrl, reason, estimate: likely }, { accept, exact, maxError }, guidance) {
+function applyRequirements(
+  { calibration: known, guidanceUrl, reason, estimate: likely },
+  { accept, exact, maxError },
+  guidance,
+) {
   const estimate = likely ? new Estimate(likely) : null;
-  const missed = (/** @type {string | null} */ url, /** @type {string | null} */ why) =>
-    ({ calibration: null, guidanceUrl: url, reason: why, estimate, camera: accept === "estimate" ? estimate : null });
+  const missed = (/** @type {string | null} */ url, /** @type {string | null} */ why) => ({
+    calibration: null,
+    guidanceUrl: url,
+    reason: why,
+    estimate,
+    camera: accept === "estimate" ? estimate : null,
+  });
   if (!known) return missed(guidanceUrl, reason);
   const { adapted } = known;
   const data = adapted && !known.exact_size ? { ...known, ...adapted, exact_size: true } : known;
@@ -243,7 +293,11 @@ function tabs() {
   }
 }
 
-/** Calibration that the cache holds; null where its text is damaged: then it is asked for again. @param {Options["cache"]} cache @param {string} name */
+/**
+ * Calibration that the cache holds; null where its text is damaged: then it is asked for again.
+ * @param {Options["cache"]} cache
+ * @param {string} name
+ */
 function remembered(cache, name) {
   try {
     const kept = JSON.parse(cache?.getItem(name) ?? "null");

@@ -18,13 +18,23 @@ export function rotationMatrix([x, y, z]) {
   const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
   const k = 1 - cos;
   return [
-    cos + a * a * k, a * b * k - c * sin, a * c * k + b * sin,
-    a * b * k + c * sin, cos + b * b * k, b * c * k - a * sin,
-    a * c * k - b * sin, b * c * k + a * sin, cos + c * c * k,
+    cos + a * a * k,
+    a * b * k - c * sin,
+    a * c * k + b * sin,
+    a * b * k + c * sin,
+    cos + b * b * k,
+    b * c * k - a * sin,
+    a * c * k - b * sin,
+    b * c * k + a * sin,
+    cos + c * c * k,
   ];
 }
 
-/** Inverse of `rotationMatrix`. @param {readonly number[]} matrix row-major 3x3 rotation @returns {number[]} rotation vector */
+/**
+ * Inverse of `rotationMatrix`.
+ * @param {readonly number[]} matrix row-major 3x3 rotation
+ * @returns {number[]} rotation vector
+ */
 export function rotationVectorOf(matrix) {
   return rotationVector(quaternionOf(matrix));
 }
@@ -48,7 +58,7 @@ export function quaternionOf([a, b, c, d, e, f, g, h, i]) {
 export function rotationVector([w, x, y, z]) {
   const sign = w < 0 ? -1 : 1;
   const sin = Math.hypot(x, y, z);
-  const scale = sin < 1e-12 ? 2 * sign : (2 * Math.atan2(sin, sign * w)) / sin * sign;
+  const scale = sin < 1e-12 ? 2 * sign : ((2 * Math.atan2(sin, sign * w)) / sin) * sign;
   return [x * scale, y * scale, z * scale];
 }
 

@@ -1,4 +1,5 @@
-// Rectifier of the pictures of two cameras, on the GPU: a point lies in the same row of both. WebGL2, without dependencies.
+// Rectifier of the pictures of two cameras, on the GPU: a point lies in the same row of both. WebGL2, without
+// dependencies.
 import { rotate, transpose } from "./motion.js";
 import { NOWHERE, rectifyingMap } from "./rectification.js";
 import { rectifiedMotions, rectify } from "./stereo.js";
@@ -10,7 +11,8 @@ import { Warp, createCanvas } from "./warp.js";
  * @typedef {TexImageSource} Source a video, a canvas, an image, a VideoFrame
  * @typedef {import("./stereo.js").TwoCameras} TwoCameras
  *
- * @typedef {"beside" | "above"} Packing how a camera delivers both pictures in one: the left one beside, or above the right one
+ * @typedef {"beside" | "above"} Packing how a camera delivers both pictures in one: the left one beside, or above the
+ *   right one
  */
 /**
  * @template {AnyCanvas} [Canvas=HTMLCanvasElement]
@@ -39,7 +41,12 @@ export class PairRectifier {
    * @param {TwoCameras} cameras
    * @param {PairOptions<Canvas>} [options]
    */
-  constructor(left, right, { left: one, right: other, pose }, { scale, zoom, packing, canvases = [createCanvas(), createCanvas()] } = {}) {
+  constructor(
+    left,
+    right,
+    { left: one, right: other, pose },
+    { scale, zoom, packing, canvases = [createCanvas(), createCanvas()] } = {},
+  ) {
     this.#sources = [left, right];
     this.#cameras = [one, other];
     this.#wholes = this.#cameras.map((camera, index) => placeOf(camera.img_size, index, packing));
@@ -58,7 +65,11 @@ export class PairRectifier {
       const { extent, offset } = this.#wholes[index];
       const back = transpose([R1, R2][index].flat());
       const camera = this.#cameras[index];
-      warp.setMap(() => ({ map: place(rectifyingMap(camera, matrix, size, back), camera.img_size, offset), size, extent }));
+      warp.setMap(() => ({
+        map: place(rectifyingMap(camera, matrix, size, back), camera.img_size, offset),
+        size,
+        extent,
+      }));
       return warp;
     });
     this.draw();
@@ -109,23 +120,31 @@ export class PairRectifier {
   /**
    * Point of a pixel of the left rectified picture.
    * @param {readonly [number, number]} pixel @param {number} disparity px
-   * @returns {[number, number, number]} frame of the left camera itself (x right, y down, z forward), in the unit of the pose
+   * @returns {[number, number, number]} frame of the left camera itself (x right, y down, z forward), in the unit of
+   *   the pose
    */
   point([u, v], disparity) {
-    const { R1, P1: [[f, , cx], [, , cy]] } = this.rectification;
+    const {
+      R1,
+      P1: [[f, , cx], [, , cy]],
+    } = this.rectification;
     const z = this.depth(disparity);
     const rectified = [((u - cx) * z) / f, ((v - cy) * z) / f, z];
     return /** @type {[number, number, number]} */ (rotate(transpose(R1.flat()), rectified));
   }
 
   /**
-   * Views of scenes over both rectified pictures, as WebXR has them, that of the left eye first. The world is the frame of the left camera.
+   * Views of scenes over both rectified pictures, as WebXR has them, that of the left eye first. The world is the frame
+   * of the left camera.
    * @param {import("./views.js").ViewOptions} [options]
    */
   views(options) {
     const pinhole = { img_size: this.img_size, camera_matrix: this.camera_matrix };
     const eyes = this.baseline < 0 ? [1, 0] : [0, 1];
-    return createViews(eyes.map((each, index) => ({ eye: index ? "right" : "left", pinhole, motion: this.#motions[each] })), options);
+    return createViews(
+      eyes.map((each, index) => ({ eye: index ? "right" : "left", pinhole, motion: this.#motions[each] })),
+      options,
+    );
   }
 
   /** Frees what it holds on the GPU: browsers give a page few contexts. */
@@ -139,7 +158,9 @@ export class PairRectifier {
       const [width, height] = sizeOf(picture);
       const [w, h] = this.#wholes[index].extent;
       if (width === 0 || Math.abs((width * h) / (height * w) - 1) < SAME_SHAPE) return;
-      throw new TypeError(`the ${NAMES[index]} picture has ${width} x ${height} px, its calibration is for ${w} x ${h} px`);
+      throw new TypeError(
+        `the ${NAMES[index]} picture has ${width} x ${height} px, its calibration is for ${w} x ${h} px`,
+      );
     });
   }
 }
@@ -147,7 +168,8 @@ export class PairRectifier {
 /**
  * Place of a camera's picture in the one that it comes in.
  * @param {readonly [number, number]} size @param {number} index 0: left @param {Packing} [packing]
- * @returns {{extent: [number, number], offset: [number, number]}} size of the whole, and where in it the camera's begins, px
+ * @returns {{extent: [number, number], offset: [number, number]}} size of the whole, and where in it the camera's
+ *   begins, px
  */
 function placeOf([width, height], index, packing) {
   if (packing === "beside") return { extent: [2 * width, height], offset: [index * width, 0] };
@@ -157,7 +179,9 @@ function placeOf([width, height], index, packing) {
 
 /**
  * A map into a part of a picture; of what is outside of that part nothing is shown.
- * @param {Float32Array} map @param {readonly [number, number]} size of the part @param {readonly [number, number]} offset
+ * @param {Float32Array} map
+ * @param {readonly [number, number]} size of the part
+ * @param {readonly [number, number]} offset
  */
 function place(map, [width, height], [left, top]) {
   for (let at = 0; at < map.length; at += 2) {

@@ -17,7 +17,8 @@
  * @typedef {object} Lens
  * @property {(ray: readonly number[]) => [number, number] | null} project ray of any length, camera frame → px
  * @property {(pixel: readonly number[]) => [number, number, number] | null} unproject px → unit ray
- * @property {number} limit half-angle of the valid domain, radians: the cone about the axis on which the model is one-to-one
+ * @property {number} limit half-angle of the valid domain, radians: the cone about the axis on which the model is
+ *   one-to-one
  *
  * @typedef {object} Curve how far from the axis a ray meets the plane of unit focal length, before tangential terms
  * @property {(t: number) => number} at
@@ -35,7 +36,10 @@ export const COEFFICIENTS = {
 
 /** Largest distance from the axis on the plane of unit focal length at which a planar model is used. */
 const MAX_RADIUS = 50;
-/** Radial derivative over r |(p1, p2)| above which a planar model is one-to-one; see docs/conventions.md, "Valid domain". */
+/**
+ * Radial derivative over r |(p1, p2)| above which a planar model is one-to-one; see docs/conventions.md, "Valid
+ * domain".
+ */
 const MIN_TANGENTIAL_RATIO = 7;
 const INVERSE_STEPS = 512;
 const TOLERANCE = 1e-13;
@@ -104,7 +108,10 @@ function pinhole(d) {
 /** The unit sphere seen from xi behind its centre, then Brown's distortion without k3. @param {number[]} d */
 function unified([xi, k1, k2, p1, p2]) {
   // Where xi > 1, the image radius sin t / (cos t + xi) of the sphere grows up to here.
-  const { end, distort, undistort } = brownConrady([k1, k2, p1, p2, 0], xi > 1 ? 1 / Math.sqrt(xi * xi - 1) : MAX_RADIUS);
+  const { end, distort, undistort } = brownConrady(
+    [k1, k2, p1, p2, 0],
+    xi > 1 ? 1 / Math.sqrt(xi * xi - 1) : MAX_RADIUS,
+  );
   /** Distance to the sphere along the ray (x, y, 1), in its units; s = x² + y². @param {number} s */
   const along = (s) => (xi + Math.sqrt(Math.max(1 + (1 - xi * xi) * s, 0))) / (1 + s);
   const atEnd = along(end * end);
@@ -165,7 +172,11 @@ function brownConrady([k1, k2, p1, p2, k3, k4 = 0, k5 = 0, k6 = 0], last) {
   };
   const tangential = Math.hypot(p1, p2);
   const end = Math.min(last, domainRadius([1, k1, k2, k3], [1, k4, k5, k6], tangential));
-  const inverse = invert({ at: (r) => (r * above(r * r)) / below(r * r), slope: (r) => above(r * r) / below(r * r) + 2 * r * r * growth(r * r), end });
+  const inverse = invert({
+    at: (r) => (r * above(r * r)) / below(r * r),
+    slope: (r) => above(r * r) / below(r * r) + 2 * r * r * growth(r * r),
+    end,
+  });
   // The tangential part moves points by at most 3 P r². A pole at the end reaches everywhere.
   const reach = 1.01 * Math.abs(inverse.at(end)) + 3 * tangential * end * end;
 
@@ -217,26 +228,42 @@ function brownConrady([k1, k2, p1, p2, k3, k4 = 0, k5 = 0, k6 = 0], last) {
 /**
  * Radius below which the denominator is positive and the radial derivative h > 7 r P: a polynomial of r once it is
  * multiplied by the denominator's square.
- * @param {number[]} above numerator of the radial factor, by s = r² @param {number[]} below @param {number} tangential P = |(p1, p2)|
+ * @param {number[]} above numerator of the radial factor, by s = r²
+ * @param {number[]} below
+ * @param {number} tangential P = |(p1, p2)|
  */
 function domainRadius(above, below, tangential) {
   const polynomial = new Array(14).fill(0);
   above.forEach((n, i) => below.forEach((m, j) => (polynomial[2 * (i + j)] += n * m * (1 + 2 * i - 2 * j))));
-  below.forEach((n, i) => below.forEach((m, j) => (polynomial[2 * (i + j) + 1] -= MIN_TANGENTIAL_RATIO * tangential * n * m)));
+  below.forEach((n, i) =>
+    below.forEach((m, j) => (polynomial[2 * (i + j) + 1] -= MIN_TANGENTIAL_RATIO * tangential * n * m)),
+  );
   return Math.min(firstRoot(polynomial, MAX_RADIUS), Math.sqrt(firstRoot(below, MAX_RADIUS ** 2)));
 }
 
-/** Smallest root of a polynomial in (0, limit), its constant first; `limit` if there is none. @param {number[]} polynomial @param {number} limit */
+/**
+ * Smallest root of a polynomial in (0, limit), its constant first; `limit` if there is none.
+ * @param {number[]} polynomial
+ * @param {number} limit
+ */
 function firstRoot(polynomial, limit) {
   return rootsBetween(polynomial, limit)[0] ?? limit;
 }
 
-/** Roots in (0, limit) at which the polynomial changes its sign, by bisection between those of its derivative. @param {number[]} polynomial @param {number} limit @returns {number[]} */
+/**
+ * Roots in (0, limit) at which the polynomial changes its sign, by bisection between those of its derivative.
+ * @param {number[]} polynomial
+ * @param {number} limit
+ * @returns {number[]}
+ */
 function rootsBetween(polynomial, limit) {
   const degree = polynomial.findLastIndex((c) => c !== 0);
   if (degree < 1) return [];
   const value = (/** @type {number} */ t) => polynomial.reduceRight((sum, c) => sum * t + c, 0);
-  const turns = rootsBetween(polynomial.slice(1, degree + 1).map((c, i) => c * (i + 1)), limit);
+  const turns = rootsBetween(
+    polynomial.slice(1, degree + 1).map((c, i) => c * (i + 1)),
+    limit,
+  );
   return [...turns, limit].flatMap((high, i) => {
     const low = turns[i - 1] ?? 0;
     const isPositive = value(low) > 0;

@@ -28,7 +28,11 @@ export function rectifiedMatrix(calibration, balance = 0, zoom = 1) {
     const [a, b] = [inner[axis] + inner[axis + 2], outer[axis] + outer[axis + 2]];
     return (a + balance * (b - a)) / 2;
   });
-  return [[f, 0, (width - 1) / 2 - f * x], [0, f, (height - 1) / 2 - f * y], [0, 0, 1]];
+  return [
+    [f, 0, (width - 1) / 2 - f * x],
+    [0, f, (height - 1) / 2 - f * y],
+    [0, 0, 1],
+  ];
 }
 
 /**
@@ -47,7 +51,10 @@ function focal([left, top, right, bottom], width, height, choose) {
  * @param {Calibration} calibration
  */
 function rayBounds(calibration) {
-  const { img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] } = calibration;
+  const {
+    img_size: [width, height],
+    camera_matrix: [[fx, , cx], [, fy, cy]],
+  } = calibration;
   const lens = lensOf(calibration);
   /**
    * Intersection of a pixel's ray with the plane z = 1, pulled in where that is far out or nowhere.
@@ -86,17 +93,30 @@ function rayBounds(calibration) {
 
 /**
  * A pinhole that sees all that the camera sees, and at its middle as sharply.
- * @param {Calibration} calibration @param {number} [largest] how many times wider or higher than the camera's picture it may be
+ * @param {Calibration} calibration
+ * @param {number} [largest] how many times wider or higher than the camera's picture it may be
  * @returns {import("./pinhole.js").Pinhole}
  */
 export function widePinhole(calibration, largest = 2) {
-  const { img_size: [width, height] } = calibration;
-  const { outer: [left, top, right, bottom] } = rayBounds(calibration);
-  const f = Math.min(Math.max(...focalLengths(calibration)), (largest * width) / (right - left), (largest * height) / (bottom - top));
+  const {
+    img_size: [width, height],
+  } = calibration;
+  const {
+    outer: [left, top, right, bottom],
+  } = rayBounds(calibration);
+  const f = Math.min(
+    Math.max(...focalLengths(calibration)),
+    (largest * width) / (right - left),
+    (largest * height) / (bottom - top),
+  );
   // A pixel more on each side: what lies between the outermost and the edge is interpolated.
   return {
     img_size: [Math.ceil(f * (right - left)) + 3, Math.ceil(f * (bottom - top)) + 3],
-    camera_matrix: [[f, 0, 1 - f * left], [0, f, 1 - f * top], [0, 0, 1]],
+    camera_matrix: [
+      [f, 0, 1 - f * left],
+      [0, f, 1 - f * top],
+      [0, 0, 1],
+    ],
   };
 }
 
@@ -107,7 +127,12 @@ export function widePinhole(calibration, largest = 2) {
  * @param {readonly number[]} [rotation] row-major 3x3, frame of the straightened picture → camera; none unless told
  * @returns {Float32Array} x and y, px, row by row; far outside where the lens sees nothing
  */
-export function rectifyingMap(calibration, [[fx, , cx], [, fy, cy]], size = calibration.img_size, rotation = NO_ROTATION) {
+export function rectifyingMap(
+  calibration,
+  [[fx, , cx], [, fy, cy]],
+  size = calibration.img_size,
+  rotation = NO_ROTATION,
+) {
   const lens = lensOf(calibration);
   const [a, b, c, d, e, f, g, h, i] = rotation;
   return mapOf(size, (u, v) => {

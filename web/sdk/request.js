@@ -45,7 +45,8 @@ export function address(api) {
 export async function ask(path, request, { token, api, signal, retries = 3, fetch = globalThis.fetch, pause = sleep }) {
   if (!token) throw new TypeError("calibDB is asked with an API token: { token }");
   const url = new URL(path, address(api));
-  if (!url.protocol.startsWith("http")) throw new TypeError("these modules were not loaded from calibDB, so say where it is: { api }");
+  if (!url.protocol.startsWith("http"))
+    throw new TypeError("these modules were not loaded from calibDB, so say where it is: { api }");
   const headers = { authorization: `Bearer ${token}`, "content-type": "application/json" };
   const outcome = await retry(
     () => {
@@ -75,7 +76,10 @@ export function calibrationIn({ response, body }) {
 
 /** @param {Response} response @param {any} body @returns {LookupError} in the service's words */
 export function refusal({ ok, status, url }, body) {
-  return new LookupError(body.detail ?? (ok ? `what answers at ${url} is not calibDB` : `calibDB answered ${status}`), status);
+  return new LookupError(
+    body.detail ?? (ok ? `what answers at ${url} is not calibDB` : `calibDB answered ${status}`),
+    status,
+  );
 }
 
 /**

@@ -16,7 +16,8 @@ export const retryAfter = ({ headers }) => Math.max(0, 1000 * Number(headers.get
  * Repeats an attempt until its outcome is final.
  * @template T
  * @param {() => Promise<T>} attempt
- * @param {(outcome: T, retries: number) => number | null} delay ms to wait before the next attempt; null: the outcome is final
+ * @param {(outcome: T, retries: number) => number | null} delay ms to wait before the next attempt; null: the outcome
+ *   is final
  * @param {(milliseconds: number) => Promise<void>} pause
  * @returns {Promise<T>}
  */

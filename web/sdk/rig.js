@@ -31,9 +31,11 @@ import { createViews } from "./views.js";
  * @property {"metres" | "squares"} unit of translations: squares of the board, where nobody measured them
  * @property {number} rms px, over all points of the capture
  * @property {number | null} held_out_rms px, of moments that took no part in the fit
- * @property {{rotation_deg: number, translation_percent: number, rms: number}} uncertainty expected turn of the camera that is known
+ * @property {{rotation_deg: number, translation_percent: number, rms: number}} uncertainty expected turn of the camera
+ *   that is known
  *   worst; expected shift in per cent of its distance from camera 0; rms error, px, of one camera's points in another
- * @property {{level: "good" | "fair" | "poor", reasons: string[]}} verdict "uncertain", "held_out" or "set_aside" are reasons
+ * @property {{level: "good" | "fair" | "poor", reasons: string[]}} verdict "uncertain", "held_out" or "set_aside" are
+ *   reasons
  * @property {(Motion & {moment: string})[]} [board_poses] boards of the moments that count: board → camera 0
  *
  * @typedef {object} Pose from a camera of a rig to another: x → R x + t, both frames x right, y down, z forward
@@ -58,17 +60,24 @@ const Data = /** @type {new (data: RigData) => Omit<RigData, "calibrations"> & {
 
 /** A rig: its data, with functions. */
 export class Rig extends Data {
-  /** @param {RigData} data an answer of the service, or the content of its file; throws a TypeError for something else */
+  /**
+   * @param {RigData} data an answer of the service, or the content of its file; throws a TypeError for something else
+   */
   constructor(data) {
     const { calibrations, extrinsics } = data ?? {};
-    const whole = Array.isArray(calibrations) && Array.isArray(extrinsics) && calibrations.length > 1 && extrinsics.length === calibrations.length;
+    const whole =
+      Array.isArray(calibrations) &&
+      Array.isArray(extrinsics) &&
+      calibrations.length > 1 &&
+      extrinsics.length === calibrations.length;
     if (!whole) throw new TypeError("this is no rig: calibrations and extrinsics of two or more cameras are needed");
     super(data);
   }
 
   /**
    * Pose from a camera to another.
-   * @param {number} position of the camera to which it leads @param {number} [from] position of the camera from which; 0 unless told
+   * @param {number} position of the camera to which it leads
+   * @param {number} [from] position of the camera from which; 0 unless told
    * @returns {Pose} throws a RangeError for a position that the rig has not
    */
   pose(position, from = 0) {
@@ -76,7 +85,11 @@ export class Rig extends Data {
     const matrix = [0, 1, 2].flatMap((column) => [r[column], r[column + 3], r[column + 6], 0]);
     const known = this.#extrinsics(position).std;
     return {
-      rvec: rotationVectorOf(r), tvec: [...t], rotation: rowsOf(r), matrix: [...matrix, ...t, 1], std: from === 0 && known ? [...known] : null,
+      rvec: rotationVectorOf(r),
+      tvec: [...t],
+      rotation: rowsOf(r),
+      matrix: [...matrix, ...t, 1],
+      std: from === 0 && known ? [...known] : null,
     };
   }
 
@@ -88,25 +101,35 @@ export class Rig extends Data {
   toMetres(squareSize) {
     if (this.unit === "metres") return this;
     const size = Number(squareSize);
-    if (!(size > 0)) throw new TypeError("this rig is in squares of its board: say how large one is, in metres: toMetres(0.03)");
+    if (!(size > 0))
+      throw new TypeError("this rig is in squares of its board: say how large one is, in metres: toMetres(0.03)");
     const scaled = (/** @type {readonly number[]} */ vector) => vector.map((value) => value * size);
     const extrinsics = this.extrinsics.map(({ tvec, std, ...rest }) => ({
-      ...rest, tvec: scaled(tvec), std: std && [...std.slice(0, 3), ...scaled(std.slice(3))],
+      ...rest,
+      tvec: scaled(tvec),
+      std: std && [...std.slice(0, 3), ...scaled(std.slice(3))],
     }));
     const boards = this.board_poses?.map(({ tvec, ...rest }) => ({ ...rest, tvec: scaled(tvec) }));
     return new Rig({ ...this, extrinsics, unit: "metres", ...(boards && { board_poses: boards }) });
   }
 
   /**
-   * Views of two cameras as eyes, as WebXR has them, left one first whatever the positions. The world is the frame of camera 0.
-   * @param {ViewOptions & {positions?: readonly [number, number]}} [options] `positions` of the two cameras; [0, 1] unless told
+   * Views of two cameras as eyes, as WebXR has them, left one first whatever the positions. The world is the frame of
+   * camera 0.
+   * @param {ViewOptions & {positions?: readonly [number, number]}} [options] `positions` of the two cameras; [0, 1]
+   *   unless told
    * @returns {View[]}
    */
   views({ positions: [one, other] = [0, 1], ...options } = {}) {
     const eyes = invert(this.#motion(other, one)).t[0] < 0 ? [other, one] : [one, other];
-    return createViews(eyes.map((position, index) => ({
-      eye: index ? "right" : "left", pinhole: this.calibrations[position], motion: this.#motion(position, 0),
-    })), options);
+    return createViews(
+      eyes.map((position, index) => ({
+        eye: index ? "right" : "left",
+        pinhole: this.calibrations[position],
+        motion: this.#motion(position, 0),
+      })),
+      options,
+    );
   }
 
   /** @param {number} position @param {number} from */
@@ -118,7 +141,8 @@ export class Rig extends Data {
   /** @param {number} position @returns {Extrinsics} */
   #extrinsics(position) {
     const found = this.extrinsics.find((each) => each.position === position);
-    if (!found) throw new RangeError(`this rig has cameras 0 to ${this.calibrations.length - 1}, and no camera ${position}`);
+    if (!found)
+      throw new RangeError(`this rig has cameras 0 to ${this.calibrations.length - 1}, and no camera ${position}`);
     return found;
   }
 }
@@ -127,33 +151,43 @@ export class Rig extends Data {
  * Reads a rig that was calibrated.
  * @param {string} id of the rig, as it stands in the address of its page, `/rig/?id=`
  * @param {import("./request.js").RequestOptions} options
- * @returns {Promise<Rig>} rejects with LookupError: where there is no such rig, or none that is finished, in the service's words
+ * @returns {Promise<Rig>} rejects with LookupError: where there is no such rig, or none that is finished, in the
+ *   service's words
  */
 export async function rig(id, options) {
-  if (!/^[\w-]+$/.test(id ?? "")) throw new TypeError("say which rig: its id stands in the address of its page, /rig/?id=…");
+  if (!/^[\w-]+$/.test(id ?? ""))
+    throw new TypeError("say which rig: its id stands in the address of its page, /rig/?id=…");
   const { response, body } = await ask(`rigs/${id}/result`, {}, /** @type {any} */ (options ?? {}));
   if (!response.ok || !body.extrinsics) throw refusal(response, body);
   return new Rig(body);
 }
 
 /**
- * Rectifies pictures of two cameras on the GPU, so that a point lies in the same row of both, and its depth is focal * baseline /
+ * Rectifies pictures of two cameras on the GPU, so that a point lies in the same row of both, and its depth is focal *
+ * baseline /
  * disparity. Of videos, call `draw()` once a frame.
  * @template {import("./warp.js").AnyCanvas} [Canvas=HTMLCanvasElement]
- * @param {Source} left @param {Source} right pictures of the sizes of the calibrations; twice the same of a camera that delivers both in one,
+ * @param {Source} left
+ * @param {Source} right pictures of the sizes of the calibrations; twice the same of a camera that delivers both in
+ *   one,
  *   see the option `packing`
  * @param {Rig | TwoCameras} cameras
- * @param {import("./pair-rectifier.js").PairOptions<Canvas> & {positions?: readonly [number, number]}} [options] `positions` of left and right camera in the rig; [0, 1]
+ * @param {import("./pair-rectifier.js").PairOptions<Canvas> & {positions?: readonly [number, number]}} [options]
+ *   `positions` of left and right camera in the rig; [0, 1]
  *   unless told
- * @returns {Promise<import("./pair-rectifier.js").PairRectifier<Canvas>>} with what is in the pictures now drawn; rejects with RectificationError where the cameras have no
- *   rectified pictures, with RectifierError where there is no WebGL2, with a TypeError for pictures of another shape than the calibrations
+ * @returns {Promise<import("./pair-rectifier.js").PairRectifier<Canvas>>} with what is in the pictures now drawn;
+ *   rejects with RectificationError where the cameras have no
+ *   rectified pictures, with RectifierError where there is no WebGL2, with a TypeError for pictures of another shape
+ * than the calibrations
  */
 export async function rectifyPair(left, right, cameras, { positions: [one, other] = [0, 1], ...options } = {}) {
   const { PairRectifier } = await import("./pair-rectifier.js");
   // Not `instanceof`: the rig may come from another copy of these modules.
-  const two = cameras && "calibrations" in cameras
-    ? { left: cameras.calibrations[one], right: cameras.calibrations[other], pose: cameras.pose(other, one) }
-    : cameras;
-  if (!two?.left || !two.right || !two.pose) throw new TypeError("say which cameras these are: a rig, or { left, right, pose }");
+  const two =
+    cameras && "calibrations" in cameras
+      ? { left: cameras.calibrations[one], right: cameras.calibrations[other], pose: cameras.pose(other, one) }
+      : cameras;
+  if (!two?.left || !two.right || !two.pose)
+    throw new TypeError("say which cameras these are: a rig, or { left, right, pose }");
   return new PairRectifier(left, right, two, options);
 }

@@ -1,9 +1,20 @@
 // Rectification of two cameras: both turned so that epipolar lines are rows, or columns.
 //
-// Bouguet's algorithm as OpenCV has it (Hartley & Zisserman, "Multiple View Geometry", 11.12), for every camera model: each
-// camera is turned by half of the rotation between them, then both so that the baseline lies along an axis of the picture.
+// Bouguet's algorithm as OpenCV has it (Hartley & Zisserman, "Multiple View Geometry", 11.12), for every camera model:
+// each
+// camera is turned by half of the rotation between them, then both so that the baseline lies along an axis of the
+// picture.
 // The service's files have the same numbers.
-import { compose, multiply, rigidMotion, rotate, rotationMatrix, rotationVectorOf, rowsOf, transpose } from "./motion.js";
+import {
+  compose,
+  multiply,
+  rigidMotion,
+  rotate,
+  rotationMatrix,
+  rotationVectorOf,
+  rowsOf,
+  transpose,
+} from "./motion.js";
 import { focalLengths } from "./pinhole.js";
 import { lensOf } from "./projection.js";
 
@@ -18,9 +29,11 @@ import { lensOf } from "./projection.js";
  * @property {number[][]} R2 rotation 3x3, right camera → its rectified frame
  * @property {number[][]} P1 3x4, rectified frame of the left camera → px of the left picture
  * @property {number[][]} P2 3x4, rectified frame of the left camera → px of the right picture
- * @property {number[][]} Q 4x4, (u, v, disparity, 1) of the left picture → homogeneous point, rectified frame of the left camera
+ * @property {number[][]} Q 4x4, (u, v, disparity, 1) of the left picture → homogeneous point, rectified frame of the
+ *   left camera
  * @property {number} focal px, along both axes of both pictures
- * @property {number} baseline in the unit of the pose; depth = focal * baseline / disparity. Negative where the right picture's
+ * @property {number} baseline in the unit of the pose; depth = focal * baseline / disparity. Negative where the right
+ *   picture's
  *   camera stands on the left, or above: disparities are, too
  * @property {boolean} isVertical whether one camera is above the other: disparities are along y, then
  *
@@ -51,13 +64,15 @@ export class RectificationError extends RangeError {
  * Rectify two cameras.
  * @param {Calibration} left @param {Calibration} right @param {Motion} pose left camera → right camera
  * @param {Layout} [layout]
- * @returns {Rectification} throws RectificationError where the cameras are in one place, or look in directions too far apart;
+ * @returns {Rectification} throws RectificationError where the cameras are in one place, or look in directions too far
+ *   apart;
  *   UnknownModelError
  */
 export function rectify(left, right, pose, { scale = 1, zoom = 1 } = {}) {
   const { r, t } = rigidMotion(pose);
   const length = Math.hypot(...t);
-  if (!(length > 0)) throw new RectificationError("cameras in one place have no rectified pictures: their pose has no translation");
+  if (!(length > 0))
+    throw new RectificationError("cameras in one place have no rectified pictures: their pose has no translation");
   const half = rotationMatrix(rotationVectorOf(r).map((value) => -value / 2));
   const middle = rotate(half, t);
   const axis = Math.abs(middle[1]) > Math.abs(middle[0]) ? 1 : 0;
@@ -72,10 +87,29 @@ export function rectify(left, right, pose, { scale = 1, zoom = 1 } = {}) {
   const focal = own * scale;
   const [cx, cy] = at.map((value) => (value + 0.5) * scale - 0.5);
   const [width, height] = left.img_size.map((side) => Math.max(1, Math.round(side * scale)));
-  const P1 = [[focal, 0, cx, 0], [0, focal, cy, 0], [0, 0, 1, 0]];
+  const P1 = [
+    [focal, 0, cx, 0],
+    [0, focal, cy, 0],
+    [0, 0, 1, 0],
+  ];
   const P2 = P1.map((row, each) => (each === axis ? [...row.slice(0, 3), focal * shift] : [...row]));
-  const Q = [[1, 0, 0, -cx], [0, 1, 0, -cy], [0, 0, 0, focal], [0, 0, -1 / shift, 0]];
-  return { img_size: [width, height], R1: rowsOf(r1), R2: rowsOf(r2), P1, P2, Q, focal, baseline: -shift, isVertical: axis === 1 };
+  const Q = [
+    [1, 0, 0, -cx],
+    [0, 1, 0, -cy],
+    [0, 0, 0, focal],
+    [0, 0, -1 / shift, 0],
+  ];
+  return {
+    img_size: [width, height],
+    R1: rowsOf(r1),
+    R2: rowsOf(r2),
+    P1,
+    P2,
+    Q,
+    focal,
+    baseline: -shift,
+    isVertical: axis === 1,
+  };
 }
 
 /**
@@ -107,7 +141,9 @@ function ontoAxis(v, axis, length) {
  * @returns {number[]}
  */
 function centre(camera, r) {
-  const { img_size: [width, height] } = camera;
+  const {
+    img_size: [width, height],
+  } = camera;
   const lens = lensOf(camera);
   const onto = (/** @type {readonly [number, number]} */ pixel) => {
     const ray = lens.unproject([...pixel]);
@@ -117,7 +153,9 @@ function centre(camera, r) {
   const middle = onto([(width - 1) / 2, (height - 1) / 2]);
   if (!middle) throw new RectificationError("the cameras look in directions too far apart for rectified pictures");
   const places = Array.from({ length: RIM_SAMPLES }, (_, step) => step / (RIM_SAMPLES - 1));
-  const rim = places.flatMap((y) => places.filter((x) => x % 1 === 0 || y % 1 === 0).map((x) => onto([x * (width - 1), y * (height - 1)])));
+  const rim = places.flatMap((y) =>
+    places.filter((x) => x % 1 === 0 || y % 1 === 0).map((x) => onto([x * (width - 1), y * (height - 1)])),
+  );
   const seen = rim.filter((place) => place !== null);
   // Of a wide lens the middle says where its picture is.
   if (seen.length < MIN_SEEN * rim.length) return middle;

@@ -24,10 +24,12 @@ import { invert, quaternionOf } from "./motion.js";
  *
  * @typedef {object} Camera what an eye sees through
  * @property {Eye} eye
- * @property {Pinhole & Partial<import("./projection.js").Intrinsics>} pinhole a calibration, or a pinhole without distortion
+ * @property {Pinhole & Partial<import("./projection.js").Intrinsics>} pinhole a calibration, or a pinhole without
+ *   distortion
  * @property {RigidMotion} motion reference camera → this one, both as OpenCV has them: x right, y down, z forward
  *
- * @typedef {Frustum & {pose?: ArrayLike<number>}} ViewOptions pose: reference camera, looking along −z with y up → world, column-major;
+ * @typedef {Frustum & {pose?: ArrayLike<number>}} ViewOptions pose: reference camera, looking along −z with y up →
+ *   world, column-major;
  *   the identity unless told
  */
 
@@ -46,10 +48,15 @@ export function createViews(cameras, { pose = IDENTITY, ...frustum } = {}) {
 
 /**
  * Attributes by which a view describes its camera, in arrays of its own: who writes into them spoils no other view.
- * @param {{camera_matrix: readonly (readonly number[])[], distortion_coefficients?: readonly number[], distortion_model?: string}} camera
+ * @param {{camera_matrix: readonly (readonly number[])[], distortion_coefficients?: readonly number[],
+ *   distortion_model?: string}} camera
  *   without distortion unless told
  */
-export function viewAttributes({ camera_matrix: k, distortion_coefficients = [0, 0, 0, 0, 0], distortion_model = "rectilinear" }) {
+export function viewAttributes({
+  camera_matrix: k,
+  distortion_coefficients = [0, 0, 0, 0, 0],
+  distortion_model = "rectilinear",
+}) {
   return {
     cameraMatrix: Float32Array.from([0, 1, 2].flatMap((column) => k.map((row) => row[column]))),
     distortionCoefficients: Float32Array.from(distortion_coefficients),
@@ -57,9 +64,16 @@ export function viewAttributes({ camera_matrix: k, distortion_coefficients = [0,
   };
 }
 
-/** Motion between OpenCV's frames as one between those of a scene. @param {RigidMotion} motion @returns {number[]} 4x4, column-major */
+/**
+ * Motion between OpenCV's frames as one between those of a scene.
+ * @param {RigidMotion} motion
+ * @returns {number[]} 4x4, column-major
+ */
 function sceneMatrix({ r, t }) {
-  const columns = [0, 1, 2].flatMap((column) => [...FLIP.map((sign, row) => sign * FLIP[column] * r[3 * row + column]), 0]);
+  const columns = [0, 1, 2].flatMap((column) => [
+    ...FLIP.map((sign, row) => sign * FLIP[column] * r[3 * row + column]),
+    0,
+  ]);
   return [...columns, ...FLIP.map((sign, row) => sign * t[row]), 1];
 }
 

@@ -65,9 +65,14 @@ export class Warp {
   /** Sets the map. @param {() => PixelMap} create called again when the GPU lost it */
   setMap(create) {
     this.#createMap = create;
-    const { map, size: [width, height], extent } = create();
+    const {
+      map,
+      size: [width, height],
+      extent,
+    } = create();
     const { gl, program } = this.#on;
-    if (this.canvas.width !== width || this.canvas.height !== height) [this.canvas.width, this.canvas.height] = [width, height];
+    if (this.canvas.width !== width || this.canvas.height !== height)
+      [this.canvas.width, this.canvas.height] = [width, height];
     gl.uniform2f(gl.getUniformLocation(program, "extent"), ...extent);
     gl.activeTexture(gl.TEXTURE1);
     gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
@@ -132,7 +137,10 @@ export function createProgram(canvas, attributes, vertex, fragment) {
   const gl = /** @type {WebGL2RenderingContext | null} */ (canvas.getContext("webgl2", attributes));
   if (!gl) throw new RectifierError("this browser has no WebGL2");
   const program = gl.createProgram();
-  for (const [kind, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]])) {
+  for (const [kind, source] of /** @type {const} */ ([
+    [gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, fragment],
+  ])) {
     const shader = gl.createShader(kind);
     if (!shader) throw new RectifierError(LOST, true);
     gl.shaderSource(shader, source);

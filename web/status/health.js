@@ -6,7 +6,8 @@ import { OfflineError, reach, readable } from "../lib/network.js";
  * @typedef {import("../vendor/api.js").CanaryRun} CanaryRun
  * @typedef {"ok" | "failed" | "unknown"} State
  * @typedef {"pages" | "functions" | PartHealth["part"] | "canary"} Name
- * @typedef {{name: Name, state: State, latency: number | null, words: string | null, at?: number}} Row words: of the canary, instead of
+ * @typedef {{name: Name, state: State, latency: number | null, words: string | null, at?: number}} Row words: of the
+ *   canary, instead of
  *    its state; at: unix seconds
  * @typedef {{ok: boolean, status: number, ms: number, body: any}} Heard status: 0 where nothing answered
  * @typedef {"all" | "edge" | "some" | "canary" | "functions" | "nothing"} Verdict
@@ -41,7 +42,9 @@ function parsed(text) {
 
 /**
  * Rows to show, and what they come to.
- * @param {Heard} health of `/healthz?deep=1` @param {Heard} settings of `/config.json`, which no function answers @param {number} now unix seconds
+ * @param {Heard} health of `/healthz?deep=1`
+ * @param {Heard} settings of `/config.json`, which no function answers
+ * @param {number} now unix seconds
  * @returns {{rows: Row[], verdict: Verdict}}
  */
 export function stateOf(health, settings, now) {
@@ -55,7 +58,7 @@ export function stateOf(health, settings, now) {
     ...PARTS.map((name) => partRow(name, told)),
   ];
   /** @type {CanaryRun | null} */
-  const canary = told ? health.body.canary ?? null : null;
+  const canary = told ? (health.body.canary ?? null) : null;
   if (canary) rows.push(canaryRow(canary, now));
   return { rows, verdict: verdictOf(rows, pages, told !== null) };
 }
@@ -71,7 +74,13 @@ function partRow(name, told) {
 function canaryRow({ ok, at, took_ms: took, failed_at: step }, now) {
   if (!ok) return { name: "canary", state: "failed", latency: null, words: step ?? null, at };
   const late = now - at > LATE_S;
-  return { name: "canary", state: late ? "unknown" : "ok", latency: late ? null : took, words: late ? "late" : null, at };
+  return {
+    name: "canary",
+    state: late ? "unknown" : "ok",
+    latency: late ? null : took,
+    words: late ? "late" : null,
+    at,
+  };
 }
 
 /** @param {Row[]} rows @param {boolean} pages @param {boolean} functions @returns {Verdict} */

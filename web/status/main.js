@@ -53,10 +53,22 @@ function show() {
 /** @param {import("./health.js").Row} row */
 function row({ name, state, latency, words: other, at }) {
   const since = at ? t("status.ran_at", { time: clockTime(new Date(1000 * at)) }) : "";
-  return el("tr", { id: `part-${name}` },
-    el("th", { scope: "row" }, t(`status.part_${name}`), el("span", { class: "muted" }, [t(`status.about_${name}`), since].filter(Boolean).join(" "))),
-    el("td", { class: "words" }, el("span", { class: `state ${state}` }, t(other ? `status.canary_${other}` : `status.state_${state}`))),
-    el("td", {}, latency === null ? "–" : t("status.ms", { ms: number(latency, latency < 10 ? 1 : 0) })));
+  return el(
+    "tr",
+    { id: `part-${name}` },
+    el(
+      "th",
+      { scope: "row" },
+      t(`status.part_${name}`),
+      el("span", { class: "muted" }, [t(`status.about_${name}`), since].filter(Boolean).join(" ")),
+    ),
+    el(
+      "td",
+      { class: "words" },
+      el("span", { class: `state ${state}` }, t(other ? `status.canary_${other}` : `status.state_${state}`)),
+    ),
+    el("td", {}, latency === null ? "–" : t("status.ms", { ms: number(latency, latency < 10 ? 1 : 0) })),
+  );
 }
 
 /** @param {Date} time */

@@ -4,7 +4,8 @@
 //     await useCamera(video, { token });
 //     const session = await navigator.xr.requestSession("immersive-ar");
 //
-// Its views say cameraMatrix, distortionCoefficients and distortionModel (extension.js). Where the browser has no augmented
+// Its views say cameraMatrix, distortionCoefficients and distortionModel (extension.js). Where the browser has no
+// augmented
 // reality of its own, the session shows the video and projects as its camera does.
 import { watch, lookup } from "../sdk/lookup.js";
 import { extend } from "./extension.js";
@@ -19,7 +20,8 @@ import { isNeeded } from "./support.js";
  * @property {boolean} [rectify] show the picture straightened, so that a scene lies on it to its corners
  * @property {() => Float32Array | null} [pose] see device.js
  * @property {HTMLElement} [place]
- * @property {(answer: Answer) => void} [onAnswer] told what is known of the camera, and again whenever its picture changes
+ * @property {(answer: Answer) => void} [onAnswer] told what is known of the camera, and again whenever its picture
+ *   changes
  * @property {(error: unknown) => void} [onError] told what went wrong with a lookup; the views stay as they were
  *
  * @typedef {import("../sdk/lookup.js").Options & More} Options
@@ -28,11 +30,13 @@ import { isNeeded } from "./support.js";
 let installed = false;
 
 /**
- * Extends WebXR, puts the video in the place of a device where there is none, and looks the video's camera up. A second call
+ * Extends WebXR, puts the video in the place of a device where there is none, and looks the video's camera up. A second
+ * call
  * is for another camera, or another way to show it: sessions that begin after it are of that.
  * @param {HTMLVideoElement} video showing a camera that the user has permitted
  * @param {Options} options
- * @returns {Promise<() => void>} ends the watch for changes of the picture; rejects with a TypeError where the video shows no camera
+ * @returns {Promise<() => void>} ends the watch for changes of the picture; rejects with a TypeError where the video
+ *   shows no camera
  */
 export async function useCamera(video, { rectify = false, pose, place, onAnswer, onError = console.warn, ...options }) {
   const track = video.srcObject instanceof MediaStream ? video.srcObject.getVideoTracks()[0] : undefined;
@@ -51,10 +55,13 @@ export async function useCamera(video, { rectify = false, pose, place, onAnswer,
   }
   // Nothing but what is known of this very picture: a view's matrix is in its pixels.
   const wish = { ...options, exact: true };
-  const again = extend(async (_, model, size) => {
-    if (size) return null; // raw camera access shows another picture than the video, and the browser knows that one
-    return (await lookup(track, { ...wish, onNeedCalibration: undefined, model })).calibration;
-  }, { model: options.model, onError, holds });
+  const again = extend(
+    async (_, model, size) => {
+      if (size) return null; // raw camera access shows another picture than the video, and the browser knows that one
+      return (await lookup(track, { ...wish, onNeedCalibration: undefined, model })).calibration;
+    },
+    { model: options.model, onError, holds },
+  );
   return watch(track, wish, (answer) => {
     if (answer instanceof Error) return onError(answer);
     known = answer.calibration;

@@ -1,4 +1,5 @@
-// A webcam as a WebXR device: its video behind the layer, its intrinsics in the projection, its pose that of the tracker. Two
+// A webcam as a WebXR device: its video behind the layer, its intrinsics in the projection, its pose that of the
+// tracker. Two
 // cameras of a rig are two eyes, side by side.
 import { projectionMatrix } from "../sdk/pinhole.js";
 import { XRDevice } from "../vendor/webxr/polyfill.js";
@@ -10,12 +11,15 @@ import { Stage } from "./stage.js";
  * @typedef {object} Setup
  * @property {HTMLVideoElement} video playing the camera
  * @property {() => Pinhole | null} pinhole what is known of the camera; null: nothing
- * @property {() => Float32Array | null} [pose] camera → world, column-major, the camera looking along −z; null: at the origin
- * @property {() => Straight | null} [straight] what straightens the picture, and is shown in its place; null: nothing yet
+ * @property {() => Float32Array | null} [pose] camera → world, column-major, the camera looking along −z; null: at the
+ *   origin
+ * @property {() => Straight | null} [straight] what straightens the picture, and is shown in its place; null: nothing
+ *   yet
  * @property {Eyes} [eyes] two cameras in the place of the video's, in immersive sessions
  * @property {HTMLElement} [place] where immersive sessions are shown: the page's body unless told
  *
- * @typedef {Pinhole & {canvas: HTMLCanvasElement | OffscreenCanvas, draw: (video: HTMLVideoElement) => void}} Straight a Rectifier
+ * @typedef {Pinhole & {canvas: HTMLCanvasElement | OffscreenCanvas, draw: (video: HTMLVideoElement) => void}} Straight
+ *   a Rectifier
  *
  * @typedef {object} Eyes
  * @property {HTMLElement} element with the pictures of both, each in its half
@@ -67,7 +71,8 @@ export class WebcamDevice extends XRDevice {
   async requestSession(mode, features) {
     if (!this.isSessionSupported(mode)) throw new DOMException(`${mode} is not supported`, "NotSupportedError");
     const running = [...this.#sessions.values()].some(({ immersive }) => immersive);
-    if (mode !== "inline" && running) throw new DOMException("there is an immersive session already", "InvalidStateError");
+    if (mode !== "inline" && running)
+      throw new DOMException("there is an immersive session already", "InvalidStateError");
     const id = ++this.#last;
     const over = new AbortController();
     this.#sessions.set(id, { immersive: mode !== "inline", features, layer: null, overlay: null, stage: null, over });
@@ -136,7 +141,8 @@ export class WebcamDevice extends XRDevice {
     const { drawingBufferWidth: width, drawingBufferHeight: height } = session.layer.context;
     const viewport = session.stage?.size ?? [width, height];
     const { eyes } = this.#setup;
-    if (session.stage && eyes) return this.#look(session.stage, eyes, { near, far, viewport: [viewport[0] / 2, viewport[1]] });
+    if (session.stage && eyes)
+      return this.#look(session.stage, eyes, { near, far, viewport: [viewport[0] / 2, viewport[1]] });
     const pinhole = session.stage ? this.#shown(session.stage) : inline(viewport, angle ?? Math.PI / 2);
     const matrix = Float32Array.from(projectionMatrix(pinhole, { near, far, viewport, fit: "cover" }));
     for (const eye of session.immersive ? ["left", "right"] : ["none"]) this.#projections[eye] = matrix;
@@ -203,7 +209,11 @@ export class WebcamDevice extends XRDevice {
   #look(stage, eyes, frustum) {
     stage.cover(eyes.element);
     eyes.draw();
-    for (const { eye, projectionMatrix: matrix, transform } of eyes.views({ ...frustum, fit: "cover", pose: this.getBasePoseMatrix() })) {
+    for (const { eye, projectionMatrix: matrix, transform } of eyes.views({
+      ...frustum,
+      fit: "cover",
+      pose: this.getBasePoseMatrix(),
+    })) {
       this.#projections[eye] = matrix;
       this.#inverses[eye] = transform.inverse.matrix;
     }
@@ -227,14 +237,28 @@ export class WebcamDevice extends XRDevice {
   #guess() {
     const { videoWidth: width, videoHeight: height } = this.#setup.video;
     const f = width / 2 / Math.tan((FIELD_OF_VIEW / 360) * Math.PI);
-    return { img_size: [width, height], camera_matrix: [[f, 0, (width - 1) / 2], [0, f, (height - 1) / 2], [0, 0, 1]] };
+    return {
+      img_size: [width, height],
+      camera_matrix: [
+        [f, 0, (width - 1) / 2],
+        [0, f, (height - 1) / 2],
+        [0, 0, 1],
+      ],
+    };
   }
 }
 
 /** @param {[number, number]} size @param {number} angle from top to bottom, radians @returns {Pinhole} */
 function inline(size, angle) {
   const f = size[1] / 2 / Math.tan(angle / 2);
-  return { img_size: size, camera_matrix: [[f, 0, (size[0] - 1) / 2], [0, f, (size[1] - 1) / 2], [0, 0, 1]] };
+  return {
+    img_size: size,
+    camera_matrix: [
+      [f, 0, (size[0] - 1) / 2],
+      [0, f, (size[1] - 1) / 2],
+      [0, 0, 1],
+    ],
+  };
 }
 
 /** Of a rigid motion. @param {ArrayLike<number>} m column-major 4x4 */

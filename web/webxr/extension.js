@@ -26,16 +26,20 @@ import { viewAttributes } from "../sdk/views.js";
  *
  * @typedef {[number, number]} Size width, height, px
  *
- * @typedef {{left: Intrinsics | null, right: Intrinsics | null}} Eyes of two cameras; a view without an eye is the left one's
+ * @typedef {{left: Intrinsics | null, right: Intrinsics | null}} Eyes of two cameras; a view without an eye is the left
+ *   one's
  *
- * @typedef {(session: object, model: string, size: Size | null) => Promise<Intrinsics | Eyes | null>} Provider asked for the calibration
- *   of a session's camera, or of both its cameras, null where none is known; `size`: of the picture that raw camera access gives, where
+ * @typedef {(session: object, model: string, size: Size | null) => Promise<Intrinsics | Eyes | null>} Provider asked
+ *   for the calibration
+ *   of a session's camera, or of both its cameras, null where none is known; `size`: of the picture that raw camera
+ * access gives, where
  *   it does
  *
  * @typedef {object} Options
  * @property {any} [global] where the WebXR classes are
  * @property {string} [model] of sessions that ask for none
- * @property {(known: Intrinsics) => boolean} [holds] asked in each frame whether what is known is of the picture that is shown then
+ * @property {(known: Intrinsics) => boolean} [holds] asked in each frame whether what is known is of the picture that
+ *   is shown then
  * @property {(error: unknown) => void} [onError] told what a provider rejected with; the views stay as they were
  *
  * @typedef {object} State of a session
@@ -54,9 +58,13 @@ const NEITHER = { left: null, right: null };
 /**
  * Adds the attributes to XRView, and `distortionModel` to XRRenderState. A second call changes the provider.
  * @param {Provider} provider @param {Options} [options]
- * @returns {(session?: object) => Promise<void>} asks the provider again, for all running sessions unless told: the camera has changed
+ * @returns {(session?: object) => Promise<void>} asks the provider again, for all running sessions unless told: the
+ *   camera has changed
  */
-export function extend(provider, { global = globalThis, model = "rectilinear", holds = () => true, onError = console.warn } = {}) {
+export function extend(
+  provider,
+  { global = globalThis, model = "rectilinear", holds = () => true, onError = console.warn } = {},
+) {
   const { XRView, XRFrame, XRSession, XRRenderState } = global;
   if (!XRView) throw new TypeError("there is no WebXR here: install() the polyfill first");
   const first = checked(model);
@@ -128,11 +136,15 @@ export function extend(provider, { global = globalThis, model = "rectilinear", h
     if (state.asked > 0) void ask(this); // else with the first frame
   });
   const renderState = getter(XRSession.prototype, "renderState");
-  attribute(XRSession.prototype, "renderState", wrapping(renderState, function () {
-    const made = renderState.call(this);
-    owners.set(made, this);
-    return made;
-  }));
+  attribute(
+    XRSession.prototype,
+    "renderState",
+    wrapping(renderState, function () {
+      const made = renderState.call(this);
+      owners.set(made, this);
+      return made;
+    }),
+  );
   attribute(XRRenderState.prototype, "distortionModel", function () {
     const session = owners.get(this);
     return session ? stateOf(session).model : null;
@@ -149,7 +161,17 @@ export function extend(provider, { global = globalThis, model = "rectilinear", h
  * @returns {number[]} column-major 3x3; the centre of the top-left pixel is (0, 0)
  */
 export function matrixOf(p, width, height) {
-  return [(p[0] * width) / 2, 0, 0, 0, (p[5] * height) / 2, 0, ((1 - p[8]) * width - 1) / 2, ((1 + p[9]) * height - 1) / 2, 1];
+  return [
+    (p[0] * width) / 2,
+    0,
+    0,
+    0,
+    (p[5] * height) / 2,
+    0,
+    ((1 - p[8]) * width - 1) / 2,
+    ((1 + p[9]) * height - 1) / 2,
+    1,
+  ];
 }
 
 /**

@@ -18,7 +18,8 @@ export function install(setup) {
   const device = new WebcamDevice(setup);
   const system = new Webcams(device);
   // The browser's other classes do not know these: a page that finds XRWebGLBinding would hand our session to it.
-  for (const name of Object.getOwnPropertyNames(globalThis)) if (/^XR[A-Z]/.test(name)) Reflect.deleteProperty(globalThis, name);
+  for (const name of Object.getOwnPropertyNames(globalThis))
+    if (/^XR[A-Z]/.test(name)) Reflect.deleteProperty(globalThis, name);
   Object.assign(globalThis, classes);
   // Every context will do. Browsers that have the function would look for a headset, some without end.
   for (const { prototype } of [WebGLRenderingContext, WebGL2RenderingContext]) {

@@ -16,7 +16,9 @@ await inFirefox(executablePath, true, async (page) => {
   await page.waitForSelector("#done:not([hidden]), #failed:not([hidden])");
   const taken = await page.evaluate(() => [performance.now() / 1000, window.looks]);
   const [failure, json, counts] = await page.evaluate(() =>
-    ["failure", "json"].map((id) => document.getElementById(id).textContent)
-      .concat(document.getElementById("counts").dataset.taken));
+    ["failure", "json"]
+      .map((id) => document.getElementById(id).textContent)
+      .concat(document.getElementById("counts").dataset.taken),
+  );
   return { taken, failure, counts, calibration: json ? JSON.parse(json) : null };
 });

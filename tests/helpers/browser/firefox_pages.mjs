@@ -1,7 +1,8 @@
 // Firefox for the tests of one process: pages one after the other, each by itself, and what they make of a function.
 // Without a screen Firefox has no WebGL: DISPLAY names one.
 //     DISPLAY=:99 node firefox_pages.mjs <executable>
-// Reads a line of JSON for each page, {address, source}, and prints one, {result, complaints} or {error}, until its input ends.
+// Reads a line of JSON for each page, {address, source}, and prints one, {result, complaints} or {error}, until its
+// input ends.
 import { createInterface } from "node:readline";
 import { openFirefox, watch } from "./firefox_page.mjs";
 

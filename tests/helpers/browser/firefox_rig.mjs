@@ -1,6 +1,7 @@
 // Leader of a rig in Firefox, killed in the middle and started again with the same profile.
 //     node firefox_rig.mjs <executable> <address of the page> <folder of the profile>
-// Prints a line of JSON once the rig can be joined, {code, address}, and one when it is finished, {id, moments, complaints}.
+// Prints a line of JSON once the rig can be joined, {code, address}, and one when it is finished, {id, moments,
+// complaints}.
 import puppeteer from "puppeteer-core";
 
 const TIMEOUT_MS = 120_000; // only what fails is waited for so long
@@ -11,11 +12,19 @@ const complaints = [];
 
 async function start(there) {
   const browser = await puppeteer.launch({
-    browser: "firefox", executablePath, headless: true, userDataDir, timeout: TIMEOUT_MS, protocolTimeout: 2 * TIMEOUT_MS,
+    browser: "firefox",
+    executablePath,
+    headless: true,
+    userDataDir,
+    timeout: TIMEOUT_MS,
+    protocolTimeout: 2 * TIMEOUT_MS,
   });
   const page = await browser.newPage();
   page.setDefaultTimeout(TIMEOUT_MS);
-  page.on("console", (message) => ["error", "warn"].includes(message.type()) && complaints.push(`${message.type()}: ${message.text()}`));
+  page.on(
+    "console",
+    (message) => ["error", "warn"].includes(message.type()) && complaints.push(`${message.type()}: ${message.text()}`),
+  );
   page.on("pageerror", (error) => complaints.push(`uncaught: ${error.message}`));
   await page.goto(there);
   return { browser, page };
@@ -23,10 +32,16 @@ async function start(there) {
 
 const first = await start(address);
 await first.page.waitForSelector("#joining:not([hidden])");
-const invitation = await first.page.evaluate(() => ({ code: document.getElementById("join-code").textContent, address: document.getElementById("join-address").textContent }));
+const invitation = await first.page.evaluate(() => ({
+  code: document.getElementById("join-code").textContent,
+  address: document.getElementById("join-address").textContent,
+}));
 console.log(JSON.stringify(invitation));
 // Both cameras' numbers in the line of a moment.
-const shared = (least) => [...document.querySelectorAll("#moment-list li")].filter(({ textContent }) => /1\D+2/.test(textContent.replace(/^\d+:/, ""))).length >= least;
+const shared = (least) =>
+  [...document.querySelectorAll("#moment-list li")].filter(({ textContent }) =>
+    /1\D+2/.test(textContent.replace(/^\d+:/, "")),
+  ).length >= least;
 await first.page.waitForFunction(shared, {}, MOMENTS_BEFORE);
 const before = await first.page.$$eval("#moment-list li", (items) => items.length);
 const again = await first.page.evaluate(() => `${location.origin}/rig/`);

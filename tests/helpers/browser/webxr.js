@@ -3,32 +3,46 @@
 // calibrations of one camera under two models, as a lookup would give them
 const known = {
   rectilinear: {
-    img_size: [640, 360], camera_matrix: [[500, 0, 325], [0, 505, 178], [0, 0, 1]],
-    distortion_model: "rectilinear", distortion_coefficients: [-0.25, 0.0625, 0, 0, 0],
+    img_size: [640, 360],
+    camera_matrix: [
+      [500, 0, 325],
+      [0, 505, 178],
+      [0, 0, 1],
+    ],
+    distortion_model: "rectilinear",
+    distortion_coefficients: [-0.25, 0.0625, 0, 0, 0],
   },
   fisheye: {
-    img_size: [640, 360], camera_matrix: [[490, 0, 324], [0, 495, 177], [0, 0, 1]],
-    distortion_model: "fisheye", distortion_coefficients: [-0.125, 0.5, 0, 0.25],
+    img_size: [640, 360],
+    camera_matrix: [
+      [490, 0, 324],
+      [0, 495, 177],
+      [0, 0, 1],
+    ],
+    distortion_model: "fisheye",
+    distortion_coefficients: [-0.125, 0.5, 0, 0.25],
   },
 };
 
 const look = (view) => ({
-  matrix: view.cameraMatrix && [...view.cameraMatrix], model: view.distortionModel,
+  matrix: view.cameraMatrix && [...view.cameraMatrix],
+  model: view.distortionModel,
   coefficients: view.distortionCoefficients && [...view.distortionCoefficients],
 });
 
 /** What the first frame says for which a condition on its view holds. */
-const until = (session, space, holds) => new Promise((resolve, reject) => {
-  const end = performance.now() + 100_000; // ms
-  const next = (now, frame) => {
-    const views = frame.getViewerPose(space)?.views ?? [];
-    const [view] = views;
-    if (view && holds(view)) resolve({ ...look(view), views: views.length, p: [...view.projectionMatrix] });
-    else if (performance.now() > end) reject(new Error("no such frame: " + JSON.stringify(views.map(look))));
-    else session.requestAnimationFrame(next);
-  };
-  session.requestAnimationFrame(next);
-});
+const until = (session, space, holds) =>
+  new Promise((resolve, reject) => {
+    const end = performance.now() + 100_000; // ms
+    const next = (now, frame) => {
+      const views = frame.getViewerPose(space)?.views ?? [];
+      const [view] = views;
+      if (view && holds(view)) resolve({ ...look(view), views: views.length, p: [...view.projectionMatrix] });
+      else if (performance.now() > end) reject(new Error("no such frame: " + JSON.stringify(views.map(look))));
+      else session.requestAnimationFrame(next);
+    };
+    session.requestAnimationFrame(next);
+  });
 
 /** A canvas that a session draws into. */
 const layered = async (session, width = 640, height = 360) => {

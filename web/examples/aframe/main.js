@@ -7,12 +7,28 @@ import { whenOpen } from "../picture.js";
 registerCalibrated(AFRAME);
 
 whenOpen(({ stage, pinhole, pose, onChange, onFrame }) => {
-  const scene = /** @type {any} */ (make("a-scene", { embedded: "", background: "transparent: true", "xr-mode-ui": "enabled: false", "keyboard-shortcuts": "enterVR: false" }));
-  const eye = /** @type {any} */ (make("a-entity", { camera: "near: 0.1; far: 1000", calibrated: "fit: cover", position: "0 0 0" }));
+  const scene = /** @type {any} */ (
+    make("a-scene", {
+      embedded: "",
+      background: "transparent: true",
+      "xr-mode-ui": "enabled: false",
+      "keyboard-shortcuts": "enterVR: false",
+    })
+  );
+  const eye = /** @type {any} */ (
+    make("a-entity", { camera: "near: 0.1; far: 1000", calibrated: "fit: cover", position: "0 0 0" })
+  );
   const board = /** @type {any} */ (make("a-entity", {}));
   const at = (/** @type {readonly number[]} */ [x, y, z]) => `${x} ${-y} ${-z}`; // A-Frame has y up and looks along −z
   for (const point of MARKS) {
-    board.append(make("a-plane", { width: MARK, height: MARK, position: at(point), material: "shader: flat; color: #ffb000; toneMapped: false" }));
+    board.append(
+      make("a-plane", {
+        width: MARK,
+        height: MARK,
+        position: at(point),
+        material: "shader: flat; color: #ffb000; toneMapped: false",
+      }),
+    );
   }
   board.append(make("a-box", { width: BOX, height: BOX, depth: BOX, position: at(CENTRE), color: "#7ee0ff" }));
   scene.append(eye, board);

@@ -12,6 +12,7 @@ whenOpen(async ({ camera }) => {
   const { url, error } = await cameraParameters(camera, { token, api: new URL(api, location.href) });
   const link = part("file", HTMLAnchorElement);
   [link.href, link.download] = [url, "camera_para.dat"];
-  part("error", HTMLElement).textContent = error < 0.1 ? t("examples.exact") : t("examples.inexact", { error: number(error, 1) });
+  part("error", HTMLElement).textContent =
+    error < 0.1 ? t("examples.exact") : t("examples.inexact", { error: number(error, 1) });
   part("ready", HTMLElement).hidden = false;
 });

@@ -1,7 +1,19 @@
 // Babylon.js over the picture of a calibrated camera.
 import { applyCalibration } from "../../sdk/adapters/babylon.js";
 import {
-  Color3, Color4, CreateBox, CreatePlane, Engine, FreeCamera, HemisphericLight, Matrix, Quaternion, Scene, StandardMaterial, TransformNode, Vector3,
+  Color3,
+  Color4,
+  CreateBox,
+  CreatePlane,
+  Engine,
+  FreeCamera,
+  HemisphericLight,
+  Matrix,
+  Quaternion,
+  Scene,
+  StandardMaterial,
+  TransformNode,
+  Vector3,
 } from "../../vendor/engines/babylon.js";
 import { BOX, CENTRE, MARK, MARKS, poseMatrix } from "../board.js";
 import { whenOpen } from "../picture.js";

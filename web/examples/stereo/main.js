@@ -22,7 +22,9 @@ async function show() {
   const { canvases, calibrations, board } = await openPair(part("virtual", HTMLElement));
   const pair = await rectifyPair(canvases[0], canvases[1], calibrations);
   const [width, height] = pair.img_size;
-  const [left, right, overlay] = ["left", "right", "overlay"].map((id, index) => contextOf(id, index < 2 ? width : 2 * width, height));
+  const [left, right, overlay] = ["left", "right", "overlay"].map((id, index) =>
+    contextOf(id, index < 2 ? width : 2 * width, height),
+  );
   const [column, row, rectified] = ["column", "row", "rectified"].map((id) => part(id, HTMLInputElement));
   const say = liveRegion(part("depth", HTMLElement));
 
@@ -44,7 +46,9 @@ async function show() {
     const point = pair.point(at, disparity);
     const depth = Math.hypot(...point);
     const truth = distanceToBoard(point, board) * depth;
-    say(() => t("examples.depth", { disparity: number(disparity, 1), depth: number(depth, 2), truth: number(truth, 2) }));
+    say(() =>
+      t("examples.depth", { disparity: number(disparity, 1), depth: number(depth, 2), truth: number(truth, 2) }),
+    );
   };
   for (const input of [column, row]) input.addEventListener("input", measure);
   rectified.addEventListener("change", draw);

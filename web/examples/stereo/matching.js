@@ -7,14 +7,24 @@ const MIN_DISTINCTION = 1.5; // difference of the second best place / of the bes
 
 /**
  * Disparity by the sum of absolute differences, to a fraction of a pixel by a parabola through the best three.
- * @param {ImageData} left @param {ImageData} right rectified pictures @param {readonly [number, number]} pixel of the left one
+ * @param {ImageData} left
+ * @param {ImageData} right rectified pictures
+ * @param {readonly [number, number]} pixel of the left one
  * @returns {number | null} px; null: nothing stands out there
  */
 export function disparityOf(left, right, [u, v]) {
   const patch = patchAt(left, u, v);
   const mean = patch.reduce((sum, value) => sum + value, 0) / patch.length;
-  if (differenceOf(patch, patch.map(() => mean)) < MIN_CONTRAST) return null;
-  const costs = Array.from({ length: NEAREST - FARTHEST + 1 }, (_, step) => differenceOf(patch, patchAt(right, u - FARTHEST - step, v)));
+  if (
+    differenceOf(
+      patch,
+      patch.map(() => mean),
+    ) < MIN_CONTRAST
+  )
+    return null;
+  const costs = Array.from({ length: NEAREST - FARTHEST + 1 }, (_, step) =>
+    differenceOf(patch, patchAt(right, u - FARTHEST - step, v)),
+  );
   const best = costs.indexOf(Math.min(...costs));
   const others = costs.filter((_, at) => Math.abs(at - best) > 3);
   if (best === 0 || best === costs.length - 1 || Math.min(...others) < MIN_DISTINCTION * costs[best]) return null;
@@ -22,7 +32,12 @@ export function disparityOf(left, right, [u, v]) {
   return FARTHEST + best + (before - after) / (2 * (before - 2 * at + after));
 }
 
-/** Grey levels around a pixel; outside of the picture black. @param {ImageData} picture @param {number} u @param {number} v */
+/**
+ * Grey levels around a pixel; outside of the picture black.
+ * @param {ImageData} picture
+ * @param {number} u
+ * @param {number} v
+ */
 function patchAt({ data, width, height }, u, v) {
   const grey = [];
   for (let y = v - HALF_PATCH; y <= v + HALF_PATCH; y++) {

@@ -1,6 +1,15 @@
 // three.js over the picture of a calibrated camera.
 import { applyCalibration } from "../../sdk/adapters/three.js";
-import { BoxGeometry, Group, Mesh, MeshBasicMaterial, PerspectiveCamera, PlaneGeometry, Scene, WebGLRenderer } from "../../vendor/engines/three.js";
+import {
+  BoxGeometry,
+  Group,
+  Mesh,
+  MeshBasicMaterial,
+  PerspectiveCamera,
+  PlaneGeometry,
+  Scene,
+  WebGLRenderer,
+} from "../../vendor/engines/three.js";
 import { BOX, CENTRE, MARK, MARKS, poseMatrix } from "../board.js";
 import { whenOpen } from "../picture.js";
 
@@ -21,7 +30,10 @@ whenOpen(({ stage, pinhole, viewport, pose, onChange, onFrame }) => {
     mark.position.set(x, -y, -z); // three.js has y up and looks along −z
     board.add(mark);
   }
-  const box = new Mesh(new BoxGeometry(BOX, BOX, BOX), SIDES.map((color) => new MeshBasicMaterial({ color })));
+  const box = new Mesh(
+    new BoxGeometry(BOX, BOX, BOX),
+    SIDES.map((color) => new MeshBasicMaterial({ color })),
+  );
   const [x, y, z] = CENTRE;
   box.position.set(x, -y, -z);
   board.add(box);

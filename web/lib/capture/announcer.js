@@ -19,7 +19,10 @@ export class Announcer {
     this.#wait = pause;
   }
 
-  /** @param {string} text what holds now @param {string[]} news what has happened, of several kinds: each is said once, before it */
+  /**
+   * @param {string} text what holds now
+   * @param {string[]} news what has happened, of several kinds: each is said once, before it
+   */
   say(text, ...news) {
     const isFresh = news.map((each, kind) => each !== "" && each !== this.#told[kind]);
     this.#told = news;

@@ -3,7 +3,8 @@ import { difference } from "./target.js";
 
 export const HOLD_MS = 700; // still at the target
 export const LONG_HOLD_MS = 1_500; // still anywhere else: the service judges whether the view helps all the same
-export const MIN_DISPLACEMENT_PX = 26; // at 1280 px image width, from the hold that was sent last: the service refuses duplicates within 25.6
+// at 1280 px image width, from the hold that was sent last: the service refuses duplicates within 25.6
+export const MIN_DISPLACEMENT_PX = 26;
 const MIN_OVERLAP = 0.6; // Jaccard index with the target that counts as there,
 const MAX_DIFFERENCE = 0.08; // if the board is also tilted as the target is
 const LENIENT_AFTER_MS = 3_000; // in which a steady hand would have been still: then less is asked of it,
@@ -18,5 +19,8 @@ export function isAtTarget({ overlap, outline }, aim) {
   return overlap > MIN_OVERLAP && outline !== null && (aim === null || difference(outline, aim) < MAX_DIFFERENCE);
 }
 
-/** Factor on the motion that counts as still: not everybody has a steady hand. @param {number} elapsed ms since the target was set */
+/**
+ * Factor on the motion that counts as still: not everybody has a steady hand.
+ * @param {number} elapsed ms since the target was set
+ */
 export const lenienceAfter = (elapsed) => Math.min(MAX_LENIENCE, Math.max(1, elapsed / LENIENT_AFTER_MS));

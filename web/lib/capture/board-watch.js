@@ -1,4 +1,5 @@
-// Watch for another board than the one expected, while that one is not seen: a look from time to time, and a conclusion from
+// Watch for another board than the one expected, while that one is not seen: a look from time to time, and a conclusion
+// from
 // several. Pure: the time comes in.
 import { isPartOf, recognise } from "../board-recognition.js";
 import { isSameBoard } from "../board.js";
@@ -19,7 +20,11 @@ export class BoardWatch {
   #sightings = [];
   #lookedAt = -Infinity;
 
-  /** Tells if the next frame is to be looked at. @param {number} blindSince ms, since when no corner is seen; infinite while some are @param {number} time ms */
+  /**
+   * Tells if the next frame is to be looked at.
+   * @param {number} blindSince ms, since when no corner is seen; infinite while some are
+   * @param {number} time ms
+   */
   isDue(blindSince, time) {
     if (blindSince === Infinity) this.#sightings = [];
     return time - blindSince >= BLIND_MS && time - this.#lookedAt >= BETWEEN_MS;

@@ -2,7 +2,8 @@
 
 const PREFIX = "calibdb capture ";
 const TURN_MS = 250;
-const MAX_TURNS = 6; // in which a page that is being left releases its lock; time for which this page is busy does not count
+// in which a page that is being left releases its lock; time for which this page is busy does not count
+const MAX_TURNS = 6;
 
 /**
  * Locks a capture for this tab.
@@ -14,12 +15,16 @@ export function acquireLock(key, signal) {
   const timeout = new AbortController();
   let turns = 0;
   const timer = setInterval(() => ++turns === MAX_TURNS && timeout.abort(), TURN_MS);
-  return /** @type {Promise<boolean>} */ (new Promise((resolve, reject) => {
-    navigator.locks.request(PREFIX + key, { signal: timeout.signal }, () => {
-      resolve(true);
-      if (!signal.aborted) return new Promise((release) => signal.addEventListener("abort", release));
-    }).catch((error) => (error instanceof DOMException ? resolve(false) : reject(error)));
-  })).finally(() => clearInterval(timer));
+  return /** @type {Promise<boolean>} */ (
+    new Promise((resolve, reject) => {
+      navigator.locks
+        .request(PREFIX + key, { signal: timeout.signal }, () => {
+          resolve(true);
+          if (!signal.aborted) return new Promise((release) => signal.addEventListener("abort", release));
+        })
+        .catch((error) => (error instanceof DOMException ? resolve(false) : reject(error)));
+    })
+  ).finally(() => clearInterval(timer));
 }
 
 /** Keys of the captures that are locked, in whichever tab. @returns {Promise<Set<string>>} */

@@ -7,7 +7,8 @@
  * @template {{about: string}} [Capture=SavedCapture] about: its key
  * @typedef {object} CaptureStore
  * @property {(about: string) => Promise<Capture | null>} load
- * @property {(except?: Set<string>) => Promise<Capture | null>} last the one that was saved last; except: keys to leave out
+ * @property {(except?: Set<string>) => Promise<Capture | null>} last the one that was saved last; except: keys to leave
+ *   out
  * @property {(capture: Capture) => Promise<boolean>} save false: the storage is full or refused
  * @property {(about: string) => Promise<void>} remove
  */
@@ -35,7 +36,9 @@ export function openCaptureStore(factory = globalThis.indexedDB, now = Date.now,
     },
     async last(except = new Set()) {
       const store = (await database())?.transaction(OBJECT_STORE).objectStore(OBJECT_STORE);
-      const all = /** @type {(Capture & {time: number})[]} */ ((store && (await result(store.getAll()).catch(handleRefusal))) ?? []);
+      const all = /** @type {(Capture & {time: number})[]} */ (
+        (store && (await result(store.getAll()).catch(handleRefusal))) ?? []
+      );
       const fresh = all.filter(({ time }) => now() - time < MAX_AGE_MS).sort((a, b) => b.time - a.time);
       for (const { about, time } of all) if (now() - time >= MAX_AGE_MS) await captureStore.remove(about);
       return fresh.find(({ about }) => !except.has(about)) ?? null;

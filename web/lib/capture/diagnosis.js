@@ -5,7 +5,8 @@ import { isSameBoard } from "../board.js";
  * @typedef {import("../detector.js").Detection} Detection
  *
  * @typedef {object} Diagnosis
- * @property {string | null} trouble what is said: "dark", "bright", "blurred", "far", "wrong_board", "legacy", "mirrored", "moire", "moving"
+ * @property {string | null} trouble what is said: "dark", "bright", "blurred", "far", "wrong_board", "legacy",
+ *   "mirrored", "moire", "moving"
  * @property {string | null} suspected what the last frames look like
  * @property {number} since ms, when it was first suspected
  * @property {number} blindSince ms, since when no corner has been seen; infinite while some are
@@ -18,7 +19,15 @@ import { isSameBoard } from "../board.js";
 
 /** @type {Diagnosis} */
 export const HEALTHY = {
-  trouble: null, suspected: null, since: 0, blindSince: Infinity, probedAt: 0, probes: 0, probed: null, seenAt: -Infinity, speeds: [],
+  trouble: null,
+  suspected: null,
+  since: 0,
+  blindSince: Infinity,
+  probedAt: 0,
+  probes: 0,
+  probed: null,
+  seenAt: -Infinity,
+  speeds: [],
 };
 
 const PERSISTS = 700; // ms that something must look wrong before it is said
@@ -28,21 +37,37 @@ const FEW_MARKERS = 3; // recognised markers that are no accident
 const DARK = 40; // of 255: the brighter parts of the picture (95 %) are below twice this
 const BURNT = 0.25; // share of the picture that is white without structure
 const BLURRED = 0.072; // sharpness of a picture with edges: below, a square's edge is wider than about 6 px
-const WHOLE = 0.5; // share of the corners: blur loses them before it moves them (half of them at 0.2 px), so while they are found, none is said
+// share of the corners: blur loses them before it moves them (half of them at 0.2 px), so while they are found, none is
+// said
+const WHOLE = 0.5;
 const SMALL = 16; // px: side of a square below which corners cannot be measured
 const STRIPES = 0.1; // standard deviation within the bright squares, of their contrast: harmful stripes have more
 const FAST = 360; // px/s at 1280 px image width: a rolling shutter bends what moves so fast
 const RECENT = 800; // ms over which speed is taken
 const MIN_SPEEDS = 3; // frames with a speed: one alone may be a wrong corner
 
-/** Alternatives that are looked for, one after the other. @type {("mirrored" | "legacy" | "DICT_4X4_1000" | "DICT_5X5_1000" | "DICT_6X6_1000" | "DICT_7X7_1000" | "DICT_ARUCO_ORIGINAL" | "DICT_APRILTAG_36h11")[]} */
+/**
+ * Alternatives that are looked for, one after the other.
+ * @type {("mirrored" | "legacy" | "DICT_4X4_1000" | "DICT_5X5_1000" | "DICT_6X6_1000" | "DICT_7X7_1000" |
+ *   "DICT_ARUCO_ORIGINAL" | "DICT_APRILTAG_36h11")[]}
+ */
 export const PROBES = [
-  "mirrored", "legacy", "DICT_5X5_1000", "DICT_6X6_1000", "mirrored", "legacy", "DICT_4X4_1000", "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL",
+  "mirrored",
+  "legacy",
+  "DICT_5X5_1000",
+  "DICT_6X6_1000",
+  "mirrored",
+  "legacy",
+  "DICT_4X4_1000",
+  "DICT_7X7_1000",
+  "DICT_ARUCO_ORIGINAL",
   "DICT_APRILTAG_36h11",
 ];
 
 /**
- * @param {Diagnosis} before @param {Detection} detection @param {number} motion px since the frame before, infinite where
+ * @param {Diagnosis} before
+ * @param {Detection} detection
+ * @param {number} motion px since the frame before, infinite where
  *   the two cannot be compared
  * @param {number} time ms
  * @returns {Diagnosis}
@@ -52,19 +77,31 @@ export function diagnose(before, detection, motion, time) {
   const blind = ids.length === 0;
   const blindSince = blind ? Math.min(before.blindSince, time) : Infinity;
   const speed = (1000 * motion * 1280) / (size[0] * (time - before.seenAt));
-  const speeds = blind ? [] : [...before.speeds, { time, speed }].filter((each) => Number.isFinite(each.speed) && time - each.time < RECENT);
+  const speeds = blind
+    ? []
+    : [...before.speeds, { time, speed }].filter((each) => Number.isFinite(each.speed) && time - each.time < RECENT);
   const probed = blind ? (probe ? (found(probe) ?? before.probed) : before.probed) : null;
   const suspected = suspect(detection, blindSince === Infinity ? 0 : time - blindSince, probed, speeds);
   const since = suspected === before.suspected ? before.since : time;
   return {
-    trouble: time - since >= PERSISTS ? suspected : before.trouble === suspected ? suspected : stillSaid(before, suspected),
-    suspected, since, blindSince, speeds, probed, seenAt: time,
+    trouble:
+      time - since >= PERSISTS ? suspected : before.trouble === suspected ? suspected : stillSaid(before, suspected),
+    suspected,
+    since,
+    blindSince,
+    speeds,
+    probed,
+    seenAt: time,
     probedAt: probe ? time : before.probedAt,
     probes: before.probes + (probe ? 1 : 0),
   };
 }
 
-/** Keep a diagnosis until its successor is sure, but not once the board is well seen. @param {Diagnosis} before @param {string | null} suspected */
+/**
+ * Keep a diagnosis until its successor is sure, but not once the board is well seen.
+ * @param {Diagnosis} before
+ * @param {string | null} suspected
+ */
 const stillSaid = (before, suspected) => (suspected === null ? null : before.trouble);
 
 /**
@@ -105,7 +142,11 @@ function suspect({ ids, markers, metrics }, blind, probed, speeds) {
 /** @param {number[]} values */
 const median = (values) => [...values].sort((a, b) => a - b)[values.length >> 1] ?? 0;
 
-/** The trouble that another board is, as the diagnosis names it. @param {import("../board-recognition.js").Recognised} suggestion @param {import("../board.js").SentBoard} expected */
+/**
+ * The trouble that another board is, as the diagnosis names it.
+ * @param {import("../board-recognition.js").Recognised} suggestion
+ * @param {import("../board.js").SentBoard} expected
+ */
 export function troubleOf({ board, mirrored }, expected) {
   if (mirrored) return "mirrored";
   return isSameBoard(board, { ...expected, legacy: !expected.legacy }) ? "legacy" : "wrong_board";

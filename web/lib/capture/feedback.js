@@ -1,4 +1,5 @@
-// Haptic and audible feedback when the board is to be held still and when a view is taken: both hands hold the board, and the
+// Haptic and audible feedback when the board is to be held still and when a view is taken: both hands hold the board,
+// and the
 // eyes may be on it.
 
 /** @typedef {"sound" | "vibration" | "voice"} Sense */
@@ -17,7 +18,9 @@ export class Feedback {
   #senses;
   /** @type {AudioContext | null} */
   #audio = null;
-  /** Notes that are sounding, or will: without any the device's loudspeaker rests, which takes power even when silent. */
+  /**
+   * Notes that are sounding, or will: without any the device's loudspeaker rests, which takes power even when silent.
+   */
   #sounding = 0;
   #spoken = "";
   #spokenAt = -Infinity;
@@ -59,10 +62,16 @@ export class Feedback {
     // Browsers let no page sound or shake that nobody has touched yet.
     if (!navigator.userActivation?.hasBeenActive) return;
     if (this.#senses.sound && Feedback.offers("sound")) this.#play(NOTES[sign]);
-    if (this.#senses.vibration && Feedback.offers("vibration")) navigator.vibrate(sign === "refused" ? [30, 60, 30] : sign === "hold" ? 25 : 60);
+    if (this.#senses.vibration && Feedback.offers("vibration"))
+      navigator.vibrate(sign === "refused" ? [30, 60, 30] : sign === "hold" ? 25 : 60);
   }
 
-  /** Says a hint, unless it has just been said or another one still is. @param {string} text @param {string} language @param {number} time ms */
+  /**
+   * Says a hint, unless it has just been said or another one still is.
+   * @param {string} text
+   * @param {string} language
+   * @param {number} time ms
+   */
   say(text, language, time) {
     if (!this.#senses.voice || !Feedback.offers("voice") || !text || text === this.#spoken) return;
     if (time - this.#spokenAt < SPEECH_PAUSE_MS || speechSynthesis.speaking) return;

@@ -14,14 +14,18 @@ export function jaccard(a, b, [width, height]) {
   let sum = 0;
   const [inA, inB] = [new Float64Array(a.length), new Float64Array(b.length)];
   const heights = [...a, ...b].map((point) => point[1] / OVERLAP_REDUCTION);
-  const [top, bottom] = [Math.max(0, Math.floor(Math.min(...heights)) - 1), Math.min(rows, Math.ceil(Math.max(...heights)) + 1)];
+  const [top, bottom] = [
+    Math.max(0, Math.floor(Math.min(...heights)) - 1),
+    Math.min(rows, Math.ceil(Math.max(...heights)) + 1),
+  ];
   for (let row = top; row < bottom; row++) {
     const y = (row + 0.5) * OVERLAP_REDUCTION - 0.5;
     const [countA, countB] = [findSpans(a, y, columns, inA), findSpans(b, y, columns, inB)];
     for (let i = 0; i < countA; i += 2) sum += inA[i + 1] - inA[i];
     for (let j = 0; j < countB; j += 2) sum += inB[j + 1] - inB[j];
     for (let i = 0; i < countA; i += 2) {
-      for (let j = 0; j < countB; j += 2) both += Math.max(0, Math.min(inA[i + 1], inB[j + 1]) - Math.max(inA[i], inB[j]));
+      for (let j = 0; j < countB; j += 2)
+        both += Math.max(0, Math.min(inA[i + 1], inB[j + 1]) - Math.max(inA[i], inB[j]));
     }
   }
   return sum === 0 ? 0 : both / (sum - both);
@@ -47,7 +51,10 @@ function findSpans(polygon, y, columns, spans) {
   for (let index = 0; index + 1 < count; index += 2) {
     // Pixel i has its centre at (i + 0.5) * OVERLAP_REDUCTION - 0.5.
     spans[index] = Math.max(0, Math.ceil((spans[index] + 0.5) / OVERLAP_REDUCTION - 0.5));
-    spans[index + 1] = Math.max(spans[index], Math.min(columns, Math.ceil((spans[index + 1] + 0.5) / OVERLAP_REDUCTION - 0.5)));
+    spans[index + 1] = Math.max(
+      spans[index],
+      Math.min(columns, Math.ceil((spans[index + 1] + 0.5) / OVERLAP_REDUCTION - 0.5)),
+    );
   }
   return count - (count % 2);
 }

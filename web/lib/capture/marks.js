@@ -1,4 +1,5 @@
-// Marks on a camera's picture: the target with its preview, the corners that were detected. Elements are reused: making a
+// Marks on a camera's picture: the target with its preview, the corners that were detected. Elements are reused: making
+// a
 // hundred for each frame would cost more than detecting the board.
 import { blackSquares } from "../target-preview.js";
 
@@ -13,7 +14,14 @@ export function drawTarget({ target, targetBack, targetCorner, ghost }, board, p
   const outline = polygon(pose?.outline ?? []);
   target.setAttribute("points", outline);
   targetBack.setAttribute("points", outline);
-  ghost.setAttribute("d", pose ? blackSquares(board, pose).map((square) => `M${polygon(square)}Z`).join("") : "");
+  ghost.setAttribute(
+    "d",
+    pose
+      ? blackSquares(board, pose)
+          .map((square) => `M${polygon(square)}Z`)
+          .join("")
+      : "",
+  );
   // A dot shows which way up: at the board's first corner, where the printed board has marker 0.
   const [x, y] = pose?.outline[0] ?? [-99, -99];
   targetCorner.setAttribute("cx", String(x));
@@ -37,7 +45,12 @@ export function drawArrows(group, ways) {
   });
 }
 
-/** Writes changes alone: what stays is not drawn again. @param {Element} element @param {string} name @param {string} value */
+/**
+ * Writes changes alone: what stays is not drawn again.
+ * @param {Element} element
+ * @param {string} name
+ * @param {string} value
+ */
 function write(element, name, value) {
   if (element.getAttribute(name) !== value) element.setAttribute(name, value);
 }

@@ -3,7 +3,8 @@
 const MOTION = 2; // px a frame at 1280 px image width, mean over the corners: the published rule
 const DRIFT = 6; // px away from where the hold began: slow movement is movement
 const GAP = 150; // ms for which frames may be smeared, or show nothing, before the hold is over
-const MAX_UNSEEN = 250; // ms between frames that count as held: what a busy device did not look at, it did not see to be still
+// ms between frames that count as held: what a busy device did not look at, it did not see to be still
+const MAX_UNSEEN = 250;
 const COMMON = 4; // corners that must be seen in both frames to compare them
 
 /**
@@ -28,10 +29,19 @@ export const MOVING = { anchor: null, last: null, since: 0, held: 0, seen: -Infi
  */
 export function observe(before, corners, time, width, lenience = 1) {
   const scale = (lenience * width) / 1280;
-  const still = before.anchor && before.last
-    && motion(before.last, corners) < MOTION * scale
-    && motion(before.anchor, corners) < DRIFT * scale;
-  if (still) return { ...before, last: corners, held: before.held + Math.min(time - before.seen, MAX_UNSEEN), seen: time, frames: before.frames + 1 };
+  const still =
+    before.anchor &&
+    before.last &&
+    motion(before.last, corners) < MOTION * scale &&
+    motion(before.anchor, corners) < DRIFT * scale;
+  if (still)
+    return {
+      ...before,
+      last: corners,
+      held: before.held + Math.min(time - before.seen, MAX_UNSEEN),
+      seen: time,
+      frames: before.frames + 1,
+    };
   if (before.held > 0 && time - before.seen < GAP) return before;
   return { anchor: corners, last: corners, since: time, held: 0, seen: time, frames: 0 };
 }

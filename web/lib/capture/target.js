@@ -8,20 +8,27 @@ const LARGER = 1.25; // in length
 const TURNED = 0.14; // rad
 const TILTED = 0.06; // difference in the logarithm of how much longer one side is than the opposite one
 
-/** Held the other way up, a board says the same about the camera. @param {Quadrilateral} seen @param {Quadrilateral} target */
+/**
+ * Held the other way up, a board says the same about the camera.
+ * @param {Quadrilateral} seen
+ * @param {Quadrilateral} target
+ */
 export function upright(seen, target) {
   const turned = [...seen.slice(2), ...seen.slice(0, 2)];
   return spread(turned, target) < spread(seen, target) ? turned : seen;
 }
 
 /** @param {Quadrilateral} a @param {Quadrilateral} b */
-const spread = (a, b) => a.reduce((sum, [x, y], index) => sum + Math.hypot(x - b[index][0], y - b[index][1]), 0) / a.length;
+const spread = (a, b) =>
+  a.reduce((sum, [x, y], index) => sum + Math.hypot(x - b[index][0], y - b[index][1]), 0) / a.length;
 
 /**
- * Difference of two poses of the board: mean distance of its corners from the target's, once the middles and the sizes have
+ * Difference of two poses of the board: mean distance of its corners from the target's, once the middles and the sizes
+ * have
  * been made the same (where and how large it is, the overlap tells), as a share of the board's size.
  *
- * A hand that misses by 3° is below 0.07; a board that faces the camera in a target tilted by 35° or more is above 0.085.
+ * A hand that misses by 3° is below 0.07; a board that faces the camera in a target tilted by 35° or more is above
+ * 0.085.
  * @param {Quadrilateral} seen @param {Quadrilateral} target
  */
 export function difference(seen, target) {
@@ -36,7 +43,8 @@ export function difference(seen, target) {
  * Quantity that is furthest from the target, each in units of a hand's tolerance.
  * @param {Quadrilateral} outline as seen @param {Quadrilateral} target
  * @returns {string} a code, about the camera's picture: left right up down (and two of them: up_left), closer, farther,
- *   turn_clockwise, turn_counterclockwise, tilt_top, tilt_bottom, tilt_left, tilt_right; "" where nothing is left to say
+ *   turn_clockwise, turn_counterclockwise, tilt_top, tilt_bottom, tilt_left, tilt_right; "" where nothing is left to
+ * say
  */
 export function advice(outline, target) {
   const seen = upright(outline, target);
@@ -51,7 +59,10 @@ export function advice(outline, target) {
 function place(seen, target) {
   const [from, to] = [middle(seen), middle(target)];
   const [right, down] = [0, 1].map((axis) => (to[axis] - from[axis]) / size(target));
-  const ways = [Math.abs(down) > FAR / 2 && (down > 0 ? "down" : "up"), Math.abs(right) > FAR / 2 && (right > 0 ? "right" : "left")];
+  const ways = [
+    Math.abs(down) > FAR / 2 && (down > 0 ? "down" : "up"),
+    Math.abs(right) > FAR / 2 && (right > 0 ? "right" : "left"),
+  ];
   return { code: ways.filter(Boolean).join("_"), excess: Math.hypot(right, down) / FAR };
 }
 
@@ -86,7 +97,8 @@ function tilt(seen, target) {
 }
 
 /** @param {Quadrilateral} quadrilateral */
-export const middle = (quadrilateral) => [0, 1].map((axis) => quadrilateral.reduce((sum, point) => sum + point[axis], 0) / 4);
+export const middle = (quadrilateral) =>
+  [0, 1].map((axis) => quadrilateral.reduce((sum, point) => sum + point[axis], 0) / 4);
 
 /** Square root of the area, px. @param {Quadrilateral} quadrilateral */
 function size(quadrilateral) {
@@ -110,7 +122,10 @@ function length(quadrilateral, side) {
 
 /** @type {Record<string, string>} */
 const MIRROR_IMAGE = {
-  left: "right", right: "left", clockwise: "counterclockwise", counterclockwise: "clockwise",
+  left: "right",
+  right: "left",
+  clockwise: "counterclockwise",
+  counterclockwise: "clockwise",
 };
 
 /**
@@ -118,5 +133,8 @@ const MIRROR_IMAGE = {
  * @param {string} code
  */
 export function asMirrored(code) {
-  return code.split("_").map((part) => MIRROR_IMAGE[part] ?? part).join("_");
+  return code
+    .split("_")
+    .map((part) => MIRROR_IMAGE[part] ?? part)
+    .join("_");
 }

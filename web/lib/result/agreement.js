@@ -16,13 +16,22 @@ const WAITS_MS = [1500, 3000, 6000]; // ms; a consensus is computed seconds afte
 /**
  * @param {string} key of the camera @param {{id: string | null, img_size: readonly number[], zoom: number}} calibration
  * @param {AbortSignal} signal
- * @param {(agreement: Agreement) => void} onAgreement called with what is known, and again with what a new consensus says
+ * @param {(agreement: Agreement) => void} onAgreement called with what is known, and again with what a new consensus
+ *   says
  * @param {(ms: number) => Promise<void>} [wait]
  */
-export async function followAgreement(key, calibration, signal, onAgreement, wait = (ms) => new Promise((done) => setTimeout(done, ms))) {
+export async function followAgreement(
+  key,
+  calibration,
+  signal,
+  onAgreement,
+  wait = (ms) => new Promise((done) => setTimeout(done, ms)),
+) {
   for (const pause of [...WAITS_MS, null]) {
     const { api, token } = await loadSettings();
-    const page = await new Api(api, { signal }).json("GET", `/cameras/${encodeURIComponent(key)}`, token, { brief: true });
+    const page = await new Api(api, { signal }).json("GET", `/cameras/${encodeURIComponent(key)}`, token, {
+      brief: true,
+    });
     if (signal.aborted) return;
     const agreement = agreementOf(key, page, calibration);
     onAgreement(agreement);
@@ -42,7 +51,9 @@ export function agreementOf(key, { modes }, { id, img_size, zoom }) {
   const counted = (mode?.groups ?? []).some((group) => group.includes(id ?? ""));
   const listed = mode?.members.some((member) => member.id === id) ?? false;
   return {
-    key, required: mode?.required ?? 5, reliable: mode !== undefined && mode.reason === null,
+    key,
+    required: mode?.required ?? 5,
+    reliable: mode !== undefined && mode.reason === null,
     // It agrees with itself before any consensus says so.
     agreeing: Math.max(mode?.agreeing ?? 0, 1),
     settled: counted || (mode !== undefined && !listed) || (id ?? "").includes("~"),

@@ -23,15 +23,22 @@ import { button, listViews } from "./views.js";
 const FILES = ["photographs", "video"]; // platforms of what no browser opened as a camera
 const MIN_SIGMAS = 2; // of a shape that is certain
 const MAX_STRETCH = 0.01; // share of the length by which a printer may stretch a board
-const BOARDS = /** @type {Record<string, string>} */ ({ charuco: "ChArUco", chessboard: "Chessboard", aprilgrid: "AprilGrid" });
+const BOARDS = /** @type {Record<string, string>} */ ({
+  charuco: "ChArUco",
+  chessboard: "Chessboard",
+  aprilgrid: "AprilGrid",
+});
 
 /** Level of a result. @param {Calibration} calibration @param {Report | null} report */
 export const verdictOf = (calibration, report) => report?.verdict.level ?? levelOf(calibration);
 
 /** Title of a page that shows it. @param {Calibration} calibration @param {Report | null} report */
-export const pageTitle = (calibration, report) => t("result.title_of", {
-  camera: splitLabel(calibration.camera).name, size: formatSize(calibration.img_size), level: t(`result.level_${verdictOf(calibration, report)}`),
-});
+export const pageTitle = (calibration, report) =>
+  t("result.title_of", {
+    camera: splitLabel(calibration.camera).name,
+    size: formatSize(calibration.img_size),
+    level: t(`result.level_${verdictOf(calibration, report)}`),
+  });
 
 /** The result's own page, in the language of whoever opens it. @param {string} id */
 export const resultAddress = (id) => new URL(`../../result/?${new URLSearchParams({ id })}`, import.meta.url).href;
@@ -39,7 +46,11 @@ export const resultAddress = (id) => new URL(`../../result/?${new URLSearchParam
 /** Page where this camera is calibrated once more. @param {Calibration} calibration */
 export function againAddress({ camera, img_size, distortion_model, platform }) {
   const photographs = FILES.includes(platform);
-  const query = new URLSearchParams({ camera, ...(photographs ? {} : { img_size: img_size.join("x"), distortion_model }), ...(isVirtual(camera) ? { virtual: "1" } : {}) });
+  const query = new URLSearchParams({
+    camera,
+    ...(photographs ? {} : { img_size: img_size.join("x"), distortion_model }),
+    ...(isVirtual(camera) ? { virtual: "1" } : {}),
+  });
   return pageUrl(`${photographs ? "photos" : "calibrate"}/?${query}`).href;
 }
 
@@ -54,28 +65,63 @@ export function card(result, trial, id) {
   const practice = isVirtual(camera);
   const reasons = reasonTexts(report, notes, calibration);
   const details = [...insideSentence(calibration), ...boardSentence(report?.board)];
-  return el("header", { class: "opening card" },
+  return el(
+    "header",
+    { class: "opening card" },
     // Where it was captured the page itself has said so.
     ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
-    ...(trial ? [el("p", { class: "trial" }, t("result.without", { count: trial.without.length, views: listViews(trial.without) }))] : []),
-    el("h1", { id: "result-name", tabindex: -1 }, splitLabel(camera).name, " ", el("span", { class: "number size" }, formatSize(img_size))),
-    el("div", { class: "judgement" },
+    ...(trial
+      ? [
+          el(
+            "p",
+            { class: "trial" },
+            t("result.without", { count: trial.without.length, views: listViews(trial.without) }),
+          ),
+        ]
+      : []),
+    el(
+      "h1",
+      { id: "result-name", tabindex: -1 },
+      splitLabel(camera).name,
+      " ",
+      el("span", { class: "number size" }, formatSize(img_size)),
+    ),
+    el(
+      "div",
+      { class: "judgement" },
       el("p", { id: "verdict", class: `verdict tint ${level}`, tabindex: -1 }, t(`result.level_${level}`)),
-      el("p", { class: "lead" },
-        el("span", {}, t("result.sentence", { rms: rough(uncertainty.rms), max: rough(uncertainty.max) })), hint(t("result.uncertainty"), t("result.uncertainty_hint")),
-        ...(practice ? [] : [" ", el("span", { class: "means" }, t(`result.means_${level === "fair" && isFairInside(calibration) ? "fair_inside" : level}`))]))),
+      el(
+        "p",
+        { class: "lead" },
+        el("span", {}, t("result.sentence", { rms: rough(uncertainty.rms), max: rough(uncertainty.max) })),
+        hint(t("result.uncertainty"), t("result.uncertainty_hint")),
+        ...(practice
+          ? []
+          : [
+              " ",
+              el(
+                "span",
+                { class: "means" },
+                t(`result.means_${level === "fair" && isFairInside(calibration) ? "fair_inside" : level}`),
+              ),
+            ]),
+      ),
+    ),
     meaning(calibration),
     ...(details.length ? [el("p", { class: "errors" }, details.join(" "))] : []),
     ...(reasons.length > 1 ? [el("p", { class: "improve" }, t("result.improve"))] : []),
     ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map((text) => el("li", {}, text)))] : []),
     nextSteps(result, trial, id),
     el("p", { class: "facts muted number" }, factsText(calibration, report, factsOf(id)?.board ?? null)),
-    ...(practice || trial || !id ? [] : [el("p", { class: "agreement", id: "agreement" }, "\u00a0")]));
+    ...(practice || trial || !id ? [] : [el("p", { class: "agreement", id: "agreement" }, "\u00a0")]),
+  );
 }
 
 /** The error where the board was. @param {Calibration} calibration */
 const insideSentence = ({ uncertainty: { inside, covered } }) =>
-  (typeof inside === "number" && typeof covered === "number" ? [t("result.inside_sentence", { inside: rough(inside), covered: number(100 * covered, 0) })] : []);
+  typeof inside === "number" && typeof covered === "number"
+    ? [t("result.inside_sentence", { inside: rough(inside), covered: number(100 * covered, 0) })]
+    : [];
 
 /**
  * Sentence about the board's shape, if it is certain and a printer may have made it.
@@ -99,21 +145,39 @@ function nextSteps(result, trial, id) {
   const first = back?.link ? "return" : practice ? "own" : "download";
   const camera = pageUrl("calibrate/").href;
   const more = [
-    ...(id && !FILES.includes(calibration.platform) && origin !== "imported" ? [el("a", { id: "to-ar", href: arAddress(calibration, id) }, t("result.see_in_ar"))] : []),
-    ...(again && !trial ? [button(again.label(), again.action, { id: "once-more" })] : practice ? [] : [el("a", { href: againAddress(calibration) }, t("result.calibrate_again"))]),
+    ...(id && !FILES.includes(calibration.platform) && origin !== "imported"
+      ? [el("a", { id: "to-ar", href: arAddress(calibration, id) }, t("result.see_in_ar"))]
+      : []),
+    ...(again && !trial
+      ? [button(again.label(), again.action, { id: "once-more" })]
+      : practice
+        ? []
+        : [el("a", { href: againAddress(calibration) }, t("result.calibrate_again"))]),
     ...(practice ? [] : [el("a", { href: pageUrl("mine/").href }, t("result.compare"))]),
     el("a", { href: pageUrl("rig/").href }, t("result.several")),
   ];
-  return el("div", { class: "next" },
+  return el(
+    "div",
+    { class: "next" },
     ...(back ? [back.element] : []),
     downloadPart({ calibration, explain: result.explain, of: { id, without: trial?.without ?? [] } }, "", {
       primary: first === "download",
-      before: practice && !trial && !result.ownCameraOffered ? [el("a", { class: first === "own" ? "button primary" : "button", id: "own-camera", href: camera }, t("result.own_camera"))] : [],
+      before:
+        practice && !trial && !result.ownCameraOffered
+          ? [
+              el(
+                "a",
+                { class: first === "own" ? "button primary" : "button", id: "own-camera", href: camera },
+                t("result.own_camera"),
+              ),
+            ]
+          : [],
       after: [
         ...(id ? [shareButton(pageTitle(calibration, result.report), resultAddress(id), { id: "copy-link" })] : []),
         ...(more.length ? [moreMenu(more)] : []),
       ],
-    }));
+    }),
+  );
 }
 
 /** @param {Calibration} calibration @param {string} id */
@@ -122,25 +186,44 @@ function arAddress({ camera }, id) {
   return pageUrl(`ar/?${query}#${new URLSearchParams({ calibration: id })}`).href;
 }
 
-/** @param {Result} result @param {string | null} id @returns {{element: HTMLElement, link: boolean} | null} null: nobody asked */
+/**
+ * @param {Result} result
+ * @param {string | null} id
+ * @returns {{element: HTMLElement, link: boolean} | null} null: nobody asked
+ */
 function returning({ returnTo, returnOrigins = [] }, id) {
   const found = returnAddress(returnTo ?? null, location.origin, returnOrigins);
   if (!found || !id) return null;
-  const { url: { host }, url, allowed } = found;
-  if (!allowed) return { element: el("p", { class: "return problem" }, t("result.back_refused", { host })), link: false };
+  const {
+    url: { host },
+    url,
+    allowed,
+  } = found;
+  if (!allowed)
+    return { element: el("p", { class: "return problem" }, t("result.back_refused", { host })), link: false };
   return {
     link: true,
-    element: el("div", { class: "return" }, el("a", { class: "button primary", id: "return", href: withResult(url, id) }, t("result.back", { host })),
-      el("p", { class: "muted" }, t("result.back_text", { host }))),
+    element: el(
+      "div",
+      { class: "return" },
+      el("a", { class: "button primary", id: "return", href: withResult(url, id) }, t("result.back", { host })),
+      el("p", { class: "muted" }, t("result.back_text", { host })),
+    ),
   };
 }
 
-/** "4 views · ChArUco 9 × 6 · 22 Nov 2026". @param {Calibration} calibration @param {Report | null} report @param {any} board */
+/**
+ * "4 views · ChArUco 9 × 6 · 22 Nov 2026".
+ * @param {Calibration} calibration
+ * @param {Report | null} report
+ * @param {any} board
+ */
 function factsText(calibration, report, board) {
   return joinFacts([
     ...(report ? [t("result.views_count", { count: report.views.length })] : []),
     ...(board ? [`${BOARDS[board.kind ?? "charuco"] ?? board.kind} ${formatSize(board.squares)}`] : []),
-    dateText(calibration.calibration_time), calibration.distortion_model,
+    dateText(calibration.calibration_time),
+    calibration.distortion_model,
   ]);
 }
 
@@ -152,9 +235,15 @@ export function showAgreement(place, calibration, agreement) {
   if (!agreement) return place.replaceChildren("\u00a0");
   const { key, agreeing, required, reliable } = agreement;
   const camera = pageUrl(`cameras/?${new URLSearchParams({ key })}`).href;
-  const text = reliable ? t("result.agreement_ready", { count: agreeing })
-    : agreeing >= required ? t("result.agreement_enough", { count: agreeing }) : t("result.agreement", { count: agreeing, required });
-  place.replaceChildren(el("strong", { class: "number" }, text), " ",
+  const text = reliable
+    ? t("result.agreement_ready", { count: agreeing })
+    : agreeing >= required
+      ? t("result.agreement_enough", { count: agreeing })
+      : t("result.agreement", { count: agreeing, required });
+  place.replaceChildren(
+    el("strong", { class: "number" }, text),
+    " ",
     ...(reliable ? [] : [el("a", { href: againAddress(calibration), id: "confirm" }, t("result.confirm")), " · "]),
-    el("a", { href: camera }, t("result.camera_page")));
+    el("a", { href: camera }, t("result.camera_page")),
+  );
 }

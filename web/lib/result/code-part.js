@@ -10,7 +10,8 @@ const STRAIGHTEN = {
   rectilinear: "straight = cv2.undistort(image, K, D)",
   rational: "straight = cv2.undistort(image, K, D)",
   fisheye: "straight = cv2.fisheye.undistortImage(image, K, D, Knew=K)",
-  omnidirectional: "xi, D = D[:1], D[1:]\nstraight = cv2.omnidir.undistortImage(image, K, D, xi, cv2.omnidir.RECTIFY_PERSPECTIVE, Knew=K)",
+  omnidirectional:
+    "xi, D = D[:1], D[1:]\nstraight = cv2.omnidir.undistortImage(image, K, D, xi, cv2.omnidir.RECTIFY_PERSPECTIVE, Knew=K)",
 };
 
 /** @param {Calibration} calibration */
@@ -30,7 +31,17 @@ const { camera_matrix, distortion_coefficients } = await response.json();
 
 /** @param {Calibration} calibration @param {string | null} id where it is stored */
 export function codePart(calibration, id) {
-  const block = (/** @type {string} */ name, /** @type {string} */ label, /** @type {string} */ code) => el("div", {},
-    el("h3", { id: `code-${name}` }, label), addCopyButton(el("pre", { tabindex: 0, "aria-labelledby": `code-${name}` }, el("code", {}, code))));
-  return el("div", { class: "codes" }, block("python", "Python", python(calibration)), ...(id ? [block("javascript", "JavaScript", javascript(id))] : []));
+  const block = (/** @type {string} */ name, /** @type {string} */ label, /** @type {string} */ code) =>
+    el(
+      "div",
+      {},
+      el("h3", { id: `code-${name}` }, label),
+      addCopyButton(el("pre", { tabindex: 0, "aria-labelledby": `code-${name}` }, el("code", {}, code))),
+    );
+  return el(
+    "div",
+    { class: "codes" },
+    block("python", "Python", python(calibration)),
+    ...(id ? [block("javascript", "JavaScript", javascript(id))] : []),
+  );
 }

@@ -13,19 +13,28 @@ const MAX_WIDTH_PX = 1600; // px; nobody sees more here, and maps of large photo
  * @returns {Calibration}
  */
 export function shrinkCalibration(calibration) {
-  const { img_size: [width, height], camera_matrix: [[fx, , cx], [, fy, cy]] } = calibration;
+  const {
+    img_size: [width, height],
+    camera_matrix: [[fx, , cx], [, fy, cy]],
+  } = calibration;
   const s = Math.min(1, MAX_WIDTH_PX / width);
   const centre = (/** @type {number} */ c) => (c + 0.5) * s - 0.5;
   return {
-    ...calibration, img_size: [Math.round(width * s), Math.round(height * s)],
-    camera_matrix: [[fx * s, 0, centre(cx)], [0, fy * s, centre(cy)], [0, 0, 1]],
+    ...calibration,
+    img_size: [Math.round(width * s), Math.round(height * s)],
+    camera_matrix: [
+      [fx * s, 0, centre(cx)],
+      [0, fy * s, centre(cy)],
+      [0, 0, 1],
+    ],
   };
 }
 
 /**
  * @param {Calibration} whole
  * @param {HTMLCanvasElement} picture of the calibration's size; it stays on this device
- * @returns {{element: HTMLElement, whole: HTMLElement | null, refresh: () => void, dispose: () => void}} whole: choice of the whole picture; refresh: shows what the picture has become
+ * @returns {{element: HTMLElement, whole: HTMLElement | null, refresh: () => void, dispose: () => void}} whole: choice
+ *   of the whole picture; refresh: shows what the picture has become
  */
 export function comparison(whole, picture) {
   const calibration = shrinkCalibration(whole);
@@ -48,8 +57,15 @@ export function comparison(whole, picture) {
   after.addEventListener("webglcontextrestored", () => made.draw(before));
 
   const slider = el("input", { type: "range", min: 0, max: 100, value: 50, "aria-label": t("result.slider") });
-  const stage = el("div", { class: "compare" }, before, after, slider,
-    el("span", { class: "side", "aria-hidden": "true" }, t("result.before")), el("span", { class: "side", "aria-hidden": "true" }, t("result.after")));
+  const stage = el(
+    "div",
+    { class: "compare" },
+    before,
+    after,
+    slider,
+    el("span", { class: "side", "aria-hidden": "true" }, t("result.before")),
+    el("span", { class: "side", "aria-hidden": "true" }, t("result.after")),
+  );
   const cut = () => stage.style.setProperty("--cut", String(slider.valueAsNumber / 100));
   slider.addEventListener("input", cut);
   cut();

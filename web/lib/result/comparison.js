@@ -10,7 +10,12 @@ import { valueText } from "./values.js";
 
 /** @typedef {Awaited<ReturnType<typeof import("./source.js").load>>} Loaded */
 
-/** @param {Loaded} first @param {Loaded} second of the same size @param {string | null} [name] of the second, instead of its date @returns {HTMLElement} */
+/**
+ * @param {Loaded} first
+ * @param {Loaded} second of the same size
+ * @param {string | null} [name] of the second, instead of its date
+ * @returns {HTMLElement}
+ */
 export function comparisonView(first, second, name = null) {
   const [one, other] = [first.calibration, second.calibration];
   const known = isKnownModel(one.distortion_model) && isKnownModel(other.distortion_model);
@@ -33,15 +38,39 @@ function parameters(one, other, name) {
   if (name) dates[1] = name;
   const same = one.calibration.distortion_model === other.calibration.distortion_model;
   const count = same ? rows[0].length : 4; // coefficients of two models say different things
-  return el("table", { class: "values" }, el("caption", {}, t("cameras.side_by_side")),
-    el("thead", {}, el("tr", {}, el("td", {}), ...dates.map((date) => el("th", { scope: "col", class: "number" }, date)), el("th", { scope: "col", class: "number" }, t("cameras.apart")))),
-    el("tbody", {}, ...rows[0].slice(0, count).map((a, index) => {
-      const b = rows[1][index];
-      const digits = Math.max(a.digits, b.digits);
-      const texts = [a, b].map((each) => valueText(each.value, each.std, digits, each.unit));
-      const sigma = a.std && b.std ? Math.abs(a.value - b.value) / Math.hypot(a.std, b.std) : null;
-      return el("tr", {}, el("th", { scope: "row" }, a.name),
-        ...texts.map(({ value, std }) => el("td", {}, value, ...(std ? [el("br"), el("span", { class: "muted" }, std)] : []))),
-        el("td", {}, sigma === null ? "–" : `${number(sigma, 1)}\u00a0σ`));
-    })));
+  return el(
+    "table",
+    { class: "values" },
+    el("caption", {}, t("cameras.side_by_side")),
+    el(
+      "thead",
+      {},
+      el(
+        "tr",
+        {},
+        el("td", {}),
+        ...dates.map((date) => el("th", { scope: "col", class: "number" }, date)),
+        el("th", { scope: "col", class: "number" }, t("cameras.apart")),
+      ),
+    ),
+    el(
+      "tbody",
+      {},
+      ...rows[0].slice(0, count).map((a, index) => {
+        const b = rows[1][index];
+        const digits = Math.max(a.digits, b.digits);
+        const texts = [a, b].map((each) => valueText(each.value, each.std, digits, each.unit));
+        const sigma = a.std && b.std ? Math.abs(a.value - b.value) / Math.hypot(a.std, b.std) : null;
+        return el(
+          "tr",
+          {},
+          el("th", { scope: "row" }, a.name),
+          ...texts.map(({ value, std }) =>
+            el("td", {}, value, ...(std ? [el("br"), el("span", { class: "muted" }, std)] : [])),
+          ),
+          el("td", {}, sigma === null ? "–" : `${number(sigma, 1)}\u00a0σ`),
+        );
+      }),
+    ),
+  );
 }

@@ -37,18 +37,31 @@ function keepFormat(format) {
 }
 
 /**
- * @param {{calibration: Calibration, explain: (error: unknown) => string, of?: {id: string | null, without?: number[]}}} result of: where
+ * @param {{calibration: Calibration, explain: (error: unknown) => string, of?: {id: string | null, without?:
+ *   number[]}}} result of: where
  *   it is stored, and which of its views are left out
  * @param {string} [suffix] of the ids, where a page offers several
  * @param {{primary?: boolean, before?: Node[], after?: Node[]}} [around] buttons in the same row
  */
-export function downloadPart({ calibration, explain, of = calibration }, suffix = "", { primary = true, before = [], after = [] } = {}) {
+export function downloadPart(
+  { calibration, explain, of = calibration },
+  suffix = "",
+  { primary = true, before = [], after = [] } = {},
+) {
   const [id, about] = [`format${suffix}`, `format-about${suffix}`];
-  const select = el("select", { id, "aria-label": t("result.format"), "aria-describedby": about }, ...FORMATS.map((format) => new Option(t(`formats.name_${format}`), format)));
+  const select = el(
+    "select",
+    { id, "aria-label": t("result.format"), "aria-describedby": about },
+    ...FORMATS.map((format) => new Option(t(`formats.name_${format}`), format)),
+  );
   if (FORMATS.includes(lastFormat())) select.value = lastFormat();
   const purpose = el("p", { id: about, class: "muted" }, t(`formats.for_${select.value}`));
   const status = el("p", { role: "status", class: "saved" });
-  const button = el("button", { type: "button", id: `download${suffix}`, class: primary ? "primary" : "" }, t("result.download"));
+  const button = el(
+    "button",
+    { type: "button", id: `download${suffix}`, class: primary ? "primary" : "" },
+    t("result.download"),
+  );
   select.addEventListener("change", () => {
     purpose.textContent = t(`formats.for_${select.value}`);
     keepFormat(select.value);
@@ -73,13 +86,22 @@ export function downloadPart({ calibration, explain, of = calibration }, suffix 
       button.disabled = false;
     }
   });
-  return el("div", { class: "take" },
-    el("div", { class: "actions" }, ...before, el("span", { class: "joined" }, button, select), ...after), purpose, status);
+  return el(
+    "div",
+    { class: "take" },
+    el("div", { class: "actions" }, ...before, el("span", { class: "joined" }, button, select), ...after),
+    purpose,
+    status,
+  );
 }
 
 /** The whole record, as the API answers it. @param {Calibration} calibration @param {string} [suffix] of the id */
 export function recordPart(calibration, suffix = "") {
-  return el("pre", { tabindex: 0, "aria-label": t("result.as_json") }, el("code", { id: `json${suffix}` }, `${jsonText(calibration)}\n`));
+  return el(
+    "pre",
+    { tabindex: 0, "aria-label": t("result.as_json") },
+    el("code", { id: `json${suffix}` }, `${jsonText(calibration)}\n`),
+  );
 }
 
 /**
@@ -95,8 +117,10 @@ function reason(format, { message }) {
 
 /** Remarks in the file beside the calibration. @param {Saved} saved */
 export function conversionText({ name, error, coverage }) {
-  const parts = error > VISIBLE_ERROR_PX ? [t("formats.near", { name, error: number(error, error < 1 ? 2 : error < 100 ? 1 : 0) })]
-    : [t(error < EXACT_ERROR_PX ? "formats.exact" : "formats.close", { name })];
+  const parts =
+    error > VISIBLE_ERROR_PX
+      ? [t("formats.near", { name, error: number(error, error < 1 ? 2 : error < 100 ? 1 : 0) })]
+      : [t(error < EXACT_ERROR_PX ? "formats.exact" : "formats.close", { name })];
   if (coverage < FULL_COVERAGE) parts.push(t("formats.partly", { share: Math.floor(100 * coverage) }));
   return parts.join(" ");
 }

@@ -14,16 +14,26 @@ const STEPS = 6; // of a line, a square
  * @param {ReturnType<typeof lensOf>} lens @param {[number, number]} size px
  */
 function reach(lens, [width, height]) {
-  const border = Array.from({ length: 33 }, (_, index) => index / 32).flatMap((share) => /** @type {[number, number][]} */ ([
-    [share * (width - 1), 0], [share * (width - 1), height - 1], [0, share * (height - 1)], [width - 1, share * (height - 1)]]));
+  const border = Array.from({ length: 33 }, (_, index) => index / 32).flatMap(
+    (share) =>
+      /** @type {[number, number][]} */ ([
+        [share * (width - 1), 0],
+        [share * (width - 1), height - 1],
+        [0, share * (height - 1)],
+        [width - 1, share * (height - 1)],
+      ]),
+  );
   const rays = border.map((point) => lens.unproject(point)).filter((ray) => ray !== null && ray[2] > 0.1);
-  return [0, 1].map((axis) => Math.min(MAX_TANGENT, Math.max(0.05, ...rays.map((ray) => Math.abs((ray?.[axis] ?? 0) / (ray?.[2] ?? 1))))));
+  return [0, 1].map((axis) =>
+    Math.min(MAX_TANGENT, Math.max(0.05, ...rays.map((ray) => Math.abs((ray?.[axis] ?? 0) / (ray?.[2] ?? 1))))),
+  );
 }
 
 /**
  * Lines of a plane grid in the picture, broken where the lens sees none of them.
  * @param {Calibration} calibration of a model that is known here
- * @returns {{seen: [number, number][], ideal: [number, number][]}[]} px, points along each: as the lens shows them, and as a pinhole of
+ * @returns {{seen: [number, number][], ideal: [number, number][]}[]} px, points along each: as the lens shows them, and
+ *   as a pinhole of
  *   its focal length at the axis would
  */
 export function gridLines(calibration) {
@@ -33,7 +43,8 @@ export function gridLines(calibration) {
   const whole = (/** @type {number} */ length) => Math.ceil(length / step) * step;
   const [right, bottom] = [whole(x), whole(y)];
   const [[fx, , cx], [, fy, cy]] = axialMatrix(calibration);
-  const along = (/** @type {number} */ end, /** @type {number} */ by) => Array.from({ length: Math.round((2 * end) / by) + 1 }, (_, index) => index * by - end);
+  const along = (/** @type {number} */ end, /** @type {number} */ by) =>
+    Array.from({ length: Math.round((2 * end) / by) + 1 }, (_, index) => index * by - end);
   const lines = [
     ...along(right, step).map((u) => along(bottom, step / STEPS).map((v) => [u, v])),
     ...along(bottom, step).map((v) => along(right, step / STEPS).map((u) => [u, v])),
@@ -57,7 +68,9 @@ export function gridLines(calibration) {
 
 /** @param {Calibration} calibration small enough to draw @returns {HTMLCanvasElement} */
 export function gridPicture(calibration) {
-  const { img_size: [width, height] } = calibration;
+  const {
+    img_size: [width, height],
+  } = calibration;
   const canvas = el("canvas", { width, height });
   const context = canvas.getContext("2d");
   if (!context) return canvas;

@@ -5,7 +5,11 @@
 /** @param {Point} o @param {Point} a @param {Point} b positive: b is on the right of the way from o to a, y down */
 const turn = (o, a, b) => (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
 
-/** Vertices of the convex hull, clockwise as seen, y down (Andrew's monotone chain). @param {readonly Point[]} points @returns {Point[]} */
+/**
+ * Vertices of the convex hull, clockwise as seen, y down (Andrew's monotone chain).
+ * @param {readonly Point[]} points
+ * @returns {Point[]}
+ */
 export function convexHull(points) {
   const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
   const half = (/** @type {readonly Point[]} */ ordered) => {
@@ -22,7 +26,9 @@ export function convexHull(points) {
 
 /**
  * Diagonal lines over a picture without what is inside a convex polygon.
- * @param {readonly Point[]} hull clockwise, y down; empty: nothing is inside @param {readonly [number, number]} size @param {number} step between the lines
+ * @param {readonly Point[]} hull clockwise, y down; empty: nothing is inside
+ * @param {readonly [number, number]} size
+ * @param {number} step between the lines
  * @returns {[Point, Point][]} from and to
  */
 export function hatching(hull, [width, height], step) {
@@ -37,7 +43,21 @@ export function hatching(hull, [width, height], step) {
       else if (rate < 0) leave = Math.min(leave, -side / rate);
       else if (side < 0) enter = Infinity;
     });
-    const parts = enter < leave ? [[low, enter], [leave, high]] : [[low, high]];
-    return parts.filter(([from, to]) => to - from > 1e-9).map(([from, to]) => /** @type {[Point, Point]} */ ([[from, sum - from], [to, sum - to]]));
+    const parts =
+      enter < leave
+        ? [
+            [low, enter],
+            [leave, high],
+          ]
+        : [[low, high]];
+    return parts
+      .filter(([from, to]) => to - from > 1e-9)
+      .map(
+        ([from, to]) =>
+          /** @type {[Point, Point]} */ ([
+            [from, sum - from],
+            [to, sum - to],
+          ]),
+      );
   });
 }

@@ -1,4 +1,5 @@
-// View of a result on pages that show one only at their end: its modules are loaded when there is something to show, and a stored
+// View of a result on pages that show one only at their end: its modules are loaded when there is something to show,
+// and a stored
 // result has its own address while it is shown, instead of the form. A reload shows it again, Back leads to the form.
 import { pageUrl, t } from "../i18n.js";
 
@@ -21,17 +22,20 @@ export class LaterResultView {
   constructor(root) {
     this.#root = root;
     addEventListener("popstate", ({ state }) => {
-      if (state?.result && state.result !== this.#id) location.reload(); // one before the last
+      if (state?.result && state.result !== this.#id)
+        location.reload(); // one before the last
       else this.#look(Boolean(state?.result));
     });
   }
 
   /** Loads the modules, ahead of the result. @returns {Promise<ResultView>} */
   prepare() {
-    this.#view ??= import("./view.js").then(({ ResultView }) => new ResultView(this.#root)).catch((error) => {
-      this.#view = null; // the next attempt loads them again
-      throw error;
-    });
+    this.#view ??= import("./view.js")
+      .then(({ ResultView }) => new ResultView(this.#root))
+      .catch((error) => {
+        this.#view = null; // the next attempt loads them again
+        throw error;
+      });
     return this.#view;
   }
 
@@ -41,7 +45,10 @@ export class LaterResultView {
     const [view, { pageTitle }] = await Promise.all([this.prepare(), import("./card.js")]);
     if (turn !== this.#turn) return;
     view.show(result);
-    const { calibration: { id }, returnTo } = result;
+    const {
+      calibration: { id },
+      returnTo,
+    } = result;
     if (!id) return;
     this.#id = id;
     this.#title = pageTitle(result.calibration, result.report);
@@ -77,6 +84,9 @@ export class LaterResultView {
       this.#look(false);
     }
     this.#id = null;
-    void this.#view?.then((view) => view.clear(), () => {});
+    void this.#view?.then(
+      (view) => view.clear(),
+      () => {},
+    );
   }
 }

@@ -13,13 +13,17 @@ let distance = 1; // m; chosen once for all results on this page
 /** "About a twentieth of a pixel." @param {number} px */
 export function errorInWords(px) {
   if (px > MAX_NAMED_PX) return t("result.about_pixels", { count: Math.round(px) });
-  const part = PARTS.reduce((best, each) => (Math.abs(Math.log(each * px)) < Math.abs(Math.log(best * px)) ? each : best));
+  const part = PARTS.reduce((best, each) =>
+    Math.abs(Math.log(each * px)) < Math.abs(Math.log(best * px)) ? each : best,
+  );
   return t(`result.about_${part}`);
 }
 
 /**
  * Length and angle that an error in the picture covers, in the middle of the picture.
- * @param {number} px @param {Pick<Calibration, "camera_matrix" | "distortion_model" | "distortion_coefficients">} calibration @param {number} metres away
+ * @param {number} px
+ * @param {Pick<Calibration, "camera_matrix" | "distortion_model" | "distortion_coefficients">} calibration
+ * @param {number} metres away
  * @returns {{mm: number, degrees: number}}
  */
 export function errorInScene(px, calibration, metres) {
@@ -28,20 +32,35 @@ export function errorInScene(px, calibration, metres) {
 }
 
 /** A distance as it is written: in cm below 1 m. @param {number} metres */
-const distanceText = (metres) => new Intl.NumberFormat(language(), { style: "unit", unit: metres < 1 ? "centimeter" : "meter" }).format(metres < 1 ? 100 * metres : metres);
+const distanceText = (metres) =>
+  new Intl.NumberFormat(language(), { style: "unit", unit: metres < 1 ? "centimeter" : "meter" }).format(
+    metres < 1 ? 100 * metres : metres,
+  );
 
 /** @param {Calibration} calibration @returns {HTMLElement} */
 export function meaning(calibration) {
   const { rms } = calibration.uncertainty;
-  const select = el("select", { id: "distance" }, ...DISTANCES_M.map((metres) => new Option(distanceText(metres), String(metres))));
+  const select = el(
+    "select",
+    { id: "distance" },
+    ...DISTANCES_M.map((metres) => new Option(distanceText(metres), String(metres))),
+  );
   select.value = String(distance);
   const output = el("output", { for: "distance", class: "number" });
   const show = () => {
     distance = Number(select.value);
     const { mm, degrees } = errorInScene(rms, calibration, distance);
-    output.textContent = t("result.in_scene", { size: mm < 1000 ? `${rough(mm)} mm` : `${rough(mm / 1000)} m`, angle: rough(degrees) });
+    output.textContent = t("result.in_scene", {
+      size: mm < 1000 ? `${rough(mm)} mm` : `${rough(mm / 1000)} m`,
+      angle: rough(degrees),
+    });
   };
   select.addEventListener("change", show);
   show();
-  return el("div", { class: "meaning" }, el("span", {}, errorInWords(rms)), el("span", { class: "at" }, el("label", { for: "distance" }, t("result.at_distance")), select, output));
+  return el(
+    "div",
+    { class: "meaning" },
+    el("span", {}, errorInWords(rms)),
+    el("span", { class: "at" }, el("label", { for: "distance" }, t("result.at_distance")), select, output),
+  );
 }

@@ -16,10 +16,14 @@ export function copyButton(label, text, attributes = {}) {
     button.style.minWidth = `${Math.ceil(button.getBoundingClientRect().width)}px`;
     button.textContent = t(done ? "result.copied" : "result.copy_failed");
     said.textContent = button.textContent;
-    button.addEventListener("blur", () => {
-      button.textContent = label;
-      said.textContent = "";
-    }, { once: true });
+    button.addEventListener(
+      "blur",
+      () => {
+        button.textContent = label;
+        said.textContent = "";
+      },
+      { once: true },
+    );
   });
   return hidden;
 }
@@ -50,17 +54,25 @@ async function copied(text, beside) {
  * @param {string} title @param {string} address @param {Record<string, string>} attributes
  */
 export function shareButton(title, address, attributes) {
-  if (!navigator.share || !matchMedia("(pointer: coarse)").matches) return copyButton(t("result.copy_link"), () => address, attributes);
+  if (!navigator.share || !matchMedia("(pointer: coarse)").matches)
+    return copyButton(t("result.copy_link"), () => address, attributes);
   const button = el("button", { type: "button", ...attributes }, t("result.share"));
-  button.addEventListener("click", () => navigator.share({ title, url: address }).catch((error) => {
-    if (!(error instanceof DOMException)) throw error; // closed without sharing
-  }));
+  button.addEventListener("click", () =>
+    navigator.share({ title, url: address }).catch((error) => {
+      if (!(error instanceof DOMException)) throw error; // closed without sharing
+    }),
+  );
   return button;
 }
 
 /** Actions that are seldom wanted, behind three dots. @param {Node[]} actions */
 export function moreMenu(actions) {
-  const menu = el("details", { class: "menu more" }, el("summary", { "aria-label": t("result.more"), title: t("result.more") }, "⋯"), el("ul", {}, ...actions.map((action) => el("li", {}, action))));
+  const menu = el(
+    "details",
+    { class: "menu more" },
+    el("summary", { "aria-label": t("result.more"), title: t("result.more") }, "⋯"),
+    el("ul", {}, ...actions.map((action) => el("li", {}, action))),
+  );
   menu.addEventListener("focusout", ({ relatedTarget }) => {
     if (relatedTarget instanceof Node && !menu.contains(relatedTarget)) menu.open = false;
   });
@@ -69,8 +81,12 @@ export function moreMenu(actions) {
 
 /** A word's explanation, behind a question mark. @param {string} word @param {string} text */
 export function hint(word, text) {
-  const details = el("details", { class: "hint" },
-    el("summary", { "aria-label": t("result.what_is", { word }) }, "?"), el("p", {}, text));
+  const details = el(
+    "details",
+    { class: "hint" },
+    el("summary", { "aria-label": t("result.what_is", { word }) }, "?"),
+    el("p", {}, text),
+  );
   details.addEventListener("keydown", (event) => {
     if (event.key === "Escape") details.open = false;
   });

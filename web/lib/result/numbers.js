@@ -18,10 +18,12 @@ import { COEFFICIENTS, isKnownModel, lensOf } from "../../sdk/projection.js";
  * @property {{level: "good" | "fair" | "poor", reasons: {code: string, text: string}[]}} verdict
  * @property {{inflation: number | null, cause: string | null, text: string | null, model?: string | null}} [systematic]
  *   probable cause of systematic errors, and what to do about it; not there if the service was older
- * @property {{fx: number | null, fy: number | null, cx: number | null, cy: number | null, distortion: (number | null)[]}} std
+ * @property {{fx: number | null, fy: number | null, cx: number | null, cy: number | null, distortion: (number |
+ *   null)[]}} std
  * @property {{grid: [number, number], px: (number | null)[][]}} error_map columns and rows; predicted error, px
  * @property {number | null} held_out px rms
- * @property {{sag: number, sag_std: number, stretch: number, stretch_std: number} | null} [board] shape that was taken into account, shares
+ * @property {{sag: number, sag_std: number, stretch: number, stretch_std: number} | null} [board] shape that was taken
+ *   into account, shares
  *   of the board's length
  * @property {ReportView[]} views
  *
@@ -69,7 +71,10 @@ const COEFFICIENT_DIGITS = 5; // digits of a coefficient
  * Digits after the point of a coefficient of which nobody says how sure it is: two of its own at least.
  * @param {number} value
  */
-export const digitsOf = (value) => (value === 0 ? COEFFICIENT_DIGITS : Math.min(8, Math.max(COEFFICIENT_DIGITS, 1 - Math.floor(Math.log10(Math.abs(value))))));
+export const digitsOf = (value) =>
+  value === 0
+    ? COEFFICIENT_DIGITS
+    : Math.min(8, Math.max(COEFFICIENT_DIGITS, 1 - Math.floor(Math.log10(Math.abs(value)))));
 
 /**
  * Focal lengths, centre, coefficients.
@@ -77,7 +82,10 @@ export const digitsOf = (value) => (value === 0 ? COEFFICIENT_DIGITS : Math.min(
  * @param {Report | null} report
  * @returns {Row[]}
  */
-export function intrinsics({ camera_matrix: [[fx, , cx], [, fy, cy]], distortion_coefficients, distortion_model }, report) {
+export function intrinsics(
+  { camera_matrix: [[fx, , cx], [, fy, cy]], distortion_coefficients, distortion_model },
+  report,
+) {
   const names = COEFFICIENTS[distortion_model] ?? [];
   /**
    * @param {string} name
@@ -87,21 +95,36 @@ export function intrinsics({ camera_matrix: [[fx, , cx], [, fy, cy]], distortion
    * @param {"px" | ""} unit
    * @returns {Row}
    */
-  const row = (name, value, std, digits, unit) => ({ name, value, std: std ?? null, digits: std ? digitsFor(std) : digits, unit });
+  const row = (name, value, std, digits, unit) => ({
+    name,
+    value,
+    std: std ?? null,
+    digits: std ? digitsFor(std) : digits,
+    unit,
+  });
   const std = report?.std;
   return [
-    row("fx", fx, std?.fx, 2, "px"), row("fy", fy, std?.fy, 2, "px"), row("cx", cx, std?.cx, 2, "px"), row("cy", cy, std?.cy, 2, "px"),
-    ...distortion_coefficients.map((value, index) => row(names[index] ?? `d${index}`, value, std?.distortion[index], digitsOf(value), "")),
+    row("fx", fx, std?.fx, 2, "px"),
+    row("fy", fy, std?.fy, 2, "px"),
+    row("cx", cx, std?.cx, 2, "px"),
+    row("cy", cy, std?.cy, 2, "px"),
+    ...distortion_coefficients.map((value, index) =>
+      row(names[index] ?? `d${index}`, value, std?.distortion[index], digitsOf(value), ""),
+    ),
   ];
 }
 
 /**
- * Opening angles across the picture's middle and from corner to corner, degrees; null where the model sees no ray there, or
+ * Opening angles across the picture's middle and from corner to corner, degrees; null where the model sees no ray
+ * there, or
  * where this page does not know the model.
  * @param {Calibration} calibration
  */
 export function fieldOfView(calibration) {
-  const { camera_matrix: [[, , cx], [, , cy]], img_size: [width, height] } = calibration;
+  const {
+    camera_matrix: [[, , cx], [, , cy]],
+    img_size: [width, height],
+  } = calibration;
   if (!isKnownModel(calibration.distortion_model)) return { horizontal: null, vertical: null, diagonal: null };
   const lens = lensOf(calibration);
   const between = (/** @type {[number, number]} */ a, /** @type {[number, number]} */ b) => {
@@ -112,19 +135,23 @@ export function fieldOfView(calibration) {
   };
   const [right, bottom] = [width - 0.5, height - 0.5];
   return {
-    horizontal: between([-0.5, cy], [right, cy]), vertical: between([cx, -0.5], [cx, bottom]),
+    horizontal: between([-0.5, cy], [right, cy]),
+    vertical: between([cx, -0.5], [cx, bottom]),
     diagonal: between([-0.5, -0.5], [right, bottom]),
   };
 }
 
 /**
- * Displacement by distortion over the image: where the lens shows a ray, and where a pinhole of the same focal length at the
+ * Displacement by distortion over the image: where the lens shows a ray, and where a pinhole of the same focal length
+ * at the
  * axis would. Rays that no plane picture can show are left out.
  * @param {Calibration} calibration @param {[number, number]} grid columns and rows
  * @returns {{from: [number, number], to: [number, number]}[]} px; from: the pinhole's
  */
 export function displacements(calibration, [columns, rows]) {
-  const { img_size: [width, height] } = calibration;
+  const {
+    img_size: [width, height],
+  } = calibration;
   const lens = lensOf(calibration);
   const [[fx, , cx], [, fy, cy]] = axialMatrix(calibration);
   return Array.from({ length: columns * rows }, (_, index) => {
@@ -132,8 +159,9 @@ export function displacements(calibration, [columns, rows]) {
     /** @type {[number, number]} */
     const to = [((column + 0.5) * width) / columns - 0.5, ((row + 0.5) * height) / rows - 0.5];
     return { to, ray: lens.unproject(to) };
-  }).flatMap(({ to, ray }) => (!ray || ray[2] < MIN_COSINE ? []
-    : [{ to, from: [(fx * ray[0]) / ray[2] + cx, (fy * ray[1]) / ray[2] + cy] }]));
+  }).flatMap(({ to, ray }) =>
+    !ray || ray[2] < MIN_COSINE ? [] : [{ to, from: [(fx * ray[0]) / ray[2] + cx, (fy * ray[1]) / ray[2] + cy] }],
+  );
 }
 
 /**
@@ -146,7 +174,9 @@ export function coverage(points, [width, height]) {
   const rows = Math.max(1, Math.round((columns * height) / width));
   const cell = (/** @type {number} */ value, /** @type {number} */ side, /** @type {number} */ count) =>
     Math.min(count - 1, Math.max(0, Math.floor(((value + 0.5) / side) * count)));
-  return new Set(points.map(([x, y]) => cell(y, height, rows) * columns + cell(x, width, columns))).size / (columns * rows);
+  return (
+    new Set(points.map(([x, y]) => cell(y, height, rows) * columns + cell(x, width, columns))).size / (columns * rows)
+  );
 }
 
 /**
@@ -164,6 +194,10 @@ export function viewIssue(view, views) {
 
 /** @param {Calibration} calibration @param {string} [ending] @returns {string} a file name without spaces */
 export function fileName({ camera, img_size }, ending = "json") {
-  const name = camera.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "") || "camera";
+  const name =
+    camera
+      .toLowerCase()
+      .replace(/[^a-z0-9]+/g, "-")
+      .replace(/^-|-$/g, "") || "camera";
   return `${name}-${img_size.join("x")}.${ending}`;
 }

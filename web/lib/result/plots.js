@@ -40,7 +40,12 @@ const cornersOf = ({ points }) => /** @type {number[][]} */ (points.filter(([u, 
 function extrapolated([width, height], report, x) {
   const hull = convexHull(usedCorners(report).map((point) => point.map((value) => value + 0.5)));
   const at = (/** @type {readonly number[]} */ point) => point.map((value) => short(x(value - 0.5))).join(" ");
-  return make("path", { d: hatching(hull, [width, height], width / HATCH_LINES).map(([from, to]) => `M${at(from)}L${at(to)}`).join(""), class: "hatch" });
+  return make("path", {
+    d: hatching(hull, [width, height], width / HATCH_LINES)
+      .map(([from, to]) => `M${at(from)}L${at(to)}`)
+      .join(""),
+    class: "hatch",
+  });
 }
 
 /**
@@ -54,14 +59,21 @@ export function errorPlot({ img_size, uncertainty }, report) {
   const made = heatPlot(img_size, report?.error_map.px ?? null, uncertainty.max, t("result.error_label", found));
   if (report) {
     const d = dots(usedCorners(report).map((point) => point.map(made.x)));
-    made.area.append(extrapolated(img_size, report, made.x), make("path", { d, class: "dot around" }), make("path", { d, class: "dot" }));
+    made.area.append(
+      extrapolated(img_size, report, made.x),
+      make("path", { d, class: "dot around" }),
+      make("path", { d, class: "dot" }),
+    );
   }
   return { ...made, caption: t("result.error_caption") };
 }
 
 /**
  * Amounts over the picture. The median is in the middle of the scale, as far as a power allows.
- * @param {[number, number]} size px @param {import("../contours.js").Values | null} px null: an empty frame @param {number} max px @param {string} label
+ * @param {[number, number]} size px
+ * @param {import("../contours.js").Values | null} px null: an empty frame
+ * @param {number} max px
+ * @param {string} label
  */
 export function heatPlot(size, px, max, label) {
   const top = roundUp(Math.max(max, MIN_SCALE_PX));
@@ -72,10 +84,17 @@ export function heatPlot(size, px, max, label) {
   const { svg, area, x, y } = imagePlot(size, label, "heat");
   if (px) {
     const fine = refined(px, Math.ceil(FINE_COLUMNS / px[0].length));
-    area.append(...levels.slice(0, -1).map((level, step) => {
-      const polygons = above(fine, size, step === 0 ? -Infinity : level);
-      return make("path", { d: polygons.map((points) => `M${points.map(([u, v]) => `${short(x(u))} ${short(y(v))}`).join("L")}Z`).join(""), class: `heat-${step}` });
-    }));
+    area.append(
+      ...levels.slice(0, -1).map((level, step) => {
+        const polygons = above(fine, size, step === 0 ? -Infinity : level);
+        return make("path", {
+          d: polygons
+            .map((points) => `M${points.map(([u, v]) => `${short(x(u))} ${short(y(v))}`).join("L")}Z`)
+            .join(""),
+          class: `heat-${step}`,
+        });
+      }),
+    );
   }
   const at = (/** @type {MouseEvent} */ event) => {
     const box = area.getBoundingClientRect();
@@ -86,44 +105,81 @@ export function heatPlot(size, px, max, label) {
   return { svg, area, x, levels, at };
 }
 
-/** Rows of the map's values for a table, at the centres and the corners. @param {Calibration} calibration @param {Report | null} report null: not there yet */
+/**
+ * Rows of the map's values for a table, at the centres and the corners.
+ * @param {Calibration} calibration
+ * @param {Report | null} report null: not there yet
+ */
 export function errorTable({ img_size }, report) {
   const along = (/** @type {number} */ side) => [0, 0.25, 0.5, 0.75, 1].map((share) => Math.round(share * (side - 1)));
   const columns = along(img_size[0]);
-  return { columns, rows: along(img_size[1]).map((v) => ({ v, values: columns.map((u) => (report ? valueAt(report.error_map.px, img_size, [u, v]) : null)) })) };
+  return {
+    columns,
+    rows: along(img_size[1]).map((v) => ({
+      v,
+      values: columns.map((u) => (report ? valueAt(report.error_map.px, img_size, [u, v]) : null)),
+    })),
+  };
 }
 
 /**
  * Distortion over the image: a regular grid of the scene, as a pinhole would show it and as the lens does.
- * @param {Calibration} calibration of a model that is known here @param {Report | null} [report] of the corners measured
+ * @param {Calibration} calibration of a model that is known here
+ * @param {Report | null} [report] of the corners measured
  */
 export function distortionPlot(calibration, report = null) {
-  const { img_size, camera_matrix: [[, , cx], [, , cy]] } = calibration;
+  const {
+    img_size,
+    camera_matrix: [[, , cx], [, , cy]],
+  } = calibration;
   const [width] = img_size;
   const moves = displacements(calibration, MOVES_GRID);
   const largest = Math.max(0, ...moves.map(({ from, to }) => Math.hypot(from[0] - to[0], from[1] - to[1])));
-  const scale = largest > NOTABLE_DISTORTION * width || largest < ROUNDOFF_PX ? 1 : 10 ** Math.ceil(Math.log10((NOTABLE_DISTORTION * width) / largest));
+  const scale =
+    largest > NOTABLE_DISTORTION * width || largest < ROUNDOFF_PX
+      ? 1
+      : 10 ** Math.ceil(Math.log10((NOTABLE_DISTORTION * width) / largest));
   const found = { max: number(largest, 1) };
   const { svg, area, x, y } = imagePlot(img_size, t("result.distortion_label", found), "distortion");
   const lines = gridLines(calibration);
-  const path = (/** @type {number[][][]} */ all) => all.map((line) => `M${line.map(([u, v]) => `${short(x(u))} ${short(y(v))}`).join("L")}`).join("");
-  const bent = lines.map(({ seen, ideal }) => seen.map((point, index) => point.map((value, axis) => ideal[index][axis] + scale * (value - ideal[index][axis]))));
+  const path = (/** @type {number[][][]} */ all) =>
+    all.map((line) => `M${line.map(([u, v]) => `${short(x(u))} ${short(y(v))}`).join("L")}`).join("");
+  const bent = lines.map(({ seen, ideal }) =>
+    seen.map((point, index) => point.map((value, axis) => ideal[index][axis] + scale * (value - ideal[index][axis]))),
+  );
   if (report) area.append(extrapolated(img_size, report, x));
-  area.append(make("path", { d: path(lines.map(({ ideal }) => ideal)), class: "ideal" }), make("path", { d: path(bent), class: "mark" }),
-    make("path", { d: `M${short(x(cx) - 7)} ${short(y(cy))}h14M${short(x(cx))} ${short(y(cy) - 7)}v14`, class: "axis" }));
-  const more = [...(scale === 1 ? [] : [t("result.magnified", { factor: scale })]), ...(report ? [t("result.extrapolated")] : [])];
+  area.append(
+    make("path", { d: path(lines.map(({ ideal }) => ideal)), class: "ideal" }),
+    make("path", { d: path(bent), class: "mark" }),
+    make("path", {
+      d: `M${short(x(cx) - 7)} ${short(y(cy))}h14M${short(x(cx))} ${short(y(cy) - 7)}v14`,
+      class: "axis",
+    }),
+  );
+  const more = [
+    ...(scale === 1 ? [] : [t("result.magnified", { factor: scale })]),
+    ...(report ? [t("result.extrapolated")] : []),
+  ];
   return { svg, caption: [t("result.distortion_caption", found), ...more].join(" ") };
 }
 
-/** All corners measured, in the outline of each view's. @param {Calibration} calibration @param {Report | null} report null: not there yet */
+/**
+ * All corners measured, in the outline of each view's.
+ * @param {Calibration} calibration
+ * @param {Report | null} report null: not there yet
+ */
 export function coveragePlot({ img_size }, report) {
   const views = (report?.views ?? []).map((view) => ({ index: view.index, points: cornersOf(view) }));
   const points = views.flatMap((view) => view.points);
   const share = number(100 * coverage(points, img_size), 0);
   const { svg, area, x, y } = imagePlot(img_size, t("result.coverage_label", { share }), "coverage");
   const at = (/** @type {readonly number[]} */ [u, v]) => `${short(x(u))} ${short(y(v))}`;
-  area.append(...views.map((view) => make("path", { d: `M${convexHull(view.points).map(at).join("L")}Z`, class: "view", "data-view": view.index })),
-    make("path", { d: dots(points.map(([u, v]) => [x(u), y(v)])), class: "dot" }));
+  area.append(
+    ...views.map((view) =>
+      make("path", { d: `M${convexHull(view.points).map(at).join("L")}Z`, class: "view", "data-view": view.index }),
+    ),
+    make("path", { d: dots(points.map(([u, v]) => [x(u), y(v)])), class: "dot" }),
+  );
   return { svg, caption: t("result.coverage_caption", { share, count: points.length }) };
 }
 
@@ -139,16 +195,35 @@ export function residualPlot({ img_size }, view, views, factor, photo) {
   const what = viewIssue(view, views);
   const label = t("result.view_label", { index: view.index + 1, rms: number(view.rms, 2) });
   const { svg, area, x, y } = imagePlot(img_size, label, `residuals ${what ? "bad" : ""}`);
-  if (photo) area.append(make("image", { href: photo, x: 1, y: 1, width: "100%", height: "100%", preserveAspectRatio: "none" }));
+  if (photo)
+    area.append(make("image", { href: photo, x: 1, y: 1, width: "100%", height: "100%", preserveAspectRatio: "none" }));
   const cut = new Set(view.cut);
-  const lines = view.points.map((point, number) => {
-    const [[u, v], [du, dv]] = /** @type {number[][]} */ ([point, view.residuals[number]]);
-    return u === null || du === null ? null : { cut: view.reason !== null || cut.has(number), at: [x(u), y(v)], d: arrow(x(u), y(v), x(u + du * factor), y(v + dv * factor)) };
-  }).filter((line) => line !== null);
-  const path = (/** @type {boolean} */ which) => lines.filter((line) => line.cut === which).map(({ d }) => d).join("");
-  area.append(make("path", { d: path(false), class: "mark" }), make("path", { d: dots(lines.map(({ at }) => at)), class: "dot" }));
+  const lines = view.points
+    .map((point, number) => {
+      const [[u, v], [du, dv]] = /** @type {number[][]} */ ([point, view.residuals[number]]);
+      return u === null || du === null
+        ? null
+        : {
+            cut: view.reason !== null || cut.has(number),
+            at: [x(u), y(v)],
+            d: arrow(x(u), y(v), x(u + du * factor), y(v + dv * factor)),
+          };
+    })
+    .filter((line) => line !== null);
+  const path = (/** @type {boolean} */ which) =>
+    lines
+      .filter((line) => line.cut === which)
+      .map(({ d }) => d)
+      .join("");
+  area.append(
+    make("path", { d: path(false), class: "mark" }),
+    make("path", { d: dots(lines.map(({ at }) => at)), class: "dot" }),
+  );
   // A cross too: what was left out is not to be told by its colour alone.
-  const crosses = lines.filter((line) => line.cut).map(({ at: [u, v] }) => `M${short(u - 3)} ${short(v - 3)}l6 6m0-6l-6 6`).join("");
+  const crosses = lines
+    .filter((line) => line.cut)
+    .map(({ at: [u, v] }) => `M${short(u - 3)} ${short(v - 3)}l6 6m0-6l-6 6`)
+    .join("");
   area.append(make("path", { d: path(true) + crosses, class: "cut" }));
   return svg;
 }

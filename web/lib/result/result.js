@@ -17,7 +17,8 @@
  * @property {{label: () => string, action: () => void}} [again]
  * @property {(without: number[]) => void} [goOn] with the views that are left, by whom they were taken; indices
  * @property {(index: number) => string} [names] of the photographs that views come from, "" where there is none
- * @property {(index: number) => string | null} [photo] address of the picture that a view comes from, which stays on this device
+ * @property {(index: number) => string | null} [photo] address of the picture that a view comes from, which stays on
+ *   this device
  * @property {(() => void) | null} [turnOff] ends the picture, which is that of the open camera
  * @property {HTMLElement} [aside] what the page adds below the card: consent, or advice
  * @property {(error: unknown) => string} explain an error, in words for people

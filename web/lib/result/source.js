@@ -21,32 +21,51 @@ const facts = new Map();
 export const factsOf = (id) => facts.get(id ?? "") ?? null;
 
 /** Endings of file names, by type. @type {[type: RegExp, ending: string][]} */
-const ENDINGS = [[/yaml/, "yaml"], [/xml/, "xml"], [/json/, "json"], [/text\/plain/, "txt"]];
+const ENDINGS = [
+  [/yaml/, "yaml"],
+  [/xml/, "xml"],
+  [/json/, "json"],
+  [/text\/plain/, "txt"],
+];
 
 /** @param {number[]} without indices of views @returns {Record<string, string>} */
 const withoutQuery = (without) => (without.length ? { without: without.join() } : {});
 
 /** @param {string} id @param {Record<string, string>} [query] */
-const path = (id, query = {}) => `/calibrations/${encodeURIComponent(id)}${Object.keys(query).length ? `?${new URLSearchParams(query)}` : ""}`;
+const path = (id, query = {}) =>
+  `/calibrations/${encodeURIComponent(id)}${Object.keys(query).length ? `?${new URLSearchParams(query)}` : ""}`;
 
 /**
  * @param {string} id @param {number[]} [without] indices of views: what it would be had they not been taken
  * @param {Partial<import("../api.js").Transport>} [transport]
- * @returns {Promise<{calibration: Calibration, report: Report | null}>} rejects as Api does: 422 where nothing is left to fit
+ * @returns {Promise<{calibration: Calibration, report: Report | null}>} rejects as Api does: 422 where nothing is left
+ *   to fit
  */
 export async function load(id, without = [], transport = {}) {
   const { api, token } = await loadSettings();
-  const { report = null, board = null, camera_key: cameraKey = null, ...calibration } = await new Api(api, transport).json("GET", path(id, withoutQuery(without)), token);
+  const {
+    report = null,
+    board = null,
+    camera_key: cameraKey = null,
+    ...calibration
+  } = await new Api(api, transport).json("GET", path(id, withoutQuery(without)), token);
   if (calibration.id) facts.set(calibration.id, { board, cameraKey });
   return { calibration, report };
 }
 
-/** Agreed calibrations of a camera at one size, of all models. @param {string} key @param {readonly number[]} size px @returns {Promise<Calibration[]>} rejects as Api does */
+/**
+ * Agreed calibrations of a camera at one size, of all models.
+ * @param {string} key
+ * @param {readonly number[]} size px
+ * @returns {Promise<Calibration[]>} rejects as Api does
+ */
 export async function knownCalibrations(key, size) {
   const { api, token } = await loadSettings();
   /** @type {{modes: {img_size: number[], consensus: Record<string, Calibration>}[]}} */
   const { modes } = await new Api(api).json("GET", `/cameras/${encodeURIComponent(key)}`, token);
-  return modes.filter(({ img_size }) => img_size.join() === size.join()).flatMap(({ consensus }) => Object.values(consensus));
+  return modes
+    .filter(({ img_size }) => img_size.join() === size.join())
+    .flatMap(({ consensus }) => Object.values(consensus));
 }
 
 /**
@@ -58,13 +77,17 @@ export async function knownCalibrations(key, size) {
 
 /**
  * Hands a file to the browser.
- * @param {Calibration} calibration @param {string} format @param {{id: string | null, without?: number[]}} [of] where it is stored, and which
+ * @param {Calibration} calibration
+ * @param {string} format
+ * @param {{id: string | null, without?: number[]}} [of] where it is stored, and which
  *   of its views are left out
  * @returns {Promise<Saved>} rejects as Api does: 422 where the format cannot hold the calibration
  */
 export async function save(calibration, format, { id, without = [] } = calibration) {
   const { api, token } = await loadSettings();
-  const response = await new Api(api).send("GET", path(id ?? "", { format, ...withoutQuery(without) }), token, { accept: "*/*" });
+  const response = await new Api(api).send("GET", path(id ?? "", { format, ...withoutQuery(without) }), token, {
+    accept: "*/*",
+  });
   const { headers } = response;
   const [, named] = /filename="?([^";]+)"?/.exec(headers.get("content-disposition") ?? "") ?? [];
   // Whole before it is offered: what breaks off is an error here, not half a file there.
@@ -75,7 +98,11 @@ export async function save(calibration, format, { id, without = [] } = calibrati
   link.click();
   // The browser has taken it by the time it takes anything else.
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
-  return { name: link.download, error: measure(headers.get("x-conversion-error"), 0), coverage: measure(headers.get("x-conversion-coverage"), 1) };
+  return {
+    name: link.download,
+    error: measure(headers.get("x-conversion-error"), 0),
+    coverage: measure(headers.get("x-conversion-coverage"), 1),
+  };
 }
 
 /** @param {string | null} header @param {number} otherwise where the service says nothing */

@@ -18,9 +18,20 @@ import { button } from "./views.js";
 export function straightPart(calibration, picture, onPicture, turnOff = null) {
   const shown = comparison(calibration, picture ?? gridPicture(shrinkCalibration(calibration)));
   return {
-    element: el("div", { class: "straight" }, shown.element, el("div", { class: "actions" }, ...(shown.whole ? [shown.whole] : []), chooser(calibration, onPicture)),
-      turnOff ? el("p", { class: "live" }, el("span", {}, t("result.live")), button(t("result.turn_off"), turnOff, { id: "turn-off", class: "small" }))
-        : el("p", { class: "muted" }, t(picture ? "result.trial_text" : "result.grid_text"))),
+    element: el(
+      "div",
+      { class: "straight" },
+      shown.element,
+      el("div", { class: "actions" }, ...(shown.whole ? [shown.whole] : []), chooser(calibration, onPicture)),
+      turnOff
+        ? el(
+            "p",
+            { class: "live" },
+            el("span", {}, t("result.live")),
+            button(t("result.turn_off"), turnOff, { id: "turn-off", class: "small" }),
+          )
+        : el("p", { class: "muted" }, t(picture ? "result.trial_text" : "result.grid_text")),
+    ),
     refresh: shown.refresh,
     dispose: shown.dispose,
   };

@@ -23,13 +23,18 @@ function keep(chosen) {
  * @returns {HTMLElement}
  */
 export function tabs(label, panels) {
-  const buttons = panels.map(({ name, title }) => el("button", { type: "button", role: "tab", id: `tab-${name}`, "aria-controls": `result-${name}` }, title));
-  const bodies = panels.map(({ name, content }) => el("div", { role: "tabpanel", id: `result-${name}`, "aria-labelledby": `tab-${name}` }, content));
-  const choose = (/** @type {number} */ chosen) => buttons.forEach((button, index) => {
-    button.setAttribute("aria-selected", String(index === chosen));
-    button.tabIndex = index === chosen ? 0 : -1;
-    bodies[index].hidden = index !== chosen;
-  });
+  const buttons = panels.map(({ name, title }) =>
+    el("button", { type: "button", role: "tab", id: `tab-${name}`, "aria-controls": `result-${name}` }, title),
+  );
+  const bodies = panels.map(({ name, content }) =>
+    el("div", { role: "tabpanel", id: `result-${name}`, "aria-labelledby": `tab-${name}` }, content),
+  );
+  const choose = (/** @type {number} */ chosen) =>
+    buttons.forEach((button, index) => {
+      button.setAttribute("aria-selected", String(index === chosen));
+      button.tabIndex = index === chosen ? 0 : -1;
+      bodies[index].hidden = index !== chosen;
+    });
   buttons.forEach((button, index) => {
     button.addEventListener("click", () => {
       keep(panels[index].name);
@@ -43,6 +48,11 @@ export function tabs(label, panels) {
       next.click();
     });
   });
-  choose(Math.max(0, panels.findIndex(({ name }) => name === keep())));
+  choose(
+    Math.max(
+      0,
+      panels.findIndex(({ name }) => name === keep()),
+    ),
+  );
   return el("section", { class: "tabs" }, el("div", { role: "tablist", "aria-label": label }, ...buttons), ...bodies);
 }

@@ -6,7 +6,8 @@ const MIN_PLAIN = 1e-3; // below this a number has a power of ten
 const SUPERSCRIPT = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
 
 /** @param {number} exponent */
-const power = (exponent) => `\u00a0×\u00a010${exponent < 0 ? "⁻" : ""}${[...String(Math.abs(exponent))].map((digit) => SUPERSCRIPT[Number(digit)]).join("")}`;
+const power = (exponent) =>
+  `\u00a0×\u00a010${exponent < 0 ? "⁻" : ""}${[...String(Math.abs(exponent))].map((digit) => SUPERSCRIPT[Number(digit)]).join("")}`;
 
 /**
  * A number and its standard deviation, both to the same place.
@@ -31,7 +32,8 @@ export function valueText(value, std, digits, unit) {
  * @returns {{K: string, D: string}}
  */
 export function matrixText({ camera_matrix: rows, distortion_coefficients: coefficients }, form) {
-  const line = (/** @type {readonly number[]} */ values) => `[${values.map((value) => Number(value.toPrecision(MAX_DIGITS))).join(", ")}]`;
+  const line = (/** @type {readonly number[]} */ values) =>
+    `[${values.map((value) => Number(value.toPrecision(MAX_DIGITS))).join(", ")}]`;
   if (form === "json") return { K: `[${rows.map(line).join(", ")}]`, D: line(coefficients) };
   return { K: `K = np.array([${rows.map(line).join(",\n              ")}])`, D: `D = np.array(${line(coefficients)})` };
 }

@@ -61,7 +61,13 @@ export class ResultView {
 
   /** Keep it in this browser, so that its maker finds it again; practice is nobody's camera. @param {Result} result */
   #keep({ calibration, report, origin, pending }) {
-    const { id, camera, img_size, calibration_time: time, uncertainty: { rms } } = calibration;
+    const {
+      id,
+      camera,
+      img_size,
+      calibration_time: time,
+      uncertainty: { rms },
+    } = calibration;
     if (!id || pending || origin === "stored" || isVirtual(camera)) return;
     keepOwn({ id, camera, img_size, time, level: verdictOf(calibration, report), rms });
   }
@@ -69,7 +75,7 @@ export class ResultView {
   /** @param {Result} result */
   async #followAgreement({ calibration }) {
     this.#following.abort();
-    const { signal } = this.#following = new AbortController();
+    const { signal } = (this.#following = new AbortController());
     const key = factsOf(calibration.id)?.cameraKey;
     if (!key || isVirtual(calibration.camera) || this.#agreement?.settled) return;
     try {
@@ -97,7 +103,8 @@ export class ResultView {
     const { calibration, report } = trial ?? result;
     const pending = result.pending === true && !report;
     const straight = isKnownModel(calibration.distortion_model)
-      ? straightPart(calibration, result.picture ?? null, (picture) => this.#another(picture), result.turnOff ?? null) : null;
+      ? straightPart(calibration, result.picture ?? null, (picture) => this.#another(picture), result.turnOff ?? null)
+      : null;
     if (straight) this.#held.push(straight.dispose);
     this.#straight = straight;
     // The report arrives while somebody is on the way to a button.
@@ -107,17 +114,26 @@ export class ResultView {
     const panels = /** @type {[name: string, content: Node | false][]} */ ([
       ["numbers", numbersPart(calibration, report, { pending })],
       ["lens", isKnownModel(calibration.distortion_model) && lensPart(calibration, report)],
-      ["views", result.report ? viewsPart({ ...result, report: result.report }, trial, this.#choices(result)) : pending && el("p", { class: "muted" }, t("result.loading"))],
+      [
+        "views",
+        result.report
+          ? viewsPart({ ...result, report: result.report }, trial, this.#choices(result))
+          : pending && el("p", { class: "muted" }, t("result.loading")),
+      ],
       ["code", codePart(calibration, id)],
       ["details", details(result, calibration)],
     ]).flatMap(([name, content]) => (content ? [{ name, title: t(`result.tab_${name}`), content }] : []));
-    this.#root.replaceChildren(...[
-      card({ ...result, calibration, report }, trial, id),
-      result.aside ?? null,
-      straight && el("section", { id: "result-straight", "aria-label": t("result.part_straight") }, straight.element),
-      report || pending ? tiles(calibration, report, /** @type {import("../board.js").Board | null} */ (factsOf(id)?.board ?? null)) : null,
-      tabs(t("result.part_details"), panels),
-    ].filter((element) => element !== null));
+    this.#root.replaceChildren(
+      ...[
+        card({ ...result, calibration, report }, trial, id),
+        result.aside ?? null,
+        straight && el("section", { id: "result-straight", "aria-label": t("result.part_straight") }, straight.element),
+        report || pending
+          ? tiles(calibration, report, /** @type {import("../board.js").Board | null} */ (factsOf(id)?.board ?? null))
+          : null,
+        tabs(t("result.part_details"), panels),
+      ].filter((element) => element !== null),
+    );
     this.#showAgreement();
     if (isMenuOpen) menu()?.setAttribute("open", "");
     if (focused) document.getElementById(focused)?.focus();
@@ -148,7 +164,9 @@ export class ResultView {
   /** @param {Result} result @returns {import("./views.js").Choices | null} */
   #choices({ calibration, goOn }) {
     const { id } = calibration;
-    return id ? { choose: (without) => void this.#leaveOut(id, without), goOn, elsewhere: againAddress(calibration) } : null;
+    return id
+      ? { choose: (without) => void this.#leaveOut(id, without), goOn, elsewhere: againAddress(calibration) }
+      : null;
   }
 
   /** Shows what it is without some views. @param {string} id @param {number[]} without */
@@ -158,17 +176,24 @@ export class ResultView {
     const status = document.getElementById("without-status");
     try {
       if (status && without.length) status.textContent = t("result.fitting_without");
-      const trial = without.length ? { without, ...await load(id, without) } : null;
+      const trial = without.length ? { without, ...(await load(id, without)) } : null;
       if (own !== this.#tried) return;
       this.#trial = trial;
       this.#inPlace(() => this.#draw());
     } catch (error) {
       if (own !== this.#tried || !result || !status) return;
-      status.textContent = error instanceof ApiError && error.status === 422 ? t("result.without_impossible", { views: listViews(without) }) : result.explain(error);
+      status.textContent =
+        error instanceof ApiError && error.status === 422
+          ? t("result.without_impossible", { views: listViews(without) })
+          : result.explain(error);
     }
   }
 
-  /** Draws, with the focus and the place on the page where they were. @param {() => void} draw @param {string} [part] id of what stays */
+  /**
+   * Draws, with the focus and the place on the page where they were.
+   * @param {() => void} draw
+   * @param {string} [part] id of what stays
+   */
   #inPlace(draw, part = "result-views") {
     const { id = "" } = document.activeElement ?? {};
     const place = () => document.getElementById(part)?.getBoundingClientRect().top ?? 0;
@@ -176,7 +201,11 @@ export class ResultView {
     draw();
     scrollBy(0, place() - before);
     // What was pressed may be gone with what it did.
-    (document.getElementById(id) ?? document.getElementById("all-again") ?? document.getElementById("leave-these"))?.focus({ preventScroll: true });
+    (
+      document.getElementById(id) ??
+      document.getElementById("all-again") ??
+      document.getElementById("leave-these")
+    )?.focus({ preventScroll: true });
   }
 
   /** Takes it all away. */
@@ -203,21 +232,34 @@ export class ResultView {
 function contributionText({ origin, calibration: { camera, platform, calibrations, reliable } }) {
   if (origin === "practice" || isVirtual(camera)) return t("result.help_practice");
   if (origin === "stored") return t(reliable ? "result.help_ready" : "result.help_stored", { count: calibrations });
-  return t(`result.help_${["photographs", "video"].includes(platform) ? "photographs" : origin}`, { count: calibrations });
+  return t(`result.help_${["photographs", "video"].includes(platform) ? "photographs" : origin}`, {
+    count: calibrations,
+  });
 }
 
-/** Details that few need: what was given, the address, the system, the whole record. @param {Result} result @param {Result["calibration"]} calibration */
+/**
+ * Details that few need: what was given, the address, the system, the whole record.
+ * @param {Result} result
+ * @param {Result["calibration"]} calibration
+ */
 function details(result, calibration) {
   const { id } = result.calibration;
-  return el("div", { class: "record" }, el("p", { id: "summary" }, contributionText(result)),
+  return el(
+    "div",
+    { class: "record" },
+    el("p", { id: "summary" }, contributionText(result)),
     el("p", { class: "muted" }, `${calibration.camera} · ${calibration.platform}`),
-    ...(id && id !== new URLSearchParams(location.search).get("id") ? [el("p", {}, el("a", { href: resultAddress(id) }, t("result.address")))] : []),
-    recordPart(calibration));
+    ...(id && id !== new URLSearchParams(location.search).get("id")
+      ? [el("p", {}, el("a", { href: resultAddress(id) }, t("result.address")))]
+      : []),
+    recordPart(calibration),
+  );
 }
 
 /** Marks all figures of the view that one points at. @param {Event} event */
 function highlight({ currentTarget, target }) {
   const root = /** @type {HTMLElement} */ (currentTarget);
   const view = target instanceof Element ? target.closest("[data-view]")?.getAttribute("data-view") : null;
-  for (const each of root.querySelectorAll("[data-view]")) each.classList.toggle("lit", each.getAttribute("data-view") === view);
+  for (const each of root.querySelectorAll("[data-view]"))
+    each.classList.toggle("lit", each.getAttribute("data-view") === view);
 }

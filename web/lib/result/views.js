@@ -8,7 +8,8 @@ import { magnification, residualPlot } from "./plots.js";
  * @typedef {import("./numbers.js").Calibration} Calibration
  * @typedef {import("./numbers.js").Report} Report
  *
- * @typedef {{without: number[], calibration: Calibration, report: Report | null}} Trial what it is without some views, by their indices
+ * @typedef {{without: number[], calibration: Calibration, report: Report | null}} Trial what it is without some views,
+ *   by their indices
  *
  * @typedef {object} Choices what a person can do with the views; null where nothing is to be fitted anew
  * @property {(without: number[]) => void} choose indices of the views to leave out from now on
@@ -18,7 +19,9 @@ import { magnification, residualPlot } from "./plots.js";
 
 /** "5 and 6", counted as people do. @param {number[]} indices */
 export const listViews = (indices) =>
-  new Intl.ListFormat(language(), { type: "conjunction" }).format([...indices].sort((a, b) => a - b).map((index) => String(index + 1)));
+  new Intl.ListFormat(language(), { type: "conjunction" }).format(
+    [...indices].sort((a, b) => a - b).map((index) => String(index + 1)),
+  );
 
 /** Views that are worth taking again. @param {Report} report @returns {number[]} indices */
 export const viewsToRetake = ({ views }) =>
@@ -35,31 +38,62 @@ export function viewsPart({ calibration, report, names = () => "", photo = () =>
   const left = trial?.without ?? [];
   const bad = viewsToRetake(report).filter((index) => !left.includes(index));
   const worst = Math.max(...report.views.map(({ rms }) => rms));
-  return el("div", {}, el("p", { class: "muted" }, t("result.views_text", { factor })),
+  return el(
+    "div",
+    {},
+    el("p", { class: "muted" }, t("result.views_text", { factor })),
     ...(bad.length ? [advice(bad, left, choices)] : []),
-    el("ol", { class: "views", tabindex: 0, "aria-label": t("result.part_views") }, ...[...report.views].sort((a, b) => b.rms - a.rms).map((original) => {
-      const { index } = original;
-      const out = left.includes(index);
-      // Of a view that is left out the other fit knows nothing.
-      const shown = out ? report : trial?.report ?? report;
-      const view = shown.views.find((each) => each.index === index) ?? original;
-      const what = out ? null : viewIssue(view, shown.views);
-      const bar = el("span", { class: "bar", "aria-hidden": "true" });
-      bar.style.setProperty("--part", String(view.rms / worst));
-      return el("li", { class: out ? "out" : "", "data-view": index }, bar, residualPlot(calibration, view, shown.views, factor, photo(index)),
-        el("div", { class: "which" },
-          el("p", { class: "number" }, el("strong", {}, t("result.view", { index: index + 1 })), ` ${number(view.rms, 2)}\u00a0px`, ...(names(index) ? [el("span", { class: "source muted" }, names(index))] : [])),
-          ...(choices ? [toggle(index, left, choices)] : [])),
-        ...(what ? [el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length }))] : []));
-    })),
-    ...(choices ? [trialStatus(calibration, trial, choices)] : []));
+    el(
+      "ol",
+      { class: "views", tabindex: 0, "aria-label": t("result.part_views") },
+      ...[...report.views]
+        .sort((a, b) => b.rms - a.rms)
+        .map((original) => {
+          const { index } = original;
+          const out = left.includes(index);
+          // Of a view that is left out the other fit knows nothing.
+          const shown = out ? report : (trial?.report ?? report);
+          const view = shown.views.find((each) => each.index === index) ?? original;
+          const what = out ? null : viewIssue(view, shown.views);
+          const bar = el("span", { class: "bar", "aria-hidden": "true" });
+          bar.style.setProperty("--part", String(view.rms / worst));
+          return el(
+            "li",
+            { class: out ? "out" : "", "data-view": index },
+            bar,
+            residualPlot(calibration, view, shown.views, factor, photo(index)),
+            el(
+              "div",
+              { class: "which" },
+              el(
+                "p",
+                { class: "number" },
+                el("strong", {}, t("result.view", { index: index + 1 })),
+                ` ${number(view.rms, 2)}\u00a0px`,
+                ...(names(index) ? [el("span", { class: "source muted" }, names(index))] : []),
+              ),
+              ...(choices ? [toggle(index, left, choices)] : []),
+            ),
+            ...(what ? [el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length }))] : []),
+          );
+        }),
+    ),
+    ...(choices ? [trialStatus(calibration, trial, choices)] : []),
+  );
 }
 
 /** @param {number[]} bad @param {number[]} left @param {Choices | null} choices */
 function advice(bad, left, choices) {
   const words = el("p", {}, t("result.worth", { count: bad.length, views: listViews(bad) }));
   return choices
-    ? el("div", { class: "advice" }, words, button(t("result.leave_these", { count: bad.length }), () => choices.choose([...left, ...bad]), { id: "leave-these" }))
+    ? el(
+        "div",
+        { class: "advice" },
+        words,
+        button(t("result.leave_these", { count: bad.length }), () => choices.choose([...left, ...bad]), {
+          id: "leave-these",
+        }),
+      )
     : words;
 }
 
@@ -68,7 +102,9 @@ function toggle(index, left, choices) {
   const out = left.includes(index);
   const next = out ? left.filter((each) => each !== index) : [...left, index];
   return button(t(out ? "result.take_back" : "result.leave_out"), () => choices.choose(next), {
-    id: `view-${index}-out`, class: "small", "aria-label": `${t(out ? "result.take_back" : "result.leave_out")}: ${t("result.view", { index: index + 1 })}`,
+    id: `view-${index}-out`,
+    class: "small",
+    "aria-label": `${t(out ? "result.take_back" : "result.leave_out")}: ${t("result.view", { index: index + 1 })}`,
   });
 }
 
@@ -84,16 +120,27 @@ function trialStatus(calibration, trial, choices) {
   const { without, calibration: less } = trial;
   const values = { count: without.length, views: listViews(without) };
   status.textContent = t("result.without_now", {
-    ...values, before: rough(calibration.uncertainty.rms), after: rough(less.uncertainty.rms),
-    fx: number(less.camera_matrix[0][0], 2), was: number(calibration.camera_matrix[0][0], 2),
+    ...values,
+    before: rough(calibration.uncertainty.rms),
+    after: rough(less.uncertainty.rms),
+    fx: number(less.camera_matrix[0][0], 2),
+    was: number(calibration.camera_matrix[0][0], 2),
   });
   const { goOn } = choices;
-  return el("div", { class: "without some" }, status,
-    el("div", { class: "actions" },
-      goOn ? button(t("result.go_on_without", values), () => goOn(without), { class: "primary", id: "go-on-without" })
+  return el(
+    "div",
+    { class: "without some" },
+    status,
+    el(
+      "div",
+      { class: "actions" },
+      goOn
+        ? button(t("result.go_on_without", values), () => goOn(without), { class: "primary", id: "go-on-without" })
         : el("a", { class: "button", href: choices.elsewhere }, t("result.calibrate_again")),
-      button(t("result.all_again"), () => choices.choose([]), { id: "all-again" })),
-    ...(goOn ? [el("p", { class: "muted" }, t("result.go_on_text"))] : []));
+      button(t("result.all_again"), () => choices.choose([]), { id: "all-again" }),
+    ),
+    ...(goOn ? [el("p", { class: "muted" }, t("result.go_on_text"))] : []),
+  );
 }
 
 /** @param {string} label @param {() => void} action @param {Record<string, string>} [attributes] */

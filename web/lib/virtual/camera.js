@@ -68,7 +68,9 @@ export class VirtualCamera {
     const [x, y] = [left + columns / 2, top + rows / 2];
     const distance = ((1.6 * columns * setup.lens.fx) / setup.size[0]) * (setup.shown.distance ?? 1);
     this.#hand = new Hand(setup.hand, {
-      error: setup.error, seed: setup.seed, pivot: [x, y, 0],
+      error: setup.error,
+      seed: setup.seed,
+      pivot: [x, y, 0],
       focal: (setup.lens.fx * 1280) / setup.size[0],
       start: { rvec: [0, 0, 0], tvec: [-x, -y, distance] },
     });
@@ -90,7 +92,13 @@ export class VirtualCamera {
 
   /** @returns {Promise<MediaStream>} */
   async open() {
-    const { lens, size, rate, fault, shown: { distance, ...shown } } = this.#setup;
+    const {
+      lens,
+      size,
+      rate,
+      fault,
+      shown: { distance, ...shown },
+    } = this.#setup;
     const board = { ...this.#board, ...shown };
     await new Promise((resolve, reject) => {
       this.#worker.onmessage = resolve;
@@ -152,7 +160,8 @@ export class VirtualCamera {
     this.#shown = this.#painted;
     this.#context.putImageData(picture, 0, 0);
     this.#asked = !this.#settled;
-    if (!this.#settled) this.#next = setTimeout(() => this.#ask(), this.#askedAt + 1000 / this.#setup.rate - performance.now());
+    if (!this.#settled)
+      this.#next = setTimeout(() => this.#ask(), this.#askedAt + 1000 / this.#setup.rate - performance.now());
   }
 
   #refresh() {

@@ -30,7 +30,9 @@ export function degrade(picture, fault) {
 
 /**
  * The mean of `span` neighbours in one direction: what a moving camera does while its shutter is open.
- * @param {Picture} picture changed in place @param {number} span px, odd or not @param {number} along 1 across, the width down
+ * @param {Picture} picture changed in place
+ * @param {number} span px, odd or not
+ * @param {number} along 1 across, the width down
  */
 export function smear({ width, height, data }, span, along) {
   const [lines, length, next] = along === 1 ? [height, width, width] : [width, height, 1];

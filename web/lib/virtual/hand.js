@@ -43,8 +43,10 @@ export class Hand {
   #phases;
 
   /**
-   * @param {string} kind of `HANDS` @param {{error: number, seed: number, pivot: number[], focal: number, start: Pose}} options
-   *   error: how far it misses, 1 for about 3° and 3 % of the distance; pivot: the board's centre; focal: of the lens, px at 1280 px image width
+   * @param {string} kind of `HANDS`
+   * @param {{error: number, seed: number, pivot: number[], focal: number, start: Pose}} options
+   *   error: how far it misses, 1 for about 3° and 3 % of the distance; pivot: the board's centre; focal: of the lens,
+   * px at 1280 px image width
    */
   constructor(kind, { error, seed, pivot, focal, start }) {
     this.#kind = HANDS[kind] ?? HANDS.still;
@@ -103,7 +105,9 @@ export class Hand {
       Math.sin((2 * Math.PI * hertz * time) / 1000 + this.#phases[index]);
     // One pixel at the board's distance, in squares.
     const pixel = transformPoint({ rvec, tvec }, this.#pivot)[2] / this.#focal;
-    const shift = [0, 1].map((axis) => pixel * (tremor * wave(axis, TREMOR_HZ + axis) + sway * wave(2 + axis, SWAY_HZ + 0.2 * axis)));
+    const shift = [0, 1].map(
+      (axis) => pixel * (tremor * wave(axis, TREMOR_HZ + axis) + sway * wave(2 + axis, SWAY_HZ + 0.2 * axis)),
+    );
     const turn = (tremor * wave(4, TREMOR_HZ - 1) + sway * wave(5, SWAY_HZ)) / this.#focal;
     return { rvec: [rvec[0] + turn, rvec[1] - turn, rvec[2]], tvec: [tvec[0] + shift[0], tvec[1] + shift[1], tvec[2]] };
   }

@@ -16,7 +16,11 @@ import { lensOf } from "../../sdk/projection.js";
 
 /** Intrinsics with these parameters, as of a calibration. @param {LensParameters} lens */
 export const intrinsicsOf = ({ fx, fy, cx, cy, k1, k2, p1, p2, k3 }) => ({
-  camera_matrix: [[fx, 0, cx], [0, fy, cy], [0, 0, 1]],
+  camera_matrix: [
+    [fx, 0, cx],
+    [0, fy, cy],
+    [0, 0, 1],
+  ],
   distortion_model: "rectilinear",
   distortion_coefficients: [k1, k2, p1, p2, k3],
 });

@@ -33,7 +33,9 @@ export function matchPose(board, lens, { rvec, tvec, ids = [], corners = [] }) {
       const index = used[n];
       const p = transformPoint(pose, point);
       const pixel = p[2] < 0.1 ? null : project(p);
-      return pixel ? [pixel[0] - corners[index][0], pixel[1] - corners[index][1]] : [UNSEEN_RESIDUAL_PX, UNSEEN_RESIDUAL_PX];
+      return pixel
+        ? [pixel[0] - corners[index][0], pixel[1] - corners[index][1]]
+        : [UNSEEN_RESIDUAL_PX, UNSEEN_RESIDUAL_PX];
     });
   };
   const at = minimize(residuals, [...rvec, ...tvec]);

@@ -15,7 +15,8 @@ const BORDER_TEXELS = 32; // texels of white paper around the board
 const BACKGROUND = 112;
 const SAMPLES_PER_AXIS = 3; // a pixel, each way: corners come out 0.05 px right
 const EVEN_RADIUS = 2; // texels: where all so near are alike, one look tells what nine samples would
-const NEAR = 4; // texels, both diagonals of a pixel together: less than 4.5, and what its samples look at is within that radius
+// texels, both diagonals of a pixel together: less than 4.5, and what its samples look at is within that radius
+const NEAR = 4;
 
 export class Painter {
   /** Rays at the corners of the pixels, x and y at z = 1; NaN where the lens sees nothing. */
@@ -104,8 +105,11 @@ export class Painter {
       const y2 = lower[at + 1];
       const x3 = lower[at + 2];
       const y3 = lower[at + 3];
-      const away = (x0 < 0 && x1 < 0 && x2 < 0 && x3 < 0) || (x0 > right && x1 > right && x2 > right && x3 > right)
-        || (y0 < 0 && y1 < 0 && y2 < 0 && y3 < 0) || (y0 > bottom && y1 > bottom && y2 > bottom && y3 > bottom);
+      const away =
+        (x0 < 0 && x1 < 0 && x2 < 0 && x3 < 0) ||
+        (x0 > right && x1 > right && x2 > right && x3 > right) ||
+        (y0 < 0 && y1 < 0 && y2 < 0 && y3 < 0) ||
+        (y0 > bottom && y1 > bottom && y2 > bottom && y3 > bottom);
       // Comparisons with NaN are false: a ray that meets nothing must be asked for by name.
       if (away || Number.isNaN(x0 + x1 + x2 + x3 + y0 + y1 + y2 + y3)) continue;
       const near = Math.abs(x0 - x3) + Math.abs(x1 - x2) < NEAR && Math.abs(y0 - y3) + Math.abs(y1 - y2) < NEAR;
@@ -176,9 +180,15 @@ const grey = (value) => ((255 << 24) | (value << 16) | (value << 8) | value) >>>
 function inverse({ rvec, tvec: [tx, ty, tz] }) {
   const [a, b, , d, e, , g, h] = rotationMatrix(rvec);
   const cofactors = [
-    e * tz - ty * h, tx * h - b * tz, b * ty - tx * e,
-    ty * g - d * tz, a * tz - tx * g, tx * d - a * ty,
-    d * h - e * g, b * g - a * h, a * e - b * d,
+    e * tz - ty * h,
+    tx * h - b * tz,
+    b * ty - tx * e,
+    ty * g - d * tz,
+    a * tz - tx * g,
+    tx * d - a * ty,
+    d * h - e * g,
+    b * g - a * h,
+    a * e - b * d,
   ];
   // The point on the ray (u, v, 1) is at depth 1 / (third row · ray), times the determinant.
   const determinant = a * cofactors[0] + b * cofactors[3] + tx * cofactors[6];

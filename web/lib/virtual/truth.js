@@ -7,5 +7,7 @@ import { intrinsicsOf } from "./lens.js";
  * @param {import("./camera.js").Setup} setup
  */
 export function trueCalibration({ size, lens }) {
-  return new Calibration(/** @type {import("../../sdk/calibdb.js").CalibrationData} */ ({ img_size: size, ...intrinsicsOf(lens) }));
+  return new Calibration(
+    /** @type {import("../../sdk/calibdb.js").CalibrationData} */ ({ img_size: size, ...intrinsicsOf(lens) }),
+  );
 }

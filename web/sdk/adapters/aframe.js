@@ -40,7 +40,11 @@ export function registerCalibrated(aframe, name = "calibrated") {
     },
     /** @this {Component} */
     apply() {
-      const { calibration, data: { fit }, el: { sceneEl } } = this;
+      const {
+        calibration,
+        data: { fit },
+        el: { sceneEl },
+      } = this;
       const camera = this.el.getObject3D("camera");
       if (!calibration || !camera) return;
       const { clientWidth, clientHeight } = sceneEl.canvas;

@@ -8,10 +8,12 @@
 import { ask, refusal } from "../request.js";
 
 /**
- * The file, made by the service: of the stored parameters where ARToolKit's model holds them, else of the closest ones that it does.
+ * The file, made by the service: of the stored parameters where ARToolKit's model holds them, else of the closest ones
+ * that it does.
  * @param {{id: string | null}} calibration as a lookup answered it; one that lies between two zooms has no file
  * @param {import("../request.js").RequestOptions} manner
- * @returns {Promise<{url: string, file: Blob, error: number}>} `error`: px, largest distance between the two over the image;
+ * @returns {Promise<{url: string, file: Blob, error: number}>} `error`: px, largest distance between the two over the
+ *   image;
  *   `URL.revokeObjectURL(url)` frees it. Rejects as `lookup` does
  */
 export async function cameraParameters({ id }, manner) {

@@ -19,7 +19,8 @@ import { projectionMatrix } from "../pinhole.js";
  */
 
 /**
- * Call it again when the viewport, the calibration, `minZ` or `maxZ` changes; `camera.unfreezeProjectionMatrix()` undoes it.
+ * Call it again when the viewport, the calibration, `minZ` or `maxZ` changes; `camera.unfreezeProjectionMatrix()`
+ * undoes it.
  * @param {BabylonCamera} camera
  * @param {Parameters<typeof projectionMatrix>[0]} calibration of the rectified picture, or of one that is nearly so
  * @param {Pick<import("../pinhole.js").Frustum, "viewport" | "fit">} [layout] how the picture lies under the scene
