@@ -1,21 +1,7 @@
-// Tabs: panels of which one is shown. The choice is kept for the next page.
+// Tabs: panels of which one is shown.
 import { el } from "../dom.js";
 
-const TAB_KEY = "calibdb.tab";
-
-let last = ""; // chosen, where the browser keeps nothing
-
-/** @param {string} [chosen] kept, if given @returns {string} kept before */
-function keep(chosen) {
-  if (chosen) last = chosen;
-  try {
-    if (chosen) localStorage.setItem(TAB_KEY, chosen);
-    return localStorage.getItem(TAB_KEY) ?? last;
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error;
-    return last;
-  }
-}
+let last = ""; // name of the chosen panel, for the next list of this page
 
 /**
  * @param {string} label of the list, for those who cannot see it
@@ -37,7 +23,7 @@ export function tabs(label, panels) {
     });
   buttons.forEach((button, index) => {
     button.addEventListener("click", () => {
-      keep(panels[index].name);
+      last = panels[index].name;
       choose(index);
     });
     button.addEventListener("keydown", ({ key }) => {
@@ -51,7 +37,7 @@ export function tabs(label, panels) {
   choose(
     Math.max(
       0,
-      panels.findIndex(({ name }) => name === keep()),
+      panels.findIndex(({ name }) => name === last),
     ),
   );
   return el("section", { class: "tabs" }, el("div", { role: "tablist", "aria-label": label }, ...buttons), ...bodies);
