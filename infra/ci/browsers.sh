@@ -7,6 +7,11 @@ command -v chromium-headless-shell >/dev/null || missing+=(chromium-headless-she
 command -v firefox-esr >/dev/null || missing+=(firefox-esr)
 command -v Xvfb >/dev/null || missing+=(xvfb libgl1-mesa-dri)
 [ ${#missing[@]} -eq 0 ] && exit 0
+if ! command -v apt-get >/dev/null; then
+  command -v chromium >/dev/null && exit 0
+  echo "Downloading Playwright's Chromium. Tests in Firefox need firefox-esr and Xvfb, and are skipped without them."
+  exec .venv/bin/python -m playwright install --only-shell chromium
+fi
 
 run=()
 if [ "$(id -u)" -ne 0 ]; then

@@ -19,7 +19,6 @@ from playwright.sync_api import (
     sync_playwright,
 )
 
-from tests.helpers.browser.executables import executable
 from tests.helpers.browser.firefox import InFirefox, firefox
 from tests.helpers.browser.waiting import TIMEOUT_S
 from tests.helpers.stack.processes import LocalProcess
@@ -51,9 +50,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.browser)
 
 
-def chromium_path() -> str:
-    """Path of Chromium: its headless shell, where that is installed, opens a page for a third of the time."""
-    return shutil.which("chromium-headless-shell") or executable("chromium")
+def chromium_path() -> str | None:
+    """Path of the system's Chromium, if possible its headless shell, which opens a page three times as fast.
+
+    None: Playwright's own.
+    """
+    return shutil.which("chromium-headless-shell") or shutil.which("chromium")
 
 
 @pytest.fixture(scope="session")
