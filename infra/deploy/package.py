@@ -133,7 +133,7 @@ def _inline_function(match: re.Match[str], pages: str) -> str:
         .read_text(encoding="utf-8")
         .replace("PAGES = []", f"PAGES = {pages}")
         .replace(
-            "NOT_FOUND = ''",
+            'NOT_FOUND = ""',
             f"NOT_FOUND = {json.dumps((WEB / '404.html').read_text('utf-8'), ensure_ascii=False)}",
         )
     )

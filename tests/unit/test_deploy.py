@@ -272,7 +272,7 @@ def test_a_plan_needs_no_credentials_and_names_every_step(capsys: pytest.Capture
     ("parameter", "complaint"),
     [
         ("MinShare=0.7", "the template has no parameter MinShare"),
-        ("Thresholds=MIN_SHARES=0.7", "THRESHOLDS holds 'MIN_SHARES=0.7', which is no threshold"),
+        ("Thresholds=MIN_SHARES=0.7", "THRESHOLDS holds 'MIN_SHARES=0.7', which is not a threshold"),
         ("Thresholds=MIN_SHARE=0", "MIN_SHARE is not a positive number"),
         ("Thresholds", "a parameter is written NAME=VALUE"),
         ("PlanFactors=pages=2", "there is no plan pages"),

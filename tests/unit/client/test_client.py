@@ -234,7 +234,7 @@ def test_busy_service_is_asked_again_after_growing_pauses(twin: bool) -> None:
 @both
 @pytest.mark.parametrize(
     ("error", "said"),
-    [(httpx.ConnectError("[Errno 111]"), "no connection"), (httpx.ReadTimeout("x"), "no answer in time")],
+    [(httpx.ConnectError("[Errno 111]"), "no connection"), (httpx.ReadTimeout("x"), "no response in time")],
 )
 def test_service_that_is_away_is_said_in_one_sentence(twin: bool, error: Exception, said: str) -> None:
     def answer(_: httpx.Request) -> httpx.Response:
