@@ -60,7 +60,7 @@ def test_faults_in_words_of_the_page(context: BrowserContext, language: str) -> 
 def test_files_that_cannot_be_read_are_named_with_the_reason(page: Page) -> None:
     page.goto("/photos/?lang=de")
     state = page.locator("#files-state")
-    assert state.inner_text() == "noch nichts gewählt"
+    assert state.inner_text() == "Noch nichts gewählt"
     page.locator("#files").set_input_files([unreadable("IMG_1.HEIC"), unreadable("notes.txt", "text/plain")])
     page.locator("#status", has_text="HEIC nicht lesen. Speichern Sie IMG_1.HEIC als JPEG").wait_for()
     page.locator("#status", has_text="Kein Foto und kein Video: notes.txt").wait_for()

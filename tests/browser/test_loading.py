@@ -46,6 +46,7 @@ def test_clicks_that_come_before_the_scripts_count(page: Page) -> None:
 
 
 # Buttons of a page that can be seen and pressed, and of which nothing hears when its modules have run.
+# A form with an address needs no script.
 UNHEARD = """
   const [heard, add] = [new Set(), HTMLElement.prototype.addEventListener];
   HTMLElement.prototype.addEventListener = function (type, ...rest) {
@@ -54,7 +55,8 @@ UNHEARD = """
   };
   document.addEventListener("DOMContentLoaded", () => {
     const buttons = [...document.querySelectorAll("button:enabled")].filter((each) => each.checkVisibility());
-    const unheard = buttons.filter((each) => !heard.has(each) && !heard.has(each.form));
+    const idle = buttons.filter((each) => !each.form?.hasAttribute("action"));
+    const unheard = idle.filter((each) => !heard.has(each) && !heard.has(each.form));
     [window.seen, window.unheard] = [buttons.length, unheard.map((each) => each.outerHTML)];
   });
 """

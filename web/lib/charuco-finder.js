@@ -27,15 +27,19 @@ export function createCharucoFinder(cv, board) {
   const noIds = new cv.Mat();
   const size = new cv.Size(columns, rows);
   const refinement = new cv.aruco_RefineParameters(10, 3, true);
-  const charucoParameters = new cv.aruco_CharucoParameters();
-  charucoParameters.minMarkers = 1; // beside a corner: the picture or a finger may cut off the other one
+  /** Corners between two markers, and next to one: the picture or a finger may cut off the other. */
+  const [between, next] = [2, 1].map((count) => {
+    const parameters = new cv.aruco_CharucoParameters();
+    parameters.minMarkers = count;
+    return parameters;
+  });
   /** @type {{delete: () => void}[]} */
-  const held = [noIds, refinement, charucoParameters];
+  const held = [noIds, refinement, between, next];
 
   /**
+   * Detectors of corners between two markers, and next to one.
    * @param {{full?: boolean, legacy?: boolean, name?: string}} options full: all window sizes of the adaptive
-   *   threshold, or
-   *   the one that serves nearly always
+   *   threshold, or the one that serves nearly always
    */
   const makeDetector = ({ full = false, legacy = board.legacy, name = board.dictionary }) => {
     const dictionary = cv.getPredefinedDictionary(cv[name]);
@@ -46,10 +50,10 @@ export function createCharucoFinder(cv, board) {
       parameters.adaptiveThreshWinSizeMin = 13;
       parameters.adaptiveThreshWinSizeMax = 13;
     }
-    const detector = new cv.aruco_CharucoDetector(charuco, charucoParameters, parameters, refinement);
+    const pair = [between, next].map((each) => new cv.aruco_CharucoDetector(charuco, each, parameters, refinement));
     parameters.delete();
-    held.push(detector, charuco, dictionary);
-    return detector;
+    held.push(...pair, charuco, dictionary);
+    return pair;
   };
   const detectors = { tracking: makeDetector({}), full: makeDetector({ full: true }) };
   /** Made when first needed: most captures never look for anything else. @type {Map<string, any>} */
@@ -64,10 +68,11 @@ export function createCharucoFinder(cv, board) {
   let input = new cv.Mat();
 
   /**
-   * @param {any} detector @param {Grey} image
+   * Detects the board where a corner lies between two of its markers, as chance does not put them.
+   * @param {any[]} detectors of `makeDetector` @param {Grey} image
    * @returns {{ids: number[], points: number[][], markers: number, side: number}} side: of the markers, median, px
    */
-  const detect = (detector, image) => {
+  const detect = ([sure, loose], image) => {
     if (input.rows !== image.height || input.cols !== image.width) {
       input.delete();
       input = new cv.Mat(image.height, image.width, cv.CV_8UC1);
@@ -78,7 +83,8 @@ export function createCharucoFinder(cv, board) {
     const found = { corners: new cv.Mat(), ids: new cv.Mat() };
     const markers = { corners: new cv.MatVector(), ids: new cv.Mat() };
     try {
-      detector.detectBoard(input, found.corners, found.ids, markers.corners, markers.ids);
+      sure.detectBoard(input, found.corners, found.ids, markers.corners, markers.ids);
+      if (length(found.ids) > 0) loose.detectBoard(input, found.corners, found.ids, markers.corners, markers.ids);
       const ids = length(found.ids) > 0 ? Array.from(/** @type {Int32Array} */ (found.ids.data32S)) : [];
       const positions = ids.length > 0 ? found.corners.data32F : [];
       const points = ids.map((_, index) => [positions[2 * index], positions[2 * index + 1]]);

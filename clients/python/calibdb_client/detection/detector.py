@@ -44,9 +44,7 @@ class Detector:
         elif board.kind in CIRCLES:
             self._find = self._circles
         else:
-            parameters = self._cv2.aruco.CharucoParameters()
-            parameters.minMarkers = 1  # the picture or a finger may cut off the other one
-            self._charuco_detector = self._cv2.aruco.CharucoDetector(board.opencv(), parameters)
+            self._between_markers, self._next_to_markers = map(self._charuco_detector, (2, 1))
             self._find = self._charuco
 
     @property
@@ -82,10 +80,20 @@ class Detector:
             return corners
         return without_stray_corners(self.board, corners)
 
+    def _charuco_detector(self, markers: int) -> Any:
+        parameters = self._cv2.aruco.CharucoParameters()
+        parameters.minMarkers = markers  # next to a corner
+        return self._cv2.aruco.CharucoDetector(self.board.opencv(), parameters)
+
     def _charuco(self, grey: Any) -> tuple[Any, Any] | None:
-        points, ids, _, _ = self._charuco_detector.detectBoard(grey)
+        """Corners next to a marker: the picture or a finger may cut off the other one.
+
+        Only if a corner lies between two markers, as chance does not put them.
+        """
+        _, ids, *markers = self._between_markers.detectBoard(grey)
         if ids is None or len(ids) == 0:
             return None
+        points, ids, _, _ = self._next_to_markers.detectBoard(grey, None, None, *markers)
         return np.asarray(ids).reshape(-1), np.asarray(points, dtype=np.float32).reshape(-1, 2)
 
     def _circles(self, grey: Any) -> tuple[Any, Any] | None:
