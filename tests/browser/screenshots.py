@@ -255,15 +255,6 @@ def test_what_is_not_there(context: BrowserContext) -> None:
         picture(page, f"shot-result-none-{language}", ["hand"])
 
 
-def test_the_picture_of_the_readme(page: Page) -> None:
-    page.set_viewport_size({"width": 1280, "height": 800})
-    page.goto(f"/calibrate/?{Truth().query(seed=3)}&target_error=0.01&error=1")
-    page.locator("#undo:enabled").wait_for()
-    page.locator(SHOWN_TARGET).first.wait_for()
-    page.locator("#instruction", has_text=re.compile("tilt|turn|closer|farther", re.IGNORECASE)).wait_for()
-    page.screenshot(path=OUTPUT / "readme-capture.png")
-
-
 def test_the_overlays_of_the_readme(page: Page) -> None:
     page.set_viewport_size({"width": 720, "height": 680})
     page.goto("/ar/?virtual=1&k1=-0.3&error=0")

@@ -33,7 +33,7 @@ def test_no_path_of_a_machine_in_a_tracked_file() -> None:
     pattern = re.compile(r"(^|[^A-Za-z0-9_.])/(home|root|Users)/")
     for path in tracked():
         if (
-            path.suffix in {".png", ".jpg", ".ico", ".woff2", ".wasm", ".webp"}
+            path.suffix in {".png", ".gif", ".jpg", ".ico", ".woff2", ".wasm", ".webp"}
             or path.name == Path(__file__).name
             or path == ROOT / "infra/web_build/detector/opencv.js"  # emscripten's file system has /home
         ):
