@@ -28,11 +28,10 @@ DISCOURAGED = re.compile(
 _NOT_PROSE = re.compile(r"^ *```.*?^ *```|<!--.*?-->|`[^`\n]*`|\]\([^)]*\)", re.DOTALL | re.MULTILINE)
 
 RIDDLE = re.compile(
-    r"(What|Who|Whose|Whom|Where|Which|How|Why|Whoever|Whatever|From|In which|Asking)\b"
+    r"(What|Who|Whether|Whose|Whom|Where|Which|How|Why|Whoever|Whatever|From|In which|Asking)\b"
     r"|(Returns?|Says?|Gives?) (what|who|which|how|where)\b"
 )
 """Opening words that leave out the noun that a docstring describes."""
-_PYTHON_RIDDLE = re.compile(rf"{RIDDLE.pattern}|Whether\b")
 ACTORLESS = re.compile(r"\b(?:nobody|somebody|anybody|everybody|whoever|anew)\b", re.IGNORECASE)
 MAX_ACTORLESS = 15  # in Python outside tests
 _FIRST_COMMENT = re.compile(r"\s*(?://|/\*+)\s*\**\s*([^\n]*)")
@@ -80,12 +79,10 @@ def opening_problems(path: str, text: str) -> list[str]:
     """Describe docstrings, or comments of JavaScript, whose first words leave out the noun."""
     if path.endswith(".py"):
         openings = list(docstrings(ast.parse(text)))
-        riddle = _PYTHON_RIDDLE
     else:
         first = _FIRST_COMMENT.match(text)
         openings = [*([first[1]] if first else []), *_JSDOC.findall(text)]
-        riddle = RIDDLE
-    return [f"{path}: {each.splitlines()[0]!r} names no noun" for each in openings if riddle.match(each)]
+    return [f"{path}: {each.splitlines()[0]!r} names no noun" for each in openings if RIDDLE.match(each)]
 
 
 def actor_problems(texts: Mapping[str, str]) -> list[str]:

@@ -16,7 +16,7 @@ const READ_USELESS_MS = 1_000; // after a refusal that nothing can be done about
 const SETTLED_MS = 300; // of holding still before the camera's focus is locked: less than a view takes
 const MIN_VISIBLE_SHARE = 0.6; // of the board's corners from which the lens is taken to be focused on it
 
-/** Whether the board is at the target, and tilted as the target is. @param {State} state */
+/** True if the board is at the target, and tilted as the target is. @param {State} state */
 export function isThere({ capture: { aim }, detector }) {
   return isAtTarget(detector, aim);
 }
@@ -51,7 +51,7 @@ export function lenience({ capture: { posedAt } }, time) {
 }
 
 /**
- * Whether the board is held before the camera and is in focus, so that the focus may be locked.
+ * True if the board is held before the camera and is in focus, so that the focus may be locked.
  * @param {State} state
  */
 export function isSettled({

@@ -20,7 +20,7 @@ export function offerLensTypes(select, parameters, onChoice) {
   });
 }
 
-/** Whether a type is suggested that is to be taken without a question. @param {State} state */
+/** True if a type is suggested that is to be taken without a question. @param {State} state */
 export function isLensDetected({ phase, capture: { session }, wanted }) {
   return (
     wanted.automatic &&

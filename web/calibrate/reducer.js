@@ -275,7 +275,7 @@ const notify = (state, notice, time) => change(state, { ui: { notice, noticedAt:
 const clearTarget = (state) => change(state, { capture: { pose: null }, ui: { picture: null } });
 
 /**
- * Whether the corners moved while a view was held.
+ * True if the corners moved while a view was held.
  * @param {State} state
  * @param {import("../lib/board-outline.js").Corners} corners that were taken
  */

@@ -28,7 +28,7 @@ export class RequestQueue {
   #options;
   /** The request in flight. */
   #inFlight = Promise.resolve();
-  /** Whether a request that timed out may still be answered. */
+  /** True if a request that timed out may still be answered. */
   isOverdue = false;
   /** Sessions that took the place of expired ones, of which the person was told. */
   #toldRenewals = 0;

@@ -5,7 +5,7 @@ export class ResponseTimeout {
   #onExpire;
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #timer;
-  /** Whether the time is over. */
+  /** True if the time is over. */
   expired = false;
   #cancelled = false;
 

@@ -148,7 +148,7 @@ const usedViews = (session) => session?.views.filter(({ set_aside }) => !set_asi
  */
 export const viewCount = ({ capture: { session }, link: { stored } }) => usedViews(session) + stored;
 
-/** Whether the error that is expected is below the goal. @param {{capture: Pick<Capture, "session">}} state */
+/** True if the error that is expected is below the goal. @param {{capture: Pick<Capture, "session">}} state */
 export const isAccurate = ({ capture: { session } }) =>
   session?.uncertainty != null && session.uncertainty.rms < session.target_error;
 
@@ -188,7 +188,7 @@ export const isIdle = (state, time) => isFinishable(state) && time - state.captu
 export const offlineGoal = ({ capture: { session } }) =>
   Math.max(MIN_STORED_OFFLINE, MIN_VIEWS_OFFLINE - usedViews(session));
 
-/** Whether enough views are stored to wait for the service. @param {Views} state */
+/** True if enough views are stored to wait for the service. @param {Views} state */
 export const isEnough = (state) => state.link.offline && state.link.stored >= offlineGoal(state);
 
 /** @param {[number, number]} size of a frame, px @param {CameraKey | null} key */

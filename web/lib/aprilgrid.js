@@ -70,7 +70,7 @@ export function aprilgridCorners(
 }
 
 /**
- * Whether a black square of the gap touches a tag's corner.
+ * True if a black square of the gap touches a tag's corner.
  * @param {Grey} image
  * @param {number[]} corner px
  * @param {number[]} centre of the tag, px

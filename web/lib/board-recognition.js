@@ -40,7 +40,7 @@ const MAX_EDGE_PITCHES = 1.2;
 const MIN_AGREEMENT = 0.75; // of the pictures, on the number of squares
 const RATIO_RANGE = [0.3, 0.95]; // that the service takes
 
-/** Whether a picture tells the board well enough that no other family need be looked for. @param {Sighting} sighting */
+/** True if a picture tells the board well enough that no other family need be looked for. @param {Sighting} sighting */
 export function isTelling({ family, markers: found }) {
   return family !== null && fitGrid(found, isTagFamily(family)) !== null;
 }
@@ -84,7 +84,7 @@ export function recognise(sightings) {
 }
 
 /**
- * Whether a board may be the upper part of another one, whose other rows were not seen.
+ * True if a board may be the upper part of another one, whose other rows were not seen.
  * @param {SentBoard} part
  * @param {SentBoard} whole
  */
@@ -95,7 +95,7 @@ export function isPartOf(part, whole) {
 }
 
 /**
- * Whether a board may go on beyond the picture's edge.
+ * True if a board may go on beyond the picture's edge.
  * @param {number[][]} points px, of corners or markers
  * @param {[number, number]} size px
  */

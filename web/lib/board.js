@@ -102,7 +102,7 @@ export function boardQuery({
   return query;
 }
 
-/** Whether two boards are the same one. @param {Board} a @param {Board} b */
+/** True if two boards are the same one. @param {Board} a @param {Board} b */
 export const isSameBoard = (a, b) => boardQuery(a).toString() === boardQuery(b).toString();
 
 /** Kind of a board. @param {Board} board */

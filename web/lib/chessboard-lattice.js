@@ -111,7 +111,7 @@ function nearest(saddles) {
 }
 
 /**
- * Whether one side of the way is dark all along, and the other bright.
+ * True if one side of the way is dark all along, and the other bright.
  * @param {Grey} image
  * @param {Saddle} from
  * @param {Saddle} to

@@ -66,7 +66,7 @@ export function recogniseChessboard(image) {
 }
 
 /**
- * Whether neither the black nor the white squares hold anything.
+ * True if neither the black nor the white squares hold anything.
  * @param {Grey} image
  * @param {number} columns
  * @param {number} rows

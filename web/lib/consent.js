@@ -24,7 +24,7 @@ export function publishOnConsent(action) {
   publish = action;
 }
 
-/** Whether the person agrees. */
+/** True if the person agrees. */
 export function hasConsent() {
   return (given ??= read() === LICENCE_VERSION);
 }

@@ -114,7 +114,7 @@ function turned(hypothesis, inliers, places, error) {
   return side > 0.2 && side < 1 ? { ...hypothesis, error, inliers, side } : null;
 }
 
-/** Whether places lie in one row, column or diagonal: no homography follows. @param {number[][]} places */
+/** True if places lie in one row, column or diagonal: no homography follows. @param {number[][]} places */
 function isLine(places) {
   const [mx, my] = [0, 1].map((axis) => places.reduce((sum, place) => sum + place[axis], 0) / places.length);
   let [xx, xy, yy] = [0, 0, 0];

@@ -135,7 +135,7 @@ function refined(image, quad) {
 }
 
 /**
- * Whether a quadrilateral is dark all along its sides, and brighter somewhere within: most are not.
+ * True if a quadrilateral is dark all along its sides, and brighter somewhere within: most are not.
  * @param {Grey} image
  * @param {number[]} h
  */

@@ -128,7 +128,7 @@ export function responseAt({ width, data }, x, y) {
   return sum - difference - 16 * Math.abs(local - ring.reduce((total, value) => total + value, 0) / 16);
 }
 
-/** Whether all of the ring lies in the image. @param {Grey} image @param {number} x @param {number} y */
+/** True if all of the ring lies in the image. @param {Grey} image @param {number} x @param {number} y */
 export function hasRing({ width, height }, x, y) {
   return x >= RING_RADIUS_PX && y >= RING_RADIUS_PX && x < width - RING_RADIUS_PX && y < height - RING_RADIUS_PX;
 }

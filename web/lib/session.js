@@ -34,7 +34,7 @@ import { keepReceipt } from "./receipts.js";
  * @property {number} refused
  */
 
-/** Whether the service is unavailable for a while. @param {unknown} error */
+/** True if the service is unavailable for a while. @param {unknown} error */
 export const isUnavailable = (error) => error instanceof OfflineError || (error instanceof ApiError && error.passing);
 
 export class CaptureSession {
@@ -88,7 +88,7 @@ export class CaptureSession {
     return this.#views.length;
   }
 
-  /** Whether the service has the last view: then only the service can undo it. */
+  /** True if the service has the last view: then only the service can undo it. */
   get lastIsTaken() {
     return this.#views.at(-1)?.taken ?? false;
   }
@@ -275,7 +275,7 @@ export class CaptureSession {
   }
 }
 
-/** Whether the session has expired or was forgotten. @param {unknown} error */
+/** True if the session has expired or was forgotten. @param {unknown} error */
 function isExpired(error) {
   return (
     error instanceof ApiError && (error.status === 401 || error.kind === "session-expired" || error.status === 404)

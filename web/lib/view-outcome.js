@@ -2,7 +2,7 @@
 import { number, t } from "./i18n.js";
 
 /**
- * Whether the view was taken, and what it did to the predicted error.
+ * True if the view was taken, and what it did to the predicted error.
  * @param {import("./series.js").Judgement} judgement
  */
 export function viewOutcome({ accepted, reason, before, after }) {

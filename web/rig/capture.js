@@ -106,7 +106,7 @@ export class RigCapture {
     return [...this.model.sights.values()];
   }
 
-  /** Whether cameras of other devices take part. */
+  /** True if cameras of other devices take part. */
   get #remote() {
     return this.model.state !== null && remotePositions(this.model.state, this.#own).length > 0;
   }
@@ -167,7 +167,7 @@ export class RigCapture {
     this.#stages.set(id, { rms: null, atTarget: false, ...this.#stages.get(id), ...stage });
   }
 
-  /** Whether the capture ends by itself: cameras that may have views to deliver are waited for. */
+  /** True if the capture ends by itself: cameras that may have views to deliver are waited for. */
   #checkConverged() {
     const { state } = this.model;
     const now = performance.now();
@@ -227,7 +227,7 @@ export class RigCapture {
   }
 
   /**
-   * Whether the state has the last moment, and so a target after it. Without the service, a rig of one device goes on.
+   * True if the state has the last moment, and so a target after it. Without the service, a rig of one device goes on.
    */
   get #isSettled() {
     const { moment, state, offline } = this.model;

@@ -105,7 +105,7 @@ function measured(sight, size) {
   return { ...sight, overlap, distance };
 }
 
-/** Whether a camera sees enough of the board to take a view. @param {Sight} sight */
+/** True if a camera sees enough of the board to take a view. @param {Sight} sight */
 export const isSeen = ({ corners }) => corners.ids.length >= MIN_SEEN_CORNERS;
 
 /**
@@ -123,7 +123,7 @@ export function requiredHold(sights, patience) {
   return Math.max(isThere(sights) ? HOLD_MS : LONG_HOLD_MS, patience);
 }
 
-/** Whether a camera sees the board at its target. @param {Sight[]} sights */
+/** True if a camera sees the board at its target. @param {Sight[]} sights */
 export const isThere = (sights) =>
   sights.some((sight) => isSeen(sight) && sight.target !== null && isAtTarget(sight, sight.aim));
 
@@ -145,7 +145,7 @@ export function holdProgress(sights, patience) {
   return required === null ? 0 : Math.min(1, holdTime(sights) / required);
 }
 
-/** Whether the leader opens a moment now. @param {Sight[]} sights of its own cameras @param {number} patience ms */
+/** True if the leader opens a moment now. @param {Sight[]} sights of its own cameras @param {number} patience ms */
 export function isReady(sights, patience) {
   const required = requiredHold(sights, patience);
   return required !== null && holdTime(sights) >= required;

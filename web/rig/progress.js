@@ -31,10 +31,10 @@ export const remotePositions = ({ cameras }, own) =>
 export const freePositions = ({ cameras }) =>
   cameras.filter(({ status }) => status === "waiting").map(({ position }) => position);
 
-/** Whether one camera alone has joined so far. @param {RigState} state */
+/** True if one camera alone has joined so far. @param {RigState} state */
 export const isAlone = (state) => state.cameras.length - freePositions(state).length < 2;
 
-/** Whether there is enough for a result. @param {RigState} state */
+/** True if there is enough for a result. @param {RigState} state */
 export const isFinishable = ({ status, cameras, unlinked, rms }) =>
   status === "capturing" && rms !== null && unlinked.length === 0 && cameras.every(({ views }) => views >= MIN_VIEWS);
 

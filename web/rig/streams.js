@@ -87,7 +87,7 @@ export class Stream {
     return pictures;
   }
 
-  /** Whether the stream still delivers pictures of the size that it began with. */
+  /** True if the stream still delivers pictures of the size that it began with. */
   get unchanged() {
     const [{ video, picture }] = this.#shown;
     const { size } = placeOf(picture.half, [video.videoWidth, video.videoHeight]);

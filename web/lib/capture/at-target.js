@@ -11,7 +11,7 @@ const LENIENT_AFTER_MS = 3_000; // in which a steady hand would have been still:
 const MAX_LENIENCE = 4; // at most so many times the motion of a steady hand
 
 /**
- * Whether the board is at its target, and tilted as the target is.
+ * True if the board is at its target, and tilted as the target is.
  * @param {{overlap: number, outline: number[][] | null}} seen overlap: Jaccard index with the target
  * @param {number[][] | null} aim outline of the target; null where too little of it is in the image
  */

@@ -34,7 +34,7 @@ export class Feedback {
     return this.#senses[sense];
   }
 
-  /** Whether this device has a sense. @param {Sense} sense */
+  /** True if this device has a sense. @param {Sense} sense */
   static offers(sense) {
     if (sense === "sound") return typeof AudioContext === "function";
     return sense === "vibration" ? "vibrate" in navigator : "speechSynthesis" in globalThis;
