@@ -66,7 +66,9 @@ def test_package_has_modules_types_licence_and_the_projects_version() -> None:
     assert VERSION.startswith(__version__)
 
 
-def test_whatever_is_no_release_has_a_version_of_its_own(tmp_path: Path) -> None:
+def test_whatever_is_no_release_has_a_version_of_its_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     released = "# Changelog\n\n## Unreleased\n\n## 0.1.0 - 2026-11-22\n\n* x\n"
     assert is_released(released, "0.1.0")
     assert not is_released(released, "0.2.0")
@@ -74,9 +76,12 @@ def test_whatever_is_no_release_has_a_version_of_its_own(tmp_path: Path) -> None
     for name in ("calibdb.js", "request.js", "package.json"):
         (tmp_path / "sdk").mkdir(exist_ok=True)
         (tmp_path / "sdk" / name).write_bytes((WEB / "sdk" / name).read_bytes())
+    monkeypatch.setattr(sdk, "is_released", lambda *_: False)
     before = sdk_version(tmp_path)
     (tmp_path / "sdk/calibdb.js").write_text("// another\n")
     assert sdk_version(tmp_path) != before
+    monkeypatch.setattr(sdk, "is_released", lambda *_: True)
+    assert sdk_version(tmp_path) == __version__
 
 
 def test_deployment_keeps_old_versions_and_never_changes_one(monkeypatch: pytest.MonkeyPatch) -> None:
