@@ -73,7 +73,7 @@ def sessions(run: Run, cameras: Sequence[Camera], seeds: int, noise: float) -> l
 
 def pair(values: Sequence[float]) -> str:
     """Median / 95th percentile."""
-    return f"{np.median(values):.2f} / {np.percentile(values, 95):.2f}" if len(values) else ""
+    return f"{np.median(values):.2f}/{np.percentile(values, 95):.2f}" if len(values) else ""
 
 
 def errors(found: Sequence[Session], views: int, of: str = "mean") -> list[float]:
@@ -87,7 +87,7 @@ def row(name: str, found: Sequence[Session], ends: bool = True) -> list[str]:
     if ends and after:
         off = [s.rms[s.stopped - 1] > 2 * s.predicted[s.stopped - 1] for s in after if s.stopped]
         last = f"{100 * np.mean(off):.1f} %"
-    end = f"{np.median(stops):.0f} / {np.percentile(stops, 95):.0f}" if ends else ""
+    end = f"{np.median(stops):.0f}/{np.percentile(stops, 95):.0f}" if ends else ""
     tries = sum(s.attempts for s in found) / max(sum(len(s.views) for s in found), 1)
     return [
         name,
