@@ -276,8 +276,12 @@ def test_a_format_that_cannot_be_is_explained_in_the_page(context: BrowserContex
     page.locator(".saved.problem", has_text="no corners of its own").wait_for()
     assert kept == []
     picture(page, "result-refused", ["hand"], full=True)
-    for language, words in (("de", "keine eigenen Ecken"), ("uk", "не має власних кутів")):
+    for language, button, words in (
+        ("de", "Herunterladen", "keine eigenen Ecken"),
+        ("uk", "Завантажити", "не має власних кутів"),
+    ):
         page.locator("#language").select_option(language)
+        expect(page.locator("#download"), "the form is made again in the language").to_have_text(button)
         page.locator("#format").select_option("corners-vnl")
         page.locator("#download").click()
         page.locator(".saved.problem", has_text=words).wait_for()
