@@ -24,7 +24,7 @@ import { Scene } from "./scene.js";
  * @property {number} balance how much of the edge the straightened picture keeps, 0…1
  */
 
-// ms that a browser has to give back what it drew with: a driver that is started anew takes one or two
+// ms that a browser has to give back what it drew with: a driver that is started again takes one or two
 const RESTORE_TIMEOUT_MS = 5000;
 
 export class Live {

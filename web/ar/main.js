@@ -36,7 +36,7 @@ const [video, camera, balance] = [
 const [stage, layers, rms, outermost] = [html("stage"), html("layers"), html("rms"), html("outermost")];
 const modes = /** @type {HTMLButtonElement[]} */ ([...html("modes").children]);
 
-/** The facts that the texts show; written anew in another language. */
+/** The facts that the texts show; written again in another language. */
 const said = {
   phase: "welcome",
   waiting: "camera",

@@ -144,7 +144,7 @@ export class BoardScreen {
     this.#frame.classList.toggle("coded-below", side > 0 && !isWide);
   }
 
-  /** Draws the board anew, and keeps the screen bright for as long as it is all that is shown. */
+  /** Draws the board again, and keeps the screen bright for as long as it is all that is shown. */
   async #arrange() {
     this.#frame.classList.toggle("filling", this.#filling);
     this.draw();

@@ -129,7 +129,7 @@ export class CaptureLoop {
     if (metrics?.sharpness) this.#sharpness = [...this.#sharpness, metrics.sharpness].slice(-SHARPNESS_FRAMES);
   }
 
-  /** True if the tab is hidden: nobody holds a board before it. */
+  /** True if the tab is hidden: then no board is in front of it. */
   #isHidden() {
     const hidden = document.hidden;
     if (this.#wasHidden && !hidden) {

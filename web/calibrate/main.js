@@ -88,7 +88,7 @@ function dispatch(event) {
 
 const page = { parts, state: () => state, dispatch, fail, openDetector };
 
-/** OpenCV is loaded once; a detector that failed is made anew. @returns {Promise<Detector>} */
+/** OpenCV is loaded once; a detector that failed is made again. @returns {Promise<Detector>} */
 function openDetector() {
   const last = detector;
   detector = (last ?? Promise.reject(new DetectorError("none yet")))

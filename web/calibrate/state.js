@@ -160,7 +160,7 @@ export const expectedViews = (state) =>
   isAccurate(state) ? Math.max(MIN_VIEWS, viewCount(state)) : Math.max(USUAL_VIEWS, viewCount(state) + 1);
 
 /**
- * Tells if the capture can be ended by hand: the service has views enough for a result, be it a poor one.
+ * True if the capture can be ended by hand: the service has views enough for a result, be it a poor one.
  * @param {Views} state
  */
 export const isFinishable = ({ capture: { session }, link: { offline, stored } }) =>
@@ -178,7 +178,7 @@ export const isSharpestOffered = ({ phase, detector: { restless }, link: { offli
   phase === "capturing" && !offline && restless > SHARPEST_MS;
 
 /**
- * Tells if nothing new has been shown for so long that the capture ends with what it has.
+ * True if nothing new has been shown for so long that the capture ends with what it has.
  * @param {State} state
  * @param {number} time ms
  */

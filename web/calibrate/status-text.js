@@ -20,7 +20,7 @@ export function remedy(state) {
   return hasMessage(`capture.do_${code}`) ? t(`capture.do_${code}`) : "";
 }
 
-/** True if another target is being chosen: nobody is to do anything meanwhile. @param {State} state */
+/** True if another target is being chosen: the user has nothing to do meanwhile. @param {State} state */
 const isChoosing = ({ capture: { skipAfter }, ui: { notice } }) =>
   skipAfter !== null && notice?.key === "capture.useless";
 

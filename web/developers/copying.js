@@ -3,7 +3,7 @@ import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 
 const SHOWN_MS = 2500; // ms for which a button says that it has copied
-/** Times until which buttons say so, by id: the page may be drawn anew meanwhile. @type {Map<string, number>} */
+/** Times until which buttons say so, by id: the page may be drawn again meanwhile. @type {Map<string, number>} */
 const copiedUntil = new Map();
 
 /**

@@ -47,7 +47,7 @@ function read() {
   }
 }
 
-/** True if a token is of this service. @param {unknown} api its address, where it is told */
+/** True if a token is of this service. @param {unknown} api its address, if known */
 function isHere(api) {
   return (
     typeof api !== "string" ||

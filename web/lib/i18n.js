@@ -15,7 +15,7 @@
 //
 // Each page is there in every language, "/board/", "/de/board/", with its texts already in place
 // (infra/web_build/site.mjs).
-// A change of language writes the texts anew where they stand, so that nothing under way is lost, and changes the
+// A change of language writes the texts again where they stand, so that nothing under way is lost, and changes the
 // address.
 
 /**

@@ -324,7 +324,7 @@ export class RigCapture {
     this.#changed();
   }
 
-  /** Undoes a moment in all cameras. @param {string} [id] the last one unless told */
+  /** Undoes a moment in all cameras. @param {string} [id] the last one by default */
   undo(id = this.model.state?.moments.at(-1)?.id ?? this.model.moment?.id) {
     if (!this.#resources.record.leads || !id) return;
     if (!this.#outbox.withdraw(id)) this.#outbox.post({ kind: "undo", moment: id });

@@ -17,7 +17,7 @@ const OFFLINE_POLL_MS = 2_000;
  * @property {AbortSignal} signal
  * @property {(state: RigState, unopenedAt: number) => void} onState unopenedAt: ms, when the last answer was asked for
  *   that
- *   did not have what this one may have anew; −∞ for the first
+ *   did not have what this one may have again; −∞ for the first
  * @property {(offline: boolean) => void} onLink
  * @property {(error: unknown) => void} onFailure
  */

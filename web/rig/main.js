@@ -64,7 +64,7 @@ let invitation = null;
 let capture = null;
 /** Was a stop asked for that loses moments? */
 let isStopAsked = false;
-/** Draws the capture anew. */
+/** Draws the capture again. */
 let redraw = () => {};
 
 /** @param {keyof typeof parts.phases} phase */

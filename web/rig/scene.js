@@ -55,7 +55,7 @@ export function setupAt(parameters, position) {
 }
 
 /**
- * Pose of the board before anybody knows a target: before camera 0.
+ * Pose of the board before there is a target: in front of camera 0.
  * @param {Board} board
  * @param {Setup} setup of camera 0
  * @returns {Pose} board → camera 0, squares

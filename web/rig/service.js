@@ -99,7 +99,7 @@ export class RigService {
 
   /**
    * @param {string} id
-   * @param {string} [credential] of a member; the pages' token unless told
+   * @param {string} [credential] of a member; the pages' token by default
    * @param {string} [etag] of the last answer
    * @returns {Promise<Answer | null>} null: nothing has changed
    */

@@ -15,8 +15,8 @@ import { Warp, createCanvas } from "./warp.js";
 /**
  * @template {AnyCanvas} [Canvas=HTMLCanvasElement]
  * @typedef {object} Options
- * @property {number} [largest] how many times wider or higher than the picture the scene may be rendered, 2 unless told
- * @property {Canvas} [canvas] to draw into; one is made unless told
+ * @property {number} [largest] how many times wider or higher than the picture the scene may be rendered, 2 by default
+ * @property {Canvas} [canvas] to draw into; one is made by default
  */
 /** @typedef {import("./warp.js").AnyCanvas} AnyCanvas */
 

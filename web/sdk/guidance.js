@@ -11,10 +11,10 @@ const GONE_STATUSES = [404, 410];
  * @typedef {import("./calibration.js").CalibrationData} CalibrationData
  *
  * @typedef {object} Journey
- * @property {string | URL} [returnTo] address to come back to; that of this page unless told
- * @property {MediaStreamTrack | import("./key.js").CameraKey} [source] the camera; unless told, the one chosen there
+ * @property {string | URL} [returnTo] address to come back to; that of this page by default
+ * @property {MediaStreamTrack | import("./key.js").CameraKey} [source] the camera; by default, the one chosen there
  * @property {string} [guidanceUrl] of a lookup's answer
- * @property {string} [model] distortion model, "rectilinear" unless told
+ * @property {string} [model] distortion model, "rectilinear" by default
  * @property {{href: string, assign: (address: string) => void}} [location]
  * @property {{state: any, replaceState: (state: any, unused: string, address: string) => void}} [history]
  *

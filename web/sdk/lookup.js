@@ -21,14 +21,14 @@ import { LookupError, address, ask, calibrationIn } from "./request.js";
  *
  * @typedef {object} LookupOptions
  * @property {"calibration" | "estimate"} [accept] "estimate": `camera` may be an estimate
- * @property {string} [model] distortion model, "rectilinear" unless told
+ * @property {string} [model] distortion model, "rectilinear" by default
  * @property {string} [device] model identifier of the phone, "iPhone17,3", if the application knows it
  * @property {View[]} [views] one to five views of `board`: they pick the mode of a camera whose calibrations disagree
- * @property {Record<string, unknown>} [board] the board of the views, as in the API; calibDB's own unless told
+ * @property {Record<string, unknown>} [board] the board of the views, as in the API; calibDB's own by default
  * @property {boolean} [exact] nothing but what is known of this very size, or verified for it
  * @property {number} [maxError] px: largest uncertainty, and largest difference between the calibrations that agree
  * @property {(answer: Answer) => void} [onNeedCalibration] told when nothing is known
- * @property {Cache | null} [cache] the tab's `sessionStorage` unless told, in a worker the worker's memory; null: none
+ * @property {Cache | null} [cache] the tab's `sessionStorage` by default, in a worker the worker's memory; null: none
  * @property {Offline} [bundle] calibrations that came with the application, asked first; see bundle.js
  *
  * @typedef {{ids: number[], points: [number, number][]}} View corners of a board in one frame, px

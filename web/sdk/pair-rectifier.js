@@ -17,8 +17,8 @@ import { Warp, createCanvas } from "./warp.js";
 /**
  * @template {AnyCanvas} [Canvas=HTMLCanvasElement]
  * @typedef {object} CanvasOptions
- * @property {readonly [Canvas, Canvas]} [canvases] to draw into; two are made unless told
- * @property {Packing} [packing] of a picture that holds both; each has its own unless told
+ * @property {readonly [Canvas, Canvas]} [canvases] to draw into; two are made by default
+ * @property {Packing} [packing] of a picture that holds both; each has its own by default
  */
 /**
  * @template {AnyCanvas} [Canvas=HTMLCanvasElement]

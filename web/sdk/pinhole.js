@@ -12,9 +12,9 @@
  *
  * @typedef {object} Frustum
  * @property {number} [near] @property {number} [far] in the scene's unit; Infinity is a number too
- * @property {readonly [number, number]} [viewport] what is drawn into, px of any kind; the picture's size unless told
- * @property {Fit} [fit] how the picture lies in it; "cover" unless told
- * @property {readonly [number, number]} [depth] what `near` and `far` become; [-1, 1] as in WebGL unless told, [0, 1]
+ * @property {readonly [number, number]} [viewport] what is drawn into, px of any kind; the picture's size by default
+ * @property {Fit} [fit] how the picture lies in it; "cover" by default
+ * @property {readonly [number, number]} [depth] what `near` and `far` become; [-1, 1] as in WebGL by default, [0, 1]
  *   in WebGPU
  */
 

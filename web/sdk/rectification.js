@@ -123,8 +123,8 @@ export function widePinhole(calibration, largest = 2) {
 /**
  * For every pixel of the straightened picture, where it is in the camera's.
  * @param {Calibration} calibration @param {number[][]} matrix of the straightened picture
- * @param {[number, number]} [size] of the straightened picture, that of the camera's unless told
- * @param {readonly number[]} [rotation] row-major 3x3, frame of the straightened picture → camera; none unless told
+ * @param {[number, number]} [size] of the straightened picture, that of the camera's by default
+ * @param {readonly number[]} [rotation] row-major 3x3, frame of the straightened picture → camera; none by default
  * @returns {Float32Array} x and y, px, row by row; far outside where the lens sees nothing
  */
 export function rectifyingMap(

@@ -17,9 +17,9 @@ export { RectifierError } from "./warp.js";
  * @template {AnyCanvas} [Canvas=HTMLCanvasElement]
  * @typedef {object} Options
  * @property {number} [balance] 0: only what is picture everywhere; 1: all of the picture, with black edges
- * @property {number} [zoom] how much larger than that, 1 unless told
- * @property {number} [scale] of the picture drawn to the camera's, 1 unless told: a half costs a quarter
- * @property {Canvas} [canvas] to draw into; one is made unless told
+ * @property {number} [zoom] how much larger than that, 1 by default
+ * @property {number} [scale] of the picture drawn to the camera's, 1 by default: a half costs a quarter
+ * @property {Canvas} [canvas] to draw into; one is made by default
  */
 /** @typedef {import("./warp.js").AnyCanvas} AnyCanvas */
 /** @typedef {import("./rectification.js").Calibration} Calibration */

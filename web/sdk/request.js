@@ -17,9 +17,9 @@ export class LookupError extends Error {
  *
  * @typedef {object} RequestOptions
  * @property {string} token API token
- * @property {string | URL} [api] address of the API; that of the host this file came from unless told
+ * @property {string | URL} [api] address of the API; that of the host this file came from by default
  * @property {AbortSignal} [signal]
- * @property {number} [retries] how often to ask again where another time may help; 3 unless told
+ * @property {number} [retries] how often to ask again where another time may help; 3 by default
  * @property {typeof globalThis.fetch} [fetch]
  * @property {(milliseconds: number, signal?: AbortSignal) => Promise<void>} [pause]
  */

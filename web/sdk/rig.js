@@ -77,7 +77,7 @@ export class Rig extends Data {
   /**
    * Pose from a camera to another.
    * @param {number} position of the camera to which it leads
-   * @param {number} [from] position of the camera from which; 0 unless told
+   * @param {number} [from] position of the camera from which; 0 by default
    * @returns {Pose} throws a RangeError for a position that the rig has not
    */
   pose(position, from = 0) {
@@ -117,7 +117,7 @@ export class Rig extends Data {
    * Views of two cameras as eyes, as WebXR has them, left one first whatever the positions. The world is the frame of
    * camera 0.
    * @param {ViewOptions & {positions?: readonly [number, number]}} [options] `positions` of the two cameras; [0, 1]
-   *   unless told
+   *   by default
    * @returns {View[]}
    */
   views({ positions: [one, other] = [0, 1], ...options } = {}) {
@@ -174,7 +174,7 @@ export async function rig(id, options) {
  * @param {Rig | TwoCameras} cameras
  * @param {import("./pair-rectifier.js").PairOptions<Canvas> & {positions?: readonly [number, number]}} [options]
  *   `positions` of left and right camera in the rig; [0, 1]
- *   unless told
+ *   by default
  * @returns {Promise<import("./pair-rectifier.js").PairRectifier<Canvas>>} with what is in the pictures now drawn;
  *   rejects with RectificationError where the cameras have no
  *   rectified pictures, with RectifierError where there is no WebGL2, with a TypeError for pictures of another shape

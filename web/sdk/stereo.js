@@ -43,8 +43,8 @@ import { lensOf } from "./projection.js";
  * @property {Motion} pose left camera → right camera
  *
  * @typedef {object} Layout
- * @property {number} [scale] of the rectified pictures to the left camera's, 1 unless told: a half costs a quarter
- * @property {number} [zoom] how much larger things are shown in pictures of the same size, 1 unless told
+ * @property {number} [scale] of the rectified pictures to the left camera's, 1 by default: a half costs a quarter
+ * @property {number} [zoom] how much larger things are shown in pictures of the same size, 1 by default
  */
 
 const RIM_SAMPLES = 9; // places along each edge of a picture that are looked at

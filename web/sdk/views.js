@@ -30,7 +30,7 @@ import { invert, quaternionOf } from "./motion.js";
  *
  * @typedef {Frustum & {pose?: ArrayLike<number>}} ViewOptions pose: reference camera, looking along −z with y up →
  *   world, column-major;
- *   the identity unless told
+ *   the identity by default
  */
 
 const IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
@@ -50,7 +50,7 @@ export function createViews(cameras, { pose = IDENTITY, ...frustum } = {}) {
  * Attributes by which a view describes its camera, in arrays of its own: who writes into them spoils no other view.
  * @param {{camera_matrix: readonly (readonly number[])[], distortion_coefficients?: readonly number[],
  *   distortion_model?: string}} camera
- *   without distortion unless told
+ *   without distortion by default
  */
 export function viewAttributes({
   camera_matrix: k,

@@ -16,7 +16,7 @@ import { Stage } from "./stage.js";
  * @property {() => Straight | null} [straight] what straightens the picture, and is shown in its place; null: nothing
  *   yet
  * @property {Eyes} [eyes] two cameras in the place of the video's, in immersive sessions
- * @property {HTMLElement} [place] where immersive sessions are shown: the page's body unless told
+ * @property {HTMLElement} [place] where immersive sessions are shown: the page's body by default
  *
  * @typedef {Pinhole & {canvas: HTMLCanvasElement | OffscreenCanvas, draw: (video: HTMLVideoElement) => void}} Straight
  *   a Rectifier

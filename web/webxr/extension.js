@@ -58,7 +58,7 @@ const NEITHER = { left: null, right: null };
 /**
  * Adds the attributes to XRView, and `distortionModel` to XRRenderState. A second call changes the provider.
  * @param {Provider} provider @param {Options} [options]
- * @returns {(session?: object) => Promise<void>} asks the provider again, for all running sessions unless told: the
+ * @returns {(session?: object) => Promise<void>} asks the provider again, for all running sessions by default: the
  *   camera has changed
  */
 export function extend(

@@ -12,7 +12,7 @@ import { install } from "./install.js";
  * @typedef {import("../sdk/rig.js").Rig} Rig
  *
  * @typedef {object} Options
- * @property {readonly [number, number]} [positions] of left and right camera in the rig; [0, 1] unless told
+ * @property {readonly [number, number]} [positions] of left and right camera in the rig; [0, 1] by default
  * @property {number} [squareSize] metres, of a rig in squares: WebXR is in metres
  * @property {import("../sdk/pair-rectifier.js").Packing} [packing] of a stereo camera that delivers both pictures in
  *   one video

@@ -21,7 +21,7 @@ export class BoardWatch {
   #lookedAt = -Infinity;
 
   /**
-   * Tells if the next frame is to be looked at.
+   * True if the next frame is to be looked at.
    * @param {number} blindSince ms, since when no corner is seen; infinite while some are
    * @param {number} time ms
    */

@@ -2,9 +2,8 @@
 
 /**
  * Address to hand a result to: the address that was asked for, if its origin is this site's own, HTTPS, or of the
- * visitor's own machine, or one that whoever runs the service allows. Nobody is sent there: pages offer a link that
- * names
- * the host, and the link carries nothing but the id of a published calibration.
+ * visitor's own machine, or one that the operator of the service allows. Pages never redirect there: they offer a link
+ * that names the host, and the link carries nothing but the id of a published calibration.
  * @param {string | null} wanted from this page's own address @param {string} here this page's origin
  * @param {readonly string[]} allowed origins
  * @returns {{url: URL, allowed: boolean} | null} null: nobody asked, or it is no address of a web page

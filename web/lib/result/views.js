@@ -11,10 +11,10 @@ import { magnification, residualPlot } from "./plots.js";
  * @typedef {{without: number[], calibration: Calibration, report: Report | null}} Trial what it is without some views,
  *   by their indices
  *
- * @typedef {object} Choices what a person can do with the views; null where nothing is to be fitted anew
+ * @typedef {object} Choices what a person can do with the views; null where nothing is to be fitted again
  * @property {(without: number[]) => void} choose indices of the views to leave out from now on
  * @property {((without: number[]) => void) | undefined} goOn with the views that are left
- * @property {string} elsewhere address where this camera is calibrated anew
+ * @property {string} elsewhere address where this camera is calibrated again
  */
 
 /** "5 and 6", counted as people do. @param {number[]} indices */

@@ -52,7 +52,7 @@ def add_fix(parser: argparse.ArgumentParser) -> None:
 def fix_of(chosen: argparse.Namespace) -> dict[str, float | None]:
     """Return the values by name that `--fix` says, None if it says none.
 
-    Raises UsageError for a value that is no number, or if the service would calibrate.
+    Raises UsageError for a value that is not a number, or if the service would calibrate.
     """
     if not chosen.offline and (chosen.fix or chosen.start):
         raise UsageError("the service estimates all parameters: --fix and --start need --offline")
