@@ -62,7 +62,8 @@ class Board(calibsolver.Board):
             "asymmetric_circles": f"asymmetric circles, {size}, diameter {self.marker_ratio:g}",
             "aprilgrid": f"AprilGrid, {size} tags, spacing {self.tag_spacing:g}, {self.dictionary}",
         }[self.kind]
-        return words + (", legacy" if self.legacy else "") + (", white on black" if self.inverted else "")
+        remarks = (self.legacy, "legacy"), (self.inverted, "white on black"), (self.surface, "on a screen")
+        return ", ".join([words, *(remark for applies, remark in remarks if applies)])
 
     @property
     def places(self) -> Array:
@@ -89,6 +90,8 @@ class Board(calibsolver.Board):
             members["kind"] = self.kind
         if self.kind == "aprilgrid":
             members |= {"dictionary": self.dictionary, "tag_spacing": self.tag_spacing}
+        if self.surface:
+            members["surface"] = self.surface
         return members | ({"inverted": True} if self.inverted else {})
 
     def markers(self) -> Any:

@@ -7,7 +7,7 @@ instead). Their variance is learnt (`mixed_model`), so that a flat board costs n
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -147,4 +147,4 @@ class BoardShape:
 
     def apply(self, view: View) -> View:
         """Return the view of the board in this shape."""
-        return View(self.moved(view.object_points.T).T, view.image_points, view.weights)
+        return replace(view, object_points=self.moved(view.object_points.T).T)
