@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 import calibsolver
 from calibsolver.arrays import Array
 from calibsolver.board import CIRCLES, DICTIONARIES, KINDS
@@ -74,6 +76,10 @@ class Board(calibsolver.Board):
     def edge(self) -> Array:
         """Corners of the board's edge, clockwise from the top left, (4, 2), board units."""
         return self.outline[:, :2]
+
+    def length(self, square_mm: float) -> float:
+        """Longer extent of the corners, mm, of a board whose squares, or tags, have this side."""
+        return float(np.ptp(self.points, axis=0).max()) * square_mm
 
     def record(self) -> dict[str, Any]:
         """Return the board as the members of a request; those that older services do not know if needed."""

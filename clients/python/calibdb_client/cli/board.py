@@ -55,6 +55,13 @@ def add_board(parser: argparse.ArgumentParser, recognised: bool = False) -> None
         const="screen",
         help="a screen shows the board: no bend is estimated",
     )
+    if recognised:
+        add_square(parser)
+
+
+def add_square(parser: Any) -> None:
+    """Add the option that states how large the squares are."""
+    parser.add_argument("--square-mm", type=float, metavar="MM", help="side of a square, or of a tag")
 
 
 def chosen_board(chosen: argparse.Namespace) -> Board | None:
