@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import re
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from starlette.datastructures import Headers
+from starlette.datastructures import Headers, QueryParams
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import Receive, Scope, Send
 
@@ -21,6 +22,7 @@ from infra.web_build.sdk import SdkError
 from infra.web_build.site_headers import FOR_EVERYONE, compress, headers, media_type
 
 CHECK_INTERVAL_S = 1.0
+_RESULT = re.compile("([a-z]{2}/)?result/")
 _MAX_COMPRESSED_BYTES = 2_000_000  # more would take too long for a request
 
 
@@ -48,14 +50,21 @@ class Pages:
         Content of `/config.json`.
     options
         Facts about the deployment that the pages contain.
+    with_head
+        Writes the head of the page of a calibration: from the page and the id, in a thread.
     """
 
     def __init__(
-        self, folder: Path, settings: Mapping[str, Any], options: site.Options | None = None
+        self,
+        folder: Path,
+        settings: Mapping[str, Any],
+        options: site.Options | None = None,
+        with_head: Callable[[str, str], str] = lambda page, _: page,
     ) -> None:
         self._folder = folder.resolve()
         self._settings = settings
         self._options = options or site.Options()
+        self._with_head = with_head
         self._made: Mapping[str, bytes] = {}
         self._files: dict[str, tuple[object, _File]] = {}  # by key, with what the file was made of
         self._checked = float("-inf")
@@ -75,6 +84,10 @@ class Pages:
             return
         page = self._find(key) if content is None else _file(key, content)
         if isinstance(page, _File):
+            shared = QueryParams(scope["query_string"]).get("id") if _RESULT.fullmatch(key) else None
+            if shared:
+                head = await asyncio.to_thread(self._with_head, page.content.decode(), shared)
+                page = _file(f"{key}index.html", head.encode())
             await _send(page, scope, send)
             return
         if page is not None:

@@ -19,6 +19,7 @@ import uvicorn
 from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from calibdb.access.tokens import ApiToken, secret_hash
+from calibdb.lookup.result_page import shared_page
 from calibdb.service import Service
 from calibdb.store import Store
 from calibdb.store.ports import Jobs, Storage
@@ -138,7 +139,8 @@ class Server:
         named = {name: os.environ.get(variable, "") for variable, name in OPERATOR_PARAMETERS.items()}
         options = Options(self.url, contacts(named))
         settings = public_settings("/v1", self.token, named)
-        self.pages = Pages(self.web, settings, options)
+        store = Store.over(self.storage)
+        self.pages = Pages(self.web, settings, options, lambda page, id_: shared_page(page, store, id_))
         threads = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
         stack.callback(threads.shutdown, wait=self.data is None or not is_worker, cancel_futures=True)
         dumps = PublicObjects(SqliteObjects(folder.database, SITE))
