@@ -13,7 +13,7 @@ from ..pictures import PLATFORM
 from ..recording import Recording
 from . import options
 from .calibrate import finish
-from .capture_options import add_fix, add_licence, add_model, fix_of, licence_of
+from .capture_options import add_fix, add_licence, add_mode_name, add_model, fix_of, licence_of
 from .output import Output
 
 
@@ -33,6 +33,7 @@ def add(commands: Any) -> None:
     add_model(parser)
     add_fix(parser)
     add_licence(parser)
+    add_mode_name(parser)
     options.add_service(parser)
     parser.set_defaults(run=run)
 
