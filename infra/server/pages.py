@@ -51,7 +51,7 @@ class Pages:
     options
         Facts about the deployment that the pages contain.
     with_head
-        Writes the head of the page of a calibration: from the page and the id, in a thread.
+        Called with a result's page and `calibration_id`; returns the page with its title. Runs in a thread.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Pages:
         folder: Path,
         settings: Mapping[str, Any],
         options: site.Options | None = None,
-        with_head: Callable[[str, str], str] = lambda page, _: page,
+        with_head: Callable[..., str] = lambda page, **_: page,
     ) -> None:
         self._folder = folder.resolve()
         self._settings = settings
@@ -84,9 +84,8 @@ class Pages:
             return
         page = self._find(key) if content is None else _file(key, content)
         if isinstance(page, _File):
-            shared = QueryParams(scope["query_string"]).get("id") if _RESULT.fullmatch(key) else None
-            if shared:
-                head = await asyncio.to_thread(self._with_head, page.content.decode(), shared)
+            if _RESULT.fullmatch(key) and (shared := QueryParams(scope["query_string"]).get("id")):
+                head = await asyncio.to_thread(self._with_head, page.content.decode(), calibration_id=shared)
                 page = _file(f"{key}index.html", head.encode())
             await _send(page, scope, send)
             return
@@ -164,10 +163,8 @@ async def _send(file: _File, scope: Scope, send: Send) -> None:
     content, own = file.content, file.headers
     for name, value in scope["headers"]:
         if name == b"if-none-match" and file.tag in value:
-            headers_to_send = [
-                header for header in own if header[0] not in (b"content-length", b"content-type")
-            ]
-            await send({"type": "http.response.start", "status": 304, "headers": headers_to_send})
+            own = [header for header in own if header[0] not in (b"content-length", b"content-type")]
+            await send({"type": "http.response.start", "status": 304, "headers": own})
             await send({"type": "http.response.body", "body": b""})
             return
         if name == b"accept-encoding" and file.compressed is not None and b"gzip" in value:

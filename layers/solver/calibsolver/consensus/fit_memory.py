@@ -51,7 +51,7 @@ def _digest(views: Sequence[View]) -> bytes:
     """Digest of all points, view by view."""
     digest = hashlib.sha256()
     for view in views:
-        digest.update(len(view).to_bytes(8, "big"))
+        digest.update(len(view).to_bytes(8, "big") + bytes([view.flat]))
         for points in (view.object_points, view.image_points):
             digest.update(np.ascontiguousarray(points, dtype=np.float64).tobytes())
     return digest.digest()

@@ -88,8 +88,8 @@ def fit(
         What is not estimated (`constraint`): names, or a mapping of names to values; variance 0.
     board_shape
         Estimate bend and stretch of the board with the rest, if at least MIN_SHAPE_VIEWS views take part and
-        a shape explains them better than chance and motion do. Otherwise, and in plain least squares (not
-        `robust`), the board is as drawn.
+        a shape explains them better than chance and motion do. Otherwise, in plain least squares (not
+        `robust`) and where a view is `flat`, the board is as drawn.
 
     Raises
     ------
@@ -100,6 +100,7 @@ def fit(
     """
     camera_model = models.get(model)
     views = list(views or ())
+    board_shape = board_shape and not any(view.flat for view in views)
     given = pack(views, img_size)
     basis, origin = constraint.of(camera_model, img_size, fix, start)
     degenerate = degenerate_views(given)

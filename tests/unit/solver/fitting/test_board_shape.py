@@ -1,9 +1,11 @@
 """Shape of the board: recovered where it is bent, left alone where it is flat, and helpful on real boards."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from calibsolver import View, fit
+from calibsolver import View, fit, image_transform
 from calibsolver.fitting.board_shape import MAX_STRETCH, BoardShape
 from calibsolver.fitting.fit import MIN_SHAPE_VIEWS
 from calibsolver.fitting.resection import reprojection_score
@@ -40,6 +42,17 @@ def test_flat_board_stays_as_drawn() -> None:
     assert found.board_shape is None
     np.testing.assert_array_equal(found.camera.intrinsics, flat.camera.intrinsics)
     np.testing.assert_array_equal(found.covariance, flat.covariance)
+
+
+def test_board_on_a_screen_stays_as_drawn() -> None:
+    """Even where the residuals allow a shape; views keep the statement when they are thinned or turned."""
+    seen = [replace(view, flat=True) for view in captured(hands.BENT)]
+    found = fit(seen, CAMERA.img_size, board_shape=True)
+    flat = fit(seen, CAMERA.img_size, board_shape=False)
+    assert found.board_shape is None
+    np.testing.assert_array_equal(found.camera.intrinsics, flat.camera.intrinsics)
+    assert seen[0].subset(np.arange(10)).flat
+    assert image_transform.rotate(CAMERA.img_size, 90).view(seen[0]).flat
 
 
 def test_stretch_of_the_print_is_recovered() -> None:
