@@ -23,6 +23,8 @@ const MAX_CORNERS = 2401; // of a board, likewise
 const MIN_CORNERS = 6;
 const [MIN_TAG_SPACING, MAX_TAG_SPACING] = [0.05, 2]; // of a tag's side
 export const DEFAULT_TAG_SPACING = 0.3;
+/** Surface of a board that a screen shows. @type {"screen"} */
+const SCREEN = "screen";
 /** Kinds of boards. @type {("charuco" | "chessboard" | "aprilgrid")[]} */
 export const KINDS = ["charuco", "chessboard", "aprilgrid"];
 
@@ -35,6 +37,7 @@ export const KINDS = ["charuco", "chessboard", "aprilgrid"];
  * @property {boolean} legacy layout of OpenCV before 4.6: boards of an even number of rows start with a white square
  * @property {boolean} [inverted] white where others are black
  * @property {number} [tag_spacing] gap / side of a tag, of an AprilGrid
+ * @property {"screen" | null} [surface] "screen" where a screen is known to show it: flat and square
  *
  * @typedef {import("../vendor/api.js").Board & Board} SentBoard as the service takes it
  *
@@ -54,8 +57,7 @@ export const DEFAULT_BOARD = { squares: [9, 6], marker_ratio: 0.65, dictionary: 
 
 /**
  * The board an address asks for: `kind=chessboard`, `squares=9x6`, `marker_ratio`, `dictionary`, `legacy=true`,
- * `inverted=true`,
- * `tag_spacing`; of each the default where it asks for none.
+ * `inverted=true`, `tag_spacing`, `surface=screen`; of each the default where it asks for none.
  * @param {URLSearchParams} query
  * @returns {{board: SentBoard, problem: Problem | null}} problem: why it is the default board all the same
  */
@@ -71,6 +73,7 @@ export function boardFrom(query) {
     legacy: flag("legacy"),
     ...(flag("inverted") && { inverted: true }),
     ...(kind === "aprilgrid" && { tag_spacing: spacing === null ? DEFAULT_TAG_SPACING : Number(spacing) }),
+    ...(query.get("surface") === SCREEN && { surface: SCREEN }),
   });
   const problem = impossible(asked);
   return { board: problem ? DEFAULT_BOARD : asked, problem };
@@ -89,6 +92,7 @@ export function boardQuery({
   legacy,
   inverted,
   tag_spacing: spacing,
+  surface,
 }) {
   const query = new URLSearchParams();
   if (kind !== "charuco") query.set("kind", kind);
@@ -99,11 +103,15 @@ export function boardQuery({
   if (legacy) query.set("legacy", "true");
   if (inverted) query.set("inverted", "true");
   if (kind === "aprilgrid" && spacing !== DEFAULT_TAG_SPACING) query.set("tag_spacing", String(spacing));
+  if (surface) query.set("surface", surface);
   return query;
 }
 
-/** True if two boards are the same one. @param {Board} a @param {Board} b */
-export const isSameBoard = (a, b) => boardQuery(a).toString() === boardQuery(b).toString();
+/** True if two boards are the same drawing, on whatever surface. @param {Board} a @param {Board} b */
+export const isSameBoard = (a, b) => drawing(a) === drawing(b);
+
+/** @param {Board} board */
+const drawing = (board) => boardQuery({ ...board, surface: null }).toString();
 
 /** Kind of a board. @param {Board} board */
 export const kindOf = ({ kind }) => kind ?? "charuco";

@@ -50,8 +50,6 @@ class CaptureResult:
         Distortion model that explains these views better, or None.
     verdict
         Level and reasons, the one to act on first; empty if an older service states none.
-    board
-        Sentence on the bend and the print of the board; None if they are as drawn, and from the service.
     """
 
     calibration: Calibration
@@ -59,7 +57,19 @@ class CaptureResult:
     left_out: tuple[tuple[str, str], ...] = ()
     suggested_model: str | None = None
     verdict: tuple[str, ...] = ()
-    board: str | None = None
+
+    @property
+    def board(self) -> str | None:
+        """Sentence on the bend and the print of the board; None if it was taken as drawn."""
+        return self.board_sentence()
+
+    def board_sentence(self, square_mm: float | None = None) -> str | None:
+        """Return the sentence `board`, in millimetres where the side of a square is given."""
+        from calibsolver.quality import report
+
+        recording, shape = self.calibration.recording, self.calibration.record.get("board_shape")
+        length = recording.board.length(square_mm) if recording and square_mm else None
+        return report.board_sentence(shape, length)
 
 
 def start(
@@ -99,6 +109,11 @@ def consent_of(licence: str | None) -> dict[str, str]:
     if licence != LICENCE:
         raise UsageError(f"calibrations are given away under {LICENCE}, or not at all, not {licence!r}")
     return {"licence": LICENCE, "licence_version": LICENCE_VERSION}
+
+
+def extras_of(licence: str | None, mode_name: str | None) -> dict[str, str]:
+    """Return the members of a session that its contributor chooses: consent, and the name of the mode."""
+    return consent_of(licence) | ({"mode_name": mode_name} if mode_name else {})
 
 
 def submit(
@@ -192,7 +207,6 @@ def calibrate_offline(
     from calibsolver.circles import fit_circles
     from calibsolver.fitting.coverage import Coverage, record_covered
     from calibsolver.quality import assessment, cross_validation
-    from calibsolver.quality.report import board_sentence
     from calibsolver.quality.rivals import with_rivals
 
     lens = start.lens if start else None
@@ -205,7 +219,7 @@ def calibrate_offline(
             fitted, corrected = fit_circles(views, size, radius, chosen, start=lens, fix=fix)
             views = list(corrected)
         else:
-            fitted = calibsolver.fit(views, size, chosen, start=lens, fix=fix, board_shape=True)
+            fitted = calibsolver.fit(views, size, chosen, start=lens, fix=fix)
     except (calibsolver.CalibrationError, ValueError) as error:
         if getattr(error, "code", "") in ("unknown_parameter", "no_value"):
             raise UsageError(str(error)) from None
@@ -238,7 +252,6 @@ def calibrate_offline(
         cut,
         better,
         (said.level, *(reason.text for reason in said.reasons)),
-        board_sentence(fitted.board_shape),
     )
 
 

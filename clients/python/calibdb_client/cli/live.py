@@ -68,14 +68,21 @@ def capture(
             result = offline.calibrate(source, model=chosen.model, keep=keep, **arguments)
         else:
             with options.client(chosen) as client:
-                result = client.calibrate(source, model=chosen.model, keep=keep, licence=licence, **arguments)
+                result = client.calibrate(
+                    source,
+                    model=chosen.model,
+                    keep=keep,
+                    licence=licence,
+                    mode_name=chosen.mode_name,
+                    **arguments,
+                )
     except (CalibDBError, CaptureInterruptedError) as error:
         if error.recording is not None and error.recording.views:
             _say_how_to_go_on(error.recording, kept, output)
         raise
     if kept.path is None:
         raise UsageError("no view was taken")
-    return conclude(recording[0], result, kept.path, output, target)
+    return conclude(recording[0], result, kept.path, output, target, square_mm=chosen.square_mm)
 
 
 def _say_how_to_go_on(recording: Recording, kept: KeptFile, output: Output) -> None:

@@ -67,7 +67,7 @@ def fit(
     *,
     start: Camera | None = None,
     fix: Fix = (),
-    board_shape: bool = False,
+    board_shape: bool = True,
 ) -> Calibration:
     """Fit a camera model to views of a planar board.
 
@@ -90,8 +90,8 @@ def fit(
         What is not estimated (`constraint`): names, or a mapping of names to values; variance 0.
     board_shape
         Estimate bend and stretch of the board with the rest, if at least MIN_SHAPE_VIEWS views take part and
-        a shape explains them better than chance and motion do. Otherwise, and in plain least squares (not
-        `robust`), the board is as drawn.
+        a shape explains them better than chance and motion do. Otherwise, in plain least squares (not
+        `robust`) and where a view is `flat`, the board is as drawn. False: as drawn, in less time.
 
     Raises
     ------
@@ -102,6 +102,7 @@ def fit(
     """
     camera_model = models.get(model)
     views = list(views or ())
+    board_shape = board_shape and not any(view.flat for view in views)
     given = pack(views, img_size)
     basis, origin = constraint.of(camera_model, img_size, fix, start)
     degenerate = degenerate_views(given)
@@ -369,7 +370,8 @@ class _Fit:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
         problem, shape, optimum = self.problem, None, state
         if mixed:
-            problem, state = mixed.problem.of_camera(optimum)
+            bent = mixed.problem.reshaped(optimum.k[:SHAPE_SIZE], problem.obs)
+            problem, state = replace(problem, obs=bent), mixed.problem.of_camera(optimum)
         plausibility.check_result(problem, state, good, self.robust)
         state = self._resect_excluded_views(problem, state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size

@@ -15,7 +15,7 @@ import numpy as np
 from .. import deadline, rotation
 from ..arrays import Array, Mask
 from ..models import Model
-from . import normal_equations, prior
+from . import normal_equations, prior, systematic_effects
 from .normal_equations import POSE_SIZE, Elimination, Poses, System
 from .observations import Observations
 
@@ -214,13 +214,31 @@ class LeastSquares(ABC):
     def is_feasible(self, k: Array) -> bool:
         """True if there is an image with the shared unknowns k (p,)."""
 
+    @property
     @abstractmethod
-    def at(self, k: Array, poses: Poses) -> State:
-        """Linearize at given shared unknowns (p,) and poses."""
+    def row_positions(self) -> Array:
+        """Rows (v, n) of the points in their images, as `systematic_effects.row_position`."""
 
     @abstractmethod
+    def prior(self, k: Array) -> tuple[Array, Array]:
+        """Whitened residuals (m,) of the prior at shared unknowns k (p,), and their Jacobian (m, a)."""
+
+    @abstractmethod
+    def rows_of(self, k: Array, poses: Poses, obs: Observations, before: int = 0) -> tuple[Array, Array]:
+        """Rows of a `State`, of these observations, after so many empty ones; and squared lengths (v, n)."""
+
+    @abstractmethod
+    def residuals_of(self, k: Array, poses: Poses, obs: Observations) -> Array:
+        """Compute the residuals (2, v, n) of these observations, px."""
+
+    def at(self, k: Array, poses: Poses) -> State:
+        """Linearize at given shared unknowns (p,) and poses."""
+        rows, square = self.rows_of(k, poses, self.obs)
+        return State(k, poses, rows, square, *self.prior(k))
+
     def residuals(self, k: Array, poses: Poses) -> Array:
         """Compute the residuals (2, v, n) at given shared unknowns (p,) and poses, px."""
+        return self.residuals_of(k, poses, self.obs)
 
     def solve(self, state: State, weights: Array, options: Options) -> State:
         """Iterate from `state` to the optimum for points of weight (v, n).
@@ -359,12 +377,17 @@ class Problem(LeastSquares):
         """True if the model has an image with intrinsics k (p,)."""
         return bool(k[0] > 0 and k[1] > 0 and self.model.magnification(k[4:])[0] > 0)
 
-    def at(self, k: Array, poses: Poses) -> State:
-        """Linearize at given intrinsics (p,) and poses."""
-        rows, square = residual_rows(self.model, k, poses, self.obs)
-        return State(k, poses, self.free_rows(rows), square, *self.prior(k))
+    @property
+    def row_positions(self) -> Array:
+        """Rows (v, n) of the points in the image."""
+        return systematic_effects.row_position(self.obs.pixels[:, 1], self.img_size[1])
 
-    def free_rows(self, rows: Array, before: int = 0) -> Array:
+    def rows_of(self, k: Array, poses: Poses, obs: Observations, before: int = 0) -> tuple[Array, Array]:
+        """Rows of a `State` at given intrinsics (p,) and poses."""
+        rows, square = residual_rows(self.model, k, poses, obs, before)
+        return self._free_rows(rows, before), square
+
+    def _free_rows(self, rows: Array, before: int) -> Array:
         """Rows (before + a + ..., 2, v, n) by the free intrinsics, of rows by all of them."""
         if self.basis is None:
             return rows
@@ -386,11 +409,11 @@ class Problem(LeastSquares):
         )
         return nearest
 
-    def residuals(self, k: Array, poses: Poses) -> Array:
+    def residuals_of(self, k: Array, poses: Poses, obs: Observations) -> Array:
         """Compute the residuals (2, v, n) at given intrinsics (p,) and poses, px."""
-        q = normal_equations.project(self.model, k, poses, self.obs.points)
-        r: Array = (q - self.obs.pixels).transpose(1, 0, 2)
-        return r if self.obs.scale is None else r * self.obs.scale
+        q = normal_equations.project(self.model, k, poses, obs.points)
+        r: Array = (q - obs.pixels).transpose(1, 0, 2)
+        return r if obs.scale is None else r * obs.scale
 
     def free(self, da: Array) -> Array:
         """Change (p,) of the intrinsics by a step (a,) of the free ones."""
