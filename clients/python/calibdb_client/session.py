@@ -219,7 +219,7 @@ def calibrate_offline(
             fitted, corrected = fit_circles(views, size, radius, chosen, start=lens, fix=fix)
             views = list(corrected)
         else:
-            fitted = calibsolver.fit(views, size, chosen, start=lens, fix=fix, board_shape=True)
+            fitted = calibsolver.fit(views, size, chosen, start=lens, fix=fix)
     except (calibsolver.CalibrationError, ValueError) as error:
         if getattr(error, "code", "") in ("unknown_parameter", "no_value"):
             raise UsageError(str(error)) from None
