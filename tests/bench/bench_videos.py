@@ -51,6 +51,7 @@ def once(_round: int) -> list[float]:
 def photos_page(browser: Browser, url: str, name: str) -> float:
     """Seconds from the choice of a video to its result."""
     page = browser.new_page(base_url=url, service_workers="block")
+    page.set_default_timeout(120_000)
     page.goto("/photos/")
     begun = time.monotonic()
     page.locator("#files").set_input_files(data.data_dir() / "videos" / name)

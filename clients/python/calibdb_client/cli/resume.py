@@ -30,7 +30,7 @@ def add(commands: Any) -> None:
     add_licence(parser)
     add_mode_name(parser)
     options.add_service(parser)
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, square_mm=None)
 
 
 def run(chosen: argparse.Namespace, output: Output) -> int:
