@@ -220,6 +220,8 @@ class MixedFit:
         noise2
             Variance of the noise there, px^2.
         """
+        if noise2 < (PRIOR_NOISE_WIDTHS * drawn.width) ** 2:  # a bend leaves more
+            return None
         fit = cls(ShapedProblem.of(drawn, Variances(noise2)), labels)
         at = fit.linearize(fit.problem.start(state), good)
         fit, v = fit._learn(at.model)
