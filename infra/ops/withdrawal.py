@@ -44,6 +44,12 @@ def withdraw(context: OpsContext, calibration_id: str, reason: str) -> bool:
     return done
 
 
+def unname(context: OpsContext, calibration_id: str) -> bool:
+    """Remove the name of the mode from a calibration; False if it has none."""
+    get(context, calibration_id)
+    return context.store.calibrations.remove_mode_name(calibration_id)
+
+
 def get_withdrawn(context: OpsContext, calibration_id: str) -> tuple[CalibrationDocument, str]:
     """Read a withdrawn calibration and the name of its tombstone; raises OpsError if it is not one."""
     document = get(context, calibration_id)

@@ -46,9 +46,11 @@ _PHOTO = frozenset(
 )
 _MODES = ("superview", "super", "linear", "narrow", "medium", "wide")
 _MAX_RMS = 3.0  # px; profiles above it do not measure a lens
+_MAX_SINGLE_RMS = 1.5  # px; of a mode with one contributor
 _MAX_ANGLE, _STEP = 1.5, 0.002  # rad off the axis, up to which an edge is looked for
 _MAX_STATED = 2.9  # rad: edges beyond are extrapolated by the polynomial
-_DEFAULT_SIGMA, _DEFAULT_COUNT = 0.16, 4  # relative deviation of one contributor's profile, and its weight
+# Relative deviation of one contributor's profile, of a named mode and of an unnamed one; and its weight
+_NAMED_SIGMA, _DEFAULT_SIGMA, _DEFAULT_COUNT = 0.08, 0.10, 4
 MIN_CONTRIBUTORS, MIN_PHOTO_CONTRIBUTORS = 2, 4
 
 
@@ -81,11 +83,25 @@ def facts(profiles: Sequence[tuple[Row, float]]) -> list[Row]:
     groups: dict[Key, dict[str, list[tuple[Row, float]]]] = defaultdict(lambda: defaultdict(list))
     for profile in profiles:
         groups[identity(profile[0])][profile[0]["contributor"]].append(profile)
+    contributors: dict[tuple[str, str], set[str]] = defaultdict(set)
+    for (_, maker, model, _, _), group in groups.items():
+        contributors[maker, model] |= group.keys()
     return [
         _summary(key, [statistics.median(angle for _, angle in own) for own in group.values()], group)
         for key, group in sorted(groups.items())
-        if len(group) >= (MIN_PHOTO_CONTRIBUTORS if key[0] == "photo_camera" else MIN_CONTRIBUTORS)
+        if _is_enough(key, group, len(contributors[key[1:3]]))
     ]
+
+
+def _is_enough(key: Key, group: dict[str, list[tuple[Row, float]]], contributors: int) -> bool:
+    """True if a group has contributors enough; one does for a named mode of a model that has several."""
+    kind, _, _, mode, _ = key
+    if mode and len(group) == 1:
+        return (
+            contributors >= MIN_CONTRIBUTORS
+            and min(float(row["rms"]) for own in group.values() for row, _ in own) < _MAX_SINGLE_RMS
+        )
+    return len(group) >= (MIN_PHOTO_CONTRIBUTORS if kind == "photo_camera" else MIN_CONTRIBUTORS)
 
 
 def _summary(key: Key, angles: list[float], group: dict[str, list[tuple[Row, float]]]) -> Row:
@@ -94,7 +110,9 @@ def _summary(key: Key, angles: list[float], group: dict[str, list[tuple[Row, flo
     n = len(angles)
     # Few say little of their spread: they are pulled towards that of all.
     spread = statistics.fmean((angle - value) ** 2 for angle in angles)
-    sigma = math.sqrt((n * spread + _DEFAULT_COUNT * (_DEFAULT_SIGMA * value) ** 2) / (n + _DEFAULT_COUNT))
+    usual = value * (_NAMED_SIGMA if mode else _DEFAULT_SIGMA)
+    variance = (n * spread + _DEFAULT_COUNT * usual**2) / (n + _DEFAULT_COUNT)
+    sigma = math.sqrt(variance * (1 + 1 / n))
     profiles = [row for own in group.values() for row, _ in own]
     lens = [statistics.median(float(row[name] or 0) for row in profiles) for name in ("k1", "k2", "k3", "k4")]
     width, height = aspect.split(",")

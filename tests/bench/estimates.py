@@ -28,7 +28,7 @@ from tests.bench import document
 from tests.helpers.data import ROOT, data_dir
 
 DOCUMENT = ROOT / "docs" / "estimates.md"
-HEADER = ["basis", "cameras", "intervals", "contain the truth", "median width"]
+HEADER = ["basis", "cameras", "intervals", "contain the truth", "median width", "needed"]
 FILES = "files: "
 """Beginning of groups that no browser opens, which no total counts."""
 MEASURED = ("calibration", "measurement", "reported")
@@ -71,6 +71,11 @@ class Case:
     @property
     def width(self) -> float:
         return (self.high - self.low) / self.truth
+
+    @property
+    def deviation(self) -> float:
+        """Deviation of the truth from the interval's centre, relative."""
+        return abs(math.log(self.truth / math.sqrt(self.low * self.high)))
 
 
 def device(fact: Fact) -> Device:
@@ -148,9 +153,10 @@ def contributors_left_out() -> Iterator[Case]:
     everything = profiles()
     facts = all_facts()
     for (maker, model), own in grouped(everything, lambda p: lens_facts.identity(p[0])[1:3]).items():
+        stated = [f for f in facts if (f.maker, f.model) == (maker, model) and f.title != lens_facts.TITLE]
         for contributor, left_out in grouped(own, lambda p: p[0]["contributor"]).items():
             others = [p for p in own if p[0]["contributor"] != contributor]
-            about = [fact_of(row) for row in lens_facts.facts(others)]
+            about = [*stated, *(fact_of(row) for row in lens_facts.facts(others))]
             if not about:
                 continue
             for mode in sorted({lens_facts.identity(p[0])[3] for p in left_out}):
@@ -237,7 +243,14 @@ def summary(cases: Sequence[Case], name: str) -> list[str]:
         str(len(cases)),
         f"{100 * held:.0f} %",
         f"{100 * width:.0f} %",
+        f"{100 * needed(cases):.0f} %",
     ]
+
+
+def needed(cases: Sequence[Case]) -> float:
+    """Relative width of equally wide intervals around the same centres that contain 90 % of the truths."""
+    deviations = sorted(case.deviation for case in cases)
+    return 2 * deviations[math.ceil(0.9 * len(deviations)) - 1]
 
 
 def tables(cases: Sequence[Case]) -> str:

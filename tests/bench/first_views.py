@@ -1,6 +1,6 @@
 """First guided view and length of captures that start from an estimate, against the flat guess; simulated.
 
-`python -m tests.bench.first_views`: 12 cameras, 6 seeds. The logarithm of an estimate's focal length is
+`make bench DOCS=first-views`: 12 cameras, 6 seeds. The logarithm of an estimate's focal length is
 wrong by a normal deviate: 0.03 for a published model, 0.15 for a kind of device.
 """
 

@@ -101,6 +101,7 @@ def test_dry_run_changes_nothing(
         (["token", "revoke", token_id], f"would be revoked: {token_id}"),
         (["token", "rotate", token_id], f"would get a new secret: {token_id}"),
         (["calibration", "withdraw", one], f"would be withdrawn: {one}"),
+        (["calibration", "unname", one], f"would lose its name: {one} (it has none)"),
         (
             ["contributor", "forget", contributor],
             "would be removed: 1 calibrations, 0 sessions, 0 votes",

@@ -18,7 +18,7 @@ const RESPONSE_TIMEOUT_MS = 10_000; // ten times as long as a fit of fifteen vie
 const SETTINGS_TIMEOUT_MS = 5_000;
 
 /** Key of a capture, from its request but for the track's settings (focus changes). @param {Request} request */
-export const captureKey = ({ track, ...request }) => JSON.stringify(request);
+export const captureKey = ({ track, mode_name, ...request }) => JSON.stringify(request);
 
 export class Captures {
   #store;

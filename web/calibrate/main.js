@@ -242,10 +242,24 @@ async function prepareOutcome() {
   });
 }
 
+/** Name of a mode, without what the service refuses. @param {string} text */
+const modeName = (text) =>
+  text
+    .replace(/[^\p{L}\p{N} °.,:+×%/-]|\d{5,}/gu, " ")
+    .replace(/ +/g, " ")
+    .replace(/^[^\p{L}\p{N}]+|[^\p{L}\p{N}°%+]+$/gu, "");
+
 /** @param {import("../sdk/calibdb.js").CameraKey} key @returns {SessionRequest} without the track */
 function requestFor(key) {
   const { distortion_model } = state.wanted;
-  return { ...key, board: state.board, distortion_model, ...parseTargetError(parameters) };
+  const mode_name = modeName(parts.modeName.value);
+  return {
+    ...key,
+    board: state.board,
+    distortion_model,
+    ...parseTargetError(parameters),
+    ...(mode_name ? { mode_name } : {}),
+  };
 }
 
 /** @param {SessionRequest} request @param {AbortSignal} signal */

@@ -41,6 +41,7 @@ export function findParts() {
     paper: part("paper", HTMLButtonElement),
     paperFile: html("paper-file"),
     setup: html("setup"),
+    modeName: part("mode-name", HTMLInputElement),
     noBoard: html("no-board"),
     codes: /** @type {NodeListOf<SVGElement>} */ (document.querySelectorAll("svg.qr")),
     addresses: document.querySelectorAll(".board-address"),

@@ -134,6 +134,7 @@ function modeView(page, mode, open, explain) {
     t("cameras.contributors", { count: mode.contributors }),
     ...(outside ? [t("cameras.outside", { count: outside })] : []),
     ...(mode.groups.length > 1 ? [t("cameras.groups", { count: mode.groups.length })] : []),
+    ...(mode.group_names ?? []).filter((name) => name !== null).map((name) => `“${name}”`),
   ];
   const agreed = Object.values(mode.consensus)[0] ?? null;
   const body = el("div", { class: "inside" });

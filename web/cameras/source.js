@@ -16,6 +16,7 @@ import { loadSettings } from "../lib/settings.js";
  * @property {number} required
  * @property {boolean} reliable
  * @property {number | null} fx px
+ * @property {number | null} uncertainty px
  * @property {number | null} calibration_time unix seconds
  *
  * @typedef {object} Found
@@ -35,6 +36,7 @@ import { loadSettings } from "../lib/settings.js";
  * @property {number} required
  * @property {string | null} [reason] why it is not reliable
  * @property {string[][]} groups
+ * @property {(string | null)[]} [group_names] that contributors gave
  * @property {Record<string, Calibration>} consensus by model
  * @property {Member[]} members
  *

@@ -145,10 +145,11 @@ class AsyncClient:
         progress: Progress | None = None,
         *,
         licence: str | None = None,
+        mode_name: str | None = None,
     ) -> CaptureResult:
         """Send the corners of a recording, as `Client.submit` does."""
-        consent = session.consent_of(licence)
-        return await self._run(session.submit(recording, model, Calibration, progress, consent))
+        extras = session.extras_of(licence, mode_name)
+        return await self._run(session.submit(recording, model, Calibration, progress, extras))
 
     async def calibrate_images(
         self,
@@ -160,12 +161,13 @@ class AsyncClient:
         zoom: float | None = None,
         model: str = AUTO,
         licence: str | None = None,
+        mode_name: str | None = None,
     ) -> CaptureResult:
         """Calibrate a camera from pictures of a board, as `Client.calibrate_images` does."""
         from .images import recording_of
 
         recording = await asyncio.to_thread(recording_of, paths, camera, board, platform, zoom)
-        return await self.submit(recording, model, licence=licence)
+        return await self.submit(recording, model, licence=licence, mode_name=mode_name)
 
     async def calibrate(
         self,
@@ -173,6 +175,7 @@ class AsyncClient:
         *,
         model: str = AUTO,
         licence: str | None = None,
+        mode_name: str | None = None,
         keep: Keep | None = None,
         **options: Unpack[CaptureOptions],
     ) -> CaptureResult:
@@ -182,9 +185,9 @@ class AsyncClient:
         """
         from .capture.operation import prepare
 
-        consent = session.consent_of(licence)
+        extras = session.extras_of(licence, mode_name)
         operation = await asyncio.to_thread(prepare, camera, **options)
-        flow = operation.by_service(live_model(model), keep or ignore, Calibration, consent)
+        flow = operation.by_service(live_model(model), keep or ignore, Calibration, extras)
         return await self._run(flow, in_thread=True)
 
     async def check(

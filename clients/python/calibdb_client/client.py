@@ -185,6 +185,7 @@ class Client:
         progress: Progress | None = None,
         *,
         licence: str | None = None,
+        mode_name: str | None = None,
     ) -> CaptureResult:
         """Send the corners of a recording; those that agree become a calibration of the database.
 
@@ -198,12 +199,14 @@ class Client:
         licence
             ``CC0-1.0``: the contributor agrees that the corners and the calibration are given away under CC0
             1.0. Without it they count in consensuses and stay out of the public dumps.
+        mode_name
+            Public name of the mode that the camera is in, such as ``stabilisation on``.
 
         Raises CaptureError if the views do not suffice.
         """
-        consent = session.consent_of(licence)
+        extras = session.extras_of(licence, mode_name)
         make = self._calibration
-        return self._run(session.submit(recording, model, make, progress, consent))
+        return self._run(session.submit(recording, model, make, progress, extras))
 
     def calibrate(
         self,
@@ -211,6 +214,7 @@ class Client:
         *,
         model: str = AUTO,
         licence: str | None = None,
+        mode_name: str | None = None,
         keep: Keep | None = None,
         **options: Unpack[CaptureOptions],
     ) -> CaptureResult:
@@ -221,8 +225,8 @@ class Client:
         camera
             An open camera, an index, path or name of one here, the address of a stream, a video file, or any
             object with `read()`.
-        model, licence
-            Distortion model, of ``auto`` rectilinear; the licence as in `submit`.
+        model, licence, mode_name
+            Distortion model, of ``auto`` rectilinear; the others as in `submit`.
         keep
             Called with the recording after every view, to save it.
         options
@@ -233,9 +237,9 @@ class Client:
         """
         from .capture.operation import prepare
 
-        consent = session.consent_of(licence)
+        extras = session.extras_of(licence, mode_name)
         operation = prepare(camera, **options)
-        flow = operation.by_service(live_model(model), keep or ignore, self._calibration, consent)
+        flow = operation.by_service(live_model(model), keep or ignore, self._calibration, extras)
         return self._run(flow)
 
     def check(
@@ -280,6 +284,7 @@ class Client:
         zoom: float | None = None,
         model: str = AUTO,
         licence: str | None = None,
+        mode_name: str | None = None,
     ) -> CaptureResult:
         """Calibrate a camera from pictures of a board. Only the corners are sent.
 
@@ -293,7 +298,7 @@ class Client:
             The board; recognised unless given.
         platform, zoom
             As in `key_of`; ``photographs`` is the platform of a bare label.
-        model, licence
+        model, licence, mode_name
             As in `submit`.
 
         Raises CaptureError if they do not suffice, MissingPackageError without OpenCV.
@@ -301,7 +306,7 @@ class Client:
         from .images import recording_of
 
         recording = recording_of(paths, camera, board, platform, zoom)
-        return self.submit(recording, model, licence=licence)
+        return self.submit(recording, model, licence=licence, mode_name=mode_name)
 
     def calibrate_rig(
         self,

@@ -111,6 +111,11 @@ def consent_of(licence: str | None) -> dict[str, str]:
     return {"licence": LICENCE, "licence_version": LICENCE_VERSION}
 
 
+def extras_of(licence: str | None, mode_name: str | None) -> dict[str, str]:
+    """Return the members of a session that its contributor chooses: consent, and the name of the mode."""
+    return consent_of(licence) | ({"mode_name": mode_name} if mode_name else {})
+
+
 def submit(
     recording: Recording,
     model: str,

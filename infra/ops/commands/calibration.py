@@ -9,7 +9,7 @@ import typer
 from infra.ops.options import DryRun, complete_reason
 from infra.ops.session import open_run
 
-app = typer.Typer(help="Withdraw and restore single calibrations.", no_args_is_help=True)
+app = typer.Typer(help="Withdraw, restore and unname single calibrations.", no_args_is_help=True)
 Ids = Annotated[list[str], typer.Argument(metavar="ID", help="As `camera show` prints them.")]
 
 
@@ -35,6 +35,20 @@ def withdraw(
                 run.output.line(f"would be withdrawn: {calibration_id}")
             elif not withdrawal.withdraw(run.context, calibration_id, reason):
                 run.output.line("it was withdrawn before")
+
+
+@app.command("unname")
+def unname(ids: Ids, dry_run: DryRun = False) -> None:
+    """Remove the names that contributors gave to modes of cameras; the calibrations stay."""
+    with open_run() as run:
+        from infra.ops import withdrawal
+
+        for calibration_id in run.context.track(ids, "calibrations", len(ids)):
+            if dry_run:
+                name = withdrawal.get(run.context, calibration_id).mode_name
+                run.output.line(f"would lose its name: {calibration_id} {name or '(it has none)'}")
+            elif not withdrawal.unname(run.context, calibration_id):
+                run.output.line("it has no name")
 
 
 @app.command("restore")

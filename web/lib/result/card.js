@@ -153,7 +153,9 @@ function nextSteps(result, trial, id) {
       : practice
         ? []
         : [el("a", { href: againAddress(calibration) }, t("result.calibrate_again"))]),
-    ...(practice ? [] : [el("a", { href: pageUrl("mine/").href }, t("result.compare"))]),
+    ...(practice
+      ? []
+      : [el("a", { href: pageUrl(`mine/?${new URLSearchParams(id ? { with: id } : {})}`).href }, t("result.compare"))]),
     el("a", { href: pageUrl("rig/").href }, t("result.several")),
   ];
   return el(

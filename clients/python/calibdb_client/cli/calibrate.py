@@ -17,7 +17,16 @@ from ..recording import Recording
 from ..session import calibrate_offline
 from . import live, options
 from .board import chosen_board
-from .capture_options import add_fix, add_licence, add_source, fix_of, kind_of, licence_of, new_name
+from .capture_options import (
+    add_fix,
+    add_licence,
+    add_mode_name,
+    add_source,
+    fix_of,
+    kind_of,
+    licence_of,
+    new_name,
+)
 from .conclusion import NO_TARGET, Target, conclude, target_of
 from .output import Output
 from .progress import progress
@@ -41,6 +50,7 @@ def add(commands: Any) -> None:
     add_fix(parser)
     parser.add_argument("-v", "--verbose", action="store_true", help="print a row for each picture")
     add_licence(parser)
+    add_mode_name(parser)
     options.add_service(parser)
     parser.set_defaults(run=run)
 
@@ -140,7 +150,13 @@ def finish(
             result = calibrate_offline(recording, chosen.model, int(time.time()), fix_of(chosen), start)
         else:
             with options.client(chosen) as client, progress("views") as advance:
-                result = client.submit(recording, chosen.model, advance, licence=chosen.licence)
+                result = client.submit(
+                    recording,
+                    chosen.model,
+                    advance,
+                    licence=chosen.licence,
+                    mode_name=chosen.mode_name,
+                )
     except CaptureError:
         raise
     except CalibDBError as error:

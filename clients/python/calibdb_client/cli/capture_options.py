@@ -75,6 +75,15 @@ def add_licence(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_mode_name(parser: argparse.ArgumentParser) -> None:
+    """Add the name of the camera's mode."""
+    parser.add_argument(
+        "--mode-name",
+        metavar="NAME",
+        help='name of the mode that the camera is in, such as "stabilisation on"; public',
+    )
+
+
 def add_source(parser: argparse.ArgumentParser, several: bool = True) -> None:
     """Add the source, the options of its camera, and those of the board."""
     parser.add_argument(

@@ -68,7 +68,14 @@ def capture(
             result = offline.calibrate(source, model=chosen.model, keep=keep, **arguments)
         else:
             with options.client(chosen) as client:
-                result = client.calibrate(source, model=chosen.model, keep=keep, licence=licence, **arguments)
+                result = client.calibrate(
+                    source,
+                    model=chosen.model,
+                    keep=keep,
+                    licence=licence,
+                    mode_name=chosen.mode_name,
+                    **arguments,
+                )
     except (CalibDBError, CaptureInterruptedError) as error:
         if error.recording is not None and error.recording.views:
             _say_how_to_go_on(error.recording, kept, output)

@@ -9,7 +9,7 @@ from ..errors import UsageError
 from ..key import UNNAMED
 from ..recording import Recording
 from . import live, options
-from .capture_options import add_licence, add_model, add_show, licence_of
+from .capture_options import add_licence, add_mode_name, add_model, add_show, licence_of
 from .output import Output
 
 
@@ -28,6 +28,7 @@ def add(commands: Any) -> None:
     add_show(parser)
     add_model(parser)
     add_licence(parser)
+    add_mode_name(parser)
     options.add_service(parser)
     parser.set_defaults(run=run)
 

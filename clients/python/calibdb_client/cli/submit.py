@@ -14,7 +14,7 @@ from ..recording import Recording
 from . import options
 from .board import add_square
 from .calibrate import finish
-from .capture_options import add_fix, add_licence, add_model, fix_of, licence_of
+from .capture_options import add_fix, add_licence, add_mode_name, add_model, fix_of, licence_of
 from .output import Output
 
 
@@ -35,6 +35,7 @@ def add(commands: Any) -> None:
     add_square(parser)
     add_fix(parser)
     add_licence(parser)
+    add_mode_name(parser)
     options.add_service(parser)
     parser.set_defaults(run=run)
 

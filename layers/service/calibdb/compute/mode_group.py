@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from calibdb.compute.values import camera_of, views_of
+from calibdb.rules.contributed_name import mode_names
 from calibdb.schema import CalibrationDocument, ConsensusDocument, FittingGroup, ModeViews
 from calibdb.service import Service
 from calibsolver import Board, CalibrationError
@@ -35,4 +36,5 @@ def fitting_group(service: Service, document: ConsensusDocument, seen: ModeViews
     if index is None:
         return None
     calibration = known[index].model_copy(update={"calibrations": len(groups[index])})
-    return FittingGroup(calibration=calibration, groups=len(known))
+    names = mode_names([[(d.counted_as, d.mode_name or "") for d in group] for group in groups])
+    return FittingGroup(calibration=calibration, groups=len(known), name=names[index])

@@ -19,7 +19,7 @@ SLOPES: dict[str, tuple[float, float, float]] = {
     "virtual": (0.75, 0.4, 0.1),
     "camera_module": (0.2, 0.6, 0.2),
     "depth_camera": (0.75, 0.35, 0.03),
-    "phone_rear": (0.1, 0.1, 0.01),
+    "phone_rear": (0.1, 0.08, 0.01),  # of phones since 2015
     "phone_front": (0.25, 0.2, 0.02),
     "phone_ultrawide": (0.12, 0.25, 0.02),
     "phone_tele": (0.12, 0.25, 0.02),

@@ -21,6 +21,7 @@ _POOLS = {
 _CAMERAS = {"phone_ultrawide": "ultrawide", "phone_tele": "tele", "phone_rear": "wide", "tablet_rear": "wide"}
 _LENS_KINDS = ("phone_ultrawide", "phone_tele")
 _MIN_FAMILY = 4  # models of a maker
+_POOLED_FREEDOM = 32  # models by which the deviation within other makers counts for a maker's own
 _MIN_QUANTILE_COUNT = 19  # models from which the 5th and 95th percentiles are inside the sample
 _QUANTILE = 1.645  # of the normal distribution, 95 %
 
@@ -85,7 +86,9 @@ def family(values: Mapping[tuple[str, str], float], maker: str) -> Population | 
     freedom = sum(len(group) - 1 for group in several)
     if len(own) < _MIN_FAMILY or freedom < _MIN_FAMILY:
         return None
-    within = sum(statistics.variance(group) * (len(group) - 1) for group in several) / freedom
+    pooled = sum(statistics.variance(group) * (len(group) - 1) for group in several) / freedom
+    squares = statistics.variance(own) * (len(own) - 1) + _POOLED_FREEDOM * pooled
+    within = squares / (len(own) - 1 + _POOLED_FREEDOM)
     total = statistics.variance(values.values())
     between = max(total - within, 0.1 * within)
     precision = len(own) / within + 1 / between

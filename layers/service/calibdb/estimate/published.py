@@ -58,6 +58,9 @@ def _one_mode(facts: Sequence[Fact], size: Size) -> tuple[float, float]:
     groups: dict[tuple[bool, bool], list[Fact]] = defaultdict(list)
     for fact in facts:
         groups[is_same_aspect(fact.size, size), fact.what == "specification"].append(fact)
+    if any(fact.n > 1 and is_same_aspect(fact.size, size) for fact in facts):
+        # The deviation of such a row is that of its units: another row does not make it smaller.
+        groups = {key: group for key, group in groups.items() if key[0]}
     mean, sigma = combine([_group(group, size) for group in groups.values()])
     unit = max(_UNIT_SIGMA.get(fact.kind, _OTHER_UNIT_SIGMA) for fact in facts)
     return mean, math.hypot(sigma, unit)

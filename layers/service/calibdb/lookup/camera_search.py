@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from calibdb.camera_key import VERSION, identify
 from calibdb.camera_key.names import is_maker, words
 from calibdb.camera_key.usb_vendors import vendor_of, vendor_words
+from calibdb.rules.contributed_name import mode_names
 from calibdb.schema import Calibration, ConsensusDocument
 from calibdb.schema.cameras import CameraEntry, CameraMode, CameraSize
 from calibdb.store import Store, StreamMode
@@ -112,6 +113,7 @@ def camera_entry(
                 required=min_calibrations,
                 reliable=best.reliable,
                 fx=best.calibration.camera_matrix[0][0] if best.calibration else None,
+                uncertainty=best.calibration.uncertainty.rms if best.calibration else None,
                 calibration_time=best.calibration.calibration_time if best.calibration else None,
             )
         )
@@ -142,6 +144,7 @@ def camera_mode(
     best = best_consensus(consensuses)
     behind = store.consensuses.groups(best)
     groups = behind.groups if behind else ()
+    members, names = store.cameras.members(mode, frozenset(groups[0] if groups else ()), _MAX_MEMBERS)
     return CameraMode(
         img_size=mode.img_size,
         zoom=mode.zoom,
@@ -151,6 +154,7 @@ def camera_mode(
         required=min_calibrations,
         reason=None if best.reliable else best.reason,
         groups=groups,
+        group_names=mode_names([[names[one] for one in group if one in names] for group in groups]),
         consensus={c.distortion_model: c.calibration for c in consensuses if c.calibration},
-        members=tuple(store.cameras.members(mode, frozenset(groups[0] if groups else ()), _MAX_MEMBERS)),
+        members=tuple(members),
     )

@@ -54,7 +54,7 @@ def estimate_for(
         return _with_lens_of(result, here.calibration)
     if fitting is not None and result.basis == "views":
         likely = _with_lens_of(result, fitting.calibration)
-        return likely.model_copy(update={"group": f"{likely.hfov_deg:.0f}°"})
+        return likely.model_copy(update={"group": fitting.name or f"{likely.hfov_deg:.0f}°"})
     return result
 
 

@@ -1,10 +1,12 @@
-"""Name of a camera: the one that most of its contributors sent."""
+"""Names of a camera and of its modes: those that most of their contributors sent."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Sequence
 
 from calibdb.camera_key import public_label, public_platform
+from calibdb.camera_key.mode_name import public_mode_name
 from calibdb.schema import CalibrationDocument
 
 
@@ -16,6 +18,29 @@ def most_contributed_label(group: Sequence[CalibrationDocument]) -> str:
 def most_contributed_platform(group: Sequence[CalibrationDocument]) -> str:
     """Return the platform that most contributors of a group sent, by today's rules; of equals the oldest."""
     return _most_contributed(group, lambda document: public_platform(document.platform))
+
+
+def mode_names(groups: Sequence[Iterable[tuple[str, str]]]) -> tuple[str | None, ...]:
+    """Return the name of each group that most of its contributors gave, by today's rules.
+
+    None if they gave none, or another group has the same one. `groups`: contributors and the names they gave;
+    empty if they gave none.
+    """
+    names = [_mode_name(group) for group in groups]
+    counts = Counter(name.casefold() for name in names if name)
+    return tuple(name if name and counts[name.casefold()] == 1 else None for name in names)
+
+
+def _mode_name(group: Iterable[tuple[str, str]]) -> str | None:
+    contributors: dict[str, set[str]] = defaultdict(set)
+    spellings: dict[str, str] = {}
+    for contributor, text in group:
+        if name := public_mode_name(text):
+            contributors[name.casefold()].add(contributor)
+            spellings[name.casefold()] = min(spellings.get(name.casefold(), name), name)
+    if not contributors:
+        return None
+    return spellings[max(sorted(contributors), key=lambda name: len(contributors[name]))]
 
 
 def _most_contributed(

@@ -72,6 +72,7 @@ def to_calibration(document: SessionDocument) -> CalibrationDocument:
         track=document.track,
         capture=document.capture,
         rig=document.rig,
+        mode_name=document.mode_name,
         **document.consent,
         views=tuple(view for view in document.views if view.set_aside is None),
         set_aside=tuple(view for view in document.views if view.set_aside is not None),

@@ -74,6 +74,7 @@ def begin(
         track=request.track,
         capture=request.capture,
         **request.consent,
+        mode_name=request.mode_name,
         prior=seed,
     )
 

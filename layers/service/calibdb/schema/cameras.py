@@ -55,6 +55,9 @@ class CameraSize(Open):
     required: int = Field(description="Number of calibrations that must agree before lookups return them.")
     reliable: bool = Field(description="True if lookups return it, for at least one model.")
     fx: float | None = Field(description="px; null: there is no consensus yet.")
+    uncertainty: float | None = Field(
+        description="`uncertainty.rms` of the consensus, px; null: there is no consensus yet."
+    )
     calibration_time: int | None = Field(description="Of the newest that agrees; Unix time, seconds.")
 
 
@@ -101,6 +104,9 @@ class CameraMode(Open):
     required: int = Field(description="Number of calibrations that must agree before lookups return them.")
     reason: Reason | None = Field(description="Why it is not reliable by any model; null: it is.")
     groups: tuple[tuple[str, ...], ...] = Field(description="Calibrations that agree, largest group first.")
+    group_names: tuple[str | None, ...] = Field(
+        description="Of each group the name of the mode that most of its contributors gave; null: none."
+    )
     consensus: dict[DistortionModel, Calibration] = Field(description="By model; where there is one.")
     members: tuple[CameraMember, ...] = Field(description="The newest, last begun first.")
 

@@ -70,6 +70,7 @@ class CaptureDocument(Open, Licensed):
     track: Track
     capture: CaptureKind = "live"
     rig: RigMembership | None = Field(None, exclude_if=is_none)
+    mode_name: str | None = Field(None, exclude_if=is_none)  # what its contributor calls the camera's mode
 
 
 class SessionDocument(CaptureDocument):

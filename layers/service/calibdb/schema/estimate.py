@@ -46,6 +46,7 @@ class Estimate(Open):
     group: str | None = Field(
         None,
         exclude_if=is_none,
-        description="Name of the group of calibrations that fits the views, by its field of view.",
+        description="Name of the group of calibrations that fits the views: the one that most of its "
+        "contributors gave to the mode, else its field of view.",
     )
     sources: tuple[Source, ...] = Field((), description="Publications that the estimate rests on.")

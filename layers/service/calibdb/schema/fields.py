@@ -16,6 +16,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from calibdb.camera_key.mode_name import MAX_MODE_NAME, public_mode_name
 from calibdb.camera_key.system import with_device
 from calibdb.camera_key.visible import MAX_TEXT_LENGTH, visible
 from calibdb.schema.deferred import Deferred
@@ -93,6 +94,20 @@ Label = Annotated[
     StringConstraints(strip_whitespace=True, min_length=1, max_length=MAX_LABEL),
     BeforeValidator(_in_one_line),
 ]
+
+
+def _mode_name(text: str) -> str:
+    if not (name := public_mode_name(text)):
+        raise PydanticCustomError(
+            "mode_name",
+            "the name of a mode has at most {most} letters, digits, spaces and ° . , : + × % / -, and names "
+            "no person or address",
+            {"most": MAX_MODE_NAME},
+        )
+    return name
+
+
+ModeName = Annotated[str, StringConstraints(min_length=1, max_length=MAX_LABEL), AfterValidator(_mode_name)]
 
 
 def _whole(value: object) -> object:

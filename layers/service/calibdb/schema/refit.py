@@ -62,10 +62,11 @@ class RefitRequest(Open):
 
 
 class FittingGroup(Open):
-    """Most certain calibration of the one group that fits views, and the number of groups."""
+    """Most certain calibration of the one group that fits views, the number of groups, and its name."""
 
     calibration: Calibration
     groups: int
+    name: str | None = None
 
 
 class RefitAnswer(Open):

@@ -17,6 +17,7 @@ from calibdb.schema.fields import (
     ImgSize,
     Index,
     Label,
+    ModeName,
     Open,
     Pixel,
     Row,
@@ -117,6 +118,11 @@ class SessionRequest(Strict, Licensed):
     )
     rig: RigJoin | None = Field(
         None, description="The rig that this camera joins; then the rig ends the session."
+    )
+    mode_name: ModeName | None = Field(
+        None,
+        description="Public name of the camera's mode, such as `stabilisation on`. If the calibrations of "
+        "the camera fall into groups, a group has the name that most of its contributors gave.",
     )
 
     @model_validator(mode="after")

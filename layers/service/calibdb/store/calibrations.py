@@ -1,4 +1,6 @@
-"""Finished calibrations: objects, to which only a licence is ever added, and the index items that find them.
+"""Finished calibrations: objects that hardly change, and the index items that find them.
+
+Only a licence is ever added to an object, and an operator may remove the name of its mode.
 
 One that was withdrawn keeps its object; a tombstone next to it, `<id>.withdrawn.json`, says so, and its item
 is marked. It counts for nothing any more, and publishing it again does not bring it back.
@@ -83,7 +85,8 @@ class Calibrations:
 
     def publish(self, document: CalibrationDocument) -> None:
         """Store the calibration and let the index find it; done twice, it is done once."""
-        self._objects.create(_name(document.id), document.model_dump_json().encode())
+        if not self._objects.create(_name(document.id), document.model_dump_json().encode()):
+            document = self.get(document.id) or document  # with what was changed since
         if self._table.put(_item(with_current_key(document)), _NOT_WITHDRAWN):
             self._catalogue.publish(document)
 
@@ -98,6 +101,19 @@ class Calibrations:
             if self._objects.replace(name, licensed.model_dump_json().encode(), version[1]):
                 self._table.put(_item(with_current_key(licensed)), _NOT_WITHDRAWN)
                 return
+
+    def remove_mode_name(self, calibration_id: str) -> bool:
+        """Remove the name that a contributor gave to the mode; False if there is none. For operators."""
+        name = _name(calibration_id)
+        while (version := self._objects.get_version(name)) is not None:
+            document = CalibrationDocument.model_validate_json(version[0])
+            if document.mode_name is None:
+                return False
+            unnamed = document.model_copy(update={"mode_name": None})
+            if self._objects.replace(name, unnamed.model_dump_json().encode(), version[1]):
+                self._table.put(_item(with_current_key(unnamed)), _NOT_WITHDRAWN)
+                return True
+        return False
 
     def index(self, document: CalibrationDocument, *, withdrawn: bool = False) -> None:
         """Write the index item; it follows from the bucket, so that writing it again changes nothing."""
@@ -251,6 +267,8 @@ def _item(document: CalibrationDocument) -> Item:
     fit = document.fits.get(document.distortion_model)
     shown = fit.model_dump_json(include={"camera_matrix", "avg_reprojection_error"}) if fit else "{}"
     item: Item = {"licence": document.licence} if document.licence else {}
+    if document.mode_name:
+        item["mode_name"] = document.mode_name
     return item | {
         "pk": camera_pk(document.camera_key),
         "sk": calibrations_prefix(document.img_size, document.zoom) + document.id,

@@ -120,12 +120,22 @@ class Cameras:
         names = {str(item["sk"]).rpartition("#")[2]: str(item["name"]) for item in items}
         return list(names.items()), str(items[-1]["sk"]) if more and items else None
 
-    def members(self, mode: StreamMode, group: frozenset[str], limit: int) -> list[CameraMember]:
-        """Return the newest calibrations at a size and zoom that count; `group`: those that agree."""
+    def members(
+        self, mode: StreamMode, group: frozenset[str], limit: int
+    ) -> tuple[list[CameraMember], dict[str, tuple[str, str]]]:
+        """Return the newest calibrations at a size and zoom that count; `group`: those that agree.
+
+        Also, by id, the contributors and names of those whose contributors named the mode.
+        """
         prefix = calibrations_prefix(mode.img_size, mode.zoom)
         items = self._table.query(mode.pk, prefix, newest_first=True, limit=limit)
-        counted = (item for item in items if "withdrawn" not in item and item.get("native", 1) != 0)
-        return [member for item in counted if (member := _member(item, group)) is not None]
+        counted = [item for item in items if "withdrawn" not in item and item.get("native", 1) != 0]
+        names = {
+            str(item["sk"]).rpartition("#")[2]: (str(item["source"]), str(item["mode_name"]))
+            for item in counted
+            if "mode_name" in item
+        }
+        return [member for item in counted if (member := _member(item, group)) is not None], names
 
 
 def _id_support(item: Item) -> IdSupport | None:

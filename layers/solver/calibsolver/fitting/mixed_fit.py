@@ -38,8 +38,6 @@ MIN_SHAPE_DECREASE = 15.0
 more to one flat board in a hundred."""
 TYPICAL_NOISE_WIDTHS = 0.25 / 1280
 """Noise of a corner's coordinate / image width that is usual."""
-NO_METRIC: Array = np.zeros((0, 0))
-"""Metric of a linearization that is not asked for error bars."""
 PRIOR_NOISE_WIDTHS = 1e-5
 """Noise / image width below which the prior of the intrinsics gains no more weight."""
 IN_SHAPE = Options(tolerance=1e-8, one_step=True)
@@ -168,26 +166,6 @@ class ShapedProblem(LeastSquares):
 
 
 @dataclass(frozen=True, eq=False)
-class Linearization:
-    """Mixed model of the views about a state.
-
-    Attributes
-    ----------
-    state
-        State of a `ShapedProblem`.
-    effects
-        (MOTION_SIZE, 2, v, n) displacements by motion, px.
-    evidence, model
-        Of the points that count.
-    """
-
-    state: State
-    effects: Array
-    evidence: Evidence
-    model: MixedModel
-
-
-@dataclass(frozen=True, eq=False)
 class MixedFit:
     """Fit of a board's shape with the rest.
 
@@ -223,32 +201,34 @@ class MixedFit:
         if noise2 < (PRIOR_NOISE_WIDTHS * drawn.width) ** 2:  # a bend leaves more
             return None
         fit = cls(ShapedProblem.of(drawn, Variances(noise2)), labels)
-        at = fit.linearize(fit.problem.start(state), good)
-        fit, v = fit._learn(at.model)
-        if not at.model.shape_gain(v) > MIN_SHAPE_DECREASE:
+        begun = fit.problem.start(state)
+        model = fit.linearize(begun, good)
+        fit, v = fit._learn(model)
+        if not model.shape_gain(v) > MIN_SHAPE_DECREASE:
             return None
-        return fit._at_variances(at.model, v), at.state
+        return fit._at_variances(model, v), begun
 
-    def linearize(self, state: State, good: Mask, metric: Array | None = NO_METRIC) -> Linearization:
-        """Gather the mixed model of the good points (v, n) about a state.
-
-        `metric` (p, p) is that of the projection error (`robust_covariance.Evidence`); None: at the corners.
-        """
-        drawn = self.problem.drawn
-        by_pose, rows = state.rows[-POSE_SIZE - 1 : -1], drawn.row_positions
-        effects = systematic_effects.motion(by_pose, drawn.obs.points, rows)
+    def linearize(self, state: State, good: Mask) -> MixedModel:
+        """Mixed model of the good points (v, n) about a state."""
         used = None if good.all() else good
-        evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, used)
-        if metric is None:  # the shape is not part of the camera
-            known = np.zeros_like(evidence.metric)
-            known[SHAPE_SIZE:, SHAPE_SIZE:] = evidence.metric[SHAPE_SIZE:, SHAPE_SIZE:]
-            evidence = replace(evidence, metric=known)
+        gram = robust_covariance.cluster_grams(state.rows, self._motion(state), self.labels, used)
+        return self._model(state, good, gram)
+
+    def _motion(self, state: State) -> Array:
+        """Displacements (MOTION_SIZE, 2, v, n) by motion, px."""
+        drawn = self.problem.drawn
+        by_pose = state.rows[-POSE_SIZE - 1 : -1]
+        return systematic_effects.motion(by_pose, drawn.obs.points, drawn.row_positions)
+
+    def _model(self, state: State, good: Mask, gram: Array) -> MixedModel:
+        """Mixed model of the Gram matrices of the good points (v, n) about a state."""
+        drawn = self.problem.drawn
         r, j = state.prior_residuals[SHAPE_SIZE:], state.prior_jacobian[SHAPE_SIZE:, SHAPE_SIZE:]
         noise2 = self.problem.variances.noise2
         # Below any detector's noise the prior keeps some weight: corners without any would leave it none.
         weight = max((PRIOR_NOISE_WIDTHS * drawn.width) ** 2 / noise2, 1.0)
-        mixed = MixedModel(
-            evidence.gram,
+        return MixedModel(
+            gram,
             2 * int(good.sum()) - POSE_SIZE * int(good.any(axis=1).sum()),
             (weight * j.T @ j, weight * j.T @ r),
             state.k[:SHAPE_SIZE],
@@ -257,12 +237,11 @@ class MixedFit:
             EXPECTED_MOTION * min(noise2 / (TYPICAL_NOISE_WIDTHS * drawn.width) ** 2, 1.0),
             self.max_stretch,
         )
-        return Linearization(state, effects, evidence, mixed)
 
-    def learnt(self, at: Linearization) -> "MixedFit":
+    def learnt(self, model: MixedModel) -> "MixedFit":
         """Return the fit at the variances that a linearization teaches."""
-        fit, v = self._learn(at.model)
-        return fit._at_variances(at.model, v)
+        fit, v = self._learn(model)
+        return fit._at_variances(model, v)
 
     def _learn(self, model: MixedModel) -> "tuple[MixedFit, Variances]":
         """Learn the variances; a stretch that no printer causes is not one, and has next to none."""
@@ -299,20 +278,26 @@ class MixedFit:
         metric
             (p, p) of what the covariance is for, without the shape; None: at the corners.
         """
-        noise2 = sigma**2
+        noise2, effects = sigma**2, self._motion(state)
         if metric is not None:
             metric = block_diagonal(np.zeros((SHAPE_SIZE, SHAPE_SIZE)), metric)
-        at = self.linearize(state, good, metric)
-        model = at.model
+        used = None if good.all() else good
+        evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, used)
+        model = self._model(state, good, evidence.gram)
         v = model.learn(replace(self.problem.variances, noise2=noise2))
         if not np.array_equal(mask, good):
             u = model.moved(model.solve(v).u)
-            left = state.rows[-1] + np.einsum("vm,mavn->avn", u[self.labels], at.effects)
+            left = state.rows[-1] + np.einsum("vm,mavn->avn", u[self.labels], effects)
             seen = good | (mask & (np.sum(left**2, axis=0) < (outliers.OUTLIER_SIGMAS * sigma) ** 2))
             if not np.array_equal(seen, good):
-                v = self.linearize(state, seen).model.learn(v)
+                gram = robust_covariance.with_more_points(
+                    evidence.gram, state.rows, effects, self.labels, good, seen
+                )
+                v = self._model(state, seen, gram).learn(v)
         v = replace(v, motion=trusted_motion(v, model.noise2))
-        return _covariance(model, at.evidence.metric, v, noise2)
+        of_camera = np.zeros_like(evidence.metric)  # the shape is not part of the camera
+        of_camera[SHAPE_SIZE:, SHAPE_SIZE:] = evidence.metric[SHAPE_SIZE:, SHAPE_SIZE:]
+        return _covariance(model, of_camera, v, noise2)
 
 
 def _covariance(model: MixedModel, metric: Array, v: Variances, noise2: float) -> Result:
