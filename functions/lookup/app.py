@@ -57,15 +57,20 @@ def _answer(call: application.Call, request: LookupRequest) -> Response:
     now = call.service.clock()
     if found.answer is not None:
         metrics.count(now, Lookups=1)
+        answer = found.answer
+        if request.estimate == "always":
+            answer = answer.model_copy(update={"estimate": estimate_for(request, ())})
         return application.json_response(
-            found.answer, headers=_PUBLIC_CACHE if call.request.method != "POST" else None
+            answer, headers=_PUBLIC_CACHE if call.request.method != "POST" else None
         )
     url = call.service.settings.guidance_url + "?" + request.key_query
     likely = estimate_for(request, found.known, _fitting_group(call, request, found))
-    miss = Miss(guidance_url=url, reason=found.reason, detail=found.detail, estimate=likely)
     if request.miss == "ok":
         metrics.count(now, Lookups=1, Misses=1)
-        return application.json_response(NoCalibration(**dict(miss)))
+        return application.json_response(
+            NoCalibration(guidance_url=url, reason=found.reason, detail=found.detail, estimate=likely)
+        )
+    miss = Miss(guidance_url=url, reason=found.reason, detail=found.detail, estimate=likely)
     if not (request.redirect and call.flag("redirect", default=True)):
         metrics.count(now, Lookups=1, Misses=1)
         facts = miss.model_dump(mode="json", include={"guidance_url", "reason", "estimate"})

@@ -22,6 +22,8 @@ def rows() -> Iterator[Row]:
         yield Row("lookup handler, p50", p50(lookup, repeat=200), 5, "ms", "gateway included")
         before = cpu(lookup)
         yield Row("lookup handler, processor time", before, None, "ms")
+        missed = cpu(one_unknown(stack))
+        yield Row("a lookup that misses, with its estimate, to it", missed / before, 1.1, "x")
         crowd(stack, CAMERAS)
         after = cpu(lookup)
         yield Row(f"the same among {CAMERAS:,} cameras", after / before, 1.2, "x")
@@ -37,6 +39,18 @@ def one_known(stack: Server) -> Callable[[], object]:
     def lookup() -> None:
         answer = client.lookup(camera=C920, platform=LINUX)
         if answer.status != 200:
+            raise RuntimeError(answer.body.decode())
+
+    return lookup
+
+
+def one_unknown(stack: Server) -> Callable[[], object]:
+    """Return a lookup of a camera without calibrations, whose estimate is published."""
+    client = Client(stack)
+
+    def lookup() -> None:
+        answer = client.lookup(camera="Logitech C270 (046d:0825)", platform=LINUX, miss="ok")
+        if answer.json["estimate"]["basis"] != "published":
             raise RuntimeError(answer.body.decode())
 
     return lookup

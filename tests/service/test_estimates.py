@@ -174,6 +174,17 @@ def test_a_hit_has_none_and_a_miss_reads_no_more_and_writes_nothing(stack: Serve
     assert calls == ["Query"]
 
 
+def test_a_hit_has_the_estimate_without_it_if_asked(stack: Server) -> None:
+    camera = "Compared Cam K1 (1111:0005)"
+    before = estimate(stack, camera, img_size=(1920, 1080))
+    put(stack, consensus(fit((1920, 1080), 1400.0, uncertainty=0.1), camera=camera))
+    with storage_calls(stack) as calls:
+        hit = ask(stack, camera, img_size=(1920, 1080), estimate="always")
+    assert hit.json["camera_matrix"][0][0] == 1400.0
+    assert hit.json["estimate"] == before
+    assert calls == ["Query"]
+
+
 def test_python_client_and_command_say_what_is_likely(
     stack: Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,5 +1,6 @@
 // Frames of a video file, each once: the browser plays it, and says of each picture which frame it is.
 import { grab } from "../lib/detector.js";
+import { sizeOf } from "./card.js";
 
 /**
  * @typedef {{time: number, picture: ImageBitmap | VideoFrame}} VideoPicture time: s, of the frame in the video
@@ -51,7 +52,7 @@ export async function* playedFrames(video, most, signal) {
     if (mediaTime > last && mediaTime >= due) {
       last = mediaTime;
       due = stride * (Math.floor((mediaTime + TOLERANCE_S) / stride) + 1) - TOLERANCE_S;
-      waiting.push({ time: mediaTime, picture: grab(video) });
+      waiting.push({ time: mediaTime, picture: pictureOf(video) });
       wake();
     }
     if (waiting.length >= MAX_WAITING) video.pause();
@@ -81,6 +82,18 @@ export async function* playedFrames(video, most, signal) {
     end.abort();
     for (const { picture } of waiting) void picture.then((each) => each.close());
   }
+}
+
+/**
+ * The frame as it is shown: some browsers do not turn the frames of a video that was taken upright.
+ * @param {HTMLVideoElement} video
+ */
+async function pictureOf(video) {
+  const frame = await grab(video);
+  const [width, height] = sizeOf(frame);
+  if (width === video.videoWidth && height === video.videoHeight) return frame;
+  frame.close();
+  return createImageBitmap(video);
 }
 
 /** A video that is let go of meanwhile rejects. @param {HTMLVideoElement} video */

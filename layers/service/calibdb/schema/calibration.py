@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from calibdb.schema.board import Board
+from calibdb.schema.estimate import Estimate
 from calibdb.schema.fields import DistortionModel, ImgSize, Members, Open, Row
 from calibdb.schema.licence import Licensed
 from calibdb.schema.membership import is_none
@@ -169,6 +170,11 @@ class LookupAnswer(Calibration):
     )
     adapted: Adapted | None = Field(
         None, description="Parameters for the requested size or zoom; null if they could not be verified."
+    )
+    estimate: Estimate | None = Field(
+        None,
+        exclude_if=is_none,
+        description="Estimate of the camera without its calibrations, if the request asked for it.",
     )
 
 

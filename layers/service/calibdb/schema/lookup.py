@@ -110,6 +110,11 @@ class LookupRequest(Deferred):
     redirect: Annotated[bool, BeforeValidator(_flag)] = Field(
         True, description="`false`: 404 with `guidance_url` instead of a redirect."
     )
+    estimate: Literal["always"] | None = Field(
+        None,
+        description="`always`: a calibration comes with an `estimate`, too: that of the camera if the "
+        "database had no calibration of it.",
+    )
     miss: Literal["ok"] | None = Field(
         None, description="`ok`: a miss returns 200 with `calibration: null` instead of 307 or 404."
     )

@@ -269,7 +269,7 @@ class LeastSquares(ABC):
                 da, dp, predicted, elimination = system.step(damping)
                 if not predicted > tolerance:
                     return replace(state, converged=bool(np.isfinite(predicted)))
-                if predicted > SAME_STEP * uphill:
+                if predicted > SAME_STEP * uphill and not curved:
                     refused, damping = damping, damping * 10
                     continue
                 step = Step(da, dp, predicted, -predicted, predicted)
