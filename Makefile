@@ -117,7 +117,7 @@ kills fuzz:
 	@$(MAKE) --no-print-directory thorough ONLY=$@
 
 bench: export PYTHONPATH := $(PYTHONPATH):clients/python
-bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,hand,consensus,uncertainty,extrapolation,domain,honesty,real-views,board-shape,contributors,rigs,frc,keys,estimates,first-views,load,memory,cost,slowest,page-speed
+bench: $(SETUP) ## print the budgets, ONLY=solver,lookup; or regenerate figures, DOCS=accuracy,capture,guidance,hand,consensus,uncertainty,extrapolation,domain,honesty,real-views,board-shape,contributors,real-contributors,rigs,frc,keys,estimates,first-views,load,memory,cost,slowest,page-speed
 ifdef DOCS
 	@set -e; for name in $(call words_of,$(DOCS)); do $(MAKE) --no-print-directory .bench-$$name; done
 else
@@ -128,8 +128,8 @@ endif
 .bench-load:
 	@$(PY) -m tests.bench.crowd
 
-# SEEDS=3 ONLY=jy_left,uk; it detects boards in videos as the client does
-.bench-capture: export PYTHONPATH := $(PYTHONPATH):clients/python
+# SEEDS=3 ONLY=jy_left,uk; they detect boards in videos as the client does
+.bench-capture .bench-real-contributors: export PYTHONPATH := $(PYTHONPATH):clients/python
 
 .bench-cost:
 	@$(ONE_CORE) $(PY) -m tests.bench.cost

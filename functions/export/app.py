@@ -1,15 +1,28 @@
-"""Export: one stored calibration, or one consensus, or a file of another tool, as another tool's file."""
+"""Export: one stored calibration, or one consensus, or a file of another tool, as another tool's file.
+
+Also the page of a calibration, with a head for messengers, which run no scripts.
+"""
 
 from __future__ import annotations
 
+import functools
+import time
+from urllib.parse import urljoin
+
 from starlette.responses import Response
 
-from calibdb.errors import GoneError, InvalidError
+from calibdb.errors import GoneError, InvalidError, NotFoundError
 from calibdb.http import application
+from calibdb.http.part_checks import read_file
 from calibdb.lookup.reported_calibration import read_reported
+from calibdb.lookup.result_page import shared_page
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery
 
 AS_IT_IS = {"X-Conversion-Error": "0", "X-Conversion-Coverage": "1"}
+
+_PAGE_LIMIT_S, _MAX_PAGE_BYTES = 3.0, 200_000
+_PAGE_TTL_S = 60
+_PAGE_HEADERS = {"Cache-Control": f"public, max-age=0, s-maxage={_PAGE_TTL_S}"}
 
 
 def show(call: application.Call) -> Response:
@@ -60,6 +73,30 @@ def convert(call: application.Call) -> Response:
         return application.file_response(exports.convert_file(asked), with_coverage=True)
 
 
+def show_page(call: application.Call) -> Response:
+    """Return the site's page of results with the title of one; without an id, as it is.
+
+    It needs no credential. If it fails, the edge sends the file of the site.
+    """
+    language = call.request.path_params.get("language", "")
+    if language and not (len(language) == 2 and language.isascii() and language.isalpha()):
+        raise NotFoundError("The site has no such page.")
+    address = urljoin(call.service.settings.guidance_url, f"/{language}/result/index.html".replace("//", "/"))
+    page = site_page(address, int(time.time() / _PAGE_TTL_S))
+    if calibration_id := call.request.query_params.get("id"):
+        page = shared_page(page, call.service.store, calibration_id)
+    return Response(page, 200, _PAGE_HEADERS, "text/html")
+
+
+@functools.lru_cache(maxsize=8)
+def site_page(address: str, _period: int) -> str:
+    """Return a page of the site, read again in each period of `_PAGE_TTL_S`."""
+    return read_file(address, _PAGE_LIMIT_S, _MAX_PAGE_BYTES).decode()
+
+
 handler = application.handler(
-    application.route("/v1/calibrations/{id}", GET=show), application.route("/v1/convert", POST=convert)
+    application.route("/v1/calibrations/{id}", GET=show),
+    application.route("/v1/convert", POST=convert),
+    application.route("/result/index.html", GET=show_page),
+    application.route("/{language}/result/index.html", GET=show_page),
 )

@@ -1,6 +1,6 @@
 """Storage tests against an independent implementation of AWS: `python -m infra.ci.conformance`.
 
-moto stands in for AWS wherever tests run. Where moto is more lenient than AWS, tests would not notice;
+The tests emulate AWS. Where their emulator is more lenient than AWS, tests would not notice;
 ministack is another program by other people.
 """
 

@@ -127,7 +127,7 @@ def _document(
         )
         ours = [board.view(ids, view.image_points) for ids, view in zip(layout.ids, views, strict=True)]
         chosen = model or suggest_model(ours, size).model
-        calibration = fit(ours, size, model=chosen, board_shape=True)
+        calibration = fit(ours, size, model=chosen)
         indices = [i for i in range(len(ours)) if calibration.cut_views.get(i) != "degenerate"]
         if len(indices) < MIN_VIEWS:
             raise OpsError(f"{path} has {len(indices)} usable views, a calibration needs {MIN_VIEWS}")

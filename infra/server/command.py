@@ -59,9 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="calibdb-server", description="calibDB over one SQLite file")
     environment = os.environ
-    parser.add_argument(
-        "--data", type=Path, metavar="DIR", default=Path(environment.get("DATA_DIR") or ".data")
-    )
+    data = Path(environment.get("DATA_DIR") or ".data")
+    parser.add_argument("--data", type=Path, metavar="DIR", default=data)
     parser.add_argument("--host", default="127.0.0.1")
     parser.add_argument("--port", type=int, default=environment.get("PORT") or "8000")
     parser.add_argument("--workers", type=int, metavar="N", default=environment.get("WORKERS") or "1")
@@ -94,7 +93,7 @@ def _serve(server: Server, *, announce: bool = False) -> int:
     with suppress(SystemExit), server:
         _warn(server.damage)
         server.pages.warm()
-        # What is there by now mostly stays; the collector need not walk it in the middle of requests.
+        # What exists by now mostly stays. The collector need not walk it in the middle of requests.
         gc.freeze()
         gc.enable()
         if announce:
@@ -102,17 +101,16 @@ def _serve(server: Server, *, announce: bool = False) -> int:
         with Service.in_server():
             http_server(server.app).run([server.listener])
     if announce:
-        print("stopped", flush=True)
-    # A job or a request that has not ended by now runs again, or was not acknowledged.
+        print("stopped")
     sys.stdout.flush()
+    # A job or a request that has not ended by now runs again, or was not acknowledged.
     os._exit(0)
 
 
 def _announce(url: str, *, is_public: bool) -> None:
-    print(f"calibDB is at {url}/")
+    print(f"calibDB is at {url}/", flush=True)
     if not is_public:
-        print(f"API token, for this machine only: {DEVELOPMENT_TOKEN}")
-    sys.stdout.flush()
+        print(f"API token, for this machine only: {DEVELOPMENT_TOKEN}", flush=True)
 
 
 def _warn(damage: Sequence[str]) -> None:

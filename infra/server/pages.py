@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import re
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from starlette.datastructures import Headers
+from starlette.datastructures import Headers, QueryParams
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import Receive, Scope, Send
 
@@ -21,6 +22,7 @@ from infra.web_build.sdk import SdkError
 from infra.web_build.site_headers import FOR_EVERYONE, compress, headers, media_type
 
 CHECK_INTERVAL_S = 1.0
+_RESULT = re.compile("([a-z]{2}/)?result/")
 _MAX_COMPRESSED_BYTES = 2_000_000  # more would take too long for a request
 
 
@@ -48,14 +50,21 @@ class Pages:
         Content of `/config.json`.
     options
         Facts about the deployment that the pages contain.
+    with_head
+        Called with a result's page and `calibration_id`; returns the page with its title. Runs in a thread.
     """
 
     def __init__(
-        self, folder: Path, settings: Mapping[str, Any], options: site.Options | None = None
+        self,
+        folder: Path,
+        settings: Mapping[str, Any],
+        options: site.Options | None = None,
+        with_head: Callable[..., str] = lambda page, **_: page,
     ) -> None:
         self._folder = folder.resolve()
         self._settings = settings
         self._options = options or site.Options()
+        self._with_head = with_head
         self._made: Mapping[str, bytes] = {}
         self._files: dict[str, tuple[object, _File]] = {}  # by key, with what the file was made of
         self._checked = float("-inf")
@@ -75,6 +84,9 @@ class Pages:
             return
         page = self._find(key) if content is None else _file(key, content)
         if isinstance(page, _File):
+            if _RESULT.fullmatch(key) and (shared := QueryParams(scope["query_string"]).get("id")):
+                head = await asyncio.to_thread(self._with_head, page.content.decode(), calibration_id=shared)
+                page = _file(f"{key}index.html", head.encode())
             await _send(page, scope, send)
             return
         if page is not None:
@@ -151,10 +163,8 @@ async def _send(file: _File, scope: Scope, send: Send) -> None:
     content, own = file.content, file.headers
     for name, value in scope["headers"]:
         if name == b"if-none-match" and file.tag in value:
-            headers_to_send = [
-                header for header in own if header[0] not in (b"content-length", b"content-type")
-            ]
-            await send({"type": "http.response.start", "status": 304, "headers": headers_to_send})
+            own = [header for header in own if header[0] not in (b"content-length", b"content-type")]
+            await send({"type": "http.response.start", "status": 304, "headers": own})
             await send({"type": "http.response.body", "body": b""})
             return
         if name == b"accept-encoding" and file.compressed is not None and b"gzip" in value:

@@ -11,14 +11,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from dataclasses import KW_ONLY, dataclass, field, replace
+from functools import partial
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 import uvicorn
 from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from calibdb.access.tokens import ApiToken, secret_hash
+from calibdb.lookup.result_page import shared_page
 from calibdb.service import Service
 from calibdb.store import Store
 from calibdb.store.ports import Jobs, Storage
@@ -113,9 +114,7 @@ class Server:
             self._running = stack.pop_all()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._running.close()
 
     def _start(self, stack: ExitStack) -> None:
@@ -136,9 +135,8 @@ class Server:
         self.token = self._admit_token()
         """Token of the site's own pages."""
         named = {name: os.environ.get(variable, "") for variable, name in OPERATOR_PARAMETERS.items()}
-        options = Options(self.url, contacts(named))
-        settings = public_settings("/v1", self.token, named)
-        self.pages = Pages(self.web, settings, options)
+        settings, options = public_settings("/v1", self.token, named), Options(self.url, contacts(named))
+        self.pages = Pages(self.web, settings, options, partial(shared_page, store=Store.over(self.storage)))
         threads = ThreadPoolExecutor(_THREADS, thread_name_prefix="function")
         stack.callback(threads.shutdown, wait=self.data is None or not is_worker, cancel_futures=True)
         dumps = PublicObjects(SqliteObjects(folder.database, SITE))
@@ -161,8 +159,7 @@ class Server:
             token = ApiToken(token_id, secret_hash(secret), ORIGINS, plan="development", created=now)
             stored = tokens.get(token_id)
             if stored is None or stored.origins != ORIGINS:
-                stored_token = {each.id: each for each in tokens.all()}.get(token_id, token)
-                tokens.change(replace(stored_token, origins=ORIGINS))
+                tokens.change(replace(stored or token, origins=ORIGINS))
             return DEVELOPMENT_TOKEN
         # Derived from a secret of the folder, so that every process and every start has the same one.
         digest = secret_hash(f"{self.folder.secrets.session}\0page\0{self.public.url}")
@@ -170,9 +167,7 @@ class Server:
         if tokens.get(token_id) is None:
             origins = (self.public.url,)
             tokens.change(ApiToken(token_id, secret_hash(secret), origins, plan="page", created=now))
-        if tokens.get("dev") is not None:
-            stored = tokens.get("dev")
-            assert stored is not None  # noqa: S101
+        if (stored := tokens.get("dev")) is not None:
             tokens.revoke(stored, now)
         return f"cdb_{token_id}_{secret}"
 

@@ -3,16 +3,12 @@
 import os
 import subprocess
 import sys
-import threading
-from collections.abc import Iterator
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from textwrap import dedent
 
 import boto3
 import pytest
 
-from infra.deploy.intrinsics import TemplateError
 from tests.aws.emulator import LocalStack
 from tests.helpers.stack.toy_stack import deploy
 
@@ -52,58 +48,6 @@ def test_a_developers_own_aws_settings_do_not_matter(template: Path, monkeypatch
         assert stack.request("GET", "/v1/read").status == 200
         assert boto3.client("s3").list_objects_v2(Bucket="calibdb-files")["KeyCount"] == 0
     assert os.environ["AWS_PROFILE"] == "no-such-profile"
-
-
-class Elsewhere(BaseHTTPRequestHandler):
-    """Storage outside of this process; it writes down what it is asked."""
-
-    asked: list[tuple[str, bytes]]
-
-    def do_POST(self) -> None:
-        body = self.rfile.read(int(self.headers["content-length"]))
-        self.asked.append((self.headers["x-amz-target"], body))
-        self.send_response(200)
-        self.send_header("content-type", "application/x-amz-json-1.0")
-        self.send_header("content-length", "2")
-        self.end_headers()
-        self.wfile.write(b"{}")
-
-    def log_message(self, *_: object) -> None:
-        """Say nothing."""
-
-
-@pytest.fixture
-def elsewhere(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[tuple[str, bytes]]]:
-    Elsewhere.asked = []
-    with ThreadingHTTPServer(("127.0.0.1", 0), Elsewhere) as server:
-        thread = threading.Thread(target=server.serve_forever)
-        thread.start()
-        monkeypatch.setenv("AWS_ENDPOINT_URL", f"http://127.0.0.1:{server.server_port}")
-        for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
-            monkeypatch.setenv(name, "other")
-        monkeypatch.setenv("AWS_DEFAULT_REGION", "eu-central-1")
-        yield Elsewhere.asked
-        server.shutdown()
-        thread.join()
-
-
-def test_storage_elsewhere_is_used_and_nothing_is_made_there(
-    template: Path, elsewhere: list[tuple[str, bytes]], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("TABLE", "production-table")
-    monkeypatch.setenv("BUCKET", "production-bucket")
-    with LocalStack(template=template) as stack:
-        assert stack.storage is None
-        assert elsewhere == []
-        assert stack.request("GET", "/v1/read").json()["table"] == "production-table"
-    assert [target for target, _ in elsewhere] == ["DynamoDB_20120810.GetItem"]
-    assert b"production-table" in elsewhere[0][1]
-
-
-@pytest.mark.usefixtures("elsewhere")
-def test_storage_elsewhere_must_be_named(template: Path) -> None:
-    with pytest.raises(TemplateError, match="TABLE and BUCKET do not say where"):
-        LocalStack(template=template).__enter__()
 
 
 def test_the_functions_compute_on_one_thread_each() -> None:

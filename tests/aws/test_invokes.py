@@ -1,9 +1,7 @@
-"""Functions that call functions: at once, later, again after a failure, again after a crash."""
+"""Functions that call functions: at once, later, and again after a failure."""
 
 import json
-import time
 from collections.abc import Callable
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -103,22 +101,7 @@ def test_failed_event_is_retried_twice(template: Path, calls: Callable[[], list[
     assert len(calls()) == 3
 
 
-def test_event_is_given_up_after_three_failures(
-    template: Path, tmp_path: Path, calls: Callable[[], list[Any]], caplog: pytest.LogCaptureFixture
-) -> None:
-    with LocalStack(tmp_path / "data", template=template, retry_pauses=(0.0, 0.0)) as stack:
-        invoke({"fail": 99}, "Event")
-        until(lambda: "given up" in caplog.text)
-        assert stack.storage is not None
-        until(lambda: stack.storage is not None and stack.storage.persisted("invoke") == [])
-    with LocalStack(tmp_path / "data", template=template):
-        pass
-    assert len(calls()) == 3
-
-
-def test_given_up_event_is_kept_in_the_dead_letter_queue(
-    template: Path, tmp_path: Path, calls: Callable[[], list[Any]]
-) -> None:
+def test_given_up_event_is_in_the_dead_letter_queue(template: Path, calls: Callable[[], list[Any]]) -> None:
     queue = """
       EventInvokeConfig:
         MaximumRetryAttempts: 1
@@ -128,72 +111,16 @@ def test_given_up_event_is_kept_in_the_dead_letter_queue(
 """
     code = "      CodeUri: functions/Record/"
     template.write_text(template.read_text().replace(code, code + queue.rstrip()))
-    with LocalStack(tmp_path / "data", template=template, retry_pauses=(0.0,)) as stack:
+    with LocalStack(template=template, retry_pauses=(0.0,)) as stack:
         invoke({"fail": 99, "n": 7}, "Event")
         invoke({"n": 8}, "Event")
-        until(lambda: stack.failures() != [] and len(calls()) == 3)
-    with LocalStack(tmp_path / "data", template=template) as stack:
+        stack.wait_until_idle(30)
         (record,) = stack.failures()
     assert record["requestPayload"] == {"fail": 99, "n": 7}
     assert record["responsePayload"] == {"errorMessage": "not yet", "errorType": "ValueError"}
     assert record["requestContext"]["condition"] == "RetriesExhausted"
     assert record["requestContext"]["approximateInvokeCount"] == 2
-    assert len(calls()) == 3, "it is not tried again by itself"
-
-
-def test_an_accepted_call_survives_a_crash(
-    template: Path, tmp_path: Path, calls: Callable[[], list[Any]]
-) -> None:
-    class LosingExecutor(Executor):
-        """The crash: accepted, and the process gone before the call was made."""
-
-        def submit(self, *_: Any, **__: Any) -> Future[Any]:
-            return Future()
-
-    with LocalStack(tmp_path / "data", template=template, executor=LosingExecutor()):
-        for number in range(3):
-            assert invoke({"n": number}, "Event")["StatusCode"] == 202
-    assert calls() == []
-    with LocalStack(tmp_path / "data", template=template, shutdown_grace_s=600.0):
-        pass  # delivered at the start, done before the end
-    assert sorted(event["n"] for event, _ in calls()) == [0, 1, 2]
-    with LocalStack(tmp_path / "data", template=template):
-        pass
-    assert len(calls()) == 3, "once done, it is forgotten"
-
-
-def test_pending_retry_is_left_for_the_next_start(
-    template: Path, tmp_path: Path, calls: Callable[[], list[Any]]
-) -> None:
-    started = time.monotonic()
-    with LocalStack(tmp_path / "data", template=template, retry_pauses=(600.0,)):
-        invoke({"fail": 1}, "Event")
-        until(lambda: len(calls()) == 1)
-    assert time.monotonic() - started < 300
-    with LocalStack(tmp_path / "data", template=template):
-        until(lambda: len(calls()) == 2)
-
-
-def test_a_long_queue_does_not_keep_the_stack_from_stopping(
-    template: Path, tmp_path: Path, calls: Callable[[], list[Any]]
-) -> None:
-    gate = tmp_path / "gate"
-
-    class GatedExecutor(ThreadPoolExecutor):
-        """Lets the calls under way end once the stack is told to stop."""
-
-        def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-            gate.touch()
-            super().shutdown(wait, cancel_futures=cancel_futures)
-
-    data = tmp_path / "data"
-    with LocalStack(data, template=template, shutdown_grace_s=0.0, executor=GatedExecutor(2)):
-        for number in range(60):
-            invoke({"n": number, "after": str(gate)}, "Event")
-    assert len(calls()) < 60
-    with LocalStack(data, template=template, shutdown_grace_s=600.0):
-        pass
-    assert sorted(event["n"] for event, _ in calls()) == list(range(60))
+    assert len(calls()) == 3
 
 
 def test_idle_stack_has_no_queued_running_or_retried_events(

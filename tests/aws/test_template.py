@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from infra.deploy.intrinsics import TemplateError
-from tests.aws.emulator.template import Expiration, RouteSpec, load
+from tests.aws.emulator.template import RouteSpec, load
 
 ROOT = Path(__file__).parents[2]
 HEAD = """
@@ -44,10 +44,6 @@ def test_the_deployments_template_is_understood() -> None:
     assert submit.environment["THRESHOLDS"] == ""
     assert "REFIT_FUNCTION" not in template.functions["AuthFunction"].environment
     assert RouteSpec("DELETE", "/v1/session/views/{index}", "SubmitFunction") in template.routes
-    assert [table.ttl_attribute for table in template.tables] == ["ttl"]
-    keypoints = next(bucket for bucket in template.buckets if "keypoint" in bucket.name)
-    kept_days = {"sessions/": 2.0, "rigs/": 2.0, "dumps/": 7.0}
-    assert set(keypoints.expirations) == {Expiration(prefix, days) for prefix, days in kept_days.items()}
     assert template.cors is not None
     assert template.cors.max_age == 86400
     assert [layer.name for layer in template.layers] == ["service", "solver"]

@@ -64,11 +64,13 @@ def summary(squares: list[float], points: list[int]) -> tuple[float, float]:
 def ours(data: corners.Corners, model: str) -> Outcome:
     squares, points = [], []
     try:
-        calibration = fit(data.training, data.img_size, model)
-        seconds = min(timed(lambda: fit(data.training, data.img_size, model)) for _ in range(3))
+        calibration = fit(data.training, data.img_size, model, board_shape=False)
+        seconds = min(
+            timed(lambda: fit(data.training, data.img_size, model, board_shape=False)) for _ in range(3)
+        )
         for training, test in data.parts():
             if test:
-                camera = fit(training, data.img_size, model).camera
+                camera = fit(training, data.img_size, model, board_shape=False).camera
                 squares.append(reprojection_score(camera, test).rms ** 2)
                 points.append(sum(len(view) for view in test))
     except CalibrationError as error:

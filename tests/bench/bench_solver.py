@@ -79,8 +79,8 @@ def rectilinear(count: int, budget: float) -> Row:
     def peer() -> float:
         return cv2.calibrateCamera(objects, images, camera.img_size, start.copy(), None, criteria=criteria)[0]
 
-    ours = fit(views, camera.img_size)
-    r, a, b = ratio(lambda: fit(views, camera.img_size), peer)
+    ours = fit(views, camera.img_size, board_shape=False)
+    r, a, b = ratio(lambda: fit(views, camera.img_size, board_shape=False), peer)
     count = sum(len(v) for v in views)
     rms = f"rms {ours.avg_reprojection_error:.4f} and {peer():.4f} px"
     note = f"{a:.1f} ms against {b:.1f} ms; {count} corners; {rms}"
@@ -126,7 +126,7 @@ def covariance(model: str, count: int) -> Row:
     ):
         for _ in range(40):
             spent, begun = 0.0, time.thread_time()
-            fit(views, camera.img_size, model)
+            fit(views, camera.img_size, model, board_shape=False)
             wholes.append(time.thread_time() - begun)
             parts.append(spent)
     note = f"{1e6 * min(parts):.0f} us of {1e6 * min(wholes):.0f}"
@@ -144,8 +144,8 @@ def fisheye(name: str) -> Row:
         k, d = np.eye(3), np.zeros((4, 1))
         return cv2.fisheye.calibrate(objects, images, img_size, k, d, flags=flags)[0]
 
-    ours = fit(views, img_size, "fisheye")
-    r, a, b = ratio(lambda: fit(views, img_size, "fisheye"), peer, repeat=5)
+    ours = fit(views, img_size, "fisheye", board_shape=False)
+    r, a, b = ratio(lambda: fit(views, img_size, "fisheye", board_shape=False), peer, repeat=5)
     note = f"{a:.0f} ms against {b:.0f} ms; {name}; rms {ours.avg_reprojection_error:.4f} and {peer():.4f} px"
     return Row("fit, fisheye, / cv2.fisheye.calibrate", r, 0.2, "x", note)
 
@@ -160,8 +160,8 @@ def omnidirectional(name: str) -> Row:
     begun = time.perf_counter()
     rms = cv2.omnidir.calibrate(objects, images, img_size, None, None, None, flags, criteria)[0]
     theirs = 1e3 * (time.perf_counter() - begun)
-    mine = p50(lambda: fit(views, img_size, "omnidirectional"), repeat=7)
-    ours = fit(views, img_size, "omnidirectional").avg_reprojection_error
+    mine = p50(lambda: fit(views, img_size, "omnidirectional", board_shape=False), repeat=7)
+    ours = fit(views, img_size, "omnidirectional", board_shape=False).avg_reprojection_error
     note = f"{mine:.0f} ms against {theirs:.0f} ms; {name}; rms {ours:.4f} and {rms:.4f} px"
     return Row("fit, omnidirectional, / cv2.omnidir.calibrate", mine / theirs, 0.05, "x", note)
 
@@ -170,11 +170,11 @@ def many() -> Iterator[Row]:
     """Cost by the number of views, and memory, at a thousand of them."""
     camera = synthetic.rectilinear_cameras()[5]
     views = spread(Board(), camera, 1000, np.random.default_rng(1))
-    quarter = p50(lambda: fit(views[:250], camera.img_size), repeat=7)
-    whole = p50(lambda: fit(views, camera.img_size), repeat=7)
+    quarter = p50(lambda: fit(views[:250], camera.img_size, board_shape=False), repeat=7)
+    whole = p50(lambda: fit(views, camera.img_size, board_shape=False), repeat=7)
     yield Row("fit, 1000 views / four times 250 views", whole / (4 * quarter), 1.3, "x", f"{whole:.0f} ms")
     tracemalloc.start()
-    fit(views, camera.img_size)
+    fit(views, camera.img_size, board_shape=False)
     peak = tracemalloc.get_traced_memory()[1] / 1e6
     tracemalloc.stop()
     yield Row("fit, 1000 views, memory", peak, 200, "MB")
@@ -194,7 +194,7 @@ def guide() -> Iterator[Row]:
     board = Board()
     camera = synthetic.rectilinear_cameras()[5]
     views: list[View] = spread(board, camera, 4, np.random.default_rng(1))
-    calibration = fit(views, camera.img_size)
+    calibration = fit(views, camera.img_size, board_shape=False)
     chooser = guidance.ProjectionUncertainty(board, camera.img_size)
     target = chooser.next_pose(views, calibration)
     ms = p50(lambda: chooser.next_pose(views, calibration))

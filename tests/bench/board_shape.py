@@ -117,7 +117,7 @@ def main() -> int:
             ]
             theirs, drawn, shaped = held_out(kept, data.img_size, model)
             warped = mrcal(kept, data.img_size) if with_mrcal and model == "rectilinear" else float("nan")
-            shape = fit(kept, data.img_size, model, board_shape=True).board_shape
+            shape = fit(kept, data.img_size, model).board_shape
         except CalibrationError as error:
             print(name, error)
             continue

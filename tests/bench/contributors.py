@@ -7,6 +7,7 @@ by 0.02 squares (standard deviation) and a hand moves it by 0.5 px between the m
 
 import sys
 from dataclasses import dataclass, replace
+from functools import partial
 from unittest.mock import patch
 
 import numpy as np
@@ -23,6 +24,7 @@ BEND_SQUARES = 0.02
 """Standard deviation of the height of a board's middle."""
 HAND = hands.Hand(readout_s=0.02, speed_cm_s=1.0, turn_deg_s=2.0)
 RULE = Rule(min_contributors=3)
+as_drawn = partial(fit, board_shape=False)
 HEADER = ["board", "reliable", "one contributor, px", "consensus, px", "largest", "stated", "within twice it"]
 
 
@@ -56,11 +58,11 @@ def outcome(camera: Camera, given: list[Member], *, drawn: bool) -> Outcome:
 
     def pooled() -> tuple[Consensus, tuple[float, ...]]:
         found = pool(given, camera.img_size, camera.model, RULE)
-        own = [(fit if drawn else fit_once)(m.views, camera.img_size, camera.model) for m in given]
+        own = [(as_drawn if drawn else fit_once)(m.views, camera.img_size, camera.model) for m in given]
         return found, tuple(rms(camera, each) for each in own)
 
     if drawn:
-        with patch("calibsolver.consensus.pooling.fit_once", fit):
+        with patch("calibsolver.consensus.pooling.fit_once", as_drawn):
             found, own = pooled()
     else:
         found, own = pooled()

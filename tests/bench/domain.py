@@ -33,16 +33,16 @@ def main() -> int:
         for model in models.NAMES:
             try:
                 with without_prior():
-                    before = fit(views, size, model).camera.domain().covered
+                    before = fit(views, size, model, board_shape=False).camera.domain().covered
                 count += 1
                 if before >= MAX_COVERED:
                     continue
-                after = fit(views, size, model).camera.domain().covered
+                after = fit(views, size, model, board_shape=False).camera.domain().covered
                 ratio = 1.0
                 if after != before:
                     with without_prior():
-                        plain = held_out(views, size, model).rms
-                    ratio = held_out(views, size, model).rms / plain
+                        plain = held_out(views, size, model, board_shape=False).rms
+                    ratio = held_out(views, size, model, board_shape=False).rms / plain
             except CalibrationError:
                 continue
             rows.append([name, model, f"{before:.0%}", f"{after:.0%}", f"{ratio:.3f}"])

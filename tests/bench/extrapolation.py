@@ -50,13 +50,13 @@ def corner_hull(views: list[View], calibration: Calibration) -> np.ndarray:
 def rows_of(name: str) -> list[Row]:
     data = corners.load(name)
     views, size = list(data.views), data.img_size
-    reference = fit(views, size, suggest_model(views, size).model, board_shape=True).camera
+    reference = fit(views, size, suggest_model(views, size).model).camera
     out = []
     for model in models.NAMES:
         for half in (0, 1):
             part = views[half::2]
             try:
-                plain = fit(part, size, model, board_shape=True)
+                plain = fit(part, size, model)
             except CalibrationError:
                 continue
             outside = ~corner_hull(part, plain)

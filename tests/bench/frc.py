@@ -43,7 +43,7 @@ def held_out(data: corners.Corners, calibrate: Calibrate, *, bad: bool) -> float
 
 def ours(views: Sequence[View], img_size: Size) -> Camera:
     """Fit as the client does."""
-    return fit(views, img_size).camera
+    return fit(views, img_size, board_shape=False).camera
 
 
 def theirs(views: Sequence[View], img_size: Size) -> Camera:

@@ -120,7 +120,7 @@ def measure(size: int | None) -> tuple[dict[str, list[float]], int]:
         fits = {}
         for model in ("rectilinear", "fisheye"):
             try:
-                fits[model] = fit(data.views, data.img_size, model).avg_reprojection_error
+                fits[model] = fit(data.views, data.img_size, model, board_shape=False).avg_reprojection_error
             except CalibrationError:
                 continue
         for model in fits:
@@ -131,7 +131,7 @@ def measure(size: int | None) -> tuple[dict[str, list[float]], int]:
             for a, b in splits(len(data.views), size, rng):
                 parts = [[data.views[i] for i in part] for part in (a, b)]
                 try:
-                    one, other = (fit(part, data.img_size, model) for part in parts)
+                    one, other = (fit(part, data.img_size, model, board_shape=False) for part in parts)
                 except CalibrationError:
                     continue
                 robust, plain = ratios(one, other)

@@ -59,7 +59,7 @@ def simulated(model: str, f: float, d: list[float]) -> tuple[Calibration, Export
     camera = Camera(model, np.array([[f, 0, 660], [0, f * 1.002, 450], [0, 0, 1]]), np.array(d), (1280, 960))
     board = Board(dictionary="DICT_4X4_1000")
     views = captured(camera, board, count=20, noise=0.15)
-    found = fit(views, camera.img_size, model=model)
+    found = fit(views, camera.img_size, model=model, board_shape=False)
     return found, ExportSource(found.camera, views, board)
 
 
@@ -69,7 +69,7 @@ def sources() -> Iterator[tuple[str, Calibration, ExportSource]]:
         recognised = grid(views)
         board = Board(recognised.squares, dictionary="DICT_4X4_1000")
         ours = tuple(board.view(ids, v.image_points) for ids, v in zip(recognised.ids, views, strict=True))
-        found = fit(ours, size, model=REAL[name])
+        found = fit(ours, size, model=REAL[name], board_shape=False)
         yield f"{name}, {REAL[name]}", found, ExportSource(found.camera, ours, board)
     fisheye = [0.02, -0.01, 0.003, -0.001]
     yield "simulated fisheye, f 420", *simulated("fisheye", 420, fisheye)
@@ -77,7 +77,11 @@ def sources() -> Iterator[tuple[str, Calibration, ExportSource]]:
     yield "simulated omnidirectional", *simulated("omnidirectional", 900, [1.2, -0.1, 0.02, 5e-4, -5e-4])
     for model in ("rectilinear", "rational", "fisheye"):
         source = subject(model)
-        yield f"simulated {model}", fit(source.views, source.camera.img_size, model), source
+        yield (
+            f"simulated {model}",
+            fit(source.views, source.camera.img_size, model, board_shape=False),
+            source,
+        )
 
 
 def std_by_mrcals_definition(source: ExportSource) -> float:

@@ -130,7 +130,7 @@ class Aside:
 
 def try_fit(views: Sequence[View], size: tuple[int, int], model: str) -> Calibration | None:
     try:
-        return fit(views, size, model)
+        return fit(views, size, model, board_shape=False)
     except CalibrationError:
         return None
 

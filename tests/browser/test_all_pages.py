@@ -64,3 +64,31 @@ def test_pages_stand_still_and_fit(chromium: Browser, stack: str, language: str,
                 page.screenshot(path=OUTPUT / f"all-{name}-{opened}-{language}-{scheme}.png", full_page=True)
             close(context)
     assert not found, "\n".join(found)
+
+
+# What moves without end
+ENDLESS = """() => document.getAnimations()
+  .filter(({ playState, effect }) => playState === "running" && effect?.getTiming().iterations === Infinity)
+  .map(({ effect }) => effect.target?.outerHTML.slice(0, 80))"""
+
+
+def test_every_page_is_accessible_in_both_themes_and_fits_the_smallest_window(
+    chromium: Browser, stack: str
+) -> None:
+    """Colours are all that a theme changes."""
+    context = chromium.new_context(
+        base_url=stack, viewport=SIZES[320], service_workers="block", reduced_motion="reduce"
+    )
+    context.set_default_timeout(1000 * TIMEOUT_S)
+    page = context.new_page()
+    prepare(page)
+    found = []
+    for name in PAGES:
+        page.emulate_media(color_scheme="light")
+        visit(page, name, "en")
+        amiss = [*faults(page, 320), *page.evaluate(ENDLESS), *violations(page)]
+        page.emulate_media(color_scheme="dark")
+        amiss += violations(page, "color-contrast")
+        found += [f"{name}: {each}" for each in amiss]
+    close(context)
+    assert not found, "\n".join(found)

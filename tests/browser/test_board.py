@@ -249,7 +249,7 @@ def test_a_phone_is_calibrated_with_this_screen(page: Page) -> None:
         assert len(ids) == 28, "the code leaves the board as it is"
         # The other detector misses a code in thirty, whatever the address's port makes of it.
         there, _, _ = cv2.QRCodeDetectorAruco().detectAndDecode(cv2.resize(shown, None, fx=2, fy=2))
-        assert there.endswith("/calibrate/?squares=8x5&facing=environment"), (width, height)
+        assert there.endswith("/calibrate/?squares=8x5&facing=environment&surface=screen"), (width, height)
         page.keyboard.press("Escape")
     page.add_init_script(PHONE + BLIND_DETECTOR)
     page.set_viewport_size(SIZES["hand"])

@@ -162,3 +162,39 @@ def test_own_calibrations_are_listed_compared_and_removed(page: Page) -> None:
     page.locator("#own li button").click()
     expect(page.locator(".nothing")).to_be_visible()
     assert page.evaluate("localStorage.getItem('calibdb.own')") is None
+
+
+def test_any_result_is_compared_with_a_file_of_another_program(page: Page) -> None:
+    (fx, *first), second, third = result()["camera_matrix"]
+    numbers = [fx * 1.01, *first, *second, *third]
+    coefficients = result()["distortion_coefficients"]
+    file = f"""%YAML:1.0
+---
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: {numbers}
+distortion_coefficients: !!opencv-matrix
+   rows: 1
+   cols: 5
+   dt: d
+   data: {coefficients}
+"""
+    answer(page, "**/v1/calibrations/*", result)
+    page.goto("/result/?id=x")
+    page.locator(".more > summary").click()
+    page.get_by_role("link", name="Compare").click()
+    expect(page.locator("#own li")).to_have_count(1)
+    expect(page.locator("#own input[type=checkbox]")).to_be_checked()
+    expect(page.locator("#own li button"), "it was made elsewhere").to_have_count(0)
+    page.locator("#with-file").set_input_files(
+        {"name": "camera.yaml", "mimeType": "text/yaml", "buffer": file.encode()}
+    )
+    caption = page.locator(".comparison figcaption")
+    expect(caption).to_contain_text("How far apart the two show a point: typically")
+    typical = float(re.findall(r"typically ([\d.]+)", caption.text_content() or "")[0])
+    assert typical == pytest.approx(3.7, rel=0.15)
+    expect(page.locator(".comparison thead")).to_contain_text("camera.yaml")
+    page.locator("#with-file").set_input_files({"name": "no.txt", "mimeType": "text/plain", "buffer": b""})
+    expect(page.locator("#own [role=status]")).to_contain_text("No camera was found in this file")

@@ -10,6 +10,7 @@ from tests.helpers.browser.interruptions import (
     PATIENT,
     UNPLUG,
     UNSIZED,
+    done,
     views,
     wait_for_views,
 )
@@ -199,3 +200,32 @@ def test_a_view_is_heard_and_felt_and_hints_are_spoken_once_that_is_wanted(page:
     page.evaluate("() => { window.notes = 0; window.felt.length = 0; window.spoken.length = 0; }")
     wait_for_views(page, views(page) + 1)
     assert page.evaluate("[window.notes, window.felt, window.spoken]") == [0, [], []]
+
+
+def press_at(page: Page, selector: str) -> None:
+    """Go to an element by the tabulator, and press it."""
+    focused = "(selector) => document.activeElement.matches(selector)"
+    for _ in range(40):
+        page.keyboard.press("Tab")
+        if page.evaluate(focused, selector):
+            break
+    assert page.evaluate(focused, selector), selector
+    page.keyboard.press("Enter")
+
+
+def test_whole_capture_is_done_by_the_keyboard(page: Page) -> None:
+    page.goto(f"/calibrate/?{ENDLESS.partition('?')[2].replace('virtual=1&', '')}")
+    page.locator("#start-virtual:visible").wait_for()
+    press_at(page, "#start-virtual")
+    wait_for_views(page, 4)
+    page.locator("#finish:visible").wait_for()
+    press_at(page, "#finish")
+    done(page)
+    expect(page.locator("#result-name")).to_be_focused()
+    board = page.locator("#done .scene .board path").first
+    seen = board.get_attribute("d")
+    slider = page.locator("#done .scene-view input").first
+    slider.focus()
+    page.keyboard.press("ArrowRight")
+    assert board.get_attribute("d") != seen, "the 3D view turns"
+    expect(page.locator("#done .scene-view .fields"), "what turns it is seen").to_have_css("opacity", "1")

@@ -187,9 +187,12 @@ def test_search_finds_and_calls_can_be_tried_with_ones_own_token(page: Page, tok
     ]
     page.add_init_script(f"localStorage.setItem('calibdb.tokens', {json.dumps(json.dumps(kept))})")
     page.goto("/docs/")
-    page.get_by_role("searchbox").fill("origin proof")
+    page.keyboard.press("/")
+    expect(page.get_by_role("searchbox")).to_be_focused()
+    page.keyboard.type("origin proof")
     first = page.locator("#results a").first
     expect(first).to_contain_text("token")
+    expect(first.locator("mark").first).to_have_text(re.compile("^(origin|proof)", re.IGNORECASE))
     page.keyboard.press("ArrowDown")
     expect(first).to_be_focused()
     page.goto("/docs/reference/lookup/")

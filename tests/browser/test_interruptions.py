@@ -196,7 +196,7 @@ def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(
     if lens == "chosen":
         page.goto(f"{ENDLESS}&distortion_model=rectilinear")
         wait_for_views(page, 2)
-        page.locator("#model", has_text="Start again with lens type “Wide-angle (up to 120°)”").click()
+        page.locator("#model", has_text="Start again with lens model “Wide-angle (up to 120°)”").click()
     else:
         page.goto(ENDLESS)
     until(page, lambda: len(begun) == 2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -101,17 +102,21 @@ def test_who_holds_still_gets_a_result_with_a_verdict(
         page.goto(f"/calibrate/?{made.query if is_given else ''}")
         page.locator("#start").click()
         page.locator("#reticle:not([hidden])").wait_for()
+        began = time.monotonic()
         if not is_given:
             page.locator("#use-board").wait_for(timeout=1000 * SUGGESTION_S)
             expect(page.locator("#remedy")).to_contain_text(made.words)
             page.locator("#use-board").click()
         page.locator("#done:not([hidden]) #verdict").wait_for(timeout=1000 * RESULT_S)
+        seconds = time.monotonic() - began
         calibration = json.loads(page.locator("#json").text_content() or "")
         ratio = calibration["camera_matrix"][0][0] / calibration["img_size"][0]
         print(
-            f"{made.file}: fx / width {ratio:.3f}, expected error {calibration['uncertainty']['rms']:.1f} px"
+            f"{made.file}: result after {seconds:.0f} s, fx / width {ratio:.3f}, "
+            f"expected error {calibration['uncertainty']['rms']:.1f} px"
         )
         assert abs(ratio / made.ratio - 1) < made.tolerance
+        assert seconds < RESULT_S
         said = spans(page)
         assert not [text for text, _ in said if any(words in text for words in UNTRUE)]
         away = [(text, seconds) for text, seconds in said if "Show the board" in text and seconds > FALSE_S]

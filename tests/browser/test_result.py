@@ -31,6 +31,23 @@ def state(stack: str) -> dict[str, Any]:
         return capture(api, Truth(), KEY, seed=7)
 
 
+@pytest.mark.parametrize("language", ["en", "de", "uk"])
+def test_a_result_is_short_whichever_tab_is_open(page: Page, language: str) -> None:
+    answer(page, "**/v1/calibrations/*", result_of_camera)
+    answer(page, "**/v1/cameras/*", camera)
+    page.goto(f"/{'' if language == 'en' else f'{language}/'}result/?id=x")
+    page.get_by_role("tab").first.wait_for()
+    page.evaluate("document.fonts.ready.then(() => null)")
+    for size, most in MAX_HEIGHTS.items():
+        page.set_viewport_size(SIZES[size])
+        heights = {}
+        for tab in page.get_by_role("tab").all():
+            tab.click()
+            heights[tab.text_content()] = page.evaluate("document.documentElement.scrollHeight")
+        print(size, heights)
+        assert max(heights.values()) <= most, heights
+
+
 def test_a_result_with_its_report(page: Page) -> None:
     answer(page, "**/v1/calibrations/*", result_of_camera)
     answer(page, "**/v1/cameras/*", camera)
@@ -55,14 +72,6 @@ def test_a_result_with_its_report(page: Page) -> None:
     page.locator("svg.heat").first.hover()
     expect(page.locator(".tile figcaption").first).to_contain_text("At x = ")
     expect(page.locator(".scene .board")).to_have_count(12)
-    heights = {size: [] for size in MAX_HEIGHTS}
-    for size in MAX_HEIGHTS:
-        page.set_viewport_size(SIZES[size])
-        for tab in page.get_by_role("tab").all():
-            tab.click()
-            heights[size].append(page.evaluate("document.documentElement.scrollHeight"))
-    print(heights)
-    assert all(max(heights[size]) <= most for size, most in MAX_HEIGHTS.items())
     page.get_by_role("tab", name="Numbers").focus()
     page.keyboard.press("ArrowRight")
     expect(page.get_by_role("tab", name="Lens")).to_be_focused()

@@ -82,8 +82,8 @@ def test_stereo_camera_with_both_pictures_in_one_stream_is_calibrated(
     expect(page.locator(".epipolar canvas")).to_have_count(2)
     page.reload()
     page.locator("#done:not([hidden])").wait_for()
-    expect(page.locator(".scene .camera")).to_have_count(2)
-    assert page.locator(".scene .board").count() >= 4, "boards as the service knows them"
+    expect(page.locator("#done .scene .camera")).to_have_count(2)
+    assert page.locator("#done .scene .board").count() >= 4, "boards as the service knows them"
 
 
 @pytest.mark.thorough

@@ -38,12 +38,31 @@ def test_board_of_old_is_written_as_it_was() -> None:
     assert explicit.model_dump_json().encode() == USUAL
 
 
-@pytest.mark.parametrize("told", [APRILGRID, CHESSBOARD, {"inverted": True}])
+def test_board_on_a_screen_has_no_shape(client: Client, stack: Server) -> None:
+    """Photographs of a bent chessboard, once as of paper and once as of a screen."""
+    views, size = corner_views("opencv_left")
+    numbered = grid(views)
+    shapes = []
+    for surface in ({}, {"surface": "screen"}):
+        told = {"kind": "chessboard", "squares": list(numbered.squares), **surface}
+        opened = client.open(board=told, img_size=list(size), capture="recorded")
+        assert opened.status == 201, opened.body
+        for index, (ids, view) in enumerate(zip(numbered.ids, views, strict=True)):
+            assert client.view(index, list(ids), view.image_points.tolist()).status == 200
+        document = stored(stack, client.call("POST", "/v1/session/finish").json["calibration_id"])
+        assert document.board.surface == surface.get("surface")
+        shapes.append(document.fits[document.distortion_model].board_shape)
+    assert shapes[0] is not None
+    assert shapes[1] is None
+
+
+@pytest.mark.parametrize("told", [APRILGRID, CHESSBOARD, {"inverted": True}, {"surface": "screen"}])
 def test_board_keeps_its_kind_in_records(told: dict[str, Any]) -> None:
     told_again = BoardModel.model_validate_json(json.dumps(told)).model_dump_json()
     again = BoardModel.model_validate_json(told_again)
     assert Board.from_record(again.model_dump()).kind == told.get("kind", "charuco")
     assert again.inverted == told.get("inverted", False)
+    assert again.surface == told.get("surface")
 
 
 def test_real_corners_of_a_chessboard_calibrate(client: Client, stack: Server) -> None:

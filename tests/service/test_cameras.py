@@ -60,6 +60,7 @@ def test_search_tells_how_many_calibrations_are_missing(stack: Server, store: St
     assert (found["usb_id"], found["vendor"]) == ("046d:0a03", "Logitech, Inc.")
     (size,) = found["sizes"]
     assert (size["agreeing"], size["required"], size["fx"]) == (2, 5, 950.0)
+    assert size["uncertainty"] == 0.2
     for query, names in (("reliable=true", []), ("reliable=false", [label])):
         shown = browse(stack, f"query=missing&{query}").json["cameras"]
         assert [camera["camera"] for camera in shown] == names

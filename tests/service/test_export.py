@@ -1,19 +1,24 @@
 """Calibrations as other tools' files, over HTTP."""
 
 import json
+import re
 
 import numpy as np
 import pytest
 import yaml
 
+from calibdb.lookup.badge import rough
 from calibdb.schema import FORMATS, RefitRequest
 from calibdb.settings import Settings
 from calibdb.store import Store, StreamMode
 from calibdb.store.keys import consensus_id
 from calibsolver import Camera, formats
 from calibsolver.formats.reading import read
+from functions.export import app as export
 from infra.server.server import Server
+from tests.aws.emulator.events import Request, to_event
 from tests.helpers.service.client import BRIEF, TOKEN, Client, Truth
+from tests.helpers.service.in_process import request
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +45,44 @@ def test_stored_calibration_and_consensus_have_a_covariance(
     name = consensus_id(mode.camera_key, mode.img_size, mode.zoom, "rectilinear")
     pooled = np.array(client.call("GET", f"/v1/calibrations/{name}", token=TOKEN).json["covariance"])
     np.testing.assert_allclose(np.diagonal(pooled), np.diagonal(covariance), rtol=0.5)
+
+
+PAGES = {"/result/": "A camera calibration: ", "/de/result/": "Eine Kamerakalibrierung: "}
+
+
+def heads(page: str) -> tuple[list[str], list[str]]:
+    """Return the titles and the descriptions of a page."""
+    titles = re.findall(r'(?:<title[^>]*>|property="og:title" content=")([^<"]*)', page)
+    described = re.findall(r'(?:name="description"|property="og:description")[^>]*content="([^"]*)"', page)
+    return titles, described
+
+
+@pytest.mark.parametrize(("path", "language"), PAGES.items())
+def test_page_of_a_shared_result_has_its_title(
+    stack: Server, client: Client, calibration: str, monkeypatch: pytest.MonkeyPatch, path: str, language: str
+) -> None:
+    one = client.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN).json
+    plain = request(stack, "GET", path, {}, "id=nothing", b"")
+    assert plain.headers["content-security-policy"]
+    assert "px" not in heads(plain.body.decode())[0][0]
+    served = request(stack, "GET", path, {}, f"id={calibration}", b"").body
+    # The function on AWS reads the page from the site.
+    addresses: list[str] = []
+    monkeypatch.setattr(export, "read_file", lambda address, *_: (addresses.append(address), plain.body)[1])
+    called = Request("GET", f"{path}index.html", f"id={calibration}", (), b"", "127.0.0.1")
+    made = export.handler(to_event(called, "GET /result/index.html", {}, "a", 0.0), None)
+    assert made["headers"]["content-type"] == "text/html; charset=utf-8"
+    assert "s-maxage=60" in made["headers"]["cache-control"]
+    assert [address.partition("/calibrate")[0] for address in addresses] == [
+        f"{stack.environment['GUIDANCE_URL'].removesuffix('/calibrate/')}{path}index.html"
+    ]
+    for page in (served.decode(), made["body"]):
+        titles, described = heads(page)
+        assert titles == [f"Test camera · 1280 × 720 · ± {rough(one['uncertainty']['rms'])} px · calibDB"] * 2
+        assert len(described) == 2
+        for each in described:
+            assert each.startswith(f"fx {one['camera_matrix'][0][0]:.1f} px · ")
+            assert language in each
 
 
 def test_the_names_are_those_of_the_solver() -> None:

@@ -38,7 +38,7 @@ def fitted_as_imported(views: Sequence[View]) -> Calibration:
     numbered = grid(views)
     board = Board(numbered.squares)
     ours = [board.view(ids, view.image_points) for ids, view in zip(numbered.ids, views, strict=True)]
-    return fit(ours, SIZE, board_shape=True)
+    return fit(ours, SIZE)
 
 
 def test_keypoints_become_a_calibration_like_any_other(

@@ -167,7 +167,7 @@ def test_installed_commands_calibrate_real_photographs_by_the_service(
     assert recording.board.squares == (8, 8)
     views = [recording.board.view(view.ids, view.points) for view in recording.views]
     # Least squares over the corners of the same board: bent and stretched as the fit says.
-    shaped = calibsolver.fit(views, (1280, 720), board_shape=True).shaped(views)
+    shaped = calibsolver.fit(views, (1280, 720)).shaped(views)
     places = [view.object_points.astype(np.float32) for view in shaped]
     seen = [np.array(view.points, dtype=np.float32) for view in recording.views]
     guess = np.array([[1000.0, 0, 639.5], [0, 1000.0, 359.5], [0, 0, 1]])  # which boards that bend need

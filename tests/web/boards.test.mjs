@@ -62,6 +62,10 @@ test("boards of all kinds go through an address and back", () => {
   const inverted = { ...DEFAULT_BOARD, inverted: true };
   assert.deepEqual(boardFrom(boardQuery(inverted)).board, inverted);
   assert.ok(isSameBoard({ ...DEFAULT_BOARD, kind: "charuco" }, DEFAULT_BOARD));
+  const shown = { ...DEFAULT_BOARD, surface: "screen" };
+  assert.deepEqual(boardFrom(boardQuery(shown)).board, shown);
+  assert.ok(isSameBoard(shown, DEFAULT_BOARD), "a camera cannot see what shows the board");
+  assert.deepEqual(boardFrom(new URLSearchParams("surface=paper")).board, DEFAULT_BOARD);
   assert.equal(new Set(PRESETS.map(({ board }) => boardQuery(board).toString())).size, PRESETS.length);
 });
 

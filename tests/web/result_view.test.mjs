@@ -249,18 +249,17 @@ test("a cause is told once, whether the verdict, the report or the capture names
 
 test("what is certain of the board's shape is said, and nothing where no printer stretches a board so", () => {
   setLanguage("en");
-  const board = { sag: 0.0071, sag_std: 0.0004, stretch: 0.0021, stretch_std: 0.0005 };
+  const board = { sag: 0.0071, sag_std: 0.0004, stretch: 0.0021, stretch_std: 0.0005, stretch_kind: "wider" };
   const said = (/** @type {any} */ shape) => boardSentence(shape).map((text) => text.replaceAll("\u00a0", " "));
-  const [both] = said(board);
-  assert.equal(
-    both,
-    "Your board is bent by 0.71 % of its length and was printed 0.21 % out of shape. Both were taken into account.",
-  );
-  assert.match(
-    said({ ...board, stretch_std: 0.002 })[0],
-    /^Your board is bent by 0\.71 % of its length\. That was taken into account\.$/,
-  );
-  assert.match(said({ ...board, sag_std: 0.005 })[0], /printed 0\.21 % out of shape/);
+  const whole = (/** @type {string} */ what) => [`Your board is ${what}. That was taken into account.`];
+  assert.deepEqual(said(board), whole("bent by 0.71 % of its length and 0.21 % wider than drawn"));
+  assert.deepEqual(said({ ...board, stretch_std: 0.002 }), whole("bent by 0.71 % of its length"));
+  for (const [kind, what] of /** @type {const} */ ([
+    ["narrower", "0.21 % narrower than drawn"],
+    ["skewed", "skewed by 0.21 %"],
+    [undefined, "0.21 % out of shape"],
+  ]))
+    assert.deepEqual(said({ ...board, sag_std: 0.005, stretch_kind: kind }), whole(what));
   for (const none of [undefined, null, { ...board, stretch: 0.02 }, { ...board, sag_std: 0.01, stretch_std: 0.01 }]) {
     assert.deepEqual(said(none), []);
   }

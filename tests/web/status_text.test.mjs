@@ -79,7 +79,7 @@ test("all that is sent is shown, as it is sent", () => {
     Object.keys(request).length - 1 + Object.keys(request.track).length,
     "nothing is left out of the table",
   );
-  assert.equal(facts["Lens type"], "Fisheye");
+  assert.equal(facts["Lens model"], "Fisheye");
   assert.equal(facts.Resolution, "1280\u00a0×\u00a0720");
   assert.match(facts.Board, /^9 × 6 squares, DICT_4X4_50/);
 });
@@ -104,7 +104,7 @@ test("what has happened is said once, what is to be done whenever it changes", a
 
 test("a model that would fit better is offered, unless it is the one", () => {
   const session = { suggested_model: "fisheye" };
-  assert.equal(statusText.suggestedModel(having({ capture: { session } })), "Start again with lens type “Fisheye”");
+  assert.equal(statusText.suggestedModel(having({ capture: { session } })), "Start again with lens model “Fisheye”");
   assert.equal(
     statusText.suggestedModel(having({ capture: { session }, wanted: { distortion_model: "fisheye" } })),
     "",

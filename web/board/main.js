@@ -71,9 +71,9 @@ function show() {
   screenOf.show(board);
   showPapers();
   drawQr(part("qr", SVGElement), address("./", { fill: "1" }));
-  // What a phone needs to know: this board, and that its own screen does not show it.
+  // What a phone needs to know: this board, and that this screen shows it, not its own.
   for (const id of ["qr-phone", "code-qr"])
-    drawQr(part(id, SVGElement), address("../calibrate/", { facing: "environment" }));
+    drawQr(part(id, SVGElement), address("../calibrate/", { facing: "environment", surface: "screen" }));
   for (const place of document.querySelectorAll(".only-here"))
     place.toggleAttribute("hidden", !LOOPBACK.test(location.hostname));
   part("description", HTMLElement).textContent = boardWords(board);

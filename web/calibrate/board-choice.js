@@ -5,7 +5,7 @@ import { plainNotice, viewCount } from "./state.js";
 /** @typedef {import("../lib/board.js").SentBoard} Board */
 
 // in addresses
-const BOARD_NAMES = ["kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted", "tag_spacing"];
+const BOARD_NAMES = ["kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted", "tag_spacing", "surface"];
 
 /** Writes a board into the parameters of an address. @param {URLSearchParams} parameters @param {Board} board */
 export function nameBoard(parameters, board) {

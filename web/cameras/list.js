@@ -1,7 +1,7 @@
 // Rows of the table of cameras.
 import { el } from "../lib/dom.js";
 import { splitLabel } from "../lib/camera-name.js";
-import { dateText, number, t } from "../lib/i18n.js";
+import { dateText, number, rough, t } from "../lib/i18n.js";
 import { make, short } from "../lib/svg.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { aboutText, stateText } from "./camera.js";
@@ -43,8 +43,8 @@ export function cameraRow(found) {
             "li",
             { class: size.reliable ? "known" : "" },
             ring(size),
-            el("span", { class: "size" }, nameOf(size)),
-            " ",
+            el("span", {}, nameOf(size)),
+            el("span", {}, size.uncertainty === null ? "–" : `± ${rough(size.uncertainty)}\u00a0px`),
             el("span", { class: "state" }, stateText(size)),
           ),
         ),

@@ -16,6 +16,7 @@ import { loadSettings } from "../lib/settings.js";
  * @property {number} required
  * @property {boolean} reliable
  * @property {number | null} fx px
+ * @property {number | null} uncertainty px
  * @property {number | null} calibration_time unix seconds
  *
  * @typedef {object} Found

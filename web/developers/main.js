@@ -63,6 +63,7 @@ function show() {
   const [all, token] = [kept.all, current()];
   keptPart.hidden = all.length < 2;
   exportButton.disabled = all.length === 0;
+  exportButton.hidden = exportButton.disabled;
   list.replaceChildren(
     ...all.map((each) => {
       const button = el(

@@ -43,6 +43,7 @@ export function offerSearch() {
   const words = part("words", HTMLInputElement);
   const results = part("results", HTMLUListElement);
   form.hidden = false;
+  focusBySlash(words);
   words.addEventListener("focus", () => void load().catch(() => {}), { once: true });
   words.addEventListener("input", () => void show());
   form.addEventListener("submit", (event) => {
@@ -64,6 +65,16 @@ export function offerSearch() {
     const next = at + step;
     if (next < 0) words.focus();
     else links[Math.min(next, links.length - 1)].focus();
+  });
+}
+
+/** The key / leads to the search from anywhere but a field. @param {HTMLInputElement} words */
+function focusBySlash(words) {
+  document.addEventListener("keydown", (event) => {
+    const isTyping = event.target instanceof Element && event.target.closest("input, select, textarea");
+    if (event.key !== "/" || event.ctrlKey || event.metaKey || event.altKey || isTyping) return;
+    event.preventDefault();
+    words.focus();
   });
 }
 
@@ -101,6 +112,19 @@ function item({ address, page, title, text, terms }) {
   return el(
     "li",
     {},
-    el("a", { href: new URL(address, HERE).href }, el("strong", {}, name), " ", el("span", {}, excerpt)),
+    el(
+      "a",
+      { href: new URL(address, HERE).href },
+      el("strong", {}, name),
+      " ",
+      el("span", {}, ...marked(excerpt, terms)),
+    ),
   );
+}
+
+/** Parts of a text, with marks around words. @param {string} text @param {string[]} terms */
+function marked(text, terms) {
+  const words = terms.map((term) => term.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"));
+  const parts = text.split(new RegExp(`(${words.join("|")})`, "i"));
+  return parts.map((part, index) => (index % 2 ? el("mark", {}, part) : part));
 }

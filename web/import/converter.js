@@ -12,12 +12,12 @@ import { straightPart } from "../lib/result/straight-part.js";
 import { FORMATS } from "../vendor/formats.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { knownCalibrations } from "../lib/result/source.js";
-import { readCamera, saveAs, searchCameras } from "./conversion.js";
+import { readCamera, saveAs, searchCameras } from "../lib/conversion.js";
 
 /**
- * @typedef {import("./conversion.js").Source} Source
- * @typedef {import("./conversion.js").Hints} Hints
- * @typedef {import("./conversion.js").Camera} Camera
+ * @typedef {import("../lib/conversion.js").Source} Source
+ * @typedef {import("../lib/conversion.js").Hints} Hints
+ * @typedef {import("../lib/conversion.js").Camera} Camera
  */
 
 const CORNERS_ALONE = "corners-vnl"; // a table of what was measured: there is nothing to write into it

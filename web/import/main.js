@@ -15,7 +15,7 @@ import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
 import { liveRegion } from "../lib/live-region.js";
 import { Converter } from "./converter.js";
-import { MAX_CHARACTERS, sourceOf, unpackCorners } from "./conversion.js";
+import { MAX_CHARACTERS, sourceOf, unpackCorners } from "../lib/conversion.js";
 import { MalformedError } from "./malformed.js";
 import { MIN_VIEW_CORNERS, MAX_BYTES, prepare, read } from "./read.js";
 import { table } from "./table.js";

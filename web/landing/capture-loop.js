@@ -1,32 +1,15 @@
 // Picture of a guided capture: a board that is led to the amber outline, again and again. Board, poses and lens are
-// those of
-// the capture page, drawn small.
+// those of the capture
+// page, drawn small.
 import { DEFAULT_BOARD, isBlack, markers, outline } from "../lib/board.js";
 import { t } from "../lib/i18n.js";
 import { interpolatePose, rotationMatrix } from "../lib/pose.js";
+import { LENS, SIZE, TARGETS } from "../lib/rig-picture.js";
 import { make } from "../lib/svg.js";
 import { lensOf } from "../sdk/projection.js";
 
 /** @typedef {import("../lib/pose.js").Pose} Pose */
 
-/** @type {[number, number]} */
-export const SIZE = [640, 360];
-export const LENS = {
-  camera_matrix: [
-    [460, 0, 320],
-    [0, 460, 180],
-    [0, 0, 1],
-  ],
-  distortion_model: "rectilinear",
-  distortion_coefficients: [-0.22, 0.05, 0, 0, 0],
-};
-/** Poses that a capture asks for, of a board nine squares wide; in squares. @type {Pose[]} */
-export const TARGETS = [
-  { rvec: [0, 0.6, 0.05], tvec: [-5.6, -3.6, 11] },
-  { rvec: [-0.65, 0, 0], tvec: [-1.2, -3.2, 11.5] },
-  { rvec: [0.1, -0.65, -0.2], tvec: [-3.4, -1.6, 12.5] },
-  { rvec: [0, 0, 0], tvec: [-4.5, -3.2, 8.6] },
-];
 const START = { rvec: [0.2, -0.3, 0.3], tvec: [-6.5, -1.2, 14] };
 const MOVE_MS = 1500;
 const HOLD_MS = 900;
@@ -45,6 +28,10 @@ const ROOM = [
   { cx: 90, cy: 300, rx: 60, ry: 22, fill: "#c9c2b4" },
 ];
 const STILL_MS = 0.62 * MOVE_MS; // of who wants no motion: the board on its way, where both can be told apart
+// Progress, as on the capture page: the outline of each pose, filled once its view is taken
+const FILM_LEFT = 398;
+const FILM_STEP = 58;
+const FILM_SIZE = { width: 51.2, height: 28.8 };
 const EDGE_PARTS = 4; // of a side that the lens bends
 
 /**
@@ -64,7 +51,20 @@ export function captureLoop(svg, words, toggle) {
     make("path", { class: name }),
   );
   const ring = make("circle", { class: "held", cx: 46, cy: 46, r: 20, pathLength: 100 });
-  svg.replaceChildren(room, paper, black, white, target, ring);
+  const film = TARGETS.map((pose, index) =>
+    make(
+      "svg",
+      {
+        class: "frame",
+        x: FILM_LEFT + FILM_STEP * index,
+        y: 14,
+        ...FILM_SIZE,
+        viewBox: svg.getAttribute("viewBox") ?? "",
+      },
+      [make("rect", { width: SIZE[0], height: SIZE[1] }), make("path", { d: path([ring4(pose, 0)]) })],
+    ),
+  );
+  svg.replaceChildren(room, paper, black, white, target, ring, ...film);
 
   const still = matchMedia("(prefers-reduced-motion: reduce)");
   let playing = !still.matches;
@@ -73,13 +73,14 @@ export function captureLoop(svg, words, toggle) {
   let before = 0;
 
   const draw = () => {
-    const { pose, wanted, held, said, strength = 1 } = scene(at);
+    const { pose, wanted, held, said, taken, strength = 1 } = scene(at);
     const areas = (/** @type {number[][][]} */ all) => path(all.map((area) => project(pose, strength, area)));
     paper.setAttribute("d", path([ring4(pose, -0.35, strength)]));
     black.setAttribute("d", areas([...SQUARES, ...FRAMES]));
     white.setAttribute("d", areas(CELLS));
     target.setAttribute("d", wanted ? path([ring4(wanted, 0)]) : "");
     ring.setAttribute("stroke-dasharray", `${100 * held} 100`);
+    film.forEach((each, index) => each.classList.toggle("taken", index < taken));
     const text = said();
     if (words.textContent !== text) words.textContent = text;
   };
@@ -124,6 +125,7 @@ function scene(at) {
       wanted: null,
       held: 0,
       said: () => t("landing.loop_done"),
+      taken: TARGETS.length,
       strength: Math.max(0, 1 - over / STRAIGHTEN_MS),
     };
   const held = Math.max(0, Math.min(1, (since - MOVE_MS) / (HOLD_MS - 200)));
@@ -131,6 +133,7 @@ function scene(at) {
     pose,
     wanted: to,
     held,
+    taken: held < 1 ? step : step + 1,
     said: () =>
       t(moved < 1 ? "landing.loop_follow" : held < 1 ? "landing.loop_hold" : "landing.loop_taken", { count: step + 1 }),
   };

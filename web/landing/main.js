@@ -7,12 +7,12 @@ import { openPage } from "../lib/page.js";
 import { lookup } from "../sdk/lookup.js";
 import { loadSettings } from "../lib/settings.js";
 import { phoneModel } from "../lib/phone-model.js";
-import { sceneOf, scenePlot } from "../lib/scene-plot.js";
+import { showRigPicture } from "../lib/rig-picture.js";
 import { liveRegion } from "../lib/live-region.js";
 import { gridLines } from "../lib/result/grid-picture.js";
 import { make, short } from "../lib/svg.js";
 import { knownCard, unknownCard } from "./answer-card.js";
-import { LENS, SIZE as PICTURE, TARGETS, captureLoop } from "./capture-loop.js";
+import { captureLoop } from "./capture-loop.js";
 import { countCameras } from "./counts.js";
 
 /** @type {[number, number]} */
@@ -122,19 +122,7 @@ const redraw = captureLoop(
   part("loop-toggle", HTMLButtonElement),
 );
 onLanguage(redraw);
-const rig = sceneOf(
-  [LENS, LENS].map((one) => ({ ...one, img_size: PICTURE })),
-  [
-    { position: 0, rvec: [0, 0, 0], tvec: [0, 0, 0] },
-    { position: 1, rvec: [0, 0.5, 0], tvec: [-6, 0, 1.5] },
-  ],
-  TARGETS,
-  DEFAULT_BOARD,
-  1,
-);
-const drawRig = () => part("rig", HTMLElement).replaceChildren(scenePlot(rig, t("landing.rig")));
-onLanguage(drawRig);
-drawRig();
+showRigPicture(part("rig", HTMLElement));
 const slide = part("lens-slide", HTMLInputElement);
 drawFigure(slide.valueAsNumber);
 slide.addEventListener("input", () => drawFigure(slide.valueAsNumber));

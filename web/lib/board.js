@@ -24,6 +24,8 @@ const MAX_CORNERS = 2401; // of a board, likewise
 const MIN_CORNERS = 6;
 const [MIN_TAG_SPACING, MAX_TAG_SPACING] = [0.05, 2]; // of a tag's side
 export const DEFAULT_TAG_SPACING = 0.3;
+/** Surface of a board that a screen shows. @type {"screen"} */
+const SCREEN = "screen";
 /** Kinds of boards. @type {("charuco" | "chessboard" | "aprilgrid")[]} */
 export const KINDS = ["charuco", "chessboard", "aprilgrid"];
 /** Kinds of grids of circles, which pages draw, and only the command detects. */
@@ -40,6 +42,7 @@ export const CIRCLES = ["circles", "asymmetric_circles"];
  * @property {boolean} legacy layout of OpenCV before 4.6: boards of an even number of rows start with a white square
  * @property {boolean} [inverted] white where others are black
  * @property {number} [tag_spacing] gap / side of a tag, of an AprilGrid
+ * @property {"screen" | null} [surface] "screen" where a screen is known to show it: flat and square
  *
  * @typedef {import("../vendor/api.js").Board & Board} SentBoard as the service takes it
  *
@@ -59,8 +62,7 @@ export const DEFAULT_BOARD = { squares: [9, 6], marker_ratio: 0.65, dictionary: 
 
 /**
  * The board an address asks for: `kind=chessboard`, `squares=9x6`, `marker_ratio`, `dictionary`, `legacy=true`,
- * `inverted=true`,
- * `tag_spacing`; of each the default where it asks for none.
+ * `inverted=true`, `tag_spacing`, `surface=screen`; of each the default where it asks for none.
  * @param {URLSearchParams} query
  * @param {{circles?: boolean}} [options] circles: whether the board may be one of circles, which no page detects
  * @returns {{board: SentBoard, problem: Problem | null}} problem: why it is the default board all the same
@@ -77,6 +79,7 @@ export function boardFrom(query, { circles = false } = {}) {
     legacy: flag("legacy"),
     ...(flag("inverted") && { inverted: true }),
     ...(kind === "aprilgrid" && { tag_spacing: spacing === null ? DEFAULT_TAG_SPACING : Number(spacing) }),
+    ...(query.get("surface") === SCREEN && { surface: SCREEN }),
   });
   const problem = isCircles(asked) && !circles ? onlyCommand(asked) : impossible(asked);
   return { board: problem ? DEFAULT_BOARD : asked, problem };
@@ -95,6 +98,7 @@ export function boardQuery({
   legacy,
   inverted,
   tag_spacing: spacing,
+  surface,
 }) {
   const query = new URLSearchParams();
   if (kind !== "charuco") query.set("kind", kind);
@@ -106,11 +110,15 @@ export function boardQuery({
   if (legacy) query.set("legacy", "true");
   if (inverted) query.set("inverted", "true");
   if (kind === "aprilgrid" && spacing !== DEFAULT_TAG_SPACING) query.set("tag_spacing", String(spacing));
+  if (surface) query.set("surface", surface);
   return query;
 }
 
-/** True if two boards are the same one. @param {Board} a @param {Board} b */
-export const isSameBoard = (a, b) => boardQuery(a).toString() === boardQuery(b).toString();
+/** True if two boards are the same drawing, on whatever surface. @param {Board} a @param {Board} b */
+export const isSameBoard = (a, b) => drawing(a) === drawing(b);
+
+/** @param {Board} board */
+const drawing = (board) => boardQuery({ ...board, surface: null }).toString();
 
 /** Kind of a board. @param {Board} board */
 export const kindOf = ({ kind }) => kind ?? "charuco";

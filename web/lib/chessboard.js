@@ -22,6 +22,7 @@ const MAX_PLAIN_DEVIATION = 0.15; // within a square, of the contrast: with a ma
 const MIN_SEEN_SHARE = 0.9; // of the corners of a board that counts as whole
 const WINDOW_SHARE = 0.2; // of a square's side: half the window of the refinement
 const [MIN_WINDOW_PX, MAX_WINDOW_PX] = [2, 9];
+const WIDE_TOLERANCE_PX = 0.2; // of the first refinement, which the second one follows
 
 /**
  * Chessboard of known size, whole in the picture.
@@ -170,12 +171,8 @@ function refined(image, { columns, rows, points, firstIsBlack }) {
     const square = side(index);
     if (!Number.isFinite(square)) return null;
     // Twice: a coarse position needs a wide window, which takes in what is bent by the lens.
-    const wide = refineCorner(
-      image,
-      point[0],
-      point[1],
-      Math.round(Math.min(3 * MAX_WINDOW_PX, Math.max(MIN_WINDOW_PX + 1, 0.3 * square))),
-    );
+    const reach = Math.round(Math.min(3 * MAX_WINDOW_PX, Math.max(MIN_WINDOW_PX + 1, 0.3 * square)));
+    const wide = refineCorner(image, point[0], point[1], reach, WIDE_TOLERANCE_PX);
     const half = Math.round(Math.min(MAX_WINDOW_PX, Math.max(MIN_WINDOW_PX, WINDOW_SHARE * square)));
     const fine = wide && refineCorner(image, wide[0], wide[1], half);
     return fine && Math.hypot(fine[0] - point[0], fine[1] - point[1]) < 0.3 * square ? fine : null;

@@ -1,4 +1,5 @@
 // Calibrations that were made in this browser: kept here, so that their maker finds them again. Nothing is sent.
+import { levelOf } from "./result/numbers.js";
 
 const KEY = "calibdb.own";
 const MAX_OWN = 100; // calibrations; the oldest go first
@@ -12,6 +13,16 @@ const MAX_OWN = 100; // calibrations; the oldest go first
  * @property {"good" | "fair" | "poor"} level
  * @property {number} rms typical error, px
  */
+
+/**
+ * @param {import("./result/numbers.js").Calibration & {id: string}} calibration
+ * @param {import("./result/numbers.js").Report | null} report
+ * @returns {Own}
+ */
+export function ownOf(calibration, report) {
+  const { id, camera, img_size, calibration_time: time, uncertainty } = calibration;
+  return { id, camera, img_size, time, level: report?.verdict.level ?? levelOf(calibration), rms: uncertainty.rms };
+}
 
 /** The newest first. @returns {Own[]} */
 export function ownCalibrations() {

@@ -2,13 +2,30 @@
 // uses is not fitted to the squares: too wide a window takes in the marker's edges and makes hard frames worse.
 
 const MAX_REFINEMENTS = 20;
-const TOLERANCE = 0.005; // px
+const TOLERANCE_PX = 0.005;
 const MIN_SQUARE_PX = 16; // px; below that the window would hold the neighbouring marker
 const MAX_SHIFT_PX = 1; // px; a corner that wants to go further was not where the detector thought
 
 /**
  * @typedef {{width: number, height: number, data: Uint8Array}} Grey one byte a pixel
  */
+
+/** @type {Map<number, Float64Array>} Gaussian weights of windows by half their size */
+const weights = new Map();
+
+/** @param {number} half px */
+function weightsOf(half) {
+  let found = weights.get(half);
+  if (!found) {
+    const side = 2 * half + 1;
+    found = Float64Array.from({ length: side * side }, (_, at) => {
+      const [i, j] = [(at % side) - half, Math.floor(at / side) - half];
+      return Math.exp(-(i * i + j * j) / (half * half));
+    });
+    weights.set(half, found);
+  }
+  return found;
+}
 
 /**
  * Moves one corner to where all image gradients around it are orthogonal to the direction towards it.
@@ -18,11 +35,13 @@ const MAX_SHIFT_PX = 1; // px; a corner that wants to go further was not where t
  * @param {number} x pixel centres at whole numbers
  * @param {number} y
  * @param {number} half half the window, px: the window is 2·half+1 wide
+ * @param {number} [tolerance] px, of the last step
  * @returns {[number, number] | null} null where the window leaves the image or holds no corner
  */
-export function refineCorner({ width, height, data }, x, y, half) {
+export function refineCorner({ width, height, data }, x, y, half, tolerance = TOLERANCE_PX) {
   const size = 2 * half + 3; // the window and one more pixel all around for the central differences
   const patch = new Float64Array(size * size);
+  const gaussian = weightsOf(half);
   let [cx, cy] = [x, y];
   for (let iteration = 0; iteration < MAX_REFINEMENTS; iteration++) {
     const [left, top] = [Math.floor(cx), Math.floor(cy)];
@@ -38,12 +57,12 @@ export function refineCorner({ width, height, data }, x, y, half) {
       }
     }
     let [a, b, c, u, v] = [0, 0, 0, 0, 0];
-    for (let j = -half; j <= half; j++) {
-      for (let i = -half; i <= half; i++) {
+    for (let j = -half, n = 0; j <= half; j++) {
+      for (let i = -half; i <= half; i++, n++) {
         const at = (j + reach) * size + i + reach;
         const gx = patch[at + 1] - patch[at - 1];
         const gy = patch[at + size] - patch[at - size];
-        const weight = Math.exp(-(i * i + j * j) / (half * half));
+        const weight = gaussian[n];
         const [xx, xy, yy] = [gx * gx * weight, gx * gy * weight, gy * gy * weight];
         a += xx;
         b += xy;
@@ -58,7 +77,7 @@ export function refineCorner({ width, height, data }, x, y, half) {
     cx += dx;
     cy += dy;
     if (Math.abs(cx - x) > half || Math.abs(cy - y) > half) return null;
-    if (dx * dx + dy * dy < TOLERANCE * TOLERANCE) break;
+    if (dx * dx + dy * dy < tolerance * tolerance) break;
   }
   return [cx, cy];
 }

@@ -1,20 +1,27 @@
-// Page of the calibrations that were made in this browser: open them, compare two or one with the consensus, forget
-// them.
+// Page of the calibrations that were made in this browser: open them, compare two, or one with the consensus or a file,
+// forget them.
+import { ApiError } from "../lib/api.js";
 import { splitLabel } from "../lib/camera-name.js";
 import { el, part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
 import { dateText, formatSize, onLanguage, pageUrl, rough, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
-import { forgetOwn, ownCalibrations } from "../lib/own-calibrations.js";
+import { forgetOwn, ownCalibrations, ownOf } from "../lib/own-calibrations.js";
 import { comparisonView } from "../lib/result/comparison.js";
 import { factsOf, knownCalibrations, load } from "../lib/result/source.js";
 import { button } from "../lib/result/views.js";
+import { readCamera, sourceOf } from "../lib/conversion.js";
 
-/** @typedef {import("../lib/own-calibrations.js").Own} Own */
+/**
+ * @typedef {import("../lib/own-calibrations.js").Own} Own
+ * @typedef {Awaited<ReturnType<typeof load>>} Loaded
+ */
 
 const place = part("own", HTMLElement);
 /** Ids of those that are compared. @type {Set<string>} */
 const ticked = new Set();
+/** Calibration that the address names, if it was made elsewhere. @type {Own | null} */
+let guest = null;
 /** The current comparison; an answer to anything else comes too late. */
 let asked = 0;
 
@@ -54,46 +61,77 @@ function row({ id, camera, img_size, time, level, rms }) {
     ),
     el("span", { class: `verdict tint ${level}` }, t(`result.level_${level}`)),
     el("span", { class: "muted number" }, `± ${rough(rms)}\u00a0px · ${dateText(time)}`),
-    button(t("cameras.forget"), () => forget(id), {
-      class: "small",
-      "aria-label": t("cameras.forget_this", { camera: name }),
-    }),
+    ...(id === guest?.id
+      ? []
+      : [
+          button(t("cameras.forget"), () => forget(id), {
+            class: "small",
+            "aria-label": t("cameras.forget_this", { camera: name }),
+          }),
+        ]),
   );
 }
 
 /**
- * Compares what is ticked; one calibration with the consensus of its camera.
+ * Compares the first that is ticked with another calibration.
  * @param {HTMLElement} shown
  * @param {HTMLElement} status
+ * @param {(one: Loaded) => Promise<Loaded | string>} find the other, or why there is none
+ * @param {string | null} [name] of the other, instead of its date
  */
-async function compare(shown, status) {
+async function compare(shown, status, find, name = null) {
   const own = ++asked;
   status.textContent = t("cameras.comparing");
   try {
-    const [one, other] = await Promise.all([...ticked].map((id) => load(id)));
-    const pair = [one, other ?? (await consensusOf(one.calibration))];
+    const one = await load([...ticked][0]);
+    const other = await find(one);
     if (own !== asked) return;
-    const isOneSize = pair[1] !== null && String(pair[0].calibration.img_size) === String(pair[1].calibration.img_size);
-    status.textContent = isOneSize ? "" : t(pair[1] ? "mine.other_size" : "mine.no_consensus");
-    if (isOneSize) shown.replaceChildren(comparisonView(pair[0], pair[1], other ? null : t("mine.consensus")));
+    const isOneSize = typeof other !== "string" && `${one.calibration.img_size}` === `${other.calibration.img_size}`;
+    status.textContent = isOneSize ? "" : typeof other === "string" ? other : t("mine.other_size");
+    if (isOneSize) shown.replaceChildren(comparisonView(one, other, name));
   } catch (error) {
     if (own === asked) status.textContent = explain(error);
   }
 }
 
+/** Chooser of a file to compare with. @param {HTMLElement} shown @param {HTMLElement} status */
+function fileChooser(shown, status) {
+  const input = el("input", { class: "unseen", type: "file", id: "with-file" });
+  input.addEventListener("change", () => {
+    const [file] = input.files ?? [];
+    if (file) void compare(shown, status, ({ calibration }) => cameraOf(file, calibration.img_size), file.name);
+  });
+  return el("label", { class: "button" }, input, el("span", {}, t("mine.with_file")));
+}
+
 /**
- * @param {Awaited<ReturnType<typeof load>>["calibration"]} calibration
- * @returns {Promise<Awaited<ReturnType<typeof load>> | null>} null: there is none
+ * The camera in a file.
+ * @param {File} file @param {[number, number]} img_size if the file says none
+ * @returns {Promise<Loaded | string>}
  */
-async function consensusOf({ id, img_size, distortion_model }) {
+async function cameraOf(file, img_size) {
+  const source = sourceOf(await file.arrayBuffer(), await file.text());
+  try {
+    if (!source) return t("import.no_camera");
+    const camera = await readCamera(source, { img_size });
+    const calibration = /** @type {Loaded["calibration"]} */ (/** @type {unknown} */ ({ ...camera, id: null }));
+    return { calibration, report: null };
+  } catch (error) {
+    if (!(error instanceof ApiError) || error.status !== 422) throw error;
+    return t("import.no_camera");
+  }
+}
+
+/** Consensus of the camera. @param {Loaded} loaded @returns {Promise<Loaded | string>} */
+async function consensusOf({ calibration: { id, img_size, distortion_model } }) {
   const key = factsOf(id)?.cameraKey;
   const known = key ? await knownCalibrations(key, img_size) : [];
   const calibration = known.find((each) => each.distortion_model === distortion_model) ?? known[0];
-  return calibration ? { calibration, report: null } : null;
+  return calibration ? { calibration, report: null } : t("mine.no_consensus");
 }
 
 function draw() {
-  const all = ownCalibrations();
+  const all = [...(guest ? [guest] : []), ...ownCalibrations()];
   if (all.length === 0) {
     return place.replaceChildren(
       el(
@@ -117,21 +155,46 @@ function draw() {
       "div",
       { class: "actions" },
       ...(ticked.size === 1
-        ? [button(t("mine.with_consensus"), () => void compare(shown, status), { id: "with-consensus" })]
+        ? [
+            button(t("mine.with_consensus"), () => void compare(shown, status, consensusOf, t("mine.consensus")), {
+              id: "with-consensus",
+            }),
+            fileChooser(shown, status),
+          ]
         : []),
       status,
     ),
     shown,
-    el(
-      "div",
-      { class: "actions" },
-      el("a", { class: "button", href: pageUrl("import/").href }, t("mine.with_file")),
-      ...(all.length > 1 ? [button(t("cameras.forget_all"), () => forget(), { id: "forget-all" })] : []),
-    ),
+    ...(all.length > 1
+      ? [
+          el(
+            "div",
+            { class: "actions" },
+            button(t("cameras.forget_all"), () => forget(), { id: "forget-all" }),
+          ),
+        ]
+      : []),
   );
-  if (ticked.size === 2) void compare(shown, status);
+  if (ticked.size === 2) void compare(shown, status, () => load([...ticked][1]));
+}
+
+/** Ticks the calibration that the address names, whoever made it. */
+async function tickNamed() {
+  const id = new URLSearchParams(location.search).get("with");
+  if (!id) return;
+  try {
+    if (!ownCalibrations().some((own) => own.id === id)) {
+      const { calibration, report } = await load(id);
+      guest = ownOf({ ...calibration, id }, report);
+    }
+    ticked.add(id);
+    draw();
+  } catch (error) {
+    place.prepend(el("p", { class: "problem" }, explain(error)));
+  }
 }
 
 openPage();
 onLanguage(draw);
 draw();
+void tickNamed();

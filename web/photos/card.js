@@ -11,14 +11,29 @@ import { isView } from "./group.js";
 
 const WIDTH = 240; // px
 
-/** A small copy with the corners marked. @param {ImageBitmap} picture @param {number[][]} points */
-export function thumbnail(picture, points) {
-  const scale = WIDTH / picture.width;
-  const canvas = el("canvas", { width: WIDTH, height: Math.round(picture.height * scale), "aria-hidden": "true" });
+/** @param {ImageBitmap | VideoFrame} picture @returns {[number, number]} px */
+export const sizeOf = (picture) =>
+  "displayWidth" in picture ? [picture.displayWidth, picture.displayHeight] : [picture.width, picture.height];
+
+/** A small copy. @param {ImageBitmap | VideoFrame} picture */
+export function thumbnail(picture) {
+  const [width, height] = sizeOf(picture);
+  const canvas = el("canvas", { width: WIDTH, height: Math.round((height * WIDTH) / width), "aria-hidden": "true" });
   const context = canvas.getContext("2d");
   if (!context) return canvas;
   context.imageSmoothingQuality = "high";
   context.drawImage(picture, 0, 0, canvas.width, canvas.height);
+  return canvas;
+}
+
+/**
+ * Marks corners on a small copy.
+ * @param {HTMLCanvasElement} canvas @param {number[][]} points px of the picture @param {number} width of the picture, px
+ */
+export function mark(canvas, points, width) {
+  const context = canvas.getContext("2d");
+  if (!context) return;
+  const scale = canvas.width / width;
   context.fillStyle = "#ffb000";
   context.strokeStyle = "#1c1300";
   for (const [x, y] of points) {
@@ -27,7 +42,6 @@ export function thumbnail(picture, points) {
     context.fill();
     context.stroke();
   }
-  return canvas;
 }
 
 /**

@@ -1,11 +1,12 @@
 // Photographs and frames of videos, one after the other, as the camera's sensor saw them.
 import { cameraName, readExif, unturned } from "./exif.js";
+import { sizeOf } from "./card.js";
 import { playedFrames } from "./video-frames.js";
 
 /**
  * @typedef {object} Shot
  * @property {string} name
- * @property {ImageBitmap} picture
+ * @property {ImageBitmap | VideoFrame} picture
  * @property {string} camera its name; "" where the file does not say
  * @property {number} focal mm; 0
  * @property {number} [focal35] mm, its equivalent on 35 mm film; 0
@@ -58,11 +59,12 @@ export async function* shots(file, signal, { samples = 0, mirrored = false } = {
   }
 }
 
-/** @param {ImageBitmap} picture let go of */
+/** @param {ImageBitmap | VideoFrame} picture let go of */
 function turnedBack(picture) {
-  const canvas = new OffscreenCanvas(picture.width, picture.height);
+  const [width, height] = sizeOf(picture);
+  const canvas = new OffscreenCanvas(width, height);
   const context = canvas.getContext("2d");
-  context?.transform(-1, 0, 0, 1, picture.width, 0);
+  context?.transform(-1, 0, 0, 1, width, 0);
   context?.drawImage(picture, 0, 0);
   picture.close();
   return canvas.transferToImageBitmap();

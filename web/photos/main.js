@@ -14,7 +14,7 @@ import { LaterResultView } from "../lib/result/later.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
 import { liveRegion } from "../lib/live-region.js";
-import { card } from "./card.js";
+import { card, sizeOf } from "./card.js";
 import { WhichBoard } from "../lib/which-board.js";
 import { cameraOfNames, shots } from "./files.js";
 import { showLikely } from "./likely.js";
@@ -366,7 +366,7 @@ async function canvasOf(picture) {
   const file = picture && origins.get(picture);
   if (!file) return null;
   for await (const shot of shots(file, new AbortController().signal, { samples: 1, mirrored })) {
-    const { width, height } = shot.picture;
+    const [width, height] = sizeOf(shot.picture);
     const canvas = el("canvas", { width, height });
     canvas.getContext("2d")?.drawImage(shot.picture, 0, 0);
     shot.picture.close();

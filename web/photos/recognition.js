@@ -5,7 +5,7 @@ import { boardWords } from "../lib/board-words.js";
 import { el, part } from "../lib/dom.js";
 import { liveRegion } from "../lib/live-region.js";
 import { t } from "../lib/i18n.js";
-import { thumbnail } from "./card.js";
+import { mark, thumbnail } from "./card.js";
 import { UnreadableError, shots } from "./files.js";
 
 /**
@@ -20,7 +20,6 @@ import { UnreadableError, shots } from "./files.js";
 const MAX_PICTURES = 8;
 const ENOUGH = 4; // pictures that show a board: more would say the same
 const TIMEOUT_MS = 120_000; // ms for one picture, which may have a hundred times the pixels of a frame
-const PICTURE_WIDTH = 480; // px
 
 /**
  * The board that the files show.
@@ -34,24 +33,15 @@ export async function recogniseIn(detector, files, signal) {
   const images = [];
   for await (const shot of samples(files, signal)) {
     if (signal.aborted) return null;
-    const small = await createImageBitmap(shot, {
-      resizeWidth: Math.min(shot.width, PICTURE_WIDTH),
-      resizeQuality: "high",
-    });
+    const small = thumbnail(shot);
     const sighting = await detector.sight(shot, { timeout: TIMEOUT_MS });
     sightings.push(sighting);
-    const [scale, width] = [small.width / sighting.size[0], sighting.size[0]];
+    const [width] = sighting.size;
     const points = isTelling(sighting)
       ? sighting.markers.flatMap(({ corners }) => corners)
       : (sighting.chessboard?.points ?? []);
-    const places = sighting.mirrored ? points.map(([x, y]) => [width - 1 - x, y]) : points;
-    images.push(
-      thumbnail(
-        small,
-        places.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]),
-      ),
-    );
-    small.close();
+    mark(small, sighting.mirrored ? points.map(([x, y]) => [width - 1 - x, y]) : points, width);
+    images.push(small);
     if (sightings.filter((each) => each.chessboard?.isPlain || isTelling(each)).length === ENOUGH) break;
   }
   const found = recognise(sightings);
@@ -62,7 +52,7 @@ export async function recogniseIn(detector, files, signal) {
  * Pictures from all over the files, in an order that shows much of them soon.
  * @param {File[]} files
  * @param {AbortSignal} signal
- * @returns {AsyncGenerator<ImageBitmap>}
+ * @returns {AsyncGenerator<ImageBitmap | VideoFrame>}
  */
 async function* samples(files, signal) {
   const count = Math.min(MAX_PICTURES, files.length);

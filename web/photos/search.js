@@ -1,7 +1,7 @@
 // Search for the board in files: picture by picture, and what could not be read.
 import { observedOutline } from "../lib/board-outline.js";
 import { t } from "../lib/i18n.js";
-import { thumbnail } from "./card.js";
+import { mark, thumbnail } from "./card.js";
 import { UnreadableError, conversion, shots } from "./files.js";
 
 /**
@@ -60,14 +60,9 @@ export function unreadableTexts(errors) {
  * @returns {Promise<Picture>}
  */
 async function find(detector, board, { name, picture, camera, focal, focal35, kind }) {
-  const kept = await createImageBitmap(picture, { resizeWidth: Math.min(picture.width, 480), resizeQuality: "high" });
+  const small = thumbnail(picture);
   const { ids, points, size } = await detector.detect(picture, { full: true, timeout: DETECTION_TIMEOUT_MS });
-  const scale = kept.width / size[0];
-  const small = thumbnail(
-    kept,
-    points.map(([x, y]) => [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]),
-  );
-  kept.close();
+  mark(small, points, size[0]);
   return {
     name,
     camera,

@@ -1,7 +1,9 @@
 // Frames of a video file, each once: the browser plays it, and says of each picture which frame it is.
+import { grab } from "../lib/detector.js";
+import { sizeOf } from "./card.js";
 
 /**
- * @typedef {{time: number, picture: ImageBitmap}} VideoPicture time: s, of the frame in the video
+ * @typedef {{time: number, picture: ImageBitmap | VideoFrame}} VideoPicture time: s, of the frame in the video
  */
 
 // that are played at first, as many as any detector manages; a video of fewer is played faster
@@ -24,7 +26,7 @@ const STALLED_MS = 15_000; // ms without another frame
  */
 export async function* playedFrames(video, most, signal) {
   const stride = Number.isFinite(video.duration) ? video.duration / most : UNKNOWN_STRIDE_S;
-  /** @type {{time: number, picture: Promise<ImageBitmap>}[]} */
+  /** @type {{time: number, picture: Promise<ImageBitmap | VideoFrame>}[]} */
   const waiting = [];
   let [last, due, previous, isOver] = [-Infinity, 0, NaN, false];
   // frames/s; s, the shortest between frames so far
@@ -40,7 +42,7 @@ export async function* playedFrames(video, most, signal) {
     if (mediaTime > previous) {
       const gap = mediaTime - previous;
       interval = Math.min(interval, gap);
-      if (gap > MISSED_INTERVALS * interval && mediaTime > due + interval - TOLERANCE_S)
+      if (gap > MISSED_INTERVALS * interval && mediaTime > due + Math.max(stride, interval) - TOLERANCE_S)
         top = Math.max(MIN_FRAMES_PER_S, RETREAT * speed);
       else top = Math.min(MAX_FRAMES_PER_S, RECOVERY * top);
       speed = Math.min(top, waiting.length < 2 ? speed * ACCELERATION : speed);
@@ -50,7 +52,7 @@ export async function* playedFrames(video, most, signal) {
     if (mediaTime > last && mediaTime >= due) {
       last = mediaTime;
       due = stride * (Math.floor((mediaTime + TOLERANCE_S) / stride) + 1) - TOLERANCE_S;
-      waiting.push({ time: mediaTime, picture: createImageBitmap(video) });
+      waiting.push({ time: mediaTime, picture: pictureOf(video) });
       wake();
     }
     if (waiting.length >= MAX_WAITING) video.pause();
@@ -80,6 +82,18 @@ export async function* playedFrames(video, most, signal) {
     end.abort();
     for (const { picture } of waiting) void picture.then((each) => each.close());
   }
+}
+
+/**
+ * The frame as it is shown: some browsers do not turn the frames of a video that was taken upright.
+ * @param {HTMLVideoElement} video
+ */
+async function pictureOf(video) {
+  const frame = await grab(video);
+  const [width, height] = sizeOf(frame);
+  if (width === video.videoWidth && height === video.videoHeight) return frame;
+  frame.close();
+  return createImageBitmap(video);
 }
 
 /** A video that is let go of meanwhile rejects. @param {HTMLVideoElement} video */

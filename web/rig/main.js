@@ -14,6 +14,7 @@ import { inLanguage, language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
 import { OfflineError } from "../lib/network.js";
+import { showRigPicture } from "../lib/rig-picture.js";
 import { loadSettings, storedSettings } from "../lib/settings.js";
 import { keepAwake } from "./awake.js";
 import { RigCapture } from "./capture.js";
@@ -417,6 +418,7 @@ document.addEventListener("keydown", (event) => {
   event.preventDefault();
 });
 feedback.bind(parts.senses);
+showRigPicture(parts.picture);
 for (const link of parts.boardLinks) link.search = boardQuery(board).toString();
 showProblem(parts.problem, problem);
 onLanguage(() => {

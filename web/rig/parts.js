@@ -16,6 +16,7 @@ export function findParts() {
       done: html("done"),
     },
     problem: html("problem"),
+    picture: html("picture"),
     interrupted: html("interrupted"),
     interruptedText: html("interrupted-text"),
     goOn: button("go-on"),

@@ -1,4 +1,5 @@
 // Result of a rig: how good it is, where the cameras are, the rectified pair, files, each camera's calibration, code.
+import { codeBlocks } from "../lib/result/code-part.js";
 import { copyButton } from "../lib/result/menu.js";
 import { addCopyButton } from "../lib/copy-button.js";
 import { ApiError } from "../lib/api.js";
@@ -278,19 +279,10 @@ document.body.append(pair.left, pair.right);
 file = cv2.FileStorage("stereo-0-1.yml", cv2.FILE_STORAGE_READ)
 K1, D1, K2, D2, R, T = (file.getNode(name).mat() for name in ("K1", "D1", "K2", "D2", "R", "T"))
 `;
-  const block = (/** @type {string} */ name, /** @type {string} */ label, /** @type {string} */ code) =>
-    el(
-      "div",
-      {},
-      el("h3", { id: `code-${name}` }, label),
-      addCopyButton(el("pre", { tabindex: 0, "aria-labelledby": `code-${name}` }, el("code", {}, code))),
-    );
-  return el(
-    "div",
-    { class: "codes" },
-    block("javascript", "JavaScript", javascript),
-    block("python", t("rig.python"), python),
-  );
+  return codeBlocks([
+    ["javascript", "JavaScript", javascript],
+    ["python", t("rig.python"), python],
+  ]);
 }
 
 /** Sentence about cameras that a rig has, for a page's title. @param {RigState} state */

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 import calibsolver
 from calibsolver.arrays import Array
 from calibsolver.board import CIRCLES, DICTIONARIES, KINDS
@@ -62,7 +64,8 @@ class Board(calibsolver.Board):
             "asymmetric_circles": f"asymmetric circles, {size}, diameter {self.marker_ratio:g}",
             "aprilgrid": f"AprilGrid, {size} tags, spacing {self.tag_spacing:g}, {self.dictionary}",
         }[self.kind]
-        return words + (", legacy" if self.legacy else "") + (", white on black" if self.inverted else "")
+        remarks = (self.legacy, "legacy"), (self.inverted, "white on black"), (self.surface, "on a screen")
+        return ", ".join([words, *(remark for applies, remark in remarks if applies)])
 
     @property
     def places(self) -> Array:
@@ -73,6 +76,10 @@ class Board(calibsolver.Board):
     def edge(self) -> Array:
         """Corners of the board's edge, clockwise from the top left, (4, 2), board units."""
         return self.outline[:, :2]
+
+    def length(self, square_mm: float) -> float:
+        """Longer extent of the corners, mm, of a board whose squares, or tags, have this side."""
+        return float(np.ptp(self.points, axis=0).max()) * square_mm
 
     def record(self) -> dict[str, Any]:
         """Return the board as the members of a request; those that older services do not know if needed."""
@@ -89,6 +96,8 @@ class Board(calibsolver.Board):
             members["kind"] = self.kind
         if self.kind == "aprilgrid":
             members |= {"dictionary": self.dictionary, "tag_spacing": self.tag_spacing}
+        if self.surface:
+            members["surface"] = self.surface
         return members | ({"inverted": True} if self.inverted else {})
 
     def markers(self) -> Any:

@@ -37,7 +37,7 @@ def chosen_model(recording: Recording, model: str) -> tuple[str, str | None]:
         }
 
         def covers(name: str) -> bool:
-            return fit(views, size, name).camera.domain().covered >= MIN_COVERED
+            return fit(views, size, name, board_shape=False).camera.domain().covered >= MIN_COVERED
 
         best = choice.model
         if not covers(best):

@@ -67,7 +67,9 @@ def rows_of(recording: Recording, fit: Fit) -> list[PictureRow]:
     return rows
 
 
-def write_report(path: str | Path, calibration: Calibration, picture: Any = None) -> None:
+def write_report(
+    path: str | Path, calibration: Calibration, picture: Any = None, square_mm: float | None = None
+) -> None:
     """Write a report of a calibration that has its corners; the suffix says whether HTML, PNG or PDF.
 
     Parameters
@@ -76,6 +78,8 @@ def write_report(path: str | Path, calibration: Calibration, picture: Any = None
         The file, and the calibration. It is fitted to its corners again, for poses and error bars.
     picture
         One of its pictures (h, w) or (h, w, 3), to be shown before and after.
+    square_mm
+        Side of a square, or of a tag, if it is known.
 
     Raises UsageError for another suffix, or if the corners are not there; MissingPackageError without
     matplotlib.
@@ -90,6 +94,7 @@ def write_report(path: str | Path, calibration: Calibration, picture: Any = None
         import matplotlib  # noqa: F401
 
         from calibsolver import plots
+        from calibsolver.quality.report import board_sentence
     except ImportError:
         raise MissingPackageError("plots need matplotlib: pip install matplotlib") from None
     fit, views = fit_again(recording, calibration)
@@ -100,7 +105,9 @@ def write_report(path: str | Path, calibration: Calibration, picture: Any = None
     content = io.BytesIO()
     if target.suffix.lower() == ".html":
         figure.savefig(content, format="png", dpi=110)
-        page = _page(title, calibration, fit, rows_of(recording, fit), content.getvalue())
+        figures = fit.board_shape.figures() if fit.board_shape else None
+        sentence = board_sentence(figures, recording.board.length(square_mm) if square_mm else None)
+        page = _page(title, calibration, fit, rows_of(recording, fit), content.getvalue(), sentence)
         content = io.BytesIO(page.encode())
     else:
         figure.savefig(content, format=target.suffix[1:].lower(), dpi=110)
@@ -129,10 +136,15 @@ def fit_again(recording: Recording, calibration: Calibration) -> tuple[Fit, list
         raise CaptureError(f"the corners determine no calibration: {error}") from None
 
 
-def _page(title: str, calibration: Calibration, fit: Fit, rows: Sequence[PictureRow], png: bytes) -> str:
+def _page(
+    title: str,
+    calibration: Calibration,
+    fit: Fit,
+    rows: Sequence[PictureRow],
+    png: bytes,
+    board: str | None,
+) -> str:
     """Return the page: everything is in it, nothing is loaded from elsewhere."""
-    from calibsolver.quality.report import board_sentence
-
     from .cli.output import calibration_facts
 
     names = ("fx", "fy", "cx", "cy", *_coefficients(fit))
@@ -150,7 +162,6 @@ def _page(title: str, calibration: Calibration, fit: Fit, rows: Sequence[Picture
         f"<tr><td>{html.escape(name)}</td><td>{html.escape(value)}</td></tr>"
         for name, value in calibration_facts(calibration.record)
     )
-    board = board_sentence(fit.board_shape)
     image = base64.b64encode(png).decode()
     return (
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{html.escape(title)}</title>'

@@ -50,8 +50,6 @@ class CaptureResult:
         Distortion model that explains these views better, or None.
     verdict
         Level and reasons, the one to act on first; empty if an older service states none.
-    board
-        Sentence on the bend and the print of the board; None if they are as drawn, and from the service.
     """
 
     calibration: Calibration
@@ -59,7 +57,19 @@ class CaptureResult:
     left_out: tuple[tuple[str, str], ...] = ()
     suggested_model: str | None = None
     verdict: tuple[str, ...] = ()
-    board: str | None = None
+
+    @property
+    def board(self) -> str | None:
+        """Sentence on the bend and the print of the board; None if it was taken as drawn."""
+        return self.board_sentence()
+
+    def board_sentence(self, square_mm: float | None = None) -> str | None:
+        """Return the sentence `board`, in millimetres where the side of a square is given."""
+        from calibsolver.quality import report
+
+        recording, shape = self.calibration.recording, self.calibration.record.get("board_shape")
+        length = recording.board.length(square_mm) if recording and square_mm else None
+        return report.board_sentence(shape, length)
 
 
 def start(
@@ -197,7 +207,6 @@ def calibrate_offline(
     from calibsolver.circles import fit_circles
     from calibsolver.fitting.coverage import Coverage, record_covered
     from calibsolver.quality import assessment, cross_validation
-    from calibsolver.quality.report import board_sentence
     from calibsolver.quality.rivals import with_rivals
 
     lens = start.lens if start else None
@@ -210,7 +219,7 @@ def calibrate_offline(
             fitted, corrected = fit_circles(views, size, radius, chosen, start=lens, fix=fix)
             views = list(corrected)
         else:
-            fitted = calibsolver.fit(views, size, chosen, start=lens, fix=fix, board_shape=True)
+            fitted = calibsolver.fit(views, size, chosen, start=lens, fix=fix)
     except (calibsolver.CalibrationError, ValueError) as error:
         if getattr(error, "code", "") in ("unknown_parameter", "no_value"):
             raise UsageError(str(error)) from None
@@ -243,7 +252,6 @@ def calibrate_offline(
         cut,
         better,
         (said.level, *(reason.text for reason in said.reasons)),
-        board_sentence(fitted.board_shape),
     )
 
 

@@ -25,9 +25,10 @@ SEARCH_KEY = f"{FOLDER}search.json"
 NOT_SEARCHED = frozenset({"changelog", "decisions", "development"})
 """Documents for contributors, and one that repeats, by version, what the others explain."""
 _LEAD = (
-    "calibDB returns what a camera's lens does: the camera matrix, the distortion, and how "
-    "far to trust them. Begin with the quickstart, or search."
+    "calibDB gives your program the camera matrix, the lens distortion and their uncertainty. Begin with one "
+    "of these, or search."
 )
+_FIRST = ("quickstart", "sdk", "reference")  # documents to begin with
 _MAX_DESCRIPTION = 160  # characters
 _IMPORT_MAP = re.compile(r'(```html sdk-import-map\n<script type="importmap">\n).*?(\n</script>)', re.DOTALL)
 _PROBLEM = re.compile(
@@ -117,14 +118,19 @@ def _page(entry: Entry, document: Document) -> str:
     return page(entry.key, document.title, about, body, document.headings, uses_service=entry.uses_service)
 
 
+def _cards(entries: Sequence[Entry]) -> str:
+    return "".join(
+        f'<li><a href="{address(OVERVIEW, entry.key)}">{escape(entry.name)}</a>'
+        f"<span>{escape(entry.summary)}</span></li>"
+        for entry in entries
+    )
+
+
 def _home() -> str:
-    parts = [f'<p class="lead">{_LEAD}</p>']
+    first = [entry for entry in GROUPS["start"] if entry.slug in _FIRST]
+    parts = [f'<p class="lead">{_LEAD}</p>\n<ul class="cards first">{_cards(first)}</ul>']
     for name, entries in GROUPS.items():
-        items = "".join(
-            f'<li><a href="{address(OVERVIEW, entry.key)}">{escape(entry.name)}</a>'
-            f"<span>{escape(entry.summary)}</span></li>"
-            for entry in entries
-        )
-        parts.append(f'<h2 id="{name}">{GROUP_NAMES[name]}</h2>\n<ul class="cards">{items}</ul>')
+        others = [entry for entry in entries if entry not in first]
+        parts.append(f'<h2 id="{name}">{GROUP_NAMES[name]}</h2>\n<ul class="cards">{_cards(others)}</ul>')
     about = "Quickstart, API reference, SDK, Python client, formats, limits."
     return page(OVERVIEW, "Documentation", about, "\n".join(parts))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
@@ -219,15 +220,12 @@ def _source(web: Path, name: str) -> str:
 
 
 def _index() -> str:
-    cards = []
-    for folder, heading, message in (
-        ("../ar", "", "examples.ar"),
-        *((one.folder, one.heading, one.message) for one in ENGINES),
-    ):
-        name = folder.rpartition("/")[2]
+    cards = [_card("../ar", '<span data-t="examples.ar"></span>')]
+    for one in ENGINES:
+        adapter = re.search(r"calibdb/adapters/\w+", one.lines)
+        named = f'<span data-t="{one.message}">{escape(one.heading)}</span>'
         cards.append(
-            f'<li><a href="{folder}/"><img src="./{name}.jpg" width="480" height="270" alt="" loading="lazy">'
-            f'<span data-t="{message}">{escape(heading)}</span></a></li>'
+            _card(one.folder, f"<span>{one.name}</span> <code>{adapter[0]}</code>" if adapter else named)
         )
     return _document(
         "Examples",
@@ -240,6 +238,12 @@ def _index() -> str:
       </div>
       <ul class="gallery">{"".join(cards)}</ul>""",
     )
+
+
+def _card(folder: str, words: str) -> str:
+    name = folder.rpartition("/")[2]
+    picture = f'<img src="./{name}.jpg" width="480" height="270" alt="" loading="lazy">'
+    return f'<li><a href="{folder}/">{picture}{words}</a></li>'
 
 
 def _document(title: str, lead: str, root: str, head: str, main: str) -> str:

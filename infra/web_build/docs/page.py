@@ -74,7 +74,9 @@ def page(
       <div class="docs-search">
         <form id="search" role="search" hidden>
           <label for="words" data-t="docs.search">Search the documentation</label>
-          <input id="words" type="search" autocomplete="off" spellcheck="false" aria-describedby="found">
+          <input id="words" type="search" autocomplete="off" spellcheck="false"
+            placeholder="undistort, ROS, 429"
+            aria-describedby="found" aria-keyshortcuts="/">
           <p class="unseen" id="found" role="status"></p>
           <ul class="results" id="results" lang="en" hidden></ul>
         </form>
@@ -124,7 +126,12 @@ def _navigation(key: str) -> str:
             f"{' aria-current=page' if entry.key == key else ''}>{escape(entry.name)}</a></li>"
             for entry in entries
         )
-        groups.append(f'<h2 data-t="docs.group_{name}">{GROUP_NAMES[name]}</h2><ul lang="en">{links}</ul>')
+        is_open = name != "project" or any(entry.key == key for entry in entries)
+        groups.append(
+            f"<details{' open' if is_open else ''}>"
+            f'<summary><h2 data-t="docs.group_{name}">{GROUP_NAMES[name]}</h2></summary>'
+            f'<ul lang="en">{links}</ul></details>'
+        )
     home = address(key, f"{FOLDER}index.html")
     label = 'aria-label="Documentation" data-t-label="docs.documents"'
     return f"""      <nav class="documents" id="all-documents" {label}>

@@ -22,6 +22,7 @@ DICTIONARIES = {
 }
 
 
+SURFACES = (None, "screen")
 KINDS = ("charuco", "chessboard", "aprilgrid", "circles", "asymmetric_circles")
 CIRCLES = ("circles", "asymmetric_circles")
 """Kinds of boards of circles; `marker_ratio` is a circle's diameter / the unit."""
@@ -57,6 +58,8 @@ class Board:
         White where other boards are black.
     tag_spacing
         Gap between the tags of an AprilGrid / side of a tag.
+    surface
+        ``screen`` if a screen shows the board, which is flat then: its views have no shape. None: anything.
 
     Raises ValueError for a board that cannot exist.
     """
@@ -68,6 +71,7 @@ class Board:
     kind: str = "charuco"
     inverted: bool = False
     tag_spacing: float = 0.3
+    surface: str | None = None
 
     def __post_init__(self) -> None:
         w, h = (int(n) for n in self.squares)
@@ -76,6 +80,8 @@ class Board:
         object.__setattr__(self, "squares", (w, h))
         if self.kind not in KINDS:
             raise ValueError(f"a board is one of {', '.join(KINDS)}, not {self.kind!r}")
+        if self.surface not in SURFACES:
+            raise ValueError(f"the surface of a board is 'screen' or None, not {self.surface!r}")
         least, what = {"aprilgrid": (1, "tags"), **dict.fromkeys(CIRCLES, (2, "circles"))}.get(
             self.kind, (3, "squares")
         )
@@ -220,7 +226,8 @@ class Board:
             raise ValueError(f"corner ids run from 0 to {self.corner_count - 1}")
         if len(np.unique(index)) != len(index):
             raise ValueError("a corner id is given twice")
-        return View(self.points[index], np.asarray(points, dtype=np.float64).reshape(-1, 2))
+        seen = np.asarray(points, dtype=np.float64).reshape(-1, 2)
+        return View(self.points[index], seen, flat=self.surface == "screen")
 
     def views(self, records: Iterable[Mapping[str, Any]]) -> list[View]:
         """Build views of records of plain values: `ids` (n), `points` (n, 2) px; other members are ignored.

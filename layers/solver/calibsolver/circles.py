@@ -1,6 +1,7 @@
 """Grids of circles: the bias of centroids, which detectors measure, and fits without it."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -52,14 +53,16 @@ def fit_circles(
     `start` and `fix` as for `fit`. Raises CalibrationError as `fit` does.
     """
     corrected = tuple(views)
-    calibration = fit(corrected, img_size, model, start=start, fix=fix)
+    calibration = fit(corrected, img_size, model, start=start, fix=fix, board_shape=False)
     for _ in range(ROUNDS - 1):
         moved = []
         for view, pose in zip(views, calibration.poses, strict=True):
             bias = np.zeros((len(view), 2))
             if np.isfinite(pose).all():
                 bias = np.nan_to_num(centre_bias(calibration.camera, view, pose, radius))
-            moved.append(View(view.object_points, view.image_points - bias, view.weights))
+            moved.append(replace(view, image_points=view.image_points - bias))
         corrected = tuple(moved)
-        calibration = fit(corrected, img_size, model, start=calibration.camera, fix=calibration.fixed)
+        calibration = fit(
+            corrected, img_size, model, start=calibration.camera, fix=calibration.fixed, board_shape=False
+        )
     return calibration, corrected

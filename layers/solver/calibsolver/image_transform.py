@@ -5,7 +5,7 @@ resize multiplies: hence the halves.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,7 +47,7 @@ class Transform:
 
     def view(self, view: View) -> View:
         """Carry a view along; its points may leave the picture."""
-        return View(view.object_points, self.pixels(view.image_points))
+        return replace(view, image_points=self.pixels(view.image_points))
 
     def camera(self, camera: Camera) -> Camera:
         """Return the camera of the transformed picture.
@@ -138,7 +138,7 @@ def apply(transform: Transform, camera: Camera, views: Sequence[View]) -> tuple[
     """
     moved = [transform.view(view) for view in views]
     if transform.mirrored:
-        moved = [View(view.object_points * (-1.0, 1.0, 1.0), view.image_points) for view in moved]
+        moved = [replace(view, object_points=view.object_points * (-1.0, 1.0, 1.0)) for view in moved]
     return transform.camera(camera), tuple(moved)
 
 

@@ -20,6 +20,8 @@ class View:
     weights
         (n,) relative weights > 0: 1 / variance, up to a factor that all views share. One number weighs the
         whole view; None is 1. They count in `fit` and `locate`.
+    flat
+        True if the board is known to be as drawn, as on a screen: `fit` then estimates no shape.
 
     Raises ValueError if shapes or numbers make no sense.
     """
@@ -27,6 +29,7 @@ class View:
     object_points: Array
     image_points: Array
     weights: Array | float | None = None
+    flat: bool = False
 
     def __post_init__(self) -> None:
         p, q = frozen(self.object_points), frozen(self.image_points)
@@ -50,4 +53,4 @@ class View:
     def subset(self, index: IntArray | Mask) -> "View":
         """Return the view with some of its points."""
         weights = None if self.weights is None else np.asarray(self.weights)[index]
-        return View(self.object_points[index], self.image_points[index], weights)
+        return View(self.object_points[index], self.image_points[index], weights, self.flat)

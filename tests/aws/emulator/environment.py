@@ -1,4 +1,4 @@
-"""The environment that functions see: Lambda's variables and the template's, in the one there is."""
+"""The environment that functions see: Lambda's variables and the template's, in that of this process."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from contextlib import contextmanager
 
 from infra.deploy.intrinsics import REGION
 
-# What would make boto3 look elsewhere than at the storage of this process: another endpoint, a developer's
-# own profile.
+# Variables that would lead boto3 away from the storage of this process.
 _MISLEADING = (
     "AWS_ENDPOINT_URL",
     "AWS_ENDPOINT_URL_DYNAMODB",
@@ -18,7 +17,7 @@ _MISLEADING = (
     "AWS_PROFILE",
     "AWS_SESSION_TOKEN",
 )
-_EMBEDDED = {
+_LOCAL = {
     "AWS_ACCESS_KEY_ID": "local",
     "AWS_SECRET_ACCESS_KEY": "local",  # signs requests that never leave the process
     "AWS_CONFIG_FILE": os.devnull,
@@ -29,19 +28,12 @@ _EMBEDDED = {
 }
 
 
-def storage_is_elsewhere(environment: Mapping[str, str]) -> bool:
-    """Tell whether the environment points at other storage than this process's own."""
-    return environment.get("CALIBDB_STORAGE") == "aws" or "AWS_ENDPOINT_URL" in environment
-
-
 @contextmanager
-def set_variables(variables: Mapping[str, str], *, embedded: bool) -> Iterator[None]:
-    """Set variables until the end of the block, and what keeps boto3 in this process if `embedded`."""
-    wanted: dict[str, str | None] = dict(variables)
-    if embedded:
-        wanted = dict.fromkeys(_MISLEADING) | _EMBEDDED | wanted
-    before = {name: os.environ.get(name) for name in wanted}
-    _set(wanted)
+def set_variables(variables: Mapping[str, str]) -> Iterator[None]:
+    """Set variables, and those that keep boto3 in this process, until the end of the block."""
+    values: dict[str, str | None] = dict.fromkeys(_MISLEADING) | _LOCAL | dict(variables)
+    before = {name: os.environ.get(name) for name in values}
+    _set(values)
     try:
         yield
     finally:

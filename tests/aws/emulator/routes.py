@@ -56,8 +56,10 @@ class Routes:
         return None
 
     def owns(self, path: str) -> bool:
-        """Tell whether the path starts with the first segment of some route."""
-        return _first(unquote(path)) in {_first(route.path) for _, route in self._routes}
+        """Tell whether the path starts with the first segment of some route; files of the site do not."""
+        return _first(unquote(path)) in {
+            _first(route.path) for _, route in self._routes if not route.path.endswith(".html")
+        }
 
 
 def _first(path: str) -> str:

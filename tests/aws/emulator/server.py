@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import re
 import time
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -75,7 +76,10 @@ class GatewayApp:
             await send(event)
 
         path = scope["raw_path"].decode("ascii", "replace")
-        app: ASGIApp = self._api if self._gateway.routes.owns(path) else self._site
+        is_result = re.fullmatch("(/[a-z]{2})?/result/", path) is not None
+        if is_result:  # as the edge asks for it
+            scope = {**scope, "raw_path": scope["raw_path"] + b"index.html"}
+        app: ASGIApp = self._api if is_result or self._gateway.routes.owns(path) else self._site
         if not all(is_loopback(v.decode("latin-1")) for k, v in scope["headers"] if k == b"host"):
             app = _MISDIRECTED
         try:

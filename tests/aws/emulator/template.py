@@ -63,23 +63,6 @@ class TableSpec:
 
     name: str
     properties: Mapping[str, Any]
-    ttl_attribute: str | None
-
-
-@dataclass(frozen=True)
-class Expiration:
-    """A bucket's lifecycle rule: objects under `prefix` are forgotten `days` after they were written."""
-
-    prefix: str
-    days: float
-
-
-@dataclass(frozen=True)
-class BucketSpec:
-    """One `AWS::S3::Bucket`."""
-
-    name: str
-    expirations: tuple[Expiration, ...]
 
 
 @dataclass(frozen=True)
@@ -90,7 +73,7 @@ class Template:
     routes: tuple[RouteSpec, ...]
     cors: CorsSpec | None
     tables: tuple[TableSpec, ...]
-    buckets: tuple[BucketSpec, ...]
+    buckets: tuple[str, ...]
     layers: tuple[Path, ...]
     """Folders of the layers' packages."""
 
@@ -142,7 +125,7 @@ def load(path: Path, parameters: Mapping[str, str]) -> Template:
     functions: dict[str, FunctionSpec] = {}
     routes: list[RouteSpec] = []
     tables: list[TableSpec] = []
-    buckets: list[BucketSpec] = []
+    buckets: list[str] = []
     layers: list[Path] = []
     cors: CorsSpec | None = None
     for name, resource in resources.items():
@@ -158,11 +141,9 @@ def load(path: Path, parameters: Mapping[str, str]) -> Template:
             case "AWS::Serverless::LayerVersion":
                 layers.append(root / properties["ContentUri"])
             case "AWS::DynamoDB::Table":
-                tables.append(_table(resolve({"Ref": name}), resolve(properties)))
+                tables.append(TableSpec(resolve({"Ref": name}), resolve(properties)))
             case "AWS::S3::Bucket":
-                # Versions, encryption and replicas of a bucket do not concern the local stack.
-                lifecycle = resolve(properties.get("LifecycleConfiguration", {}))
-                buckets.append(_bucket(resolve({"Ref": name}), lifecycle))
+                buckets.append(resolve({"Ref": name}))
     return Template(functions, tuple(routes), cors, tuple(tables), tuple(buckets), tuple(layers))
 
 
@@ -205,23 +186,6 @@ def _cors(configuration: Any) -> CorsSpec | None:
         expose_headers=tuple(configuration.get("ExposeHeaders", ())),
         max_age=configuration.get("MaxAge"),
         allow_credentials=bool(configuration.get("AllowCredentials", False)),
-    )
-
-
-def _table(name: str, properties: Mapping[str, Any]) -> TableSpec:
-    ttl = properties.get("TimeToLiveSpecification", {})
-    return TableSpec(name, properties, ttl.get("AttributeName") if ttl.get("Enabled") else None)
-
-
-def _bucket(name: str, lifecycle: Mapping[str, Any]) -> BucketSpec:
-    rules = lifecycle.get("Rules", ())
-    return BucketSpec(
-        name,
-        tuple(
-            Expiration(rule.get("Prefix", ""), float(rule["ExpirationInDays"]))
-            for rule in rules
-            if rule["Status"] == "Enabled" and "ExpirationInDays" in rule
-        ),
     )
 
 

@@ -56,11 +56,15 @@ def remaining(page: Page, faults: Callable[[], T], seconds: float = TIMEOUT_S) -
     return found
 
 
-def violations(page: Page) -> list[str]:
+def violations(page: Page, *rules: str) -> list[str]:
+    """List what axe finds, by these rules or by all."""
     # Evaluated rather than added as a script: the policy of the pages rightly refuses that.
     if not page.evaluate("'axe' in window"):
         page.evaluate(f"() => {{ {AXE.read_text()} }}")
-    found = page.evaluate("async () => (await window.axe.run()).violations")
+    found = page.evaluate(
+        "async (rules) => (await axe.run(rules)).violations",
+        {"resultTypes": ["violations"]} | ({"runOnly": list(rules)} if rules else {}),
+    )
     return [f"{v['id']}: {v['help']}: {[n['html'] for n in v['nodes']]}" for v in found]
 
 

@@ -99,6 +99,7 @@ def cameras() -> dict[str, Any]:
             "agreeing": agreeing,
             "required": 5,
             "fx": 977.0,
+            "uncertainty": 0.042 * (6 - agreeing),
             "calibration_time": 1_767_225_600,
         }
         for size, agreeing in (([1280, 720], 5), ([640, 480], 2))

@@ -1,5 +1,6 @@
 """Boards of the Python client: equal to OpenCV's, in true size on paper, refused where they cannot exist."""
 
+import argparse
 import io
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 from calibdb_client import Board, UsageError
 from calibdb_client.board_sheet import black, largest_square_mm, pdf, png
 from calibdb_client.cli import main
+from calibdb_client.cli.board import add_board, chosen_board
 
 
 def test_board_is_black_where_opencv_draws_it() -> None:
@@ -62,3 +64,13 @@ def test_board_command_writes_both(tmp_path: Path, capfd: pytest.CaptureFixture[
 def test_board_that_cannot_exist_is_refused(wrong: dict[str, object]) -> None:
     with pytest.raises(UsageError):
         Board(**wrong)
+
+
+def test_board_on_a_screen_says_so() -> None:
+    chosen = argparse.ArgumentParser()
+    add_board(chosen)
+    board = chosen_board(chosen.parse_args(["--on-screen", "--squares", "8x5"]))
+    assert board == Board((8, 5), surface="screen")
+    assert str(board).endswith("DICT_4X4_50, on a screen")
+    assert board.record()["surface"] == "screen"
+    assert "surface" not in Board().record(), "older services do not know it"

@@ -48,6 +48,19 @@ def test_corners_of_every_kind_are_where_they_were_drawn(board: Board) -> None:
         assert off.max() < 0.6
 
 
+@pytest.mark.parametrize("inverted", [False, True])
+def test_chessboard_found_in_a_shrunk_picture_has_the_same_corners(inverted: bool) -> None:
+    board = Board((9, 6), kind="chessboard", inverted=inverted)
+    for tilt in TILTS:
+        picture = cv2.resize(board_pictures.picture(board, tilt, 12), None, fx=3, fy=3)
+        detector = Detector(board)
+        exact, fast = detector.find(picture), detector.find_fast(picture)
+        assert exact is not None
+        assert fast is not None
+        assert fast.ids == exact.ids
+        assert np.abs(fast.points - exact.points).max() < 0.05
+
+
 @pytest.mark.parametrize("board", [KINDS[i] for i in (0, 1, 2, 3, 6)], ids=str)
 def test_board_of_every_kind_is_recognised(board: Board) -> None:
     pictures = [board_pictures.picture(board, tilt, 1.2 * max(board.size)) for tilt in TILTS]

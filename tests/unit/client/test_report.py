@@ -45,20 +45,24 @@ def test_bent_board_is_named_by_the_command_and_the_report(
     """A board as drawn, and one whose middle rises by 0.08 squares, 0.7 % of its length off a plane."""
     monkeypatch.chdir(tmp_path)
     said = []
-    for name, sag in (("flat.json", 0.0), ("bent.json", 0.08)):
+    in_mm = ["--square-mm", "30"]
+    for name, sag, square in (("flat.json", 0.0, []), ("bent.json", 0.08, []), ("bent_mm.json", 0.08, in_mm)):
         views = tuple(
             RecordedView(f"{n}.jpg", tuple(ids), tuple((x, y) for x, y in points))
             for n, (ids, points) in enumerate(held(Truth(sag=sag), 8))
         )
         Recording(CameraKey("Webcam", "linux", (1280, 720)), Board(), views).save(name)
-        assert main(["submit", name, "--offline", "--model", "rectilinear"]) == 0
-        assert main(["plot", name]) == 0
+        assert main(["submit", name, "--offline", "--model", "rectilinear", *square]) == 0
+        assert main(["plot", name, *square]) == 0
         page = Path("report.html").read_text()
         (sentence,) = re.findall(r"Your board [^<]*", page) or [""]
-        assert ("Your board" in capsys.readouterr().err) == bool(sentence)
+        assert re.findall(r"Your board .*", capsys.readouterr().err) == ([sentence] if sentence else [])
         said.append(sentence)
-    flat, bent = said
+    flat, bent, millimetres = said
     assert flat == ""
     found = re.fullmatch(r"Your board is bent by (.*) % of its length; that was taken into account.", bent)
     assert found is not None
     assert float(found[1]) == pytest.approx(0.7, abs=0.15)
+    found = re.fullmatch(r"Your board is bent by (.*) mm; that was taken into account.", millimetres)
+    assert found is not None
+    assert float(found[1]) == pytest.approx(0.007 * 7 * 30, abs=0.3), "seven squares between the corners"

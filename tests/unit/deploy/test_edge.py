@@ -144,6 +144,21 @@ def test_badges_are_the_same_for_all_and_take_nothing_of_the_caller_along() -> N
     assert not {"AllowedMethods", "OriginRequestPolicyId"} & behaviour.keys()
 
 
+def test_page_of_a_result_comes_from_a_function_or_else_from_the_site() -> None:
+    (group,) = distribution()["OriginGroups"]["Items"]
+    assert [member["OriginId"] for member in group["Members"]["Items"]] == ["api", "web"]
+    assert {429, 500, 502, 503, 504} <= set(group["FailoverCriteria"]["StatusCodes"]["Items"])
+    pages = [b for b in distribution()["CacheBehaviors"] if b["TargetOriginId"] == group["Id"]]
+    assert [page["PathPattern"] for page in pages] == ["/result/", "/??/result/"], "its files are the site's"
+    key = resources()["ResultCaching"]["Properties"]["CachePolicyConfig"]
+    named = key["ParametersInCacheKeyAndForwardedToOrigin"]["QueryStringsConfig"]
+    assert named == {"QueryStringBehavior": "whitelist", "QueryStrings": ["id"]}
+    for page in pages:
+        assert page["ResponseHeadersPolicyId"] == {"Ref": "PageHeaders"}
+        assert page["CachePolicyId"] == {"Ref": "ResultCaching"}
+        assert "AllowedMethods" not in page, "a group of origins answers nothing but GET and HEAD"
+
+
 def test_preflights_are_answered_at_the_edge_as_by_code() -> None:
     asked = {"access-control-request-method": {"value": "POST"}, "origin": {"value": "https://x.example"}}
     answer, plain, get = run(

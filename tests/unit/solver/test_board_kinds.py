@@ -138,3 +138,11 @@ def test_guidance_proposes_poses_of_any_board(kind: str) -> None:
     pose = ProjectionUncertainty(KINDS[kind], camera.img_size).next_pose([], None)
     assert len(pose.corners) >= 6
     assert len(pose.ids) == len(pose.corners)
+
+
+def test_views_of_a_board_on_a_screen_are_flat() -> None:
+    places = np.zeros((6, 2))
+    assert Board.from_record({"surface": "screen"}).view(range(6), places).flat
+    assert not Board().view(range(6), places).flat
+    with pytest.raises(ValueError, match="surface"):
+        Board(surface="tablet")

@@ -13,6 +13,7 @@ def test_residuals_have_the_lengths_and_signs_of_the_fit() -> None:
     views, size = corner_views("opencv_left")
     calibration = fit(views, size)
     vectors = np.concatenate(calibration.residuals)
+    views = calibration.shaped(views)
     for view, pose, found in zip(views, calibration.poses, calibration.residuals, strict=True):
         seen = view.object_points @ rotation.matrix(pose[:3]).T + pose[3:]
         np.testing.assert_allclose(found, view.image_points - calibration.camera.project(seen), atol=1e-9)

@@ -1,7 +1,7 @@
 // Card at the head of a result: which camera, how good, what to do with it, and what is known of its making.
 import { el } from "../dom.js";
 import { splitLabel } from "../camera-name.js";
-import { dateText, joinFacts, number, pageUrl, rough, formatSize, t } from "../i18n.js";
+import { dateText, joinFacts, language, number, pageUrl, rough, formatSize, t } from "../i18n.js";
 import { isVirtual } from "../virtual/name.js";
 import { meaning } from "./meaning.js";
 import { hint, moreMenu, shareButton } from "./menu.js";
@@ -129,12 +129,12 @@ const insideSentence = ({ uncertainty: { inside, covered } }) =>
  */
 export function boardSentence(board) {
   if (!board || !(board.stretch < MAX_STRETCH)) return [];
-  const [sag, stretch] = [rough(100 * board.sag), rough(100 * board.stretch)];
-  const bent = board.sag > MIN_SIGMAS * board.sag_std;
-  const stretched = board.stretch > MIN_SIGMAS * board.stretch_std;
-  if (bent && stretched) return [t("result.board_bent_and_stretched", { sag, stretch })];
-  if (bent) return [t("result.board_bent", { sag })];
-  return stretched ? [t("result.board_stretched", { stretch })] : [];
+  const deviations = [];
+  if (board.sag > MIN_SIGMAS * board.sag_std) deviations.push(t("result.board_bent", { sag: rough(100 * board.sag) }));
+  if (board.stretch > MIN_SIGMAS * board.stretch_std)
+    deviations.push(t(`result.board_${board.stretch_kind ?? "stretched"}`, { stretch: rough(100 * board.stretch) }));
+  if (!deviations.length) return [];
+  return [t("result.board", { deviations: new Intl.ListFormat(language()).format(deviations) })];
 }
 
 /** @param {Result} result @param {Trial | null} trial @param {string | null} id */
@@ -153,7 +153,9 @@ function nextSteps(result, trial, id) {
       : practice
         ? []
         : [el("a", { href: againAddress(calibration) }, t("result.calibrate_again"))]),
-    ...(practice ? [] : [el("a", { href: pageUrl("mine/").href }, t("result.compare"))]),
+    ...(practice
+      ? []
+      : [el("a", { href: pageUrl(`mine/?${new URLSearchParams(id ? { with: id } : {})}`).href }, t("result.compare"))]),
     el("a", { href: pageUrl("rig/").href }, t("result.several")),
   ];
   return el(

@@ -3,7 +3,10 @@ import { addCopyButton } from "../copy-button.js";
 import { el } from "../dom.js";
 import { matrixText } from "./values.js";
 
-/** @typedef {import("./numbers.js").Calibration} Calibration */
+/**
+ * @typedef {import("./numbers.js").Calibration} Calibration
+ * @typedef {[name: string, label: string, code: string]} Block
+ */
 
 /** Calls of OpenCV that straighten a picture, by model. @type {Record<string, string>} */
 const STRAIGHTEN = {
@@ -30,18 +33,24 @@ const { camera_matrix, distortion_coefficients } = await response.json();
 `;
 
 /** @param {Calibration} calibration @param {string | null} id where it is stored */
-export function codePart(calibration, id) {
-  const block = (/** @type {string} */ name, /** @type {string} */ label, /** @type {string} */ code) =>
-    el(
-      "div",
-      {},
-      el("h3", { id: `code-${name}` }, label),
-      addCopyButton(el("pre", { tabindex: 0, "aria-labelledby": `code-${name}` }, el("code", {}, code))),
-    );
+export const codePart = (calibration, id) =>
+  codeBlocks([
+    ["python", "Python", python(calibration)],
+    ...(id ? /** @type {Block[]} */ ([["javascript", "JavaScript", javascript(id)]]) : []),
+  ]);
+
+/** Code to copy, each under its heading. @param {Block[]} blocks */
+export function codeBlocks(blocks) {
   return el(
     "div",
     { class: "codes" },
-    block("python", "Python", python(calibration)),
-    ...(id ? [block("javascript", "JavaScript", javascript(id))] : []),
+    ...blocks.map(([name, label, code]) =>
+      el(
+        "div",
+        {},
+        el("h3", { id: `code-${name}` }, label),
+        addCopyButton(el("pre", { tabindex: 0, "aria-labelledby": `code-${name}` }, el("code", {}, code))),
+      ),
+    ),
   );
 }

@@ -27,15 +27,19 @@ function difference(one, other) {
   const { px, rms, max } = lensDifference(one, other);
   const found = { rms: rough(rms), max: rough(max) };
   const made = heatPlot(one.img_size, px, max, t("cameras.difference_label", found));
-  const expected = rough(Math.hypot(one.uncertainty.rms, other.uncertainty.rms));
-  return figure({ ...made, caption: t("cameras.difference_caption", { ...found, expected }) });
+  // A file may say nothing of its error.
+  const bars = [one, other].map(({ uncertainty }) => uncertainty?.rms ?? NaN);
+  const expected = Math.hypot(...bars);
+  const caption = Number.isNaN(expected)
+    ? t("cameras.difference_alone", found)
+    : t("cameras.difference_caption", { ...found, expected: rough(expected) });
+  return figure({ ...made, caption });
 }
 
 /** @param {Loaded} one @param {Loaded} other @param {string | null} name */
 function parameters(one, other, name) {
   const rows = [intrinsics(one.calibration, one.report), intrinsics(other.calibration, other.report)];
-  const dates = [one, other].map(({ calibration }) => dateText(calibration.calibration_time));
-  if (name) dates[1] = name;
+  const dates = [dateText(one.calibration.calibration_time), name ?? dateText(other.calibration.calibration_time)];
   const same = one.calibration.distortion_model === other.calibration.distortion_model;
   const count = same ? rows[0].length : 4; // coefficients of two models say different things
   return el(

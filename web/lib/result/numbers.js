@@ -22,9 +22,9 @@ import { COEFFICIENTS, isKnownModel, lensOf } from "../../sdk/projection.js";
  *   null)[]}} std
  * @property {{grid: [number, number], px: (number | null)[][]}} error_map columns and rows; predicted error, px
  * @property {number | null} held_out px rms
- * @property {{sag: number, sag_std: number, stretch: number, stretch_std: number} | null} [board] shape that was taken
- *   into account, shares
- *   of the board's length
+ * @property {{sag: number, sag_std: number, stretch: number, stretch_std: number, stretch_kind?:
+ *   "wider" | "narrower" | "skewed"} | null} [board] shape that was taken into account, shares of the board's length;
+ *   older reports have no kind
  * @property {ReportView[]} views
  *
  * @typedef {object} Row

@@ -19,6 +19,7 @@ const FINE_COLUMNS = 80; // of a map as it is drawn
 const ROUNDOFF_PX = 1e-6; // px; what is moved by less is not moved
 const MOVES_GRID = /** @type {[number, number]} */ ([17, 11]); // where the distortion is measured
 const NOTABLE_DISTORTION = 0.02; // of the width; smaller distortions are drawn larger than they are
+const LABEL_WIDTH = 56; // units
 const HATCH_LINES = 60; // across a picture's width
 
 /** A round number not below. @param {number} value */
@@ -96,6 +97,7 @@ export function heatPlot(size, px, max, label) {
       }),
     );
   }
+  if (px) area.append(...lineLabels(px, size, levels, x));
   const at = (/** @type {MouseEvent} */ event) => {
     const box = area.getBoundingClientRect();
     const shares = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
@@ -103,6 +105,24 @@ export function heatPlot(size, px, max, label) {
     return px && shares.every((share) => share >= 0 && share <= 1) ? { place, value: valueAt(px, size, place) } : null;
   };
   return { svg, area, x, levels, at };
+}
+
+/**
+ * Numbers at the innermost and the outermost line between bands, to the right of the middle.
+ * @param {import("../contours.js").Values} px @param {[number, number]} size px @param {number[]} levels px
+ * @param {(u: number) => number} x px → plot
+ */
+function lineLabels(px, [width, height], levels, x) {
+  const places = Array.from({ length: FINE_COLUMNS }, (_, step) => (width / 2) * (1 + step / FINE_COLUMNS));
+  const values = places.map((u) => valueAt(px, [width, height], [u, height / 2]) ?? NaN);
+  const crossings = levels.flatMap((level) => {
+    const step = values.findIndex((value, index) => value >= level && values[index - 1] < level);
+    return step > 0 && x(places[step]) < x(width) - LABEL_WIDTH / 2 ? [{ level, at: x(places[step]) }] : [];
+  });
+  const [inner, outer] = [crossings[0], crossings[crossings.length - 1]];
+  return (crossings.length > 1 && outer.at - inner.at > LABEL_WIDTH ? [inner, outer] : crossings.slice(0, 1)).map(
+    ({ level, at }) => make("text", { x: short(at), y: short(x(height / 2)), class: "said" }, [rough(level)]),
+  );
 }
 
 /**
@@ -224,8 +244,24 @@ export function residualPlot({ img_size }, view, views, factor, photo) {
     .filter((line) => line.cut)
     .map(({ at: [u, v] }) => `M${short(u - 3)} ${short(v - 3)}l6 6m0-6l-6 6`)
     .join("");
-  area.append(make("path", { d: path(true) + crosses, class: "cut" }));
+  area.append(make("path", { d: path(true) + crosses, class: "cut" }), ...scaleBar(img_size, factor, x));
   return svg;
+}
+
+/**
+ * Bar of a round length in the picture's lower left corner.
+ * @param {readonly [number, number]} size px @param {number} factor by which lengths are drawn larger
+ * @param {(u: number) => number} x px → plot
+ */
+function scaleBar([width, height], factor, x) {
+  const longest = width / 6 / factor;
+  const power = 10 ** Math.floor(Math.log10(longest));
+  const length = ([5, 2].find((digit) => digit * power <= longest) ?? 1) * power;
+  const [left, bottom] = [x(0.03 * width), x(height - 0.04 * width)];
+  return [
+    make("path", { d: `M${short(left)} ${short(bottom)}h${short(x(length * factor) - x(0))}`, class: "bar" }),
+    make("text", { x: short(left), y: short(bottom - 6), class: "said start" }, [`${rough(length)}\u00a0px`]),
+  ];
 }
 
 /**

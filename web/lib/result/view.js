@@ -2,7 +2,7 @@
 import { ApiError } from "../api.js";
 import { el } from "../dom.js";
 import { onLanguage, pageUrl, t } from "../i18n.js";
-import { keepOwn } from "../own-calibrations.js";
+import { keepOwn, ownOf } from "../own-calibrations.js";
 import { isKnownModel } from "../../sdk/projection.js";
 import { isVirtual } from "../virtual/name.js";
 import { againAddress, card, resultAddress, showAgreement, verdictOf } from "./card.js";
@@ -61,15 +61,8 @@ export class ResultView {
 
   /** Keep it in this browser, so that its maker finds it again; practice is nobody's camera. @param {Result} result */
   #keep({ calibration, report, origin, pending }) {
-    const {
-      id,
-      camera,
-      img_size,
-      calibration_time: time,
-      uncertainty: { rms },
-    } = calibration;
-    if (!id || pending || origin === "stored" || isVirtual(camera)) return;
-    keepOwn({ id, camera, img_size, time, level: verdictOf(calibration, report), rms });
+    const { id, camera } = calibration;
+    if (id && !pending && origin !== "stored" && !isVirtual(camera)) keepOwn(ownOf({ ...calibration, id }, report));
   }
 
   /** @param {Result} result */

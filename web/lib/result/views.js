@@ -41,7 +41,7 @@ export function viewsPart({ calibration, report, names = () => "", photo = () =>
   return el(
     "div",
     {},
-    el("p", { class: "muted" }, t("result.views_text", { factor })),
+    el("p", { class: "muted" }, t("result.views_text")),
     ...(bad.length ? [advice(bad, left, choices)] : []),
     el(
       "ol",

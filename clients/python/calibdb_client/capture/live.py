@@ -121,7 +121,7 @@ class Live:
                 break
             if self._aim is None:
                 yield from self._set_target(frame.time)
-            corners = self._detector.find(frame.picture)
+            corners = self._detector.find_fast(frame.picture) or self._detector.find(frame.picture)
             command = self._observe(frame, corners)
             if command == "stop":
                 break

@@ -21,7 +21,7 @@ MAX_VIDEO_VIEWS = 60
 MIN_APART_PX = 30.0
 """Distance between two views, at 1280 px image width, mean over the corners."""
 SLOW_FRAMES_PER_S = 8.0
-"""Frames of a second in which a board is looked for that takes long to find."""
+"""Frames of a second in which a chessboard is looked for: it takes longer to find than markers."""
 _POSITION, _FRAMES_PER_S, _COUNT = 1, 5, 7  # of cv2.VideoCapture
 Seen = tuple[int, tuple[int, int], Corners]
 """Number of a frame, its size (w, h) px, and the corners in it."""
@@ -44,9 +44,10 @@ def read_video(
     observations: list[Seen] = []
     numbers: list[int] = []
     try:
-        for number, count, picture in _pictures(path, board_views, mirrored, _rate(detector)):
+        rate = SLOW_FRAMES_PER_S if chosen.kind == "chessboard" else float("inf")
+        for number, count, picture in _pictures(path, board_views, mirrored, rate):
             numbers.append(number)
-            corners = detector.find_coarsely(picture)
+            corners = detector.find_fast(picture)
             if corners is not None:
                 h, w = picture.shape[:2]
                 observations.append((number, (int(w), int(h)), corners))
@@ -54,18 +55,10 @@ def read_video(
                 progress(number + 1, max(count, number + 1))
     finally:
         board_views.frames = len(observations)
-        views = _choose(observations, numbers[1] if len(numbers) > 1 else 1)
-        if detector.is_slow:
-            views = _found_again(path, views, detector, mirrored)
-        for number, size, corners in views:
+        for number, size, corners in _choose(observations, numbers[1] if len(numbers) > 1 else 1):
             points = tuple((float(u), float(v)) for u, v in corners.points.tolist())
             board_views.views.append((size, RecordedView(f"frame {number + 1}", corners.ids, points)))
     return chosen
-
-
-def _rate(detector: Detector) -> float:
-    """Frames per second in which a board is looked for."""
-    return SLOW_FRAMES_PER_S if detector.is_slow else float("inf")
 
 
 def _pictures(
@@ -117,27 +110,6 @@ def _choose(seen: list[Seen], step: int) -> list[Seen]:
         if len(chosen) == MAX_VIDEO_VIEWS:
             break
     return [seen[i] for i in sorted(chosen)]
-
-
-def _found_again(path: str | Path, views: list[Seen], detector: Detector, mirrored: bool) -> list[Seen]:
-    """Find the corners of views in the whole pictures; those of which they are not found are dropped."""
-    sizes = {number: size for number, size, _ in views}
-    exact: list[Seen] = []
-    opened = open_source(path)
-    try:
-        capture = opened.source
-        for number in range(max(sizes, default=-1) + 1):
-            if not capture.grab():
-                break
-            if number not in sizes:
-                continue
-            there, picture = capture.retrieve()
-            corners = detector.find(_turned(picture, mirrored)) if there and picture is not None else None
-            if corners is not None:
-                exact.append((number, sizes[number], corners))
-    finally:
-        opened.close()
-    return exact
 
 
 def board_in_video(path: str | Path, mirrored: bool = False) -> Board:

@@ -48,6 +48,20 @@ def add_board(parser: argparse.ArgumentParser, recognised: bool = False) -> None
     group.add_argument("--legacy", action="store_true", default=None, help="layout of OpenCV before 4.6")
     group.add_argument("--inverted", action="store_true", default=None, help="white on black")
     group.add_argument("--tag-spacing", type=float, metavar="R", help="gap between tags / side of a tag")
+    group.add_argument(
+        "--on-screen",
+        dest="surface",
+        action="store_const",
+        const="screen",
+        help="a screen shows the board: no bend is estimated",
+    )
+    if recognised:
+        add_square(parser)
+
+
+def add_square(parser: Any) -> None:
+    """Add the option that states how large the squares are."""
+    parser.add_argument("--square-mm", type=float, metavar="MM", help="side of a square, or of a tag")
 
 
 def chosen_board(chosen: argparse.Namespace) -> Board | None:
@@ -55,7 +69,7 @@ def chosen_board(chosen: argparse.Namespace) -> Board | None:
 
     Raises UsageError for one that cannot exist.
     """
-    names = ("kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted", "tag_spacing")
+    names = ("kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted", "tag_spacing", "surface")
     options = {name: value for name in names if (value := getattr(chosen, name)) is not None}
     if not options:
         return None

@@ -163,7 +163,8 @@ def finish(
         offline = " --offline" if isinstance(error, MissingPackageError) else ""
         output.note(f"the corners are kept in {path}: `calibdb submit {path}{offline}` goes on with them")
         raise
-    return conclude(recording, result, path, output, target, getattr(chosen, "verbose", False))
+    verbose = getattr(chosen, "verbose", False)
+    return conclude(recording, result, path, output, target, verbose, chosen.square_mm)
 
 
 def _describe(found: FoundViews, size: tuple[int, int], used: int, verbose: bool, output: Output) -> None:

@@ -53,10 +53,11 @@ def conclude(
     output: Output,
     target: Target = NO_TARGET,
     verbose: bool = False,
+    square_mm: float | None = None,
 ) -> int:
     """Write the result to the recording's file, optionally also as another tool's file, and print it.
 
-    `verbose` prints a row per image.
+    `verbose` prints a row per image; `square_mm` is the side of a square, if it is known.
     """
     write_whole(path, recording.content(result.calibration.record))
     for source, why in result.left_out:
@@ -65,8 +66,8 @@ def conclude(
         output.note(f"--model {result.suggested_model} explains these pictures better")
     for text in result.verdict[1:]:
         output.note(text)
-    if result.board:
-        output.note(result.board)
+    if sentence := result.board_sentence(square_mm):
+        output.note(sentence)
     if output.json:
         output.document(dict(result.calibration.record))
     else:

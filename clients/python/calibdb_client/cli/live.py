@@ -82,7 +82,7 @@ def capture(
         raise
     if kept.path is None:
         raise UsageError("no view was taken")
-    return conclude(recording[0], result, kept.path, output, target)
+    return conclude(recording[0], result, kept.path, output, target, square_mm=chosen.square_mm)
 
 
 def _say_how_to_go_on(recording: Recording, kept: KeptFile, output: Output) -> None:

@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from ..errors import UsageError
+from .board import add_square
 from .output import Output
 
 
@@ -20,6 +21,7 @@ def add(commands: Any) -> None:
     parser.add_argument("file", help="file that `calibdb calibrate` wrote")
     parser.add_argument("-o", "--output", metavar="FILE", default="report.html", help=".html, .png or .pdf")
     parser.add_argument("--picture", metavar="FILE", help="a picture of the camera, shown before and after")
+    add_square(parser)
     parser.set_defaults(run=run)
 
 
@@ -29,7 +31,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     from ..report import write_report
 
     calibration = Calibration.load(chosen.file)
-    write_report(chosen.output, calibration, _picture(chosen.picture, calibration.img_size))
+    write_report(chosen.output, calibration, _picture(chosen.picture, calibration.img_size), chosen.square_mm)
     output.note(f"wrote {chosen.output}")
     return 0
 

@@ -27,7 +27,6 @@ def add(commands: Any) -> None:
         "the same moment.",
     )
     parser.add_argument("folders", nargs="+", metavar="FOLDER", help="pictures of one camera")
-    parser.add_argument("--square-mm", type=float, metavar="MM", help="side of a square, or of a tag")
     parser.add_argument("--offline", action="store_true", help="has no effect: a rig is calibrated here")
     add_model(parser)
     add_board(parser, recognised=True)

@@ -12,6 +12,7 @@ from ..key import UNNAMED
 from ..pictures import PLATFORM
 from ..recording import Recording
 from . import options
+from .board import add_square
 from .calibrate import finish
 from .capture_options import add_fix, add_licence, add_mode_name, add_model, fix_of, licence_of
 from .output import Output
@@ -31,6 +32,7 @@ def add(commands: Any) -> None:
         "--offline", action="store_true", help="calibrate here, with calibsolver; send nothing"
     )
     add_model(parser)
+    add_square(parser)
     add_fix(parser)
     add_licence(parser)
     add_mode_name(parser)

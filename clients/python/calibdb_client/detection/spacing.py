@@ -87,7 +87,8 @@ def _fitted_spacing(grid: Board, greys: Sequence[Any]) -> float | None:
     for step in FINE.tolist():
         board = replace(grid, tag_spacing=grid.tag_spacing + step)
         try:
-            fit = calibsolver.fit([board.view(each.ids, each.points) for each in views], (w, h), MODEL)
+            seen = [board.view(each.ids, each.points) for each in views]
+            fit = calibsolver.fit(seen, (w, h), MODEL, board_shape=False)
         except calibsolver.CalibrationError:
             continue
         trials.append(board.tag_spacing)

@@ -41,7 +41,7 @@ def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> Ca
     left = tuple(view for view in document.views if view.index not in without)
     views = views_of(board_of(document.board), left)
     try:
-        made = fit(views, document.img_size, document.distortion_model, board_shape=True)
+        made = fit(views, document.img_size, document.distortion_model)
     except CalibrationError as error:
         raise InvalidError.field("without", error.message) from error
     made = with_rivals(made, views)

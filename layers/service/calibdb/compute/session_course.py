@@ -286,7 +286,7 @@ def _outcome(document: SessionDocument, estimate: Estimate, views: Sequence[View
     used = [one for i, one in enumerate(views) if i not in estimate.excluded]
     calibration, camera = estimate.calibration, estimate.calibration.camera
     try:
-        shaped = fit(used, camera.img_size, camera.model, start=camera, board_shape=True)
+        shaped = fit(used, camera.img_size, camera.model, start=camera)
     except CalibrationError:
         shaped = calibration
     judged = with_rivals(calibration if shaped.board_shape is None else shaped, used)

@@ -120,7 +120,7 @@ def examine(request: CheckRequest) -> MeasuredViews:
     """Fit a camera to the views alone; raises InvalidError if there is none that believably took them."""
     views = usable_views(request)
     try:
-        own = fit(views, request.img_size, request.distortion_model, board_shape=True)
+        own = fit(views, request.img_size, request.distortion_model)
     except CalibrationError as error:
         raise InvalidError.field("views", error.message) from error
     usable = [

@@ -120,14 +120,19 @@ class _Unredirected(urllib.request.HTTPRedirectHandler):
         """Return no request to go on with."""
 
 
-def read_config(address: str, limit_s: float) -> None:
-    """Read the site's settings, as every page does first; raises if they are not there."""
+def read_file(address: str, limit_s: float, max_bytes: int) -> bytes:
+    """Read the beginning of a file of the site; raises OSError if it is not there."""
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}), _Unredirected)
     try:
         with opener.open(address, timeout=limit_s) as answer:
-            content = json.loads(answer.read(_MAX_CONFIG_BYTES))
+            content: bytes = answer.read(max_bytes)
+            return content
     except urllib.error.HTTPError as error:
         error.close()
         raise
-    if "api" not in content:
+
+
+def read_config(address: str, limit_s: float) -> None:
+    """Read the site's settings, as every page does first; raises if they are not there."""
+    if "api" not in json.loads(read_file(address, limit_s, _MAX_CONFIG_BYTES)):
         raise ValueError("/config.json has no settings")

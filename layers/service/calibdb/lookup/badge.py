@@ -63,7 +63,7 @@ def badge_of(
     """
     if not is_listed(documents, min_contributors):
         return NOT_CALIBRATED
-    name = _USB_ID_END.sub("", camera)
+    name = without_usb_id(camera)
     short = name if len(name) <= _MAX_SHOWN_LENGTH else name[: _MAX_SHOWN_LENGTH - 1] + "…"
     left = f"{short} {img_size[0]}×{img_size[1]}"
     here = [consensuses for (size, _), consensuses in group_by_mode(documents) if size == img_size]
@@ -74,7 +74,7 @@ def badge_of(
     )
     if not best.reliable or best.calibration is None:
         return Badge(left, f"{count_agreeing(best)} of {min_calibrations} calibrations", "amber")
-    return Badge(left, f"calibrated ± {_rough(best.calibration.uncertainty.rms)} px", "green")
+    return Badge(left, f"calibrated ± {rough(best.calibration.uncertainty.rms)} px", "green")
 
 
 def svg(badge: Badge) -> str:
@@ -94,6 +94,11 @@ def svg(badge: Badge) -> str:
     )
 
 
+def without_usb_id(label: str) -> str:
+    """Return a camera's label without the USB id that Chromium appends."""
+    return _USB_ID_END.sub("", label)
+
+
 def _text(words: str, x: int, width: int) -> str:
     place = f'x="{x}" y="14" textLength="{width}" lengthAdjust="spacingAndGlyphs"'
     return f"<text {place}>{escape(words)}</text>"
@@ -104,7 +109,7 @@ def _width(words: str) -> int:
     return round(sum(4.2 if c in _NARROW else 8.4 if c in _WIDE else 6.9 for c in words))
 
 
-def _rough(value: float) -> str:
+def rough(value: float) -> str:
     """Write a positive length to hundredths, and with a digit that counts where it is less."""
     if value < 0.01:
         return f"{value:.1g}"

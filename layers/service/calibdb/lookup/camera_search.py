@@ -113,6 +113,7 @@ def camera_entry(
                 required=min_calibrations,
                 reliable=best.reliable,
                 fx=best.calibration.camera_matrix[0][0] if best.calibration else None,
+                uncertainty=best.calibration.uncertainty.rms if best.calibration else None,
                 calibration_time=best.calibration.calibration_time if best.calibration else None,
             )
         )

@@ -47,9 +47,9 @@ def _enough_squares(value: int, info: ValidationInfo) -> int:
 SquareCount = Annotated[int, Field(strict=True, ge=1, le=MAX_SQUARES), Whole, AfterValidator(_enough_squares)]
 
 
-def _is_usual(value: str | bool | float) -> bool:
+def _is_usual(value: str | bool | float | None) -> bool:
     """True if a member that older records and clients do not know has its default: it is left out."""
-    return value in ("charuco", False, DEFAULT_TAG_SPACING)
+    return value in ("charuco", False, DEFAULT_TAG_SPACING, None)
 
 
 class Board(Strict):
@@ -84,6 +84,11 @@ class Board(Strict):
         le=2,
         exclude_if=_is_usual,
         description="Gap between the tags of an AprilGrid over side of a tag.",
+    )
+    surface: Literal["screen"] | None = Field(
+        None,
+        exclude_if=_is_usual,
+        description="`screen`: a screen shows the board. It is flat and square, and no shape is estimated.",
     )
 
     @field_validator("squares")

@@ -36,6 +36,9 @@ class BoardShape(Open):
     sag_std: float
     stretch: float = Field(description="Error of the print: of its width against its height, or shear.")
     stretch_std: float
+    stretch_kind: Literal["wider", "narrower", "skewed"] | None = Field(
+        None, exclude_if=is_none, description="What `stretch` measures; missing in older ones."
+    )
 
 
 class FitRecord(Open):

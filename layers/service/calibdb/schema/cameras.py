@@ -55,6 +55,9 @@ class CameraSize(Open):
     required: int = Field(description="Number of calibrations that must agree before lookups return them.")
     reliable: bool = Field(description="True if lookups return it, for at least one model.")
     fx: float | None = Field(description="px; null: there is no consensus yet.")
+    uncertainty: float | None = Field(
+        description="`uncertainty.rms` of the consensus, px; null: there is no consensus yet."
+    )
     calibration_time: int | None = Field(description="Of the newest that agrees; Unix time, seconds.")
 
 

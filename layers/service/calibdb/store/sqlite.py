@@ -71,6 +71,7 @@ class Database:
         self.clock = clock
         self._local = threading.local()
         self._opened: list[sqlite3.Connection] = []
+        self._idle: list[sqlite3.Connection] = []
         self._writing = threading.RLock()
         self._memory = self._connect() if folder is None else None
         if folder is not None:
@@ -94,15 +95,28 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[sqlite3.Connection]:
-        """Yield a connection for reads."""
+        """Yield a connection for reads: the one that this thread already uses, or an idle one.
+
+        Threads that live for one request share connections. The file is open once per concurrent reader.
+        """
         if self._memory is not None:
             with self._writing:
                 yield self._memory
             return
         connection: sqlite3.Connection | None = getattr(self._local, "connection", None)
-        if connection is None:
-            connection = self._local.connection = self._connect()
-        yield connection
+        if connection is not None:
+            yield connection
+            return
+        try:
+            connection = self._idle.pop()
+        except IndexError:
+            connection = self._connect()
+        self._local.connection = connection
+        try:
+            yield connection
+        finally:
+            self._local.connection = None
+            self._idle.append(connection)
 
     @contextmanager
     def writing(self) -> Iterator[sqlite3.Connection]:
@@ -147,7 +161,7 @@ class Database:
 
     def close(self) -> None:
         """Close all connections; the last process to do so copies the log into the file."""
-        opened, self._opened = self._opened, []
+        opened, self._opened, self._idle = self._opened, [], []
         for connection in opened:
             connection.close()
 

@@ -70,7 +70,9 @@ class Consistency:
                 near = self.fit_trial(views)
             start = near.camera if near else self.start
             try:
-                found: Calibration | None = fit(views, self.img_size, self.model, start=start)
+                found: Calibration | None = fit(
+                    views, self.img_size, self.model, start=start, board_shape=False
+                )
             except CalibrationError:
                 found = None
             self._fits[key] = (tuple(views), found)

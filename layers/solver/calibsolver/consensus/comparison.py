@@ -51,7 +51,7 @@ def compare(camera: Camera, views: Sequence[View]) -> Comparison:
 
     Both errors are those of the board in the shape that the fit finds.
     """
-    own = fit(views, camera.img_size, camera.model, board_shape=True)
+    own = fit(views, camera.img_size, camera.model)
     used = [
         view.subset(mask)
         for view, mask in zip(own.shaped(views), own.used, strict=True)

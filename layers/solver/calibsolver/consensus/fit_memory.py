@@ -33,13 +33,13 @@ def fit_once(views: Sequence[View], img_size: tuple[int, int], model: str) -> Ca
     Raises as `fit` does.
     """
     if sum(map(len, views)) > MAX_FIT_POINTS:
-        return fit(views, img_size, model, board_shape=True)
+        return fit(views, img_size, model)
     return _fit(_Request(_digest(views), img_size, model, views))
 
 
 @lru_cache(maxsize=MAX_FITS)
 def _fit(request: _Request) -> Calibration:
-    return fit(request.views, request.img_size, request.model, board_shape=True)
+    return fit(request.views, request.img_size, request.model)
 
 
 def forget() -> None:
@@ -51,7 +51,7 @@ def _digest(views: Sequence[View]) -> bytes:
     """Digest of all points, view by view."""
     digest = hashlib.sha256()
     for view in views:
-        digest.update(len(view).to_bytes(8, "big"))
+        digest.update(len(view).to_bytes(8, "big") + bytes([view.flat]))
         for points in (view.object_points, view.image_points):
             digest.update(np.ascontiguousarray(points, dtype=np.float64).tobytes())
     return digest.digest()

@@ -28,7 +28,7 @@ def fitting_camera(cameras: Sequence[Camera], views: Sequence[View], model: str)
     if len(cameras) < 2:
         return None
     size = cameras[0].img_size
-    noise = math.sqrt(2) * fit(views, size, model, board_shape=True).noise
+    noise = math.sqrt(2) * fit(views, size, model).noise
     expected = max(noise, NOISE_FLOOR_WIDTHS * size[0])
     errors = [_error(camera, views) for camera in cameras]
     best, second = sorted(range(len(errors)), key=errors.__getitem__)[:2]

@@ -22,7 +22,7 @@ def fit_views(group: Sequence[FittedMember], img_size: tuple[int, int], model: s
     """Fit one camera to the views of all members of a group; raises as `fit` does."""
     if len(group) == 1:
         return group[0].calibration  # which is just that
-    return fit([view for f in group for view in f.member.views], img_size, model)
+    return fit([view for f in group for view in f.member.views], img_size, model, board_shape=False)
 
 
 def fit_location(group: Sequence[int], of: Contributions) -> Calibration:

@@ -7,9 +7,9 @@ instead). Their variance is learnt (`mixed_model`), so that a flat board costs n
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -78,13 +78,14 @@ class BoardShape:
             "parameters": list(self.parameters),
         }
 
-    def figures(self) -> dict[str, float]:
+    def figures(self) -> dict[str, float | str]:
         """Sag and stretch with their standard deviations, as a calibration's record has them."""
         return {
             "sag": self.sag,
             "sag_std": self.sag_std,
             "stretch": self.stretch,
             "stretch_std": self.stretch_std,
+            "stretch_kind": self.stretch_kind,
         }
 
     @property
@@ -106,6 +107,14 @@ class BoardShape:
     def stretch_std(self) -> float:
         """Standard deviation of `stretch`."""
         return self._std(self._print[int(np.argmax(np.abs(self._print @ self.parameters)))])
+
+    @property
+    def stretch_kind(self) -> Literal["wider", "narrower", "skewed"]:
+        """Kind of error that `stretch` measures."""
+        width, shear = self._print @ self.parameters
+        if abs(shear) > abs(width):
+            return "skewed"
+        return "wider" if width > 0 else "narrower"
 
     @property
     def is_plausible(self) -> bool:
@@ -147,4 +156,4 @@ class BoardShape:
 
     def apply(self, view: View) -> View:
         """Return the view of the board in this shape."""
-        return View(self.moved(view.object_points.T).T, view.image_points, view.weights)
+        return replace(view, object_points=self.moved(view.object_points.T).T)

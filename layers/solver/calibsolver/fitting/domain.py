@@ -5,6 +5,7 @@ the image, a one-sided prior pulls its edge out of the image. It is believed onl
 by no more than chance: some lenses draw an image that ends, and some models cannot follow a lens.
 """
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -30,32 +31,43 @@ MAX_INCREASE = 9.0
 """Increase up to which the points do not contradict the prior."""
 MIN_COVERED = 0.9999
 TOWARDS = Options(iterations=120, damping=1e-3)
+SIDES = np.array([[1.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, -1.0]])
+"""Directions in the image to its sides."""
 DIFFERENCE = 1e-6
 """Relative step of derivatives."""
 
 
 def excess(model: Model, k: Array, img_size: tuple[int, int]) -> float:
     """Logarithm of the farthest corner's distance / the domain's image radius, with the margin."""
-    w, h = img_size
+    over = log_corner(k, img_size) - log_edge(model, k) + MARGIN
+    return over if math.isfinite(over) else 0.0
+
+
+def log_corner(k: Array, img_size: tuple[int, int]) -> float:
+    """Logarithm of the farthest corner's distance on the plane of unit focal length."""
+    (w, h), (fx, fy, cx, cy) = img_size, k[:4].tolist()
+    x = max(abs(-0.5 - cx), abs(w - 0.5 - cx)) / fx
+    y = max(abs(-0.5 - cy), abs(h - 0.5 - cy)) / fy
+    return math.log(math.hypot(x, y))
+
+
+def log_edge(model: Model, k: Array) -> float:
+    """Logarithm of the domain's image radius there; NaN where it has no edge."""
     angle = EDGE * min(model.domain_half_angle(k[4:]), np.pi)
-    side = np.array([1.0, 0.0, -1.0, 0.0])
-    rays = np.stack([np.sin(angle) * side, np.sin(angle) * np.roll(side, 1), np.full(4, np.cos(angle))])
+    rays = np.stack([math.sin(angle) * SIDES[0], math.sin(angle) * SIDES[1], np.full(4, math.cos(angle))])
     with np.errstate(all="ignore"):
-        edge = np.hypot(*model.distort(k[4:], rays)).min()
-        x, y = np.meshgrid(
-            (np.array([-0.5, w - 0.5]) - k[2]) / k[0], (np.array([-0.5, h - 0.5]) - k[3]) / k[1]
-        )
-        found = float(np.log(np.hypot(x, y).max() / edge)) + MARGIN
-    return found if np.isfinite(found) else 0.0
+        x, y = model.distort(k[4:], rays)
+        return float(np.log(np.hypot(x, y).min()))
 
 
 def gradient(model: Model, k: Array, img_size: tuple[int, int]) -> Array:
     """Derivatives (p,) of `excess`."""
-    here, out = excess(model, k, img_size), np.empty(len(k))
+    corner, edge, out = log_corner(k, img_size), log_edge(model, k), np.empty(len(k))
     for i, value in enumerate(k):
         moved, step = k.copy(), DIFFERENCE * max(abs(float(value)), 1e-2)
         moved[i] += step
-        out[i] = (excess(model, moved, img_size) - here) / step
+        change = log_corner(moved, img_size) - corner if i < 4 else edge - log_edge(model, moved)
+        out[i] = change / step
     return out
 
 
@@ -83,12 +95,12 @@ def covering(
     """
     model, k, size = problem.model, state.k, problem.img_size
     over = excess(model, k, size)
-    if not over > 0 or found.camera.domain().covered >= MIN_COVERED:
+    if not over > 0:
         return None
     basis = np.eye(len(k)) if problem.basis is None else problem.basis
     along = gradient(model, k, size) @ basis
     variance = float(along @ symmetric_inverse(basis.T @ found.information @ basis) @ along)
-    if not over**2 < MAX_PREDICTED * variance:
+    if not over**2 < MAX_PREDICTED * variance or found.camera.domain().covered >= MIN_COVERED:
         return None
     wider = CoveringProblem(model, problem.obs, size, problem.basis, problem.origin)
     moved = wider.solve(wider.at(k, state.poses), outliers.unit_weights(good), TOWARDS)

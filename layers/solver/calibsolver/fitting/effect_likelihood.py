@@ -55,7 +55,7 @@ class EffectLikelihood:
         total = np.eye(size + BEND_SIZE + 1)
         total[:size, size:-1] = pull[:, :, :BEND_SIZE].sum(axis=0)  # the fit left no gradient: residuals, 0
         total[size:-1, :size] = total[:size, size:-1].T
-        total[size:, size:] = gram.sum(axis=0)[np.ix_(effects, effects)]
+        total[size:, size:] = gram.sum(axis=0)[effects][:, effects]
         freedom = float(total[-1, -1]) / sigma**2 - BEND_SIZE
         scale = 1 / np.sqrt(total.diagonal() + 1e-300)
         if not (freedom > 1 and np.isfinite(gram).all() and np.isfinite(pull).all()):

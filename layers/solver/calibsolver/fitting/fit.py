@@ -52,6 +52,8 @@ MAX_MASKS = 2
 """Rounds in which points are cut, or taken back, by what the shape explains."""
 REJECTION = Options(tolerance=1e-5, one_step=True)
 """Fits that only distinguish outliers."""
+NEAR = Options(tolerance=1e-7, one_step=True)
+"""Fits from which either the optimum or the board's shape is sought."""
 FREE = Options(with_prior=False, iterations=400, tolerance=1e-15)
 """Least squares alone may wind through long valleys."""
 
@@ -65,7 +67,7 @@ def fit(
     *,
     start: Camera | None = None,
     fix: Fix = (),
-    board_shape: bool = False,
+    board_shape: bool = True,
 ) -> Calibration:
     """Fit a camera model to views of a planar board.
 
@@ -88,8 +90,8 @@ def fit(
         What is not estimated (`constraint`): names, or a mapping of names to values; variance 0.
     board_shape
         Estimate bend and stretch of the board with the rest, if at least MIN_SHAPE_VIEWS views take part and
-        a shape explains them better than chance and motion do. Otherwise, and in plain least squares (not
-        `robust`), the board is as drawn.
+        a shape explains them better than chance and motion do. Otherwise, in plain least squares (not
+        `robust`) and where a view is `flat`, the board is as drawn. False: as drawn, in less time.
 
     Raises
     ------
@@ -100,6 +102,7 @@ def fit(
     """
     camera_model = models.get(model)
     views = list(views or ())
+    board_shape = board_shape and not any(view.flat for view in views)
     given = pack(views, img_size)
     basis, origin = constraint.of(camera_model, img_size, fix, start)
     degenerate = degenerate_views(given)
@@ -178,7 +181,11 @@ class _Fit:
         if not self.robust:
             return self._least_squares(self.multistart.run()).calibration
         state, good = self._settle(near or self.multistart.run())
-        found = self._shaped(state, good) or self._result(state, good, with_prior=True)
+        found = self._shaped(state, good)
+        if found is None:
+            if good.any():
+                state = self.problem.solve(state, outliers.unit_weights(good), Options())
+            found = self._result(state, good, with_prior=True)
         if near is not None:
             return found.calibration
         covering = domain.covering(self.problem, state, good, found.calibration)
@@ -229,7 +236,7 @@ class _Fit:
         return robust_covariance.same_pose_labels(state.poses, self.problem.obs, good, focal)
 
     def _settle(self, state: State) -> tuple[State, Mask]:
-        """Optimum from a state near it, and the points (v, n) that took part, in three stages.
+        """State near the optimum, and the points (v, n) that take part, in three stages.
 
         Gross outliers are removed. The other points are tested against fits that exclude them. Points that
         hardly spoil the fit are taken back.
@@ -237,21 +244,21 @@ class _Fit:
         state, inliers = outliers.reject_gross(self.problem, state, self.mask)
         if self._concentrate_at_rim(inliers, self.mask):
             # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
-            all_points = self.problem.solve(state, self.multistart.unit_weights, Options())
+            all_points = self.problem.solve(state, self.multistart.unit_weights, NEAR)
             if self._is_close(all_points, self.mask, state, inliers, MAX_RIM_RMS_RATIO):
                 return all_points, self.mask
         if not inliers.any():  # refused later
             return state, inliers
-        with_tails = self.problem.solve(state, outliers.unit_weights(inliers), Options())
+        with_tails = self.problem.solve(state, outliers.unit_weights(inliers), NEAR)
         state, good = self._reject_outliers(with_tails, inliers)
         if state is with_tails or not good.any():
             return state, good
         ratio = MAX_RIM_RMS_RATIO if self._concentrate_at_rim(good, inliers) else MAX_TAIL_RMS_RATIO
         if not with_tails.converged:  # from nearer, it may
-            with_tails = self.problem.solve(state, outliers.unit_weights(inliers), Options())
+            with_tails = self.problem.solve(state, outliers.unit_weights(inliers), NEAR)
         if self._is_close(with_tails, inliers, state, good, ratio):
             return with_tails, inliers  # what was rejected are tails of the noise
-        return self.problem.solve(state, outliers.unit_weights(good), Options()), good
+        return state, good
 
     def _reject_outliers(self, state: State, inliers: Mask) -> tuple[State, Mask]:
         """Reject outliers and refit in turn, beginning with the fit to `inliers` (v, n).
@@ -318,18 +325,7 @@ class _Fit:
         seen = systematic_effects.explained_points(rows, effects, good, mask, sigma, limit)
         if np.array_equal(seen, good):
             return evidence
-        if len(evidence.gram) < len(labels):
-            more = robust_covariance.Evidence.of(rows, effects, poses, labels, evidence.metric, seen).gram
-        else:  # each view is a cluster: only those of which more is seen change
-            more, changed = evidence.gram.copy(), np.flatnonzero((seen != good).any(axis=1))
-            more[changed] = robust_covariance.Evidence.of(
-                rows[:, :, changed],
-                effects[:, :, changed],
-                Poses(poses.r[changed], poses.t[changed]),
-                np.arange(len(changed)),
-                evidence.metric,
-                seen[changed],
-            ).gram
+        more = robust_covariance.with_more_points(evidence.gram, rows, effects, labels, good, seen)
         return replace(evidence, of_effects=more)
 
     def _is_observable(self, state: State) -> bool:
@@ -374,7 +370,8 @@ class _Fit:
             raise CalibrationError("not_converged", "the fit did not settle: the views contradict each other")
         problem, shape, optimum = self.problem, None, state
         if mixed:
-            problem, state = mixed.problem.of_camera(optimum)
+            bent = mixed.problem.reshaped(optimum.k[:SHAPE_SIZE], problem.obs)
+            problem, state = replace(problem, obs=bent), mixed.problem.of_camera(optimum)
         plausibility.check_result(problem, state, good, self.robust)
         state = self._resect_excluded_views(problem, state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size

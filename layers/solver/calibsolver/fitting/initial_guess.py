@@ -32,7 +32,7 @@ class Start:
     k, poses
         Intrinsics (p,), poses.
     error
-        Median angular error in px of its focal length.
+        Median distance of the projected points, px.
     weights
         (v, n) 0 where a point contradicts most of its view; None if nothing is known of that.
     """
@@ -73,16 +73,16 @@ def evaluate_starts(model: Model, obs: Observations, many: list[Array]) -> list[
     pixels = obs.pixels.transpose(1, 0, 2)
     rays = np.concatenate([model.unproject(k, pixels).transpose(1, 0, 2) for k in many])
     points, mask = np.tile(obs.points, (len(many), 1, 1)), np.tile(obs.mask, (len(many), 1))
-    poses, angle = plane_poses(points, rays, mask.astype(np.float64))
+    poses, _ = plane_poses(points, rays, mask.astype(np.float64))
     v = obs.view_count
     out = []
     for i, k in enumerate(many):
         part = slice(i * v, (i + 1) * v)
-        # A pixel without a ray is as bad as one with a wrong ray.
-        blind = np.isnan(rays[part, 0])
-        focal = np.sqrt(np.prod(model.focal(k)))
-        error = float(np.median(np.where(blind, np.inf, angle[part])[obs.mask]) * focal)
-        out.append(Start(k, Poses(poses.r[part], poses.t[part]), error))
+        of_k = Poses(poses.r[part], poses.t[part])
+        p = of_k.camera_points(obs.points).transpose(1, 0, 2)
+        with np.errstate(all="ignore"):  # what lies behind the camera is masked out
+            away = np.where(model.valid(k[4:], p), model.project(k, p) - pixels, np.inf)
+        out.append(Start(k, of_k, float(np.median(np.hypot(away[0], away[1])[obs.mask]))))
     return out
 
 

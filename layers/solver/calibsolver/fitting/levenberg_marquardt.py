@@ -15,7 +15,7 @@ import numpy as np
 from .. import deadline, rotation
 from ..arrays import Array, Mask
 from ..models import Model
-from . import normal_equations, prior
+from . import normal_equations, prior, systematic_effects
 from .normal_equations import POSE_SIZE, Elimination, Poses, System
 from .observations import Observations
 
@@ -39,12 +39,24 @@ MIN_GAIN_RATIO = 0.25
 """Gain ratio (actual / predicted decrease) below which the damping is raised."""
 MIN_DAMPING, MIN_RAISED_DAMPING, MAX_DAMPING = 1e-12, 1e-8, 1e8
 """Bounds of the damping: when lowered, when raised, and beyond which no step leads downhill."""
+SAME_STEP = 0.99
+"""Predicted decrease / that of a step that led far uphill, from which the two are nearly the same step."""
+NEAR_OPTIMUM = 1e-2
+"""Predicted relative decrease of the cost from which a step is corrected by the one before."""
+MIN_ALIGNMENT, MAX_SHARE = 0.5, 0.8
+"""Share of a step's curvature that lies along the one before, at least, and quotient of both, at most."""
+MIN_CURVATURE_RATIO = 0.2
+"""Curvature of the cost along a step / that of its normal equations, at least; at most its inverse."""
 MAX_ACCELERATION_RATIO = 0.75
 """Length of the geodesic acceleration / length of the step, at most: else neither is trusted."""
 SHORT_STEP = 1e-6
 """Relative change of the focal length up to which a straight step is as good as a curved one."""
 FINITE_DIFFERENCE = 0.1
 """Share of a step over which its second derivative is taken."""
+
+# glibc returns blocks of more than 128 KB to the system when they are freed, until it has seen a larger one
+# freed. A linearization is larger, and to map its pages again and again costs a tenth of a fit.
+np.empty(2**21)
 
 
 @dataclass(frozen=True)
@@ -135,6 +147,50 @@ class Objective:
         return total + self.prior_weight * float(state.prior_residuals @ state.prior_residuals), weights
 
 
+@dataclass(frozen=True, eq=False)
+class Step:
+    """Undamped step, by which the next one is corrected.
+
+    Gauss-Newton's normal equations lack the curvature of the residuals, and reweighting that of Huber's
+    function. So near the optimum each step goes too far, or not far enough, by the same share as the one
+    before. The gradients before and after a step give the true curvature along it (the secant equation).
+
+    Attributes
+    ----------
+    da, dp
+        Steps (a,) and (v, 6).
+    predicted
+        Decrease of the cost that it predicts.
+    slope, curvature
+        Halves of the first and second derivative along it of the cost that the normal equations predict.
+    """
+
+    da: Array
+    dp: Array
+    predicted: float
+    slope: float
+    curvature: float
+
+    def correct(self, after: "Step", system: System) -> "Step | None":
+        """Correct the Gauss-Newton step `after` this one; None if it does not go along this one."""
+        slope = system.slope(self.da, self.dp)
+        share, ratio = -slope / self.curvature, (slope - self.slope) / self.curvature
+        if not (
+            share * share * self.curvature > MIN_ALIGNMENT * after.curvature
+            and abs(share) < MAX_SHARE
+            and MIN_CURVATURE_RATIO < ratio < 1 / MIN_CURVATURE_RATIO
+        ):
+            return None
+        more = share * (1 / ratio - 1)
+        return Step(
+            after.da + more * self.da,
+            after.dp + more * self.dp,
+            after.predicted - more * slope,
+            after.slope + more * slope,
+            after.curvature + more * (2 * share + more) * self.curvature,
+        )
+
+
 class LeastSquares(ABC):
     """Least squares in unknowns k that all views share, and in the pose of the board in each view.
 
@@ -158,13 +214,31 @@ class LeastSquares(ABC):
     def is_feasible(self, k: Array) -> bool:
         """True if there is an image with the shared unknowns k (p,)."""
 
+    @property
     @abstractmethod
-    def at(self, k: Array, poses: Poses) -> State:
-        """Linearize at given shared unknowns (p,) and poses."""
+    def row_positions(self) -> Array:
+        """Rows (v, n) of the points in their images, as `systematic_effects.row_position`."""
 
     @abstractmethod
+    def prior(self, k: Array) -> tuple[Array, Array]:
+        """Whitened residuals (m,) of the prior at shared unknowns k (p,), and their Jacobian (m, a)."""
+
+    @abstractmethod
+    def rows_of(self, k: Array, poses: Poses, obs: Observations, before: int = 0) -> tuple[Array, Array]:
+        """Rows of a `State`, of these observations, after so many empty ones; and squared lengths (v, n)."""
+
+    @abstractmethod
+    def residuals_of(self, k: Array, poses: Poses, obs: Observations) -> Array:
+        """Compute the residuals (2, v, n) of these observations, px."""
+
+    def at(self, k: Array, poses: Poses) -> State:
+        """Linearize at given shared unknowns (p,) and poses."""
+        rows, square = self.rows_of(k, poses, self.obs)
+        return State(k, poses, rows, square, *self.prior(k))
+
     def residuals(self, k: Array, poses: Poses) -> Array:
         """Compute the residuals (2, v, n) at given shared unknowns (p,) and poses, px."""
+        return self.residuals_of(k, poses, self.obs)
 
     def solve(self, state: State, weights: Array, options: Options) -> State:
         """Iterate from `state` to the optimum for points of weight (v, n).
@@ -177,7 +251,7 @@ class LeastSquares(ABC):
         counted = weights > 0.5
         tolerance_abs = self.obs.count * (ROUNDOFF * self.width) ** 2
         predicted = sigma = previous_predicted = np.inf
-        refused = 0.0
+        refused, last = 0.0, None
         for iteration in range(options.iterations):
             deadline.check()
             sigma = max(self.noise(state, counted), sigma_floor)
@@ -187,31 +261,44 @@ class LeastSquares(ABC):
             cost, irls_weights = objective.of(state)
             system = state.system(irls_weights, objective.prior_weight)
             tolerance = options.tolerance * cost + tolerance_abs
-            accelerated = iteration >= self.straight_iterations
+            curved = iteration >= self.straight_iterations
+            uphill = np.inf
             while True:
                 if damping > MAX_DAMPING:
                     return state
                 da, dp, predicted, elimination = system.step(damping)
                 if not predicted > tolerance:
                     return replace(state, converged=bool(np.isfinite(predicted)))
-                if accelerated:
+                if predicted > SAME_STEP * uphill and not curved:
+                    refused, damping = damping, damping * 10
+                    continue
+                step = Step(da, dp, predicted, -predicted, predicted)
+                is_near = damping <= UNDAMPED and predicted < NEAR_OPTIMUM * cost
+                like_last = last.correct(step, system) if last is not None and is_near else None
+                accelerated = curved and like_last is None
+                if like_last is not None:
+                    step = like_last
+                elif curved:
                     da, dp = self._geodesic_acceleration(state, system, irls_weights, da, dp, elimination)
-                moved = self._take_step(state, da, dp)
+                    step = Step(da, dp, predicted, system.slope(da, dp), system.curvature(da, dp))
+                moved = self._take_step(state, step.da, step.dp)
                 actual = -np.inf if moved is None else cost - objective.of(moved)[0]
                 used = damping
-                accepted, damping = assess_step(damping, actual, predicted)
+                accepted, damping = assess_step(damping, actual, step.predicted)
                 if moved is not None and accepted:
                     break
-                refused = used
+                refused, last = used, None
+                uphill = predicted if actual < -predicted else np.inf
             if options.patient and damping < used:
                 damping = max(damping, float(np.sqrt(used * refused)))
                 refused *= 0.1
             if not accelerated and (
                 is_last_step(predicted, previous_predicted, cost, tolerance)
                 # The error of the quadratic model bounds what the next step can gain.
-                or (options.one_step and used <= UNDAMPED and abs(actual - predicted) < tolerance)
+                or (options.one_step and used <= UNDAMPED and abs(actual - step.predicted) < tolerance)
             ):
                 return replace(moved, converged=True)
+            last = step if used <= UNDAMPED else None
             state, previous_predicted = moved, predicted
         visible = max(sigma, NOISE_FLOOR * self.width)
         # Where curvature beyond Gauss-Newton's makes it slow, what is left may be nothing that could be seen.
@@ -290,12 +377,17 @@ class Problem(LeastSquares):
         """True if the model has an image with intrinsics k (p,)."""
         return bool(k[0] > 0 and k[1] > 0 and self.model.magnification(k[4:])[0] > 0)
 
-    def at(self, k: Array, poses: Poses) -> State:
-        """Linearize at given intrinsics (p,) and poses."""
-        rows, square = residual_rows(self.model, k, poses, self.obs)
-        return State(k, poses, self.free_rows(rows), square, *self.prior(k))
+    @property
+    def row_positions(self) -> Array:
+        """Rows (v, n) of the points in the image."""
+        return systematic_effects.row_position(self.obs.pixels[:, 1], self.img_size[1])
 
-    def free_rows(self, rows: Array, before: int = 0) -> Array:
+    def rows_of(self, k: Array, poses: Poses, obs: Observations, before: int = 0) -> tuple[Array, Array]:
+        """Rows of a `State` at given intrinsics (p,) and poses."""
+        rows, square = residual_rows(self.model, k, poses, obs, before)
+        return self._free_rows(rows, before), square
+
+    def _free_rows(self, rows: Array, before: int) -> Array:
         """Rows (before + a + ..., 2, v, n) by the free intrinsics, of rows by all of them."""
         if self.basis is None:
             return rows
@@ -317,11 +409,11 @@ class Problem(LeastSquares):
         )
         return nearest
 
-    def residuals(self, k: Array, poses: Poses) -> Array:
+    def residuals_of(self, k: Array, poses: Poses, obs: Observations) -> Array:
         """Compute the residuals (2, v, n) at given intrinsics (p,) and poses, px."""
-        q = normal_equations.project(self.model, k, poses, self.obs.points)
-        r: Array = (q - self.obs.pixels).transpose(1, 0, 2)
-        return r if self.obs.scale is None else r * self.obs.scale
+        q = normal_equations.project(self.model, k, poses, obs.points)
+        r: Array = (q - obs.pixels).transpose(1, 0, 2)
+        return r if obs.scale is None else r * obs.scale
 
     def free(self, da: Array) -> Array:
         """Change (p,) of the intrinsics by a step (a,) of the free ones."""

@@ -13,7 +13,6 @@ import numpy as np
 from ..arrays import Array, IntArray, Mask, block_diagonal, dot, whitening
 from . import (
     levenberg_marquardt,
-    normal_equations,
     outliers,
     robust_covariance,
     systematic_effects,
@@ -39,8 +38,6 @@ MIN_SHAPE_DECREASE = 15.0
 more to one flat board in a hundred."""
 TYPICAL_NOISE_WIDTHS = 0.25 / 1280
 """Noise of a corner's coordinate / image width that is usual."""
-NO_METRIC: Array = np.zeros((0, 0))
-"""Metric of a linearization that is not asked for error bars."""
 PRIOR_NOISE_WIDTHS = 1e-5
 """Noise / image width below which the prior of the intrinsics gains no more weight."""
 IN_SHAPE = Options(tolerance=1e-8, one_step=True)
@@ -56,7 +53,7 @@ class ShapedProblem(LeastSquares):
     obs
         Observations of the board as drawn.
     drawn
-        Problem of that board.
+        Problem of that board, of one camera or of a rig.
     frame
         Shape of which the parameters are estimated.
     displacements
@@ -66,14 +63,14 @@ class ShapedProblem(LeastSquares):
     """
 
     obs: Observations
-    drawn: Problem
+    drawn: LeastSquares
     frame: BoardShape
     displacements: Array
     variances: Variances
     straight_iterations: ClassVar[int] = Problem.straight_iterations
 
     @classmethod
-    def of(cls, drawn: Problem, variances: Variances) -> "ShapedProblem":
+    def of(cls, drawn: LeastSquares, variances: Variances) -> "ShapedProblem":
         """Problem of the board as drawn, which gets a shape."""
         frame, points = BoardShape.of(drawn.obs), drawn.obs.points
         moved = frame.displacements(points.transpose(1, 0, 2)).transpose(0, 2, 1, 3)
@@ -84,11 +81,11 @@ class ShapedProblem(LeastSquares):
         """Width of the image, px."""
         return self.drawn.width
 
-    def reshaped(self, shape: Array) -> Observations:
-        """Observations of the board in a shape (SHAPE_SIZE,)."""
-        moved = (shape @ self.displacements.reshape(SHAPE_SIZE, -1)).reshape(self.obs.points.shape)
-        moved += self.obs.points
-        return replace(self.obs, points=moved)
+    def reshaped(self, shape: Array, obs: Observations) -> Observations:
+        """Observations of the board as drawn, in a shape (SHAPE_SIZE,)."""
+        moved = (shape @ self.displacements.reshape(SHAPE_SIZE, -1)).reshape(obs.points.shape)
+        moved += obs.points
+        return replace(obs, points=moved)
 
     def is_feasible(self, k: Array) -> bool:
         """True if the model has a picture at all with k."""
@@ -114,28 +111,38 @@ class ShapedProblem(LeastSquares):
 
     def at(self, k: Array, poses: Poses) -> State:
         """Linearize at a shape and intrinsics k, and poses."""
-        obs = self.reshaped(k[:SHAPE_SIZE])
-        rows, square = levenberg_marquardt.residual_rows(
-            self.drawn.model, k[SHAPE_SIZE:], poses, obs, SHAPE_SIZE
-        )
-        return self._with_shape(k, poses, self.drawn.free_rows(rows, SHAPE_SIZE), square)
+        rows, square = self.rows_of(k, poses, self.obs)
+        return self._with_shape(k, poses, rows, square)
 
-    def residuals(self, k: Array, poses: Poses) -> Array:
+    @property
+    def row_positions(self) -> Array:
+        """Rows (v, n) of the points in their images."""
+        return self.drawn.row_positions
+
+    def prior(self, k: Array) -> tuple[Array, Array]:
+        """Whitened residuals of the priors of shape and intrinsics, and their Jacobian."""
+        r, j = self.drawn.prior(k[SHAPE_SIZE:])
+        certain = 1 / self.variances.shape_deviations()
+        return np.append(k[:SHAPE_SIZE] * certain, r), block_diagonal(np.diag(certain), j)
+
+    def rows_of(self, k: Array, poses: Poses, obs: Observations, before: int = 0) -> tuple[Array, Array]:
+        """Rows of a `State`, those of the shape empty."""
+        return self.drawn.rows_of(
+            k[SHAPE_SIZE:], poses, self.reshaped(k[:SHAPE_SIZE], obs), before + SHAPE_SIZE
+        )
+
+    def residuals_of(self, k: Array, poses: Poses, obs: Observations) -> Array:
         """Compute the residuals (2, v, n) at a shape and intrinsics k, and poses, px."""
-        points = self.reshaped(k[:SHAPE_SIZE]).points
-        q = normal_equations.project(self.drawn.model, k[SHAPE_SIZE:], poses, points)
-        r: Array = (q - self.obs.pixels).transpose(1, 0, 2)
-        return r if self.obs.scale is None else r * self.obs.scale
+        return self.drawn.residuals_of(k[SHAPE_SIZE:], poses, self.reshaped(k[:SHAPE_SIZE], obs))
 
     def retract(self, k: Array, poses: Poses, da: Array, dp: Array) -> tuple[Array, Poses]:
         """Shape, intrinsics and poses after steps (SHAPE_SIZE + a,) and (v, 6)."""
         camera, moved = self.drawn.retract(k[SHAPE_SIZE:], poses, da[SHAPE_SIZE:], dp)
         return np.append(k[:SHAPE_SIZE] + da[:SHAPE_SIZE], camera), moved
 
-    def of_camera(self, state: State) -> tuple[Problem, State]:
-        """Return problem and state of the camera alone, of the board in its shape."""
-        problem = replace(self.drawn, obs=self.reshaped(state.k[:SHAPE_SIZE]))
-        return problem, replace(
+    def of_camera(self, state: State) -> State:
+        """Return the state without the shape."""
+        return replace(
             state,
             k=state.k[SHAPE_SIZE:],
             rows=state.rows[SHAPE_SIZE:],
@@ -155,30 +162,7 @@ class ShapedProblem(LeastSquares):
         np.multiply(by_x, self.displacements[3, :, 0], out=rows[3])
         rows[3] += by_y * self.displacements[3, :, 1]
         np.multiply(by_x, self.displacements[4, :, 0], out=rows[4])
-        r, j = self.drawn.prior(k[SHAPE_SIZE:])
-        certain = 1 / self.variances.shape_deviations()
-        jacobian = block_diagonal(np.diag(certain), j)
-        return State(k, poses, rows, square, np.append(k[:SHAPE_SIZE] * certain, r), jacobian)
-
-
-@dataclass(frozen=True, eq=False)
-class Linearization:
-    """Mixed model of the views about a state.
-
-    Attributes
-    ----------
-    state
-        State of a `ShapedProblem`.
-    effects
-        (MOTION_SIZE, 2, v, n) displacements by motion, px.
-    evidence, model
-        Of the points that count.
-    """
-
-    state: State
-    effects: Array
-    evidence: Evidence
-    model: MixedModel
+        return State(k, poses, rows, square, *self.prior(k))
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +185,7 @@ class MixedFit:
 
     @classmethod
     def begin(
-        cls, drawn: Problem, state: State, good: Mask, labels: IntArray, noise2: float
+        cls, drawn: LeastSquares, state: State, good: Mask, labels: IntArray, noise2: float
     ) -> "tuple[MixedFit, State] | None":
         """Begin with the board as drawn; None if a shape explains no more than chance and motion do.
 
@@ -215,32 +199,34 @@ class MixedFit:
             Variance of the noise there, px^2.
         """
         fit = cls(ShapedProblem.of(drawn, Variances(noise2)), labels)
-        at = fit.linearize(fit.problem.start(state), good)
-        fit, v = fit._learn(at.model)
-        if not at.model.shape_gain(v) > MIN_SHAPE_DECREASE:
+        begun = fit.problem.start(state)
+        model = fit.linearize(begun, good)
+        fit, v = fit._learn(model)
+        if not model.shape_gain(v) > MIN_SHAPE_DECREASE:
             return None
-        return fit._at_variances(at.model, v), at.state
+        return fit._at_variances(model, v), begun
 
-    def linearize(self, state: State, good: Mask, metric: Array | None = NO_METRIC) -> Linearization:
-        """Gather the mixed model of the good points (v, n) about a state.
-
-        `metric` (p, p) is that of the projection error (`robust_covariance.Evidence`); None: at the corners.
-        """
-        drawn = self.problem.drawn
-        row = systematic_effects.row_position(drawn.obs.pixels[:, 1], drawn.img_size[1])
-        effects = systematic_effects.motion(state.rows[-POSE_SIZE - 1 : -1], drawn.obs.points, row)
+    def linearize(self, state: State, good: Mask) -> MixedModel:
+        """Mixed model of the good points (v, n) about a state."""
         used = None if good.all() else good
-        evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, used)
-        if metric is None:  # the shape is not part of the camera
-            known = np.zeros_like(evidence.metric)
-            known[SHAPE_SIZE:, SHAPE_SIZE:] = evidence.metric[SHAPE_SIZE:, SHAPE_SIZE:]
-            evidence = replace(evidence, metric=known)
+        gram = robust_covariance.cluster_grams(state.rows, self._motion(state), self.labels, used)
+        return self._model(state, good, gram)
+
+    def _motion(self, state: State) -> Array:
+        """Displacements (MOTION_SIZE, 2, v, n) by motion, px."""
+        drawn = self.problem.drawn
+        by_pose = state.rows[-POSE_SIZE - 1 : -1]
+        return systematic_effects.motion(by_pose, drawn.obs.points, drawn.row_positions)
+
+    def _model(self, state: State, good: Mask, gram: Array) -> MixedModel:
+        """Mixed model of the Gram matrices of the good points (v, n) about a state."""
+        drawn = self.problem.drawn
         r, j = state.prior_residuals[SHAPE_SIZE:], state.prior_jacobian[SHAPE_SIZE:, SHAPE_SIZE:]
         noise2 = self.problem.variances.noise2
         # Below any detector's noise the prior keeps some weight: corners without any would leave it none.
         weight = max((PRIOR_NOISE_WIDTHS * drawn.width) ** 2 / noise2, 1.0)
-        mixed = MixedModel(
-            evidence.gram,
+        return MixedModel(
+            gram,
             2 * int(good.sum()) - POSE_SIZE * int(good.any(axis=1).sum()),
             (weight * j.T @ j, weight * j.T @ r),
             state.k[:SHAPE_SIZE],
@@ -249,12 +235,11 @@ class MixedFit:
             EXPECTED_MOTION * min(noise2 / (TYPICAL_NOISE_WIDTHS * drawn.width) ** 2, 1.0),
             self.max_stretch,
         )
-        return Linearization(state, effects, evidence, mixed)
 
-    def learnt(self, at: Linearization) -> "MixedFit":
+    def learnt(self, model: MixedModel) -> "MixedFit":
         """Return the fit at the variances that a linearization teaches."""
-        fit, v = self._learn(at.model)
-        return fit._at_variances(at.model, v)
+        fit, v = self._learn(model)
+        return fit._at_variances(model, v)
 
     def _learn(self, model: MixedModel) -> "tuple[MixedFit, Variances]":
         """Learn the variances; a stretch that no printer causes is not one, and has next to none."""
@@ -274,7 +259,9 @@ class MixedFit:
         """Solve for the optimum of the good points (v, n)."""
         return self.problem.solve(self.problem.believing(state), outliers.unit_weights(good), options)
 
-    def spread(self, state: State, good: Mask, sigma: float, mask: Mask) -> Result:
+    def spread(
+        self, state: State, good: Mask, sigma: float, mask: Mask, metric: Array | None = None
+    ) -> Result:
         """Covariance of what the views share, with the motion that the residuals show.
 
         Parameters
@@ -286,19 +273,29 @@ class MixedFit:
         mask
             (v, n) points that may show motion: those that the fit cut, but motion explains, were moved
             farthest.
+        metric
+            (p, p) of what the covariance is for, without the shape; None: at the corners.
         """
-        noise2 = sigma**2
-        at = self.linearize(state, good, None)
-        model = at.model
+        noise2, effects = sigma**2, self._motion(state)
+        if metric is not None:
+            metric = block_diagonal(np.zeros((SHAPE_SIZE, SHAPE_SIZE)), metric)
+        used = None if good.all() else good
+        evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, used)
+        model = self._model(state, good, evidence.gram)
         v = model.learn(replace(self.problem.variances, noise2=noise2))
         if not np.array_equal(mask, good):
             u = model.moved(model.solve(v).u)
-            left = state.rows[-1] + np.einsum("vm,mavn->avn", u[self.labels], at.effects)
+            left = state.rows[-1] + np.einsum("vm,mavn->avn", u[self.labels], effects)
             seen = good | (mask & (np.sum(left**2, axis=0) < (outliers.OUTLIER_SIGMAS * sigma) ** 2))
             if not np.array_equal(seen, good):
-                v = self.linearize(state, seen).model.learn(v)
+                gram = robust_covariance.with_more_points(
+                    evidence.gram, state.rows, effects, self.labels, good, seen
+                )
+                v = self._model(state, seen, gram).learn(v)
         v = replace(v, motion=trusted_motion(v, model.noise2))
-        return _covariance(model, at.evidence.metric, v, noise2)
+        of_camera = np.zeros_like(evidence.metric)  # the shape is not part of the camera
+        of_camera[SHAPE_SIZE:, SHAPE_SIZE:] = evidence.metric[SHAPE_SIZE:, SHAPE_SIZE:]
+        return _covariance(model, of_camera, v, noise2)
 
 
 def _covariance(model: MixedModel, metric: Array, v: Variances, noise2: float) -> Result:

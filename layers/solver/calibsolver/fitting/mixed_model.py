@@ -7,6 +7,8 @@ the noise are learnt by expectation maximization of the restricted likelihood (P
 Dempster, Laird & Rubin 1977), with weak priors. So a flat board and a still hand cost next to nothing.
 """
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -133,7 +135,7 @@ class MixedModel:
         """Information (g, g) and half gradient (g,) of the priors of shape and intrinsics."""
         information, gradient = np.zeros((self.size, self.size)), np.empty(self.size)
         information[SHAPE_SIZE:, SHAPE_SIZE:], gradient[SHAPE_SIZE:] = self.prior, self.gradient
-        certain = v.shape_deviations() ** -2
+        certain = 1 / v.shape_deviations() ** 2
         information.reshape(-1)[: SHAPE_SIZE * self.size : self.size + 1] = certain
         gradient[:SHAPE_SIZE] = certain * self.shape
         return information, gradient
@@ -143,16 +145,16 @@ class MixedModel:
         size = self.size
         weights = self._weights(v)
         total, belief, slope = self._total(v, weights)
-        basis = whitening_by_cholesky(total[:size, :size] + v.noise2 * belief)
-        x = -basis @ ((total[:size, size] + v.noise2 * slope) @ basis)
-        one = np.append(x, 1.0)
+        inverse = inverse_by_elimination(total[:size, :size] + v.noise2 * belief)
+        one = np.ones(size + 1)
+        one[:size] = x = -inverse @ (total[:size, size] + v.noise2 * slope)
         pulled = one @ self.across
         u = -pulled * weights
         # One step of the maximization, from the second moments of the posterior.
-        covariance = v.noise2 * basis @ basis.T
+        covariance = v.noise2 * inverse
         rest = float(one @ self.total @ one) + float(u @ (2 * pulled + self.power * u))
-        pull = basis.T @ self.across[:size]
-        variance = v.noise2 * float(weights.sum() + (weights * weights) @ np.einsum("gm,gm->m", pull, pull))
+        pull = self.across[:size] * weights
+        variance = v.noise2 * (float(weights.sum()) + dot(inverse @ pull, pull))
         known = dot(covariance, belief) + (variance / v.motion if v.motion > 0 else u.size)
         freedom = self.count - (size + u.size - known)
         noise2 = max(rest / max(freedom, 0.1 * self.count, 1.0), self.floor)
@@ -160,7 +162,7 @@ class MixedModel:
         if v.motion > 0:
             square = float(u @ u) + variance + MOTION_FREEDOM * self.expected_motion
             motion = square / (u.size + MOTION_FREEDOM)
-        second = (self.shape + x[:SHAPE_SIZE]) ** 2 + covariance.diagonal()[:SHAPE_SIZE]
+        second = ((self.shape + x[:SHAPE_SIZE]) ** 2 + covariance.diagonal()[:SHAPE_SIZE]).tolist()
         height = deviation(second[:BEND_SIZE], EXPECTED_HEIGHT)
         stretch = min(deviation(second[BEND_SIZE:], EXPECTED_STRETCH), self.max_stretch)
         return Solution(x, u.reshape(-1, MOTION_SIZE), Variances(noise2, motion, height, stretch))
@@ -208,20 +210,21 @@ class MixedModel:
         return 1 / (self.power + v.noise2 / v.motion) if v.motion > 0 else np.zeros_like(self.power)
 
 
-def deviation(second: Array, expected: float) -> float:
+def deviation(second: Sequence[float], expected: float) -> float:
     """Standard deviation of numbers with these second moments, by its prior."""
-    return float(np.sqrt((second.sum() + SHAPE_FREEDOM * expected**2) / (len(second) + SHAPE_FREEDOM)))
+    return math.sqrt((sum(second) + SHAPE_FREEDOM * expected**2) / (len(second) + SHAPE_FREEDOM))
 
 
-def whitening_by_cholesky(a: Array) -> Array:
-    """Matrix T (g, g) with T'AT = 1, as `whitening`: faster, where A is well positive definite."""
+def inverse_by_elimination(a: Array) -> Array:
+    """Inverse of A (g, g), as `symmetric_inverse`: faster, where A is well positive definite."""
     scale = 1 / np.sqrt(np.maximum(a.diagonal(), 1e-300))
+    products = scale[:, None] * scale
     try:
-        factor = np.linalg.cholesky(a * scale[:, None] * scale)
-        out: Array = scale[:, None] * np.linalg.inv(factor).T
+        out: Array = np.asarray(np.linalg.inv(a * products), dtype=np.float64)
     except np.linalg.LinAlgError:
-        return whitening(a)
-    return out
+        return symmetric_inverse(a)
+    out *= products
+    return out if (out.diagonal() > 0).all() else symmetric_inverse(a)
 
 
 def trusted_motion(v: Variances, noise2: float) -> float:

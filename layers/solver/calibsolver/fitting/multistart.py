@@ -56,14 +56,15 @@ class MultiStart:
     def run(self) -> State:
         """Solve from several starts to near the optimum and return the best."""
         obs, problem = self.problem.obs, self.problem
-        trial_views = initial_guess.subsample_views(obs, self.mask)
-        if trial_views is None:
-            return self.rank_optima(problem, self.unit_weights, self.mask)[0]
-        if obs.view_count <= MAX_DIRECT_VIEWS and self.model.start_families == 1:
+        direct = initial_guess.MAX_TRIAL_VIEWS < obs.view_count <= MAX_DIRECT_VIEWS
+        if direct and self.model.start_families == 1:
             first = next(self.starts(problem), None)
             begun = None if first is None else self.follow(problem, first, self.unit_weights, self.mask)
             if begun is not None and self.is_clear(problem, begun, self.mask):
                 return begun
+        trial_views = initial_guess.subsample_views(obs, self.mask)
+        if trial_views is None:
+            return self.rank_optima(problem, self.unit_weights, self.mask)[0]
         trial = replace(problem, obs=obs.subset(trial_views))
         found = self.rank_optima(trial, self.unit_weights[trial_views], self.mask[trial_views])
         # Where a few views leave it open which camera it is, all of them decide.

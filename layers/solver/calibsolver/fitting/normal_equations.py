@@ -105,16 +105,6 @@ def gram_matrices(rows: Array) -> Array:
     return h
 
 
-def weighted_gram_matrices(rows: Array, factors: Array) -> Array:
-    """Gram matrices (v, m, m) of rows (m, 2, v, n) times factors (v, n) of their points."""
-    size, _, views, n = rows.shape
-    weighted = np.empty((views, size, 2, n))
-    np.multiply(rows.transpose(2, 0, 1, 3), factors[:, None, None], out=weighted)
-    flat = weighted.reshape(views, size, 2 * n)
-    h: Array = flat @ flat.transpose(0, 2, 1)
-    return h
-
-
 def fisher_information(j: Array, weights: Array) -> Array:
     """Fisher information (v, p, p) of the intrinsics at unit noise, the pose of each view marginalised.
 
@@ -178,26 +168,57 @@ class Projection:
     solved: Array
 
     @classmethod
-    def of(cls, rows: Sequence[Array]) -> "Projection":
-        """Project rows (..., 2, v, n), m + 6 together, those of the pose last.
+    def of(cls, rows: Sequence[Array], used: Mask | None = None) -> "Projection":
+        """Project rows (..., 2, v, n), m + 6 together, those of the pose last; points (v, n) may be left out.
 
         By the normal equations, but A - BX is formed before its products are taken: what rounding does to X
         then enters these by its square, and nearly collinear parameters lose nothing by cancellation.
         """
-        views = rows[0].shape[2]
-        flat = np.concatenate([part.transpose(2, 0, 1, 3) for part in rows], axis=1)
+        flat = by_views(rows, used)
         size = flat.shape[1] - POSE_SIZE
-        flat = flat.reshape(views, size + POSE_SIZE, -1)
         b = flat[:, size:]
         products = b @ flat.transpose(0, 2, 1)
         by_pose, pose_gram = products[:, :, :size], products[:, :, size:]
-        lifted = pose_gram.copy()
-        # The smallest ridge that keeps a view without any points from being singular.
-        lifted.reshape(views, -1)[:, :: POSE_SIZE + 1] *= 1 + RIDGE
-        lifted.reshape(views, -1)[:, :: POSE_SIZE + 1] += 1e-200
-        x = solve_or_nan(lifted, by_pose)
+        x = _least_ridge_solution(pose_gram, by_pose)
         left = flat[:, :size] - x.transpose(0, 2, 1) @ b
         return cls(left, by_pose, pose_gram, x)
+
+
+def by_views(rows: Sequence[Array], used: Mask | None = None) -> Array:
+    """Rows (..., 2, v, n), m together, by views: (v, m, 2n), 0 where points (v, n) are not used."""
+    _, _, views, n = rows[0].shape
+    flat, begin = np.empty((views, sum(len(part) for part in rows), 2, n)), 0
+    for part in rows:
+        out = flat[:, begin : begin + len(part)]
+        if used is None:
+            out[:] = part.transpose(2, 0, 1, 3)
+        else:
+            np.multiply(part.transpose(2, 0, 1, 3), used[:, None, None], out=out)
+        begin += len(part)
+    return flat.reshape(views, begin, 2 * n)
+
+
+def projected_gram_matrices(rows: Sequence[Array], used: Mask | None = None) -> Array:
+    """Gram matrices (v, m, m) of `Projection.left`, faster, where rounding does not matter.
+
+    Parameters as in `Projection.of`.
+    """
+    flat = by_views(rows, used)
+    gram: Array = flat @ flat.transpose(0, 2, 1)
+    size = flat.shape[1] - POSE_SIZE
+    across = gram[:, size:, :size]
+    left: Array = gram[:, :size, :size]
+    left -= across.transpose(0, 2, 1) @ _least_ridge_solution(gram[:, size:, size:], across)
+    return left
+
+
+def _least_ridge_solution(gram: Array, across: Array) -> Array:
+    """Solve the poses' normal equations; the ridge keeps a view without any points from being singular."""
+    lifted = gram.copy()
+    diagonal = lifted.reshape(len(gram), -1)[:, :: POSE_SIZE + 1]
+    diagonal *= 1 + RIDGE
+    diagonal += 1e-200
+    return solve_or_nan(lifted, across)
 
 
 def residual_jacobian(rows: Array) -> Array:
@@ -280,16 +301,20 @@ class System:
             Information (a, a) and half gradient (a,) that are added to the intrinsics'.
         """
         size = len(rows) - POSE_SIZE - 1
-        h = gram_matrices(rows) if weights is None else weighted_gram_matrices(rows, np.sqrt(weights))
-        total = np.add.reduce(h[:, :size], axis=0)
-        h_cc, g_c = total[:, :size], total[:, -1]
+        if weights is not None:
+            rows = rows * np.sqrt(weights)
+        shared = rows.reshape(len(rows), -1)
+        h_cc, g_c = shared[:size] @ shared[:size].T, shared[:size] @ shared[-1]
         if prior is not None:
             h_cc, g_c = h_cc + prior[0], g_c + prior[1]
         scale_c = 1 / np.sqrt(h_cc.diagonal() + 1e-200)
-        diagonal = h.reshape(len(h), -1)[:, size * (len(rows) + 1) : -1 : len(rows) + 1]
+        across, down = rows[:, 0].transpose(1, 0, 2), rows[:, 1].transpose(1, 0, 2)
+        low = across[:, size:-1] @ across.transpose(0, 2, 1)
+        low += down[:, size:-1] @ down.transpose(0, 2, 1)
+        diagonal = low.reshape(len(low), -1)[:, size :: len(rows) + 1]
         ridge = 1e-13 * np.maximum.reduce(diagonal, axis=1, keepdims=True) + 1e-200
         scale_p = 1 / np.sqrt(diagonal + ridge)
-        low = h[:, size:-1] * scale_p[:, :, None]
+        low *= scale_p[:, :, None]
         h_pp = low[:, :, size:-1] * scale_p[:, None, :]
         h_pc = np.empty((len(h_pp), POSE_SIZE, size + 1))
         np.multiply(low[:, :, :size], scale_c, out=h_pc[:, :, :size])
@@ -318,6 +343,16 @@ class System:
         dc: Array = np.negative(solve_or_nan(at.complement, reduced))
         dp: Array = np.negative(y[:, :, 0] + at.solved @ dc)
         return dc * self.scale_c, dp * self.scale_p
+
+    def slope(self, dc: Array, dp: Array) -> float:
+        """Half the derivative of the cost along a step, (a,) and (v, 6)."""
+        return float(self.g_c @ (dc / self.scale_c)) + float(np.vdot(self.h_pc[:, :, -1], dp / self.scale_p))
+
+    def curvature(self, dc: Array, dp: Array) -> float:
+        """Half the second derivative of the cost along a step, (a,) and (v, 6)."""
+        c, p = dc / self.scale_c, (dp / self.scale_p)[:, :, None]
+        by_p = 2 * self.h_pc[:, :, :-1] @ c + (self.h_pp @ p)[:, :, 0]
+        return float(c @ self.h_cc @ c) + float(np.vdot(p, by_p))
 
     def length(self, dc: Array, dp: Array) -> float:
         """Length of a step in the scaled unknowns."""

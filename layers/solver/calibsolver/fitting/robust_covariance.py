@@ -27,7 +27,8 @@ definite always, and under white noise hardly larger than sigma^2 M^-1.
 Views in nearly the same pose share what is wrong in them: frames of a video, or of a burst, are one cluster.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -71,14 +72,11 @@ class Evidence:
     of_effects
         As `gram`, of more points: also of those that the fit cut, but an effect explains. They tell the
         variances. None: there are none.
-    solved
-        (v, 6, ...) changes of the pose of each view that undo those of the columns of `gram`.
     """
 
     gram: Array
     metric: Array
     of_effects: Array | None = None
-    solved: Array = field(default_factory=lambda: np.zeros((0, POSE_SIZE, 0)))
 
     @classmethod
     def of(
@@ -98,28 +96,57 @@ class Evidence:
         """
         size, views = len(rows) - POSE_SIZE - 1, len(labels)
         columns = size + len(effects) + 1
-        gram, solved = np.empty((views, columns, columns)), np.empty((views, POSE_SIZE, columns))
-        turned = np.zeros((size + 3, size + 3))
-        # In blocks: data beyond the cache, and newly mapped memory, cost several times as much.
-        step = max(1, MAX_BLOCK_NUMBERS // (gram.shape[1] * rows[0, :, 0].size))
-        for block in (slice(first, first + step) for first in range(0, views, step)):
-            part, moved = rows[:, :, block], effects[:, :, block]
-            if used is not None and not used[block].all():
-                part, moved = part * used[block], moved * used[block]
-            projection = Projection.of((part[:size], moved, part[-1:], part[size:-1]))
+        gram, turned = np.empty((views, columns, columns)), np.zeros((size + 3, size + 3))
+        for block, parts, counted in _blocks(rows, effects, used):
+            projection = Projection.of(parts, counted)
             np.matmul(projection.left, projection.left.transpose(0, 2, 1), out=gram[block])
-            solved[block] = projection.solved
             if metric is None:
                 turned += _turned_gram(projection, gram[block, :size, :size], poses.t[block])
         if metric is None:
             metric = _observed_error_metric(turned, rows[0].size / 2)
-        count = int(labels.max()) + 1
-        if count < views:
-            gram = _sum_by(gram, labels, count)
-        return cls(gram, metric, solved=solved)
+        return cls(_sum_by(gram, labels), metric)
 
 
-def _sum_by(values: Array, labels: IntArray, count: int) -> Array:
+def cluster_grams(rows: Array, effects: Array, labels: IntArray, used: Mask | None) -> Array:
+    """Gram matrices (c, ...) as those of `Evidence.of`, for variances: rounding does not matter."""
+    gram = [
+        normal_equations.projected_gram_matrices(parts, counted)
+        for _, parts, counted in _blocks(rows, effects, used)
+    ]
+    return _sum_by(np.concatenate(gram), labels)
+
+
+def with_more_points(
+    gram: Array, rows: Array, effects: Array, labels: IntArray, used: Mask, seen: Mask
+) -> Array:
+    """Gram matrices (c, ...) as `gram`, of the points `seen` (v, n) in the place of those `used`."""
+    changed = np.flatnonzero((seen != used).any(axis=1))
+    part = rows[:, :, changed], effects[:, :, changed], np.arange(len(changed))
+    change = cluster_grams(*part, seen[changed]) - cluster_grams(*part, used[changed])
+    out = gram.copy()
+    np.add.at(out, labels[changed], change)
+    return out
+
+
+def _blocks(
+    rows: Array, effects: Array, used: Mask | None
+) -> Iterator[tuple[slice, tuple[Array, ...], Mask | None]]:
+    """Yield views in blocks: their rows in the order of `Evidence.gram`, the pose's last, and points used.
+
+    Data beyond the cache, and newly mapped memory, cost several times as much.
+    """
+    size, views = len(rows) - POSE_SIZE - 1, rows.shape[2]
+    step = max(1, MAX_BLOCK_NUMBERS // ((len(rows) - POSE_SIZE + len(effects)) * rows[0, :, 0].size))
+    for block in (slice(first, first + step) for first in range(0, views, step)):
+        part, counted = rows[:, :, block], None if used is None or used[block].all() else used[block]
+        yield block, (part[:size], effects[:, :, block], part[-1:], part[size:-1]), counted
+
+
+def _sum_by(values: Array, labels: IntArray) -> Array:
+    """Sums (c, ...) over the members of each cluster of values (v, ...)."""
+    count = int(labels.max()) + 1
+    if count == len(values):  # each is a cluster
+        return values
     out = np.zeros((count, *values.shape[1:]))
     np.add.at(out, labels, values)
     return out

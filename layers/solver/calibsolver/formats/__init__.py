@@ -9,7 +9,6 @@ import numpy as np
 from .. import deadline
 from .. import image_transform as transforms
 from ..errors import CalibrationError
-from ..view import View
 from . import (
     artoolkit,
     colmap,
@@ -130,7 +129,7 @@ def transform_source(source: ExportSource, transform: transforms.Transform) -> E
     camera, views = transforms.apply(transform, source.camera, source.views)
     if transform.mirrored and source.board is not None:
         shift = (float(source.board.size[0]), 0.0, 0.0)
-        views = tuple(View(view.object_points + shift, view.image_points) for view in views)
+        views = tuple(replace(view, object_points=view.object_points + shift) for view in views)
     return replace(source, camera=camera, views=views)
 
 

@@ -84,7 +84,7 @@ def in_shape(source: ExportSource) -> ExportSource:
     if not views:
         return source
     try:
-        shaped = fit(views, camera.img_size, camera.model, start=camera, board_shape=True).shaped(views)
+        shaped = fit(views, camera.img_size, camera.model, start=camera).shaped(views)
         errors = [resection.reprojection_score(camera, each).rms for each in (shaped, views)]
     except CalibrationError:
         return source
@@ -233,7 +233,8 @@ def fitted(source: ExportSource, constraint: ModelConstraint) -> tuple[Camera, t
     first = embed(source.camera, constraint.model)
     used: tuple[Mask, ...] = tuple(np.ones(len(view), dtype=bool) for view in views)
     if first is None:
-        calibration = fit(views, source.camera.img_size, constraint.model, start=source.camera)
+        size = source.camera.img_size
+        calibration = fit(views, size, constraint.model, start=source.camera, board_shape=False)
         first, used = calibration.camera, calibration.used
         if not (constraint.zero or constraint.equal_focal):
             return first, used

@@ -40,7 +40,7 @@ def select_views(
         error = np.einsum("vij,ij->v", after, posterior.error_metric)
         chosen.append(left[int(np.nanargmin(error))])
         try:
-            calibration = fit([views[i] for i in chosen], img_size, model)
+            calibration = fit([views[i] for i in chosen], img_size, model, board_shape=False)
         except CalibrationError:
             calibration = None
     return chosen

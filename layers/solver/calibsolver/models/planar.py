@@ -117,24 +117,39 @@ class Planar(Model):
             target = np.where(inside, u, 0.0)
             length = np.where(inside, length, 0.0)
             scale = np.interp(length, table, r) / np.where(length > 1e-12, length, 1.0)
-            x, y = target * np.where(length > 1e-12, scale, 1.0)
-            for _ in range(MAX_STEPS):
-                xx, yy = x * x, y * y
-                s = xx + yy
-                g, slope, _ = self.radial_jacobian(d, s)
-                value, a, b, c = self._derivatives(d, (x, y), (xx, yy, 2 * x * y, s), (g, slope))
-                e = value - target
-                det = a * c - b * b
-                dx, dy = (c * e[0] - b * e[1]) / det, (a * e[1] - b * e[0]) / det
-                # A step across the edge ends before it: beyond, another ray may meet the same pixel.
-                most = (np.sqrt(s) + 7 * limit) / 8
-                length = np.hypot(x - dx, y - dy)
-                if (length > most).any():
-                    back = np.minimum(most / length, 1)
-                    dx, dy = x - back * (x - dx), y - back * (y - dy)
-                x, y = x - dx, y - dy
-                if np.nanmax(np.abs(dx) + np.abs(dy), initial=0.0) < LAST_STEP:
-                    break
+            xy = target * np.where(length > 1e-12, scale, 1.0)
+            self._solve_plane(d, xy.reshape(2, -1), target.reshape(2, -1), limit)
+            x, y = xy
             error = np.hypot(*(self.distort_plane(d, x, y) - target))
             good = inside & (error < 1e-13 * (1 + np.hypot(*target))) & (np.hypot(x, y) < limit)
         return np.where(good, x, np.nan), np.where(good, y, np.nan)
+
+    def _solve_plane(self, d: Array, xy: Array, target: Array, limit: float) -> None:
+        """Move points (2, n) of the plane, in place, to where they are distorted to the target (2, n).
+
+        By Newton's method. Points that have settled are left alone: the few outside of the domain never do.
+        """
+        x, y = xy
+        index = np.arange(x.size)
+        for _ in range(MAX_STEPS):
+            xx, yy = x * x, y * y
+            s = xx + yy
+            g, slope, _ = self.radial_jacobian(d, s)
+            value, a, b, c = self._derivatives(d, (x, y), (xx, yy, 2 * x * y, s), (g, slope))
+            e = value - target
+            det = a * c - b * b
+            dx, dy = (c * e[0] - b * e[1]) / det, (a * e[1] - b * e[0]) / det
+            # A step across the edge ends before it: beyond, another ray may meet the same pixel.
+            most = (np.sqrt(s) + 7 * limit) / 8
+            length = np.hypot(x - dx, y - dy)
+            if (length > most).any():
+                back = np.minimum(most / length, 1)
+                dx, dy = x - back * (x - dx), y - back * (y - dy)
+            x, y = x - dx, y - dy
+            moving = np.flatnonzero(np.abs(dx) + np.abs(dy) >= LAST_STEP)
+            if 2 * moving.size < x.size:
+                xy[:, index] = x, y
+                x, y, target, index = x[moving], y[moving], target[:, moving], index[moving]
+                if not index.size:
+                    return
+        xy[:, index] = x, y

@@ -235,11 +235,14 @@ def rim_covered(views: Sequence[View], img_size: tuple[int, int]) -> dict[Side, 
     return shares
 
 
-def has_fixed_pattern(calibration: Calibration, views: Sequence[View]) -> bool:
-    """True if the residuals noticeably depend on the place in the image, alike in all views."""
+def has_fixed_pattern(calibration: Calibration, views: Sequence[View], factor: float = 1.0) -> bool:
+    """True if the residuals noticeably depend on the place in the image, alike in all views.
+
+    `factor` multiplies the limits.
+    """
     share, common = fixed_pattern_residual(calibration, views)
     least = MIN_NOTICEABLE_PX * calibration.camera.img_size[0] / REFERENCE_WIDTH_PX
-    return common > least and share > MAX_FIXED_PATTERN_SHARE
+    return common > factor * least and share > factor * MAX_FIXED_PATTERN_SHARE
 
 
 def fixed_pattern_residual(

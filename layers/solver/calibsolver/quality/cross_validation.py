@@ -43,7 +43,7 @@ def held_out(
     folds: int = 5,
     split: Sequence[int] | None = None,
     *,
-    board_shape: bool = False,
+    board_shape: bool = True,
     start: Camera | None = None,
     fix: Fix = (),
 ) -> HeldOut:

@@ -56,7 +56,7 @@ def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
     refused: dict[str, CalibrationError] = {}
     for name in models.NAMES:
         try:
-            fits[name] = fit(views, img_size, name)
+            fits[name] = fit(views, img_size, name, board_shape=False)
         except CalibrationError as error:
             refused[name] = error
     if not fits:
@@ -65,7 +65,7 @@ def suggest_model(views: Sequence[View], img_size: tuple[int, int]) -> Choice:
     scores: dict[str, HeldOut] = {}
     for name in fits:
         try:
-            scores[name] = held_out(tested, img_size, name)
+            scores[name] = held_out(tested, img_size, name, board_shape=False)
         except CalibrationError as error:
             refused[name] = error
     if not scores:

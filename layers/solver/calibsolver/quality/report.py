@@ -1,7 +1,7 @@
 """Quality report of a calibration: the figures that a page shows."""
 
-from collections.abc import Callable, Sequence
-from typing import TypeAlias, Union
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeAlias, Union
 
 import numpy as np
 
@@ -15,8 +15,13 @@ from .systematic import Cause, probable_cause
 
 __all__ = ["Assessment", "Json", "Reason", "assess", "board_sentence", "describe"]
 
-MIN_REPORTED = 0.002
-"""Sag or stretch / the board's longer side from which a user is informed."""
+_PRINT: Mapping[str | None, str] = {
+    "wider": "{} wider than drawn",
+    "narrower": "{} narrower than drawn",
+    "skewed": "skewed by {}",
+    None: "{} out of shape",
+}
+"""Words for a print, by `BoardShape.stretch_kind`; older records have none."""
 MIN_CERTAIN_SIGMAS = 2.0
 """Sag or stretch / its standard deviation above which it is certain."""
 Json: TypeAlias = Union["dict[str, Json]", "list[Json]", str, bool, int, float, None]
@@ -44,8 +49,9 @@ def describe(
     Returns
     -------
     ``verdict`` (level; reasons, the one to act on first), ``board`` (``sag`` and ``stretch`` / longer side,
-    which were taken into account, and their standard deviations ``sag_std`` and ``stretch_std``; null if
-    the board was taken as drawn), ``std`` (standard deviations of the intrinsics), ``covariance`` ((p, p)
+    which were taken into account, their standard deviations ``sag_std`` and ``stretch_std``, and the
+    ``stretch_kind``: wider, narrower or skewed; null if the board was taken as drawn),
+    ``std`` (standard deviations of the intrinsics), ``covariance`` ((p, p)
     of the intrinsics, not rounded), ``error_map`` (predicted projection error over the image, px, null
     where the model has no ray), ``held_out`` (px; null if there is none, or more than the image is
     wide), ``systematic`` (``inflation``; probable ``cause``, what to do in ``text``, the ``model`` to
@@ -108,29 +114,40 @@ def _with_cause(reasons: tuple[Reason, ...], cause: Cause | None) -> tuple[Reaso
     return (*(reason for reason in reasons if reason.code != "model_too_simple"), cause.reason)
 
 
-def board_sentence(shape: BoardShape | None) -> str | None:
-    """Sentence on the board for its owner; None if nothing is certain."""
-    if shape is None:
+def board_sentence(figures: Mapping[str, Any] | None, length_mm: float | None = None) -> str | None:
+    """Sentence on the board for its owner; None if nothing is certain.
+
+    Parameters
+    ----------
+    figures
+        As `BoardShape.figures` or a record's ``board_shape``; None: as drawn.
+    length_mm
+        Longer extent of the board's corners, if it is known: the bend is then stated in millimetres.
+    """
+    if figures is None:
         return None
-    what = []
-    if shape.sag > MIN_CERTAIN_SIGMAS * shape.sag_std:
-        what.append(f"bent by {_percent(shape.sag)} of its length")
-    if shape.stretch > MIN_CERTAIN_SIGMAS * shape.stretch_std:
-        width, shear = 2 * shape.parameters[3], shape.parameters[4]
-        wider = "wider" if width > 0 else "narrower"
-        skewed = abs(shear) > abs(width)
-        what.append(f"skewed by {_percent(shear)}" if skewed else f"{_percent(width)} {wider} than drawn")
+    what, sag, stretch = [], figures["sag"], figures["stretch"]
+    if sag > MIN_CERTAIN_SIGMAS * figures["sag_std"]:
+        what.append(
+            f"bent by {f'{_figure(sag * length_mm)} mm' if length_mm else f'{_percent(sag)} of its length'}"
+        )
+    if stretch > MIN_CERTAIN_SIGMAS * figures["stretch_std"]:
+        what.append(_PRINT[figures.get("stretch_kind")].format(_percent(stretch)))
     return f"Your board is {' and '.join(what)}; that was taken into account." if what else None
 
 
 def _percent(share: float) -> str:
-    """Share as text: one decimal, or one digit if it is small."""
-    percent = 100 * abs(share)
-    return f"{percent:.1f} %" if percent >= 0.1 else f"{percent:.1g} %"
+    return f"{_figure(100 * share)} %"
+
+
+def _figure(value: float) -> str:
+    """Number as text: one decimal, or one digit if it is small."""
+    return f"{value:.1f}" if value >= 0.1 else f"{value:.1g}"
 
 
 def _board(shape: BoardShape) -> dict[str, Json]:
-    return {name: _digits(value) for name, value in shape.figures().items()}
+    figures = shape.figures()
+    return {name: value if isinstance(value, str) else _digits(value) for name, value in figures.items()}
 
 
 def _digits(value: float, digits: int = 3) -> float | None:

@@ -26,7 +26,7 @@ def with_rivals(calibration: Calibration, views: Sequence[View]) -> Calibration:
         if name == calibration.camera.model:
             continue
         try:
-            other = fit(shaped, size, name)
+            other = fit(shaped, size, name, board_shape=False)
         except CalibrationError:
             continue
         if other.noise <= MAX_EQUAL_RATIO * calibration.noise:

@@ -40,6 +40,9 @@ MIN_CAUSED_PX = 0.2
 """px, rms of what a cause explains, from which a calibration is not good: as much as the noise of corners."""
 MIN_CAUSED_INFLATION = 4.0
 """Inflation from which any cause leaves it not good: error bars are twice those of white noise."""
+PATTERN_IN_SHAPE = 0.5
+"""Fixed pattern from which other models are tried where the board has a shape, / that otherwise. The shape
+takes up some of what the model leaves."""
 MAX_MODELS_S = 1.0
 """Time for fits of other models, where the time is limited."""
 _NO_MODEL: tuple[str | None, float] = (None, 0.0)
@@ -136,14 +139,15 @@ def _better_model(
 
     Other models are fitted only if all views have the same pattern of errors. Ties go to the simplest.
     """
-    if not has_fixed_pattern(calibration, views):
+    bends = calibration.board_shape is not None
+    if not has_fixed_pattern(calibration, views, PATTERN_IN_SHAPE if bends else 1.0):
         return _NO_MODEL
     noise: dict[str, float] = {}
     for name in models.NAMES:
         if name == calibration.camera.model:
             continue
         try:
-            noise[name] = fit(kept, calibration.camera.img_size, name).noise
+            noise[name] = fit(kept, calibration.camera.img_size, name, board_shape=bends).noise
         except CalibrationError:
             continue
     shares = {name: 1 - (value / max(calibration.noise, 1e-12)) ** 2 for name, value in noise.items()}

@@ -1,10 +1,12 @@
 """The result of a rig's fit."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..arrays import Array
 from ..camera import Camera
+from ..fitting.board_shape import BoardShape
+from .problem import Moment
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,8 @@ class RigCalibration:
     turned
         (moment, position) of the views whose corners were numbered from another side of the board, and were
         turned back. `board_poses` hold for the boards turned back.
+    board_shape
+        Bend and stretch of the board, which the errors and board poses refer to; None: as drawn.
     """
 
     cameras: tuple[Camera, ...]
@@ -74,6 +78,13 @@ class RigCalibration:
     working_distances: Array
     set_aside: Mapping[tuple[int, int], str]
     turned: tuple[tuple[int, int], ...] = ()
+    board_shape: BoardShape | None = None
+
+    def shaped(self, moments: Sequence[Moment]) -> list[Moment]:
+        """Return moments of the same board in its shape."""
+        if self.board_shape is None:
+            return list(moments)
+        return [{i: self.board_shape.apply(view) for i, view in moment.items()} for moment in moments]
 
     def pose_covariance(self, position: int) -> Array:
         """Covariance (6, 6) of the pose rvec|tvec of one camera; 0 of camera 0."""

@@ -4,7 +4,7 @@ The rig's noise is one number: residuals of a camera with more of it weigh less 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,10 +14,12 @@ from ..arrays import Array, IntArray, Mask, frozen
 from ..camera import Camera
 from ..errors import CalibrationError, undetermined
 from ..fitting import levenberg_marquardt, outliers, plausibility, robust_covariance, systematic_effects
+from ..fitting.fit import MIN_SHAPE_VIEWS
 from ..fitting.levenberg_marquardt import Options, State
+from ..fitting.mixed_fit import MixedFit
+from ..fitting.mixed_model import SHAPE_SIZE
 from ..fitting.multistart import TOWARDS_OPTIMUM
 from ..fitting.normal_equations import Poses
-from ..fitting.observations import Observations
 from ..fitting.validation import MIN_POINTS
 from ..rotation import vector
 from . import start as rig_start
@@ -60,6 +62,7 @@ def fit(
     *,
     starts: Mapping[int, Camera] | None = None,
     max_points: int | None = None,
+    board_shape: bool = True,
 ) -> RigCalibration:
     """Fit a rig of cameras to moments.
 
@@ -78,6 +81,8 @@ def fit(
     max_points
         Points to which views are thinned (`thinning`), where the time is bounded; errors are those of the
         points left.
+    board_shape
+        Estimate bend and stretch of the one board that all cameras see, as `calibsolver.fit` does.
 
     Raises
     ------
@@ -87,6 +92,7 @@ def fit(
     """
     moments = [dict(moment) for moment in moments]
     check(moments, cameras)
+    board_shape = board_shape and not any(view.flat for moment in moments for view in moment.values())
     if max_points is not None:
         moments = thin(moments, max_points)
     with np.errstate(all="ignore"):  # far from the solution numbers may overflow; every step is tested
@@ -97,7 +103,7 @@ def fit(
         ]
         linked = [m for m, moment in enumerate(resected) if moment.poses]
         began = rig_start.start([each.camera for each in alone], [resected[m] for m in linked])
-        return _RigFit(moments, alone, linked, began, robust).run()
+        return _RigFit(moments, alone, linked, began, robust, board_shape).run()
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +115,7 @@ class _RigFit:
     linked: Sequence[int]
     began: RigStart
     robust: bool
+    board_shape: bool
 
     @cached_property
     def noises(self) -> Array:
@@ -173,7 +180,21 @@ class _RigFit:
             among = outcome[1]
             state, good = self._least_squares(*outcome, among)
         check_links(problem, good)
-        return self._result(state, good)
+        return self._shaped(state, good) or self._result(state, good)
+
+    def _shaped(self, state: State, good: Mask) -> RigCalibration | None:
+        """Fit the board's shape with the rest; None if it explains no more than chance and motion do."""
+        if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
+            return None
+        noise2 = self._sigma(state, good) ** 2
+        begun = MixedFit.begin(self.problem, state, good, self._labels(state, good), noise2)
+        if begun is None:
+            return None
+        mixed = begun[0]
+        shaped = mixed.solve(begun[1], good)
+        if not (shaped.converged and mixed.problem.shape(shaped).is_plausible):
+            return None
+        return self._result(shaped, good, mixed)
 
     def _begin(self, state: State) -> tuple[State, Mask]:
         """Fit from the start: with all views, and where some contradict, with those near the start first."""
@@ -237,40 +258,58 @@ class _RigFit:
                 return state, good
         return state, previous
 
-    def _result(self, state: State, good: Mask) -> RigCalibration:
-        """Describe the optimum; `good` (m, n) are the points that took part."""
-        if not state.converged:
+    def _sigma(self, state: State, good: Mask) -> float:
+        """Noise of one coordinate, px, corrected for the degrees of freedom."""
+        used = 2 * float(good.sum())
+        unknowns = self.problem.size + 6 * float(good.any(axis=1).sum())
+        sigma = float(np.sqrt(state.square[good].sum() / max(used - unknowns, 0.1 * used, 1.0)))
+        return max(sigma, levenberg_marquardt.ROUNDOFF * self.problem.width)
+
+    def _labels(self, state: State, good: Mask) -> IntArray:
+        """Clusters (m,) of moments with the board in nearly the same pose."""
+        image = self.problem.members[0]
+        focal = float(image.model.focal(self.problem.intrinsics(state.k, 0))[0]) / image.img_size[0]
+        return robust_covariance.same_pose_labels(state.poses, self.problem.obs, good, focal)
+
+    def _result(self, optimum: State, good: Mask, mixed: MixedFit | None = None) -> RigCalibration:
+        """Describe the optimum; `good` (m, n) are the points that took part.
+
+        `mixed`: how the board's shape was fitted, which the optimum then has; None: it is as drawn.
+        """
+        if not optimum.converged:
             raise CalibrationError(
                 "not_converged", "the fit did not settle: the moments contradict each other"
             )
-        problem, obs = self.problem, self.problem.obs
+        problem, state, shape = self.problem, optimum, None
+        if mixed:
+            bent = mixed.problem.reshaped(optimum.k[:SHAPE_SIZE], problem.obs)
+            problem, state = replace(problem, obs=bent), mixed.problem.of_camera(optimum)
+        obs = problem.obs
         cameras = tuple(problem.camera(state.k, i) for i in range(len(self.alone)))
         self._check_domain(cameras, state, good)
-        used = 2 * float(good.sum())
-        unknowns = problem.size + 6 * float(good.any(axis=1).sum())
-        sigma = float(np.sqrt(state.square[good].sum() / max(used - unknowns, 0.1 * used, 1.0)))
-        sigma = max(sigma, levenberg_marquardt.ROUNDOFF * problem.width)
-        believed = problem.prior_information(state.k) * max(sigma, 1e-5 * problem.width) ** 2
+        sigma = self._sigma(state, good)
         poses = problem.camera_poses(state.k)
         taken: slice | IntArray = slice(None)
         if not good.any(axis=1).all():
             taken = np.flatnonzero(good.any(axis=1))
         rows, counted = state.rows[:, :, taken], good[taken]
-        boards = Poses(state.poses.r[taken], state.poses.t[taken])
-        image = problem.members[0]
-        labels = robust_covariance.same_pose_labels(
-            boards,
-            Observations(obs.points[taken], obs.pixels[taken], obs.mask[taken]),
-            counted,
-            float(image.model.focal(problem.intrinsics(state.k, 0))[0]) / image.img_size[0],
-        )
         distances = transfer.working_distances(problem, state, good)
         jacobian = transfer.jacobian(problem, state.k, distances)
         metric = transfer.metric(jacobian, rows, counted)
-        by_pose, points = rows[problem.size : -1], obs.points[taken]
-        effects = systematic_effects.displacements(by_pose, boards, points, problem.row_positions[taken])
-        evidence = robust_covariance.Evidence.of(rows, effects, boards, labels, metric, counted)
-        spread = robust_covariance.estimate(evidence, sigma, believed)
+        if mixed:
+            spread = mixed.spread(optimum, good, sigma, good, metric)
+            covariance = spread.covariance[SHAPE_SIZE:, SHAPE_SIZE:]
+            shape = mixed.problem.shape(optimum)
+            shape = replace(shape, covariance=frozen(spread.covariance[:SHAPE_SIZE, :SHAPE_SIZE]))
+        else:
+            boards = Poses(state.poses.r[taken], state.poses.t[taken])
+            by_pose, points = rows[problem.size : -1], obs.points[taken]
+            effects = systematic_effects.displacements(by_pose, boards, points, problem.row_positions[taken])
+            labels = self._labels(state, good)[taken]
+            evidence = robust_covariance.Evidence.of(rows, effects, boards, labels, metric, counted)
+            believed = problem.prior_information(state.k) * max(sigma, 1e-5 * problem.width) ** 2
+            spread = robust_covariance.estimate(evidence, sigma, believed)
+            covariance = spread.covariance
         if not np.isfinite(spread.covariance).all():
             raise CalibrationError("not_believable", "the fit has no finite error")
         square = np.where(obs.mask, state.square, 0.0)
@@ -286,13 +325,14 @@ class _RigFit:
             board_poses=frozen(board_poses),
             rms=float(np.sqrt(square[left].sum() / max(left.sum(), 1))),
             view_errors=self._view_errors(square),
-            covariance=frozen(self._all_intrinsics(spread.covariance)),
+            covariance=frozen(self._all_intrinsics(covariance)),
             noise=sigma,
             inflation=spread.inflation,
-            uncertainty=transfer.uncertainty(problem, state.k, jacobian, spread.covariance, distances),
+            uncertainty=transfer.uncertainty(problem, state.k, jacobian, covariance, distances),
             working_distances=frozen(distances),
             set_aside=aside,
             turned=tuple((self.linked[row], position) for row, position in self.began.turned),
+            board_shape=shape,
         )
 
     def _check_domain(self, cameras: Sequence[Camera], state: State, good: Mask) -> None:

@@ -48,10 +48,11 @@ def held_out_rms(moments: Sequence[Moment], calibration: RigCalibration) -> floa
     for fold in range(min(FOLDS, len(used))):
         training = [moment for m, moment in enumerate(used) if m % FOLDS != fold]
         try:
-            rig = fit(training, cameras, starts=dict(enumerate(calibration.cameras)))
+            starts, bends = dict(enumerate(calibration.cameras)), calibration.board_shape is not None
+            rig = fit(training, cameras, starts=starts, board_shape=bends)
         except CalibrationError:
             continue  # nothing is left that links the cameras, or too little of one of them
-        square, count = _score(rig, used[fold::FOLDS])
+        square, count = _score(rig, rig.shaped(used[fold::FOLDS]))
         squares, points = squares + square, points + count
     return float(np.sqrt(squares / points)) if points else None
 

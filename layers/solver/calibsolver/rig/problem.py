@@ -15,7 +15,7 @@ from .. import rotation
 from ..arrays import Array, Mask
 from ..camera import Camera
 from ..fitting import prior
-from ..fitting.levenberg_marquardt import LeastSquares, State
+from ..fitting.levenberg_marquardt import LeastSquares
 from ..fitting.normal_equations import POSE_SIZE, Poses
 from ..fitting.observations import Observations
 from ..fitting.systematic_effects import row_position
@@ -135,18 +135,18 @@ class RigProblem(LeastSquares):
         every = [(member.model, self.intrinsics(k, i)) for i, member in enumerate(self.members)]
         return all(x[0] > 0 and x[1] > 0 and model.magnification(x[4:])[0] > 0 for model, x in every)
 
-    def at(self, k: Array, poses: Poses) -> State:
-        """Linearize at given shared unknowns (p,) and board poses, board -> camera 0."""
-        mask, size = self.obs.mask, self.size
+    def rows_of(self, k: Array, poses: Poses, obs: Observations, before: int = 0) -> tuple[Array, Array]:
+        """Rows of a `State` at given shared unknowns (p,) and board poses, board -> camera 0."""
+        mask, size = obs.mask, before + self.size
         rows = np.empty((size + POSE_SIZE + 1, 2, *mask.shape))
         rotated = np.empty((3, *mask.shape))
-        np.matmul(poses.r, self.obs.points, out=rotated.transpose(1, 0, 2))
+        np.matmul(poses.r, obs.points, out=rotated.transpose(1, 0, 2))
         in_rig = rotated + poses.t.T[:, :, None]
         vectors = self.camera_poses(k)
         for i, member in enumerate(self.members):
             # Contiguous scratch arrays, copied to the camera's slots.
-            mine, pixels = rows[:, :, :, member.slots], self.obs.pixels[:, :, member.slots]
-            mine[:size] = 0
+            mine, pixels = rows[:, :, :, member.slots], obs.pixels[:, :, member.slots]
+            mine[before:size] = 0
             points, at_board = in_rig[:, :, member.slots], rotated[:, :, member.slots]
             by_k = np.empty((member.model.size, 2, *points.shape[1:]))
             by_p = np.empty((3, *by_k.shape[1:]))
@@ -154,7 +154,7 @@ class RigProblem(LeastSquares):
                 r, t = rotation.matrix(vectors[i, :3]), vectors[i, 3:]
                 turned = (r @ points.reshape(3, -1)).reshape(points.shape)
                 q = member.model.fill_jacobian(self.intrinsics(k, i), turned + t[:, None, None], by_k, by_p)
-                first = self.offsets[1][i]
+                first = before + self.offsets[1][i]
                 by_turn = cross(turned, by_p).reshape(3, -1)
                 mine[first : first + 3] = (left_jacobian(vectors[i, :3]).T @ by_turn).reshape(by_p.shape)
                 mine[first + 3 : first + 6] = by_p
@@ -162,35 +162,34 @@ class RigProblem(LeastSquares):
             else:  # the frame of the rig is this camera's
                 q = member.model.fill_jacobian(self.intrinsics(k, i), points, by_k, by_p)
             if member.held is None:
-                mine[self.offsets[0][i] :][: member.model.size] = by_k
+                mine[before + self.offsets[0][i] :][: member.model.size] = by_k
             mine[size : size + 3] = cross(at_board, by_p)
             mine[size + 3 : size + 6] = by_p
             np.subtract(q, pixels.transpose(1, 0, 2), out=mine[-1])
             if member.weight != 1:
-                mine *= member.weight
+                mine[before:] *= member.weight
         if not mask.all():
-            rows = np.where(mask, rows, 0.0)
-        r, j = self._prior(k)
-        return State(k, poses, rows, rows[-1, 0] ** 2 + rows[-1, 1] ** 2, r, j)
+            rows[before:] = np.where(mask, rows[before:], 0.0)
+        return rows, rows[-1, 0] ** 2 + rows[-1, 1] ** 2
 
-    def residuals(self, k: Array, poses: Poses) -> Array:
+    def residuals_of(self, k: Array, poses: Poses, obs: Observations) -> Array:
         """Compute the weighted residuals (2, m, n) at given shared unknowns (p,) and board poses, px."""
-        in_rig, vectors = poses.camera_points(self.obs.points), self.camera_poses(k)
-        out = np.empty((2, *self.obs.mask.shape))
+        in_rig, vectors = poses.camera_points(obs.points), self.camera_poses(k)
+        out = np.empty((2, *obs.mask.shape))
         for i, member in enumerate(self.members):
             part = member.slots
             p = rotation.matrix(vectors[i, :3]) @ in_rig[:, :, part] + vectors[i, 3:, None]
             q = member.model.project(self.intrinsics(k, i), p.transpose(1, 0, 2))
-            out[:, :, part] = (q - self.obs.pixels[:, :, part].transpose(1, 0, 2)) * member.weight
-        return np.where(self.obs.mask, out, 0.0)
+            out[:, :, part] = (q - obs.pixels[:, :, part].transpose(1, 0, 2)) * member.weight
+        return np.where(obs.mask, out, 0.0)
 
     def prior_information(self, k: Array) -> Array:
         """Information (p, p) of the prior of the free intrinsics."""
-        _, j = self._prior(k)
+        _, j = self.prior(k)
         m: Array = j.T @ j
         return m
 
-    def _prior(self, k: Array) -> tuple[Array, Array]:
+    def prior(self, k: Array) -> tuple[Array, Array]:
         """Whitened residuals (m,) of the prior of the free intrinsics, and their Jacobian (m, p)."""
         residuals, jacobians = [np.zeros(0)], [np.zeros((0, self.size))]
         for i, member in enumerate(self.members):

@@ -9,7 +9,7 @@ other moments best, their views turned where that explains them better, is avera
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -151,7 +151,7 @@ def stack(motions: Sequence[RigidMotion]) -> tuple[Array, Array]:
 
 def turn_back(view: View, turn: RigidMotion) -> View:
     """View of the board turned: each pixel belongs to the point that the turn leads to."""
-    return View(turn(view.object_points), view.image_points)
+    return replace(view, object_points=turn(view.object_points))
 
 
 def _links(moments: Sequence[ResectedMoment]) -> dict[tuple[int, int], int]:

@@ -152,8 +152,8 @@ def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
     model = MODELS[name]
     parts = [views[i::5] for i in range(5)]
     pooled = pool([Member(str(i), "lab", tuple(part)) for i, part in enumerate(parts)], size, model)
-    shaped = [view for part in parts for view in fit(part, size, model, board_shape=True).shaped(part)]
-    whole, drawn = fit(shaped, size, model), fit(views, size, model)
+    shaped = [view for part in parts for view in fit(part, size, model).shaped(part)]
+    whole, drawn = (fit(each, size, model, board_shape=False) for each in (shaped, views))
     assert pooled.reliable
     assert compare([pooled.calibration, whole])[0, 1] < 0.02
     assert pooled.held_out_error < 1.03 * max(whole.avg_reprojection_error, drawn.avg_reprojection_error)
@@ -184,7 +184,7 @@ def test_implausible_stretch_is_taken_for_a_lens_or_a_shutter() -> None:
     camera = Camera.from_intrinsics("rectilinear", k, SIZE)
     for seed in range(3):
         views = populations.views(camera, np.random.default_rng(seed))
-        found = fit(views, SIZE, "rectilinear", board_shape=True)
+        found = fit(views, SIZE, "rectilinear")
         assert found.board_shape is None or found.board_shape.stretch <= 0.01
         assert found.camera.matrix[1, 1] == pytest.approx(k[1], rel=0.003)
 

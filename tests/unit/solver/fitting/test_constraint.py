@@ -66,7 +66,7 @@ def test_focal_lengths_of_a_start_are_held(name: str) -> None:
 @pytest.mark.parametrize("name", available(["jy_left", "opencv_left"]))
 def test_robust_fit_holds_the_value_and_has_no_variance_there(name: str, model: str) -> None:
     views, size = corner_views(name)
-    found = fit(views, size, model, fix={"cx": size[0] / 2 + 3, "aspect": 1.0}, board_shape=True)
+    found = fit(views, size, model, fix={"cx": size[0] / 2 + 3, "aspect": 1.0})
     k, deviations = found.camera.intrinsics, np.sqrt(np.diagonal(found.covariance))
     assert k[2] == size[0] / 2 + 3
     assert k[0] == pytest.approx(k[1], rel=1e-12)
@@ -138,7 +138,7 @@ def test_weighted_fits_do_not_depend_on_the_order_of_views() -> None:
     weighted = [View(v.object_points, v.image_points, rng.uniform(0.2, 5, len(v))) for v in views]
     order = rng.permutation(len(views))
     shuffled = [weighted[i].subset(rng.permutation(len(weighted[i]))) for i in order]
-    one, other = fit(weighted, size, board_shape=True), fit(shuffled, size, board_shape=True)
+    one, other = fit(weighted, size), fit(shuffled, size)
     np.testing.assert_array_equal(one.camera.intrinsics, other.camera.intrinsics)
 
 

@@ -141,7 +141,8 @@ def test_error_is_over_all_points_and_poses_are_board_to_camera() -> None:
     views, size = corner_views("opencv_left")
     c = fit(views, size)
     square, count = 0.0, 0
-    for view, (rx, ry, rz, *t), rms in zip(views, c.poses, c.view_errors, strict=True):
+    assert c.board_shape is not None
+    for view, (rx, ry, rz, *t), rms in zip(c.shaped(views), c.poses, c.view_errors, strict=True):
         q, _ = cv2.projectPoints(
             view.object_points, np.array([rx, ry, rz]), np.array(t), c.camera.matrix, c.camera.distortion
         )
@@ -286,6 +287,7 @@ def test_record_has_the_stored_members() -> None:
         "avg_reprojection_error",
         "uncertainty",
         "systematic",
+        "board_shape",
     }
     assert record["img_size"] == [640, 480]
     assert np.shape(record["camera_matrix"]) == (3, 3)

@@ -53,16 +53,16 @@ def test_the_bars_reach_the_other_optimum() -> None:
 def test_halves_of_a_set_with_two_optima_differ_as_predicted() -> None:
     """Fits of 12 and 13 of these views end near fx = 2,400 px or 3,100 px, as chance has it."""
     views, size = corner_views("pv_picam_1920")
-    best_model = fit(views, size).camera
+    best_model = fit(views, size, board_shape=False).camera
     for halves in list(splits(len(views), None, np.random.default_rng(1)))[1:5]:
         parts = [[views[i] for i in part] for part in halves]
-        fits = [fit(part, size, "fisheye") for part in parts]
+        fits = [fit(part, size, "fisheye", board_shape=False) for part in parts]
         robust, _ = ratios(fits[0], fits[1])
         assert robust < 1.5
         near, far = sorted((0, 1), key=lambda i: fits[i].camera.focal[0])
         assert fits[far].camera.focal[0] > fits[near].camera.focal[0] + 400
         # The optimum of lower cost is no better a camera: the fit does not move to it.
-        other = fit(parts[near], size, "fisheye", start=fits[far].camera)
+        other = fit(parts[near], size, "fisheye", start=fits[far].camera, board_shape=False)
         assert other.avg_reprojection_error < fits[near].avg_reprojection_error
         distances = [
             np.sqrt(np.mean(synthetic.projection_error(best_model, c.camera) ** 2))

@@ -19,9 +19,9 @@ def test_error_outside_the_hull_is_below_the_stated_maximum(name: str) -> None:
     """Half of the views, against all with the best model: opencv_left 25 px off, the covariance says 2.9."""
     views, size = corner_views(name)
     model = {"opencv_left": "rectilinear", "jy_left": "omnidirectional"}[name]
-    best = fit(views, size, model, board_shape=True).camera
+    best = fit(views, size, model).camera
     part = views[1::2]
-    plain = fit(part, size, "omnidirectional", board_shape=True)
+    plain = fit(part, size, "omnidirectional")
     whole, outside = with_rivals(plain, part), ~corner_hull(part, plain)
     error = np.nanmax(errors(best, plain.camera, ~outside)[outside])
     assert error < whole.uncertainty().max

@@ -70,7 +70,11 @@ def test_errors_in_hands_are_predicted(hand: hands.Hand) -> None:
 def test_error_bars_of_a_bent_board_do_not_shrink_with_more_views() -> None:
     """Each view brings the same error: white noise alone would predict half of it with four times as many."""
     few, many = (
-        fit(populations.views(CAMERA, np.random.default_rng(3), 0.2, count, hands.BENT), CAMERA.img_size)
+        fit(
+            populations.views(CAMERA, np.random.default_rng(3), 0.2, count, hands.BENT),
+            CAMERA.img_size,
+            board_shape=False,
+        )
         for count in (10, 40)
     )
     assert many.uncertainty().rms > 0.7 * few.uncertainty().rms

@@ -189,7 +189,7 @@ def test_another_model_is_fitted_in_the_boards_shape(number: int) -> None:
     """A board bent by 0.5 %: fitted as drawn, the fisheye camera of the file would be 3.6 to 6 px off."""
     camera = synthetic.rectilinear_cameras()[number]
     views = populations.views(camera, np.random.default_rng(0), count=8, hand=hands.BENT)
-    own = fit(views, camera.img_size, board_shape=True).camera
+    own = fit(views, camera.img_size).camera
     conversion = held(ExportSource(own, tuple(views)), "gyroflow")
     error = synthetic.projection_error(camera, conversion.camera)
     assert conversion.camera.model == "fisheye"

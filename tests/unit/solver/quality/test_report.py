@@ -88,8 +88,9 @@ def test_systematic_residuals_are_reported() -> None:
     Halves of these views differ by some px towards the corners, which no board reached: uncertain either way.
     """
     views, size = corner_views("jy_left")
-    assert codes(fit(views, size), views) == {"model_too_simple", "uncertain"}
-    assert codes(fit(views, size, "fisheye"), views) == {"uncertain"}
+    drawn, named = fit(views, size, board_shape=False), fit(views, size, "fisheye", board_shape=False)
+    assert codes(drawn, views) == {"model_too_simple", "uncertain"}
+    assert codes(named, views) == {"uncertain"}
 
 
 @pytest.mark.parametrize(
@@ -198,6 +199,15 @@ def test_residuals_are_measured_minus_predicted() -> None:
 def test_owner_of_a_board_reads_what_is_certain(parameters: tuple[float, ...], sentence: str | None) -> None:
     covariance = np.diag([0.0002, 0.0002, 0.0002, 0.0001, 0.0001]) ** 2
     shape = BoardShape((4.5, 3.0), 3.5, (1.0, 4 / 7), parameters, covariance)
-    said = board_sentence(shape)
+    figures = shape.figures()
+    said = board_sentence(figures)
     assert said == (sentence and f"Your board is {sentence}; that was taken into account.")
+    in_mm = board_sentence(figures, length_mm=210)
+    assert in_mm == (said and said.replace("0.1 % of its length", "0.2 mm"))
     assert board_sentence(None) is None
+
+
+def test_print_of_an_old_record_is_out_of_shape() -> None:
+    """Records made before `stretch_kind` was stated."""
+    said = board_sentence({"sag": 0.0, "sag_std": 0.001, "stretch": 0.003, "stretch_std": 0.001})
+    assert said == "Your board is 0.3 % out of shape; that was taken into account."

@@ -1,6 +1,6 @@
 // Conversion of a file by the service: the readers of other programs' files are there, and nothing is stored.
-import { Api } from "../lib/api.js";
-import { loadSettings } from "../lib/settings.js";
+import { Api } from "./api.js";
+import { loadSettings } from "./settings.js";
 
 /**
  * @typedef {object} Source what is sent of a file
@@ -52,7 +52,7 @@ export async function readCamera(source, hints) {
 /**
  * Hands the file to the browser in another format.
  * @param {Source} source @param {Hints} hints @param {string} format @param {Camera} camera
- * @returns {Promise<import("../lib/result/source.js").Saved>} rejects as Api does: 422 where the format cannot hold the
+ * @returns {Promise<import("./result/source.js").Saved>} rejects as Api does: 422 where the format cannot hold the
  *   camera
  */
 export async function saveAs(source, hints, format, camera) {
@@ -85,7 +85,7 @@ export async function unpackCorners(file) {
   return response.text();
 }
 
-/** @typedef {import("../lib/result/numbers.js").Calibration} Calibration */
+/** @typedef {import("./result/numbers.js").Calibration} Calibration */
 
 /**
  * Cameras of the database by name.

@@ -1,0 +1,39 @@
+"""Connections to the SQLite file."""
+
+import os
+import threading
+from pathlib import Path
+
+from calibdb.store.sqlite import FILE_NAME, Database, SqliteTable
+
+READERS = 4
+
+
+def open_files(path: Path) -> int:
+    """Count the file descriptors of this process that are open on a file."""
+    targets = (os.path.realpath(entry) for entry in Path("/proc/self/fd").iterdir())
+    return sum(target == str(path) for target in targets)
+
+
+def test_threads_of_requests_share_connections(tmp_path: Path) -> None:
+    database = Database(tmp_path)
+    table = SqliteTable(database)
+    table.put({"pk": "P", "sk": "S"})
+    for _ in range(50):
+        threads = [threading.Thread(target=table.get, args=("P", "S")) for _ in range(READERS)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    assert 1 <= open_files(tmp_path / FILE_NAME) <= READERS
+    database.close()
+    assert open_files(tmp_path / FILE_NAME) == 0
+
+
+def test_read_within_a_transaction_sees_its_writes(tmp_path: Path) -> None:
+    database = Database(tmp_path)
+    with database.writing() as connection:
+        connection.execute("INSERT INTO items (pk, sk, item, checksum) VALUES ('P', 'S', '{}', 0)")
+        with database.reading() as reader:
+            assert reader.execute("SELECT count(*) FROM items").fetchone() == (1,)
+    database.close()
