@@ -15,7 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 PINS = {"lowest": ("3.10", "lowest-direct"), "highest": ("3.13", "highest")}
 PACKAGES = ("./layers/solver[opencv]", "./clients/python[opencv]")
-TOOLS = ("pytest", "pytest-xdist", "hypothesis")
+TOOLS = ("pytest", "pytest-xdist", "hypothesis", "pyyaml")
 SELECTED = "not thorough and not external_data"
 TESTS = (
     "tests/unit/solver/fitting/test_fit.py",

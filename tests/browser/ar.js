@@ -37,7 +37,7 @@ async () => {
   }
   const balance = document.getElementById("balance");
   const seen = {};
-  for (const button of document.querySelectorAll("#modes button")) {
+  for (const button of document.querySelectorAll("#modes button:not([value=estimate])")) {
     button.click();
     seen[button.value] = look();
     if (balance.checkVisibility()) {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import re
 from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
@@ -178,6 +179,38 @@ def test_overlays_fit_in_a_practice_which_needs_no_database(page: Page, sent: li
     page.locator("#welcome-title:focus").wait_for()
     assert sent == []
     expect(page.locator(".virtual-camera:not(video)"), "the camera is let go").to_have_count(0)
+
+
+def test_estimate_is_drawn_against_the_calibration(page: Page, sent: list[Request]) -> None:
+    page.goto(ADDRESS)
+    page.locator("#rms:not(:empty)").wait_for()
+    page.get_by_role("button", name="Use the estimate").click()
+    page.locator("#stage[data-shown=estimate]").wait_for()
+    said = page.locator("#outermost")
+    expect(said).to_contain_text(
+        re.compile(r"up to [\d.]+\spx\. Estimated \d+° \(\d+° to \d+°\), calibrated \d+°")
+    )
+    assert [urlsplit(request.url).path for request in sent] == ["/v1/lookup"]
+    off = float((page.locator("#rms").text_content() or "").split()[0])
+    numbers = re.search(r"up to ([\d.]+)\spx.*\((\d+)° to (\d+)°\), calibrated (\d+)°", said.inner_text())
+    assert numbers
+    largest, low, high, calibrated = map(float, numbers.groups())
+    print(f"estimate: {off} px rms, {largest} at most; {low} to {high}°, calibrated {calibrated}°")
+    assert 1 < off < largest < 200, "the estimate knows nothing of the distortion"
+    assert low < calibrated < high
+    picture(page, "ar-estimate", ["hand"])
+    page.keyboard.press("3")
+    page.locator("#stage[data-shown=distorted]").wait_for()
+    expect(said).to_contain_text("at the outermost corner")
+
+
+def test_without_the_service_there_is_no_estimate(page: Page) -> None:
+    page.route("**/v1/lookup", lambda route: route.fulfill(status=503, json={}))
+    page.goto(ADDRESS)
+    page.locator("#rms:not(:empty)").wait_for()
+    page.keyboard.press("4")
+    expect(page.locator("#outermost")).not_to_contain_text("outermost corner", timeout=30_000)
+    expect(page.locator("#stage")).to_have_attribute("data-shown", "matrix")
 
 
 def test_what_was_just_measured_is_taken(page: Page, api: httpx.Client, sent: list[Request]) -> None:

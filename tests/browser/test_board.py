@@ -178,6 +178,31 @@ def test_a_board_of_another_kind_stays_of_its_kind(page: Page) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("kind", "flag"),
+    [("circles", cv2.CALIB_CB_SYMMETRIC_GRID), ("asymmetric_circles", cv2.CALIB_CB_ASYMMETRIC_GRID)],
+)
+def test_circles_are_drawn_and_the_command_is_named(page: Page, kind: str, flag: int) -> None:
+    page.goto("/board/")
+    page.locator("#board-kind").select_option(kind)
+    for name, value in (("columns", "4"), ("rows", "11"), ("ratio", "0.5")):
+        page.locator(f"#{name}").fill(value)
+    page.locator("#description", has_text="4 × 11 circles").wait_for()
+    drawn = cv2.imdecode(np.frombuffer(page.locator("#board").screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE)
+    complete, centres = cv2.findCirclesGrid(drawn, (4, 11), flags=flag)
+    assert complete
+    steps = np.linalg.norm(np.diff(centres.reshape(11, 4, 2), axis=1), axis=2)
+    assert steps.std() / steps.mean() < 0.02
+    command = f"calibdb calibrate photos/ --offline --kind {kind} --squares 4x11 --marker-ratio 0.5"
+    expect(page.locator(".command code")).to_have_text(command)
+    expect(page.locator("#use")).to_be_hidden()
+    expect(page.locator("#papers a")).not_to_have_count(0)
+    picture(page, f"board-{kind}", ["hand"], full=True)
+    for path in ("/photos/", "/calibrate/"):
+        page.goto(f"{path}?kind={kind}&squares=4x11&marker_ratio=0.5")
+        expect(page.locator("#problem, #board-problem").filter(has_text=command).first).to_be_visible()
+
+
 def test_boards_of_every_kind_of_marker_are_found_where_they_are_drawn(page: Page) -> None:
     page.goto("/board/")
     offered = page.locator("#dictionary option").all_text_contents()

@@ -4,13 +4,14 @@ import {
   DEFAULT_BOARD,
   boardFrom,
   boardQuery,
+  circlesCommand,
   corners,
   impossible,
   isSameBoard,
   markers,
   outline,
 } from "../../web/lib/board.js";
-import { blackRectangles, exactScale } from "../../web/lib/board-drawing.js";
+import { blackRectangles, exactScale, raster } from "../../web/lib/board-drawing.js";
 import { PRESETS } from "../../web/lib/board-presets.js";
 import { recognise } from "../../web/lib/board-recognition.js";
 import { findChessboard, recogniseChessboard, shrunk } from "../../web/lib/chessboard.js";
@@ -251,4 +252,52 @@ test("files name their camera where they begin with its name", () => {
   assert.equal(cameraOfNames(["GoPro Hero9 001.mp4"]), "GoPro Hero9");
   assert.equal(cameraOfNames(["20240507_1.jpg"]), "");
   assert.equal(cameraOfNames([]), "");
+});
+
+const CIRCLES = {
+  kind: "asymmetric_circles",
+  squares: [4, 11],
+  marker_ratio: 0.5,
+  dictionary: "DICT_4X4_50",
+  legacy: false,
+};
+
+test("circles are where OpenCV has them, at true size", () => {
+  const places = corners(CIRCLES);
+  assert.equal(places.length, 44);
+  assert.deepEqual(
+    [places[0], places[1], places[4], places[43]],
+    [
+      [1, 1],
+      [3, 1],
+      [2, 2],
+      [7, 11],
+    ],
+  );
+  assert.deepEqual(corners({ ...CIRCLES, kind: "circles", squares: [3, 2] }).at(-1), [3, 2]);
+  assert.deepEqual(outline(CIRCLES).at(2), [9, 12]);
+  const area = blackRectangles(CIRCLES).reduce((sum, [, , width, height]) => sum + width * height, 0);
+  assert.ok(Math.abs(area / (44 * Math.PI * 0.25 ** 2) - 1) < 1e-3, String(area));
+  const { width, data } = raster(CIRCLES, 40);
+  const dark = [0, 0, 0];
+  data.forEach((value, index) => {
+    const [x, y] = [(index % width) + 0.5, Math.floor(index / width) + 0.5];
+    if (!value && Math.hypot(x - 80, y - 80) < 20)
+      [dark[0], dark[1], dark[2]] = [dark[0] + 1, dark[1] + x, dark[2] + y];
+  });
+  assert.ok(Math.hypot(dark[1] / dark[0] - 80, dark[2] / dark[0] - 80) < 0.05, "the second row is shifted by one");
+});
+
+test("pages that detect boards name the command for circles", () => {
+  const query = boardQuery(CIRCLES);
+  assert.deepEqual(boardFrom(query, { circles: true }).board, CIRCLES);
+  const { board, problem } = boardFrom(query);
+  assert.equal(isSameBoard(board, DEFAULT_BOARD), true);
+  assert.deepEqual([problem.code, problem.values.command], ["circles", circlesCommand(CIRCLES)]);
+  assert.equal(
+    circlesCommand({ ...CIRCLES, inverted: true }),
+    "calibdb calibrate photos/ --offline --kind asymmetric_circles --squares 4x11 --marker-ratio 0.5 --inverted",
+  );
+  assert.equal(impossible({ ...CIRCLES, squares: [1, 9] }).code, "squares");
+  assert.equal(impossible({ ...CIRCLES, squares: [2, 2] }).code, "few_corners");
 });

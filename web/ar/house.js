@@ -68,6 +68,17 @@ export function house(columns, rows) {
   ];
 }
 
+/** Places of the vertices of a house, each once. @param {number} columns @param {number} rows @returns {number[][]} */
+export function housePoints(columns, rows) {
+  const numbers = house(columns, rows);
+  const places = new Map();
+  for (let n = 0; n < numbers.length; n += 6) {
+    const place = numbers.slice(n, n + 3);
+    places.set(place.join(), place);
+  }
+  return [...places.values()];
+}
+
 /**
  * @param {(x: number, y: number, z: number) => Point} at
  * @param {number} x

@@ -3,12 +3,14 @@
 import { corners as boardCorners } from "../lib/board.js";
 import { grab } from "../lib/detector.js";
 import { nextFrame } from "../lib/frames.js";
-import { misalignment } from "./misalignment.js";
+import { housePoints } from "./house.js";
+import { difference, misalignment } from "./misalignment.js";
 import { model } from "./model.js";
 import { MODES } from "./modes.js";
 import { poseOf } from "./pose.js";
 import { RectifierError } from "../sdk/warp.js";
 import { Scene } from "./scene.js";
+import { lensOf } from "../sdk/projection.js";
 
 /**
  * @typedef {import("../sdk/rectification.js").Calibration} Calibration
@@ -35,6 +37,9 @@ export class Live {
   #frame;
   #picture;
   #scene;
+  #house;
+  /** Camera that the mode `estimate` draws with; to be set before. @type {Calibration | null} */
+  estimate = null;
   /** Made when first used. @type {Map<string, ReturnType<typeof MODES.matrix>>} */
   #made = new Map();
   /**
@@ -52,6 +57,7 @@ export class Live {
     this.#frame = paper(setup.calibration.img_size);
     this.#picture = paper(setup.calibration.img_size);
     this.#scene = new Scene(model(setup.board));
+    this.#house = housePoints(...setup.board.squares);
   }
 
   /**
@@ -116,14 +122,18 @@ export class Live {
     mode.show(this.#picture.canvas, this.#scene.canvas);
     const [picture, overlay] = [mode.picture ?? this.#picture.canvas, mode.overlay ?? this.#scene.canvas];
     if (layers.firstChild !== picture || layers.lastChild !== overlay) layers.replaceChildren(picture, overlay);
-    return pose && misalignment(mode, pose, points, pixels, calibration.img_size);
+    if (!pose || this.#mode !== "estimate")
+      return pose && misalignment(mode, pose, points, pixels, calibration.img_size);
+    const lens = lensOf(calibration);
+    const calibrated = poseOf(lens, points, pixels);
+    return calibrated && difference({ lens: mode.lens, pose }, { lens, pose: calibrated }, this.#house);
   }
 
   /** @param {string} name */
   #modeNamed(name) {
     const known = this.#made.get(name);
     if (known) return known;
-    const made = MODES[name](this.#setup.calibration);
+    const made = MODES[name]((name === "estimate" && this.estimate) || this.#setup.calibration);
     made.balance?.(this.#balance);
     this.#made.set(name, made);
     return made;

@@ -9,11 +9,12 @@ import { onLanguage, rough, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { phoneModel } from "../lib/phone-model.js";
 import { keyOf } from "../sdk/key.js";
+import { lensOf } from "../sdk/projection.js";
 import { RectifierError } from "../sdk/warp.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { Live } from "./live.js";
 import { MODES } from "./modes.js";
-import { calibrationOf } from "./source.js";
+import { calibrationOf, estimateOf } from "./source.js";
 import { stopAt } from "./tour.js";
 
 /** @typedef {import("./live.js").Misalignment} Misalignment */
@@ -44,6 +45,9 @@ const said = {
   label: "",
   size: "",
   error: /** @type {unknown} */ (null),
+  estimate: /** @type {import("./source.js").Estimate | null} */ (null),
+  hfov: /** @type {number | null} */ (null),
+  failed: "", // why there is no estimate
   off: /** @type {Misalignment} */ (null),
 };
 /** One camera's run; a new one makes all that is still on its way for the old one meaningless. */
@@ -57,6 +61,8 @@ let moveOn = () => {};
 let mode = "matrix";
 let told = -Infinity;
 let chosen = "";
+/** @type {import("../sdk/calibdb.js").CameraKey | null} of the camera that is open */
+let cameraKey = null;
 
 /** @param {string} phase a sheet's name, or "live" @param {Partial<typeof said>} [more] */
 function turnTo(phase, more = {}) {
@@ -85,7 +91,32 @@ function writeOff() {
   html("instruction").hidden = off !== null;
   html("instruction").textContent = off ? "" : t("capture.say_show");
   rms.textContent = off ? t("ar.rms", { px: rough(off.rms) }) : "";
-  outermost.textContent = off ? t("ar.outermost", { px: rough(off.outermost) }) : "";
+  outermost.textContent = said.failed || (off ? offText(off.outermost) : "");
+}
+
+/** @param {number} outermost px */
+function offText(outermost) {
+  const { estimate, hfov: calibrated } = said;
+  if (mode !== "estimate" || !estimate) return t("ar.outermost", { px: rough(outermost) });
+  const [low, high] = estimate.interval_90.hfov_deg;
+  const degrees = (/** @type {number} */ value) => String(Math.round(value));
+  return t("ar.estimate_off", {
+    px: rough(outermost),
+    value: degrees(estimate.hfov_deg),
+    low: degrees(low),
+    high: degrees(high),
+    calibrated: degrees(calibrated ?? 0),
+  });
+}
+
+/** Horizontal field of view, degrees. @param {import("../sdk/rectification.js").Calibration} calibration */
+function hfov(calibration) {
+  const { img_size, camera_matrix } = calibration;
+  const lens = lensOf(calibration);
+  const [left, right] = [-0.5, img_size[0] - 0.5].map((x) => lens.unproject([x, camera_matrix[1][2]]));
+  if (!left || !right) return null;
+  const cosine = left[0] * right[0] + left[1] * right[1] + left[2] * right[2];
+  return (Math.acos(cosine / (Math.hypot(...left) * Math.hypot(...right))) * 180) / Math.PI;
 }
 
 /** @param {unknown} error */
@@ -165,12 +196,15 @@ async function show({ track, virtual }, signal, restarts) {
   const { calibration, origin, guidance } = await calibrationOf(key, parameters);
   if (signal.aborted) return "";
   for (const id of ["calibrate", "recalibrate"]) part(id, HTMLAnchorElement).href = guidance;
-  Object.assign(said, { label: key.camera, size: img_size.join(" × "), origin });
+  Object.assign(said, { label: key.camera, size: img_size.join(" × "), origin, estimate: null, failed: "" });
+  cameraKey = key;
+  if (mode === "estimate") draw("matrix");
   if (!calibration) {
     turnTo("unknown");
     run.abort();
     return "";
   }
+  said.hfov = hfov(calibration);
   turnTo("opening", { waiting: "loading" });
   const finder = await openDetector();
   if (signal.aborted) return "";
@@ -207,6 +241,24 @@ function fail(error, signal) {
   run.abort();
   if (error instanceof DetectorError) closeDetector();
   turnTo("failed", { error });
+}
+
+/** Draws in another mode; the estimate is asked for when it is first wanted. @param {string} name */
+async function choose(name) {
+  const [{ signal }, key] = [run, cameraKey];
+  if (name === "estimate" && !said.estimate && key) {
+    try {
+      const estimate = await estimateOf(key);
+      if (signal.aborted || !live) return;
+      said.estimate = live.estimate = estimate;
+    } catch (error) {
+      if (signal.aborted) return;
+      said.failed = explain(error);
+      return writeOff();
+    }
+  }
+  said.failed = "";
+  draw(name);
 }
 
 /** @param {string} name of a mode */
@@ -251,13 +303,13 @@ function restart() {
   void listCameras();
 }
 
-for (const button of modes) button.addEventListener("click", () => draw(button.value));
+for (const button of modes) button.addEventListener("click", () => choose(button.value));
 balance.addEventListener("input", () => redraw((shown) => shown.balance(Number(balance.value))));
 document.addEventListener("keydown", (event) => {
   if (said.phase !== "live" || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.target instanceof Element && event.target.closest("input, select")) return;
   const named = Object.keys(MODES)[Number(event.key) - 1];
-  if (named) draw(named);
+  if (named) void choose(named);
   else if (event.key.toLowerCase() === "m") moveOn();
 });
 html("move").addEventListener("click", () => moveOn());

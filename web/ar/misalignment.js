@@ -1,4 +1,4 @@
-// Misalignment of the drawing: distance between drawn and detected corners.
+// Misalignment of the drawing: distance between drawn and detected corners, or between two drawings of one house.
 import { rigidTransform } from "./pose.js";
 
 /**
@@ -23,4 +23,21 @@ export function misalignment(mode, pose, points, pixels, [width, height]) {
     if (away < nearest) [nearest, outermost] = [away, off];
   });
   return count > 0 ? { rms: Math.sqrt(sum / count), outermost } : null;
+}
+
+/**
+ * Distance between two drawings of the same points.
+ * @typedef {{lens: import("../sdk/projection.js").Lens, pose: import("../lib/pose.js").Pose}} Drawing
+ * @param {Drawing} one @param {Drawing} other @param {readonly (readonly number[])[]} points in the board's frame
+ * @returns {{rms: number, outermost: number} | null} px: over all points, and the largest
+ */
+export function difference(one, other, points) {
+  const [place, otherPlace] = [rigidTransform(one.pose), rigidTransform(other.pose)];
+  const distances = points.flatMap((point) => {
+    const [a, b] = [one.lens.project(place(point)), other.lens.project(otherPlace(point))];
+    return a && b ? [Math.hypot(a[0] - b[0], a[1] - b[1])] : [];
+  });
+  if (!distances.length) return null;
+  const squares = distances.reduce((sum, each) => sum + each * each, 0);
+  return { rms: Math.sqrt(squares / distances.length), outermost: Math.max(...distances) };
 }

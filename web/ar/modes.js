@@ -23,10 +23,10 @@ import { Rectifier } from "../sdk/rectifier.js";
  */
 
 /**
- * By their names, in the order of the keys 1, 2, 3.
+ * By their names, in the order of the keys 1, 2, 3, 4. `estimate` takes an estimate instead of a calibration.
  * @type {Record<string, (calibration: Calibration) => Mode & {balance?: (value: number) => void}>}
  */
-export const MODES = { matrix, rectified, distorted };
+export const MODES = { matrix, rectified, distorted, estimate: distorted };
 
 /** @param {number[][]} camera_matrix */
 const undistorted = (camera_matrix) =>

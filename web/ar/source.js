@@ -1,4 +1,5 @@
 // Source of the open camera's calibration: a capture just made, a lookup, or the virtual camera's truth.
+import { Api } from "../lib/api.js";
 import { loadSettings } from "../lib/settings.js";
 import { LookupError, lookup, returned } from "../sdk/calibdb.js";
 import { isVirtual, setupFrom } from "../lib/virtual/camera.js";
@@ -6,6 +7,8 @@ import { trueCalibration } from "../lib/virtual/truth.js";
 
 /**
  * @typedef {import("../sdk/calibdb.js").CameraKey} CameraKey
+ *
+ * @typedef {import("../vendor/api.js").Estimate & import("../sdk/rectification.js").Calibration} Estimate
  *
  * @typedef {object} Known
  * @property {import("../sdk/rectification.js").Calibration | null} calibration
@@ -26,6 +29,16 @@ export async function calibrationOf(key, parameters) {
   if (isVirtual(key.camera)) return { calibration: trueCalibration(setupFrom(parameters)), origin: "truth", guidance };
   const { calibration } = await lookup(key, { ...(await manner()), exact: true });
   return { calibration, origin: calibration ? "known" : "", guidance };
+}
+
+/**
+ * Estimate of a camera, as if nobody had calibrated it.
+ * @param {CameraKey} key @returns {Promise<Estimate>} rejects as `loadSettings` and the service do
+ */
+export async function estimateOf(key) {
+  const { api, token } = await loadSettings();
+  const body = { ...key, estimate: "always", miss: "ok" };
+  return (await new Api(api).json("POST", "/lookup", token, { body, brief: true })).estimate;
 }
 
 /**

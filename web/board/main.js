@@ -5,7 +5,7 @@ import { el, part } from "../lib/dom.js";
 import { onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { liveRegion } from "../lib/live-region.js";
-import { DEFAULT_BOARD, boardFrom, boardQuery } from "../lib/board.js";
+import { DEFAULT_BOARD, boardFrom, boardQuery, circlesCommand, isCircles } from "../lib/board.js";
 import { BoardForm } from "../lib/board-form.js";
 import { boardWords } from "../lib/board-words.js";
 import { showProblem } from "../lib/board-problem.js";
@@ -18,7 +18,7 @@ import { BoardScreen } from "./screen.js";
 const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
 
 const query = new URLSearchParams(location.search);
-let { board, problem } = boardFrom(query);
+let { board, problem } = boardFrom(query, { circles: true });
 openPage();
 
 const tell = liveRegion(part("status", HTMLElement));
@@ -77,6 +77,11 @@ function show() {
   for (const place of document.querySelectorAll(".only-here"))
     place.toggleAttribute("hidden", !LOOPBACK.test(location.hostname));
   part("description", HTMLElement).textContent = boardWords(board);
+  // Pages do not detect circles: then the command takes the place of their links.
+  const onlyCommand = isCircles(board);
+  for (const place of document.querySelectorAll(".detected")) place.toggleAttribute("hidden", onlyCommand);
+  for (const place of document.querySelectorAll(".command")) place.toggleAttribute("hidden", !onlyCommand);
+  for (const place of document.querySelectorAll(".command code")) place.textContent = circlesCommand(board);
   for (const page of ["../calibrate/", "../photos/"]) {
     const there = address(page);
     for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (
@@ -97,6 +102,7 @@ function change(chosen) {
 const form = new BoardForm(board, {
   onChoice: change,
   event: "input",
+  circles: true,
   problemText: (reason) => t("board.still_last", { reason }),
 });
 showProblem(notice, problem);

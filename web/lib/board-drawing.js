@@ -1,6 +1,6 @@
 // Black areas of a board. Apart from its geometry: only who draws boards needs the tables of the markers.
 import { TABLES } from "./dictionaries.js";
-import { DEFAULT_TAG_SPACING, dictionaryOf, isBlack, markers, sizeOf } from "./board.js";
+import { DEFAULT_TAG_SPACING, corners, dictionaryOf, isBlack, isCircles, markers, sizeOf } from "./board.js";
 
 /**
  * @typedef {import("./board.js").Board} Board
@@ -10,6 +10,8 @@ import { DEFAULT_TAG_SPACING, dictionaryOf, isBlack, markers, sizeOf } from "./b
 
 /** Width of the black frame of a tag, cells: as Kalibr prints AprilGrids; of other markers it is one. */
 const TAG_BORDER = 2;
+const TIE = 1e-6; // px: two neighbours agree on an edge in the middle of a pixel, whatever their last digits
+const DISK_ROWS = 96; // of a circle: finer than a printer's or a screen's
 
 /**
  * The bits of one marker without its border.
@@ -48,8 +50,22 @@ function unpack(base64) {
  * @returns {Rectangle[]} board units from the upper left corner; no two overlap
  */
 export function blackRectangles(board) {
-  const drawn = board.kind === "aprilgrid" ? tagRectangles(board) : squareRectangles(board);
+  const draw = isCircles(board) ? diskRectangles : board.kind === "aprilgrid" ? tagRectangles : squareRectangles;
+  const drawn = draw(board);
   return board.inverted ? complement(drawn, sizeOf(board)) : drawn;
+}
+
+/** Circles as thin rows, each as wide as the circle in its middle. @param {Board} board */
+function diskRectangles(board) {
+  const radius = board.marker_ratio / 2;
+  const height = (2 * radius) / DISK_ROWS;
+  return corners(board).flatMap(([x, y]) =>
+    Array.from({ length: DISK_ROWS }, (_, row) => {
+      const off = (row + 0.5) * height - radius;
+      const half = Math.sqrt(radius * radius - off * off);
+      return /** @type {Rectangle} */ ([x - half, y + off - height / 2, 2 * half, height]);
+    }),
+  );
 }
 
 /** Tags of an AprilGrid, and the squares in the gaps between them. @param {Board} board */
@@ -165,8 +181,7 @@ export function raster(board, scale, margin = 0) {
   for (let row = margin; board.inverted && row < height - margin; row++)
     data.fill(255, row * width + margin, (row + 1) * width - margin);
   for (const [x, y, w, h] of blackRectangles(board)) {
-    const [left, right] = [x, x + w].map((value) => margin + Math.round(value * scale));
-    const [top, bottom] = [y, y + h].map((value) => margin + Math.round(value * scale));
+    const [left, right, top, bottom] = [x, x + w, y, y + h].map((value) => margin + Math.round(value * scale + TIE));
     for (let row = top; row < bottom; row++) data.fill(0, row * width + left, row * width + right);
   }
   return { width, height, data };

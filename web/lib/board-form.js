@@ -1,5 +1,5 @@
 // Form in which a board is described: presets, and every parameter of its kind.
-import { DEFAULT_TAG_SPACING, DICTIONARIES, boardFrom, isSameBoard, kindOf } from "./board.js";
+import { CIRCLES, DEFAULT_TAG_SPACING, DICTIONARIES, boardFrom, isSameBoard, kindOf } from "./board.js";
 import { PRESETS } from "./board-presets.js";
 import { reason } from "./board-problem.js";
 import { part } from "./dom.js";
@@ -12,6 +12,7 @@ import { onLanguage, t } from "./i18n.js";
  * @property {(board: SentBoard) => void} onChoice called when somebody has chosen another
  * @property {(reason: string) => string} problemText words for a board that cannot be
  * @property {"input" | "change"} [event] when a field counts: with every key, or when it is left
+ * @property {boolean} [circles] whether grids of circles are offered, which no page detects
  * @property {() => void} [onArrange] called when the board, or the language, is another one
  */
 
@@ -42,6 +43,7 @@ export class BoardForm {
     const { onChoice, event = "change" } = use;
     const { preset, dictionary } = this.#fields;
     preset.append(...PRESETS.map(({ id, name }) => new Option(name, id)), new Option("", OTHER));
+    if (use.circles) this.#fields.kind.append(...CIRCLES.map((kind) => new Option("", kind)));
     dictionary.append(...DICTIONARIES.map((name) => new Option(name, name)));
     preset.addEventListener("change", () => {
       const chosen = PRESETS.find(({ id }) => id === preset.value);
@@ -96,10 +98,12 @@ export class BoardForm {
         kind: kind.value,
         squares: `${columns.value}x${rows.value}`,
         inverted: String(inverted.checked),
-        ...(kind.value !== "chessboard" && { dictionary: family }),
-        ...(kind.value === "charuco" && { marker_ratio: ratio.value, legacy: String(legacy.checked) }),
+        ...(["charuco", "aprilgrid"].includes(kind.value) && { dictionary: family }),
+        ...(kind.value === "charuco" && { legacy: String(legacy.checked) }),
+        ...(["charuco", ...CIRCLES].includes(kind.value) && { marker_ratio: ratio.value }),
         ...(isGrid && { tag_spacing: spacing.value }),
       }),
+      { circles: this.#use.circles },
     );
   }
 
@@ -109,7 +113,9 @@ export class BoardForm {
     for (const field of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-kinds]"))) {
       field.hidden = !(field.dataset.kinds ?? "").split(" ").includes(kind);
     }
-    const { preset } = this.#fields;
+    const { preset, kind: kinds } = this.#fields;
+    for (const option of kinds.options)
+      if (CIRCLES.includes(option.value)) option.text = t(`boards.kind_${option.value}`);
     preset.options[preset.options.length - 1].textContent = t("boards.preset_other");
     preset.value = PRESETS.find(({ board }) => isSameBoard(board, this.#board))?.id ?? OTHER;
     this.#use.onArrange?.();

@@ -1,4 +1,4 @@
-// Calibration boards (ChArUco, chessboard, AprilGrid): valid layouts, and the positions of their corners. Frame: x
+// Calibration boards (ChArUco, chessboard, AprilGrid, circles): valid layouts, and the positions of their corners. Frame: x
 // right, y
 // down, unit = one square, of an AprilGrid one side of a tag.
 
@@ -19,6 +19,7 @@ const SIZES = {
 };
 const COUNTS = [50, 100, 250, 1000]; // of markers, that OpenCV cuts its own dictionaries to
 const [MIN_SQUARES, MAX_SQUARES] = [3, 50]; // a side, that the service takes
+const MIN_CIRCLES = 2; // a side
 const MAX_CORNERS = 2401; // of a board, likewise
 const MIN_CORNERS = 6;
 const [MIN_TAG_SPACING, MAX_TAG_SPACING] = [0.05, 2]; // of a tag's side
@@ -27,12 +28,16 @@ export const DEFAULT_TAG_SPACING = 0.3;
 const SCREEN = "screen";
 /** Kinds of boards. @type {("charuco" | "chessboard" | "aprilgrid")[]} */
 export const KINDS = ["charuco", "chessboard", "aprilgrid"];
+/** Kinds of grids of circles, which pages draw, and only the command detects. */
+export const CIRCLES = ["circles", "asymmetric_circles"];
 
 /**
  * @typedef {object} Board
- * @property {"charuco" | "chessboard" | "aprilgrid"} [kind] charuco where it is missing
- * @property {[number, number]} squares columns, rows; of an AprilGrid its tags
- * @property {number} marker_ratio marker side / square side
+ * @property {"charuco" | "chessboard" | "aprilgrid" | "circles" | "asymmetric_circles"} [kind] charuco where it is
+ *   missing
+ * @property {[number, number]} squares columns, rows; of an AprilGrid its tags, of circles these. The unit of circles is
+ *   the distance between rows; in rows of an asymmetric grid they are two units apart, and odd rows are shifted by one
+ * @property {number} marker_ratio marker side / square side; of circles diameter / unit
  * @property {string} dictionary "DICT_4X4_50"
  * @property {boolean} legacy layout of OpenCV before 4.6: boards of an even number of rows start with a white square
  * @property {boolean} [inverted] white where others are black
@@ -41,7 +46,7 @@ export const KINDS = ["charuco", "chessboard", "aprilgrid"];
  *
  * @typedef {import("../vendor/api.js").Board & Board} SentBoard as the service takes it
  *
- * @typedef {{code: "kind" | "squares" | "few_corners" | "many_corners" | "ratio" | "spacing" | "dictionary" | "family"
+ * @typedef {{code: "kind" | "circles" | "squares" | "few_corners" | "many_corners" | "ratio" | "spacing" | "dictionary" | "family"
  *   | "few_markers",
  *   values: Record<string, string | number>}} Problem
  *   why a board cannot be; problem.js has the words
@@ -59,9 +64,10 @@ export const DEFAULT_BOARD = { squares: [9, 6], marker_ratio: 0.65, dictionary: 
  * The board an address asks for: `kind=chessboard`, `squares=9x6`, `marker_ratio`, `dictionary`, `legacy=true`,
  * `inverted=true`, `tag_spacing`, `surface=screen`; of each the default where it asks for none.
  * @param {URLSearchParams} query
+ * @param {{circles?: boolean}} [options] circles: whether the board may be one of circles, which no page detects
  * @returns {{board: SentBoard, problem: Problem | null}} problem: why it is the default board all the same
  */
-export function boardFrom(query) {
+export function boardFrom(query, { circles = false } = {}) {
   const [squares, ratio, spacing] = [query.get("squares"), query.get("marker_ratio"), query.get("tag_spacing")];
   const kind = /** @type {Board["kind"]} */ (query.get("kind") ?? "charuco");
   const flag = (/** @type {string} */ name) => ["true", "1"].includes(query.get(name) ?? "");
@@ -75,7 +81,7 @@ export function boardFrom(query) {
     ...(kind === "aprilgrid" && { tag_spacing: spacing === null ? DEFAULT_TAG_SPACING : Number(spacing) }),
     ...(query.get("surface") === SCREEN && { surface: SCREEN }),
   });
-  const problem = impossible(asked);
+  const problem = isCircles(asked) && !circles ? onlyCommand(asked) : impossible(asked);
   return { board: problem ? DEFAULT_BOARD : asked, problem };
 }
 
@@ -97,9 +103,10 @@ export function boardQuery({
   const query = new URLSearchParams();
   if (kind !== "charuco") query.set("kind", kind);
   if (squares.join("x") !== DEFAULT_BOARD.squares.join("x")) query.set("squares", squares.join("x"));
-  if (kind === "charuco" && marker_ratio !== DEFAULT_BOARD.marker_ratio)
+  if ((kind === "charuco" || CIRCLES.includes(kind)) && marker_ratio !== DEFAULT_BOARD.marker_ratio)
     query.set("marker_ratio", String(marker_ratio));
-  if (kind !== "chessboard" && dictionary !== DEFAULT_BOARD.dictionary) query.set("dictionary", dictionary);
+  if (["charuco", "aprilgrid"].includes(kind) && dictionary !== DEFAULT_BOARD.dictionary)
+    query.set("dictionary", dictionary);
   if (legacy) query.set("legacy", "true");
   if (inverted) query.set("inverted", "true");
   if (kind === "aprilgrid" && spacing !== DEFAULT_TAG_SPACING) query.set("tag_spacing", String(spacing));
@@ -116,6 +123,21 @@ const drawing = (board) => boardQuery({ ...board, surface: null }).toString();
 /** Kind of a board. @param {Board} board */
 export const kindOf = ({ kind }) => kind ?? "charuco";
 
+/** True for a grid of circles. @param {Board} board */
+export const isCircles = (board) => CIRCLES.includes(kindOf(board));
+
+/** Command that calibrates from photos of a grid of circles; the service takes none. @param {Board} board */
+export function circlesCommand(board) {
+  const inverted = board.inverted ? " --inverted" : "";
+  const options = `--kind ${kindOf(board)} --squares ${board.squares.join("x")} --marker-ratio ${board.marker_ratio}`;
+  return `calibdb calibrate photos/ --offline ${options}${inverted}`;
+}
+
+/** @param {Board} board @returns {Problem} */
+function onlyCommand(board) {
+  return impossible(board) ?? { code: "circles", values: { command: circlesCommand(board) } };
+}
+
 /**
  * Reason why there is no such board, by the limits of the service; null where there may be.
  * @param {Board} board
@@ -124,8 +146,8 @@ export const kindOf = ({ kind }) => kind ?? "charuco";
 export function impossible(board) {
   const { squares, marker_ratio: ratio, dictionary, tag_spacing: spacing = DEFAULT_TAG_SPACING } = board;
   const kind = kindOf(board);
-  if (!KINDS.includes(kind)) return { code: "kind", values: { kind } };
-  const fewest = kind === "aprilgrid" ? 1 : MIN_SQUARES;
+  if (![...KINDS, ...CIRCLES].includes(kind)) return { code: "kind", values: { kind } };
+  const fewest = kind === "aprilgrid" ? 1 : isCircles(board) ? MIN_CIRCLES : MIN_SQUARES;
   if (
     squares.length !== 2 ||
     !squares.every((count) => Number.isInteger(count) && count >= fewest && count <= MAX_SQUARES)
@@ -137,7 +159,7 @@ export function impossible(board) {
   if (count > MAX_CORNERS) return { code: "many_corners", values: { most: MAX_CORNERS } };
   if (!(ratio >= 0.3 && ratio <= 0.95)) return { code: "ratio", values: {} };
   if (!DICTIONARIES.includes(dictionary)) return { code: "dictionary", values: { dictionary } };
-  if (kind === "chessboard") return null;
+  if (kind === "chessboard" || isCircles(board)) return null;
   if (kind === "aprilgrid") {
     if (!isTagFamily(dictionary)) return { code: "family", values: { dictionary } };
     if (!(spacing >= MIN_TAG_SPACING && spacing <= MAX_TAG_SPACING)) return { code: "spacing", values: {} };
@@ -148,11 +170,14 @@ export function impossible(board) {
 
 /** Number of corners that are measured. @param {Board} board */
 function cornerCount({ kind, squares: [columns, rows] }) {
+  if (CIRCLES.includes(kind ?? "")) return columns * rows;
   return kind === "aprilgrid" ? 4 * columns * rows : (columns - 1) * (rows - 1);
 }
 
 /** Width and height, board units. @param {Board} board @returns {[number, number]} */
 export function sizeOf({ kind, squares: [columns, rows], tag_spacing: spacing = DEFAULT_TAG_SPACING }) {
+  if (kind === "circles") return [columns + 1, rows + 1];
+  if (kind === "asymmetric_circles") return [2 * columns + 1, rows + 1];
   return kind === "aprilgrid" ? [columns + (columns - 1) * spacing, rows + (rows - 1) * spacing] : [columns, rows];
 }
 
@@ -170,6 +195,13 @@ export function corners({ kind, squares: [columns, rows], tag_spacing: spacing =
       points.push([x, y], [x + 1, y], [x + 1, y - 1], [x, y - 1]);
     }
     return points.map(([x, y]) => [x, y || 0]);
+  }
+  if (CIRCLES.includes(kind ?? "")) {
+    const x = (/** @type {number} */ column, /** @type {number} */ row) =>
+      kind === "circles" ? column + 1 : 2 * column + (row % 2) + 1;
+    for (let row = 0; row < rows; row++)
+      for (let column = 0; column < columns; column++) points.push([x(column, row), row + 1]);
+    return points;
   }
   for (let y = 1; y < rows; y++) for (let x = 1; x < columns; x++) points.push([x, y]);
   return points;
@@ -217,7 +249,7 @@ export function markers(board) {
   const [columns, rows] = board.squares;
   /** @type {{id: number, x: number, y: number}[]} */
   const found = [];
-  if (board.kind === "chessboard") return found;
+  if (board.kind === "chessboard" || isCircles(board)) return found;
   for (let y = 0; y < rows; y++) {
     for (let x = 0; x < columns; x++)
       if (board.kind === "aprilgrid" || !isBlack(board, x, y)) found.push({ id: found.length, x, y });
