@@ -138,7 +138,7 @@ def run(source: Footage, seed: int) -> Outcome | None:
     held_out, pool = ([source.views[i] for i in part] for part in (order[:aside], order[aside:]))
     size, model = source.img_size, source.model
     try:
-        reference, whole = (fit(part, size, model, board_shape=False) for part in (held_out, pool))
+        reference, whole = (fit(part, size, model) for part in (held_out, pool))
     except CalibrationError:
         return None
     offered = [pool[i] for _ in range(2) for i in rng.permutation(len(pool))]

@@ -1,6 +1,6 @@
 """Captures in the closed loop with every guidance; writes docs/accuracy.md (`make bench DOCS=guidance`).
 
-`SEEDS=10` captures a camera and noise level; `ONLY=methods,conditions,hands,bound` runs a part.
+`SEEDS=10` captures a camera and noise level; `ONLY=methods,conditions,hands,boards,bound` runs a part.
 """
 
 import os
@@ -167,6 +167,44 @@ def real_hands(seeds: int) -> str:
     return document.table(HEADER, rows)
 
 
+BOARDS = {
+    "flat, noise 0.2 px": (0.2, hands.STEADY),
+    "flat, motion 0.6 px": (0.3, hands.Hand(0.02, 1.2, 2.4)),
+    "bent by 0.02 squares": (0.3, hands.Hand(sag_boards=0.02 / 9)),
+    "bent by 0.02 squares, motion 0.6 px": (0.3, hands.Hand(0.02, 1.2, 2.4, 0.02 / 9)),
+    "bent by 0.04 squares, motion 1 px": (0.3, hands.Hand(0.02, 2.0, 4.0, 0.04 / 9)),
+}
+"""Noise, px, and the hand; motion between the middle row and the rim."""
+BOARD_VIEWS = 8
+
+
+def boards(seeds: int) -> str:
+    """The default method, errors as rms over the image, after BOARD_VIEWS views and at the end."""
+    cameras, rows = synthetic.rectilinear_cameras(), []
+    for name, (noise, hand) in BOARDS.items():
+        found = sessions(guided(BOARD_VIEWS, hand=hand), cameras, seeds, noise)
+        stated = [s.predicted[BOARD_VIEWS - 1] for s in found]
+        actual = errors(found, BOARD_VIEWS, "rms")
+        stops = [s.stopped or 99 for s in found]
+        at_end = [s.rms[s.stopped - 1] for s in found if s.stopped]
+        within = np.mean(np.array(actual) <= 2 * np.array(stated))
+        ends = f"{np.median(stops):.0f}/{np.percentile(stops, 95):.0f}"
+        rows.append([name, str(len(found)), pair(actual), pair(stated), f"{within:.0%}", ends, pair(at_end)])
+        print(" | ".join(rows[-1]), file=sys.stderr, flush=True)
+    return document.table(BOARDS_HEADER, rows)
+
+
+BOARDS_HEADER = [
+    "board",
+    "captures",
+    f"error after {BOARD_VIEWS} views",
+    "stated",
+    "within twice it",
+    "views at the end",
+    "error at the end",
+]
+
+
 def random_in(hand: hands.Hand) -> Run:
     return lambda camera, rng, noise: peers.random_poses(camera, rng, 10, noise, hand)
 
@@ -185,7 +223,7 @@ def limit(seeds: int) -> str:
     return document.table(["predicted rms, px (median camera)", *(f"{n} views" for n in VIEWS)], rows)
 
 
-PARTS = {"methods": methods, "conditions": conditions, "hands": real_hands, "bound": limit}
+PARTS = {"methods": methods, "conditions": conditions, "hands": real_hands, "boards": boards, "bound": limit}
 
 
 def main() -> int:

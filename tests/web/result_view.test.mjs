@@ -195,7 +195,7 @@ test("what is systematic is told with what to do about it, in each language", ()
     reasonTexts({ verdict, systematic: { inflation: 5, cause, text: "", model } }, [], calibration).at(-1);
   const expected = {
     en: [
-      /^The board is not flat. Glue it to something rigid/,
+      /^The board bends differently from view to view. Glue it to something rigid/,
       /Hold it still for longer/,
       /Switch autofocus off/,
       /Choose the fisheye model/,

@@ -314,7 +314,7 @@ def test_sources_are_told_apart(tmp_path: Path, capfd: pytest.CaptureFixture[str
 def test_nobody_agrees_to_the_licence_unasked(
     answer: str, expected: str | None, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    chosen = argparse.Namespace(licence=None, json=False)
+    chosen = argparse.Namespace(licence=None, json=False, square_mm=None)
     monkeypatch.setattr("sys.stdin", io.StringIO(answer))
     assert licence_of(chosen, Output()) is None, "nobody is there to answer"
     assert capfd.readouterr().err == ""

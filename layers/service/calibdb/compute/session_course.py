@@ -23,7 +23,7 @@ from calibdb.rules import rig_rules, session_result, session_rules
 from calibdb.rules.session_state import accepted_result
 from calibdb.schema import BatchRequest, SessionDocument, ViewDocument
 from calibdb.schema.session import BatchResult, Hint, Refusal
-from calibsolver import CalibrationError, DeadlineError, View, fit
+from calibsolver import CalibrationError, DeadlineError, View
 from calibsolver.capture import Estimate, ViewDecision
 from calibsolver.fitting.coverage import Coverage, record_covered
 from calibsolver.guidance import TargetPose
@@ -269,7 +269,7 @@ def open_target(document: SessionDocument, session: Session) -> TargetPose:
 
 @dataclass(frozen=True)
 class _Outcome:
-    """Outcome of a capture that ends: the fit's record, with the board's shape and rivals, and a report."""
+    """Outcome of a capture that ends: the fit's record, with rivals, and a report."""
 
     fit: dict[str, JsonValue]
     report: dict[str, JsonValue]
@@ -284,12 +284,7 @@ def _outcome(document: SessionDocument, estimate: Estimate, views: Sequence[View
         return None
     indices = [view.index for view in document.views if view.set_aside is None]
     used = [one for i, one in enumerate(views) if i not in estimate.excluded]
-    calibration, camera = estimate.calibration, estimate.calibration.camera
-    try:
-        shaped = fit(used, camera.img_size, camera.model, start=camera)
-    except CalibrationError:
-        shaped = calibration
-    judged = with_rivals(calibration if shaped.board_shape is None else shaped, used)
+    judged = with_rivals(estimate.calibration, used)
     record = record_covered(judged, Coverage.of(judged, used))
     return _Outcome(record, report.describe(judged, used, indices))
 

@@ -14,7 +14,7 @@ from ..arrays import Array, IntArray
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
-from ..fitting.fit import fit
+from ..fitting.fit import MIN_SHAPE_VIEWS, fit
 from ..fitting.robust_covariance import SAME_POSE_WIDTHS
 from ..view import View
 
@@ -57,21 +57,29 @@ class Consistency:
         self._thinned: dict[int, tuple[View, View]] = {}
 
     def fit(self, views: Sequence[View], near: Calibration | None = None) -> Calibration | None:
-        """Fit `views`; None if there is no believable camera, or nothing to fit.
+        """Fit `views` and the shape of their board; None if there is no believable camera, or nothing to fit.
 
         Starts at `near`, or where the fit to one view less ended, or else the one to fewer points.
         """
+        return self._fit(views, near, board_shape=True)
+
+    def fit_trial(self, views: Sequence[View], near: Calibration | None = None) -> Calibration | None:
+        """Fit `views` as `fit` does, to MAX_TRIAL_POINTS points of each, with the board as drawn."""
+        return self._fit([self._thin(view) for view in views], near, board_shape=False)
+
+    def _fit(self, views: Sequence[View], near: Calibration | None, board_shape: bool) -> Calibration | None:
         if not views:
             return None
-        key = tuple(id(view) for view in views)
+        bends = board_shape and len(views) >= MIN_SHAPE_VIEWS
+        key = (int(bends), *(id(view) for view in views))
         if key not in self._fits:
             near = near or self._fits.get(key[:-1], ((), None))[1]
-            if near is None and any(self._thin(view) is not view for view in views):
+            if near is None and (bends or any(self._thin(view) is not view for view in views)):
                 near = self.fit_trial(views)
             start = near.camera if near else self.start
             try:
                 found: Calibration | None = fit(
-                    views, self.img_size, self.model, start=start, board_shape=False
+                    views, self.img_size, self.model, start=start, board_shape=bends
                 )
             except CalibrationError:
                 found = None
@@ -79,10 +87,6 @@ class Consistency:
             if len(self._fits) > CACHE_SIZE:
                 self._fits.popitem(last=False)
         return self._fits[key][1]
-
-    def fit_trial(self, views: Sequence[View], near: Calibration | None = None) -> Calibration | None:
-        """Fit `views` as `fit` does, to MAX_TRIAL_POINTS points of each."""
-        return self.fit([self._thin(view) for view in views], near)
 
     def _thin(self, view: View) -> View:
         """Return the thinned view, the same for the same view."""

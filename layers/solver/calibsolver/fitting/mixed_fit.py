@@ -198,6 +198,8 @@ class MixedFit:
         noise2
             Variance of the noise there, px^2.
         """
+        if noise2 < (PRIOR_NOISE_WIDTHS * drawn.width) ** 2:  # a bend leaves more
+            return None
         fit = cls(ShapedProblem.of(drawn, Variances(noise2)), labels)
         begun = fit.problem.start(state)
         model = fit.linearize(begun, good)

@@ -48,7 +48,7 @@ MAX_MODELS_S = 1.0
 _NO_MODEL: tuple[str | None, float] = (None, 0.0)
 ADVICE: Mapping[InView, str] = {
     "focus_changed": "The focus changed between views: switch autofocus off.",
-    "board_bent": "The board is not flat: glue it to something rigid, such as glass or a tray.",
+    "board_bent": "The board bends from view to view: glue it to something rigid, such as glass or a tray.",
     "motion": "The board or the camera moved while a picture was taken: hold it still for longer.",
 }
 """Advice to the person who holds the board, by cause; causes with fewer numbers a view come first."""

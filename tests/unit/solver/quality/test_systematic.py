@@ -32,9 +32,11 @@ def test_cause_is_named_in_four_of_five_captures(hand: hands.Hand, cause: str | 
     assert np.mean([name == cause for name in named]) >= 0.8
 
 
-@pytest.mark.parametrize(("hand", "cause"), HANDS)
+@pytest.mark.parametrize(
+    ("hand", "cause"), [(hand, None if cause == "board_bent" else cause) for hand, cause in HANDS]
+)
 def test_capture_advises_what_to_do_about_the_cause(hand: hands.Hand, cause: str | None) -> None:
-    """The advice comes first, and says the same as the report."""
+    """The advice comes first, and says the same as the report. A shape of the board is taken into account."""
     told = []
     for i, camera in enumerate(synthetic.rectilinear_cameras()):
         views = populations.views(camera, np.random.default_rng(i), hand=hand)
@@ -51,20 +53,17 @@ def test_capture_advises_what_to_do_about_the_cause(hand: hands.Hand, cause: str
     assert np.mean([code == cause for code in told]) >= 0.8
 
 
-def test_view_that_reveals_a_bent_board_is_answered_with_advice() -> None:
-    camera = synthetic.rectilinear_cameras()[5]
-    views = populations.views(camera, np.random.default_rng(0), hand=hands.BENT)
-    rules = Capture(populations.BOARD, camera.img_size, recorded=True)
-    advice = []
-    for n, view in enumerate(views):
-        decision = rules.judge(views[:n], None, view)
-        assert decision.estimate is not None
-        advice.append([each.code for each in decision.estimate.advice])
-    assert advice[0] == advice[1] == []
-    assert all(codes[0] == "board_bent" for codes in advice[2:])
-    left = rules.reconcile(views[:5], {})
-    assert (
-        left.advice[0].text == "The board is not flat: glue it to something rigid, such as glass or a tray."
+def test_board_that_bends_in_each_view_is_answered_with_advice() -> None:
+    """No shape corrects it. A board with the same bend in all views is taken into account without a word."""
+    camera, boards = synthetic.rectilinear_cameras()[5], np.random.default_rng(0)
+    same = populations.views(camera, np.random.default_rng(0), hand=hands.BENT)
+    each = [populations.views(camera, boards, hand=hands.BENT)[n] for n in range(len(same))]
+    for views, expected in ((same, []), (each, ["board_bent"])):
+        rules = Capture(populations.BOARD, camera.img_size, recorded=True)
+        estimate = rules.estimate(views).with_cause(views)
+        assert [advice.code for advice in estimate.advice] == expected
+    assert estimate.advice[0].text == (
+        "The board bends from view to view: glue it to something rigid, such as glass or a tray."
     )
 
 
