@@ -13,7 +13,7 @@ from ..arrays import Array, Mask
 from ..camera import pixel_grid
 from ..models import Model
 
-MIN_STRETCH = 0.3
+MIN_STRETCH = 0.25
 """Radial magnification / that on the axis, below which a small change of the coefficients ends the domain.
 Real corners have 0.34 at least (a fisheye lens, 93 degrees)."""
 ANGLE_STEPS = 256

@@ -129,7 +129,10 @@ def test_contributors_of_one_real_camera_agree(name: str, seed: int) -> None:
     count = min(8, len(views) * 3 // 20)
     parts = [[views[i] for i in order[a * count : (a + 1) * count]] for a in range(5)]
     members = [Member(str(a), str(a), tuple(part)) for a, part in enumerate(parts)]
-    assert pool(members, size, REAL[name], Rule(min_contributors=3)).members == tuple("01234")
+    pooled = pool(members, size, REAL[name], Rule(min_contributors=3))
+    assert pooled.members == tuple("01234")
+    assert pooled.calibration is not None
+    assert pooled.calibration.uncertainty().rms < 6, "also at the rim of a fisheye's domain"
 
 
 @external_data
