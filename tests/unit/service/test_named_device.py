@@ -4,6 +4,7 @@ import pytest
 
 from calibdb.camera_key import camera_key, identify, public_platform
 from calibdb.camera_key.system import with_device
+from calibdb.schema import LookupRequest
 
 MAC = "Macintosh; Intel Mac OS X 10_15_7"
 IPHONE = "iPhone; CPU iPhone OS 17_5 like Mac OS X"
@@ -40,3 +41,12 @@ def test_device_of_a_tablet_that_poses_as_a_computer() -> None:
     identity = identify("Back Camera", with_device(MAC, "iPad14,3"))
     assert not identity.ambiguous
     assert identity.key == camera_key("Back Camera", "iPad; CPU OS 17_5 like Mac OS X; iPad14,3")
+
+
+def test_device_is_spelled_as_the_platform_is() -> None:
+    """A request that is written and read again names the device once."""
+    request = LookupRequest.model_validate(
+        {"camera": "0", "platform": "0", "img_size": [16, 16], "device": "0\U0002f800"}
+    )
+    assert request.platform == "0; 0\u4e3d"
+    assert LookupRequest.model_validate_json(request.model_dump_json()) == request

@@ -159,7 +159,11 @@ def zoom_text(zoom: float) -> str:
     return f"{zoom:.6f}".rstrip("0").rstrip(".")
 
 
-DeviceModel = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9][\w ()+.,&-]*$")]
+DeviceModel = Annotated[
+    str,
+    Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9][\w ()+.,&-]*$"),
+    BeforeValidator(_in_one_line),
+]
 DEVICE_TEXT = (
     "Model identifier of the phone, `iPhone17,3`, if label and platform do not name the model. It becomes a "
     "part of `platform`, and so of the camera's key."
