@@ -116,7 +116,7 @@ def test_overlays_go_on_with_the_gpu_and_say_so_where_it_is_lost_for_good(contex
     overlays.goto(ADDRESS)
     overlays.locator("#rms:not(:empty)").wait_for()
     counts = overlays.evaluate(ON_THE_PAGE)
-    assert [each["mode"] for each in counts] == ["matrix", "rectified", "distorted"]
+    assert [each["mode"] for each in counts] == ["matrix", "rectified", "distorted", "estimate"]
     for each in counts:
         assert each["before"] > 10_000, each
         assert each["after"] > 0.9 * each["before"], each
