@@ -175,6 +175,7 @@ class Database:
         self._opened.append(connection)
         connection.execute("PRAGMA journal_mode=WAL")
         connection.execute("PRAGMA synchronous=FULL")
+        connection.execute("PRAGMA cache_size=-256")  # kB; the system caches the file for all connections
         return connection
 
 
