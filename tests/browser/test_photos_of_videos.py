@@ -50,6 +50,7 @@ def test_video_has_a_result_with_its_address(
     expect(page.locator("#json")).to_contain_text("camera_matrix")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "words"),
     [("caliscope_char0_mpeg4.mp4", WHITE_ON_BLACK), ("chessboard_uk.avi", "11 × 8 chessboard")],
