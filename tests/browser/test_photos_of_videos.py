@@ -40,9 +40,9 @@ def test_video_has_a_result_with_its_address(
         expect(page.locator("#question-text")).to_contain_text(each)
     page.locator("#use-board").click()
     page.locator("#status", has_text="video frames").wait_for()
-    told = re.search(r"(\d+) of (\d+) video frames", page.locator("#status").text_content() or "")
-    assert told is not None
-    assert int(told[2]) <= frames, "each frame is counted once"
+    status = re.search(r"(\d+) of (\d+) video frames", page.locator("#status").text_content() or "")
+    assert status is not None
+    assert int(status[2]) <= frames, "each frame is counted once"
     page.locator("#camera").fill("Webcam of a video")
     page.locator("#start").click()
     page.locator("#verdict").wait_for()

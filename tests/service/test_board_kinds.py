@@ -44,8 +44,8 @@ def test_board_on_a_screen_has_no_shape(client: Client, stack: Server) -> None:
     numbered = grid(views)
     shapes = []
     for surface in ({}, {"surface": "screen"}):
-        told = {"kind": "chessboard", "squares": list(numbered.squares), **surface}
-        opened = client.open(board=told, img_size=list(size), capture="recorded")
+        board = {"kind": "chessboard", "squares": list(numbered.squares), **surface}
+        opened = client.open(board=board, img_size=list(size), capture="recorded")
         assert opened.status == 201, opened.body
         for index, (ids, view) in enumerate(zip(numbered.ids, views, strict=True)):
             assert client.view(index, list(ids), view.image_points.tolist()).status == 200
@@ -56,21 +56,21 @@ def test_board_on_a_screen_has_no_shape(client: Client, stack: Server) -> None:
     assert shapes[1] is None
 
 
-@pytest.mark.parametrize("told", [APRILGRID, CHESSBOARD, {"inverted": True}, {"surface": "screen"}])
-def test_board_keeps_its_kind_in_records(told: dict[str, Any]) -> None:
-    told_again = BoardModel.model_validate_json(json.dumps(told)).model_dump_json()
+@pytest.mark.parametrize("board", [APRILGRID, CHESSBOARD, {"inverted": True}, {"surface": "screen"}])
+def test_board_keeps_its_kind_in_records(board: dict[str, Any]) -> None:
+    told_again = BoardModel.model_validate_json(json.dumps(board)).model_dump_json()
     again = BoardModel.model_validate_json(told_again)
-    assert Board.from_record(again.model_dump()).kind == told.get("kind", "charuco")
-    assert again.inverted == told.get("inverted", False)
-    assert again.surface == told.get("surface")
+    assert Board.from_record(again.model_dump()).kind == board.get("kind", "charuco")
+    assert again.inverted == board.get("inverted", False)
+    assert again.surface == board.get("surface")
 
 
 def test_real_corners_of_a_chessboard_calibrate(client: Client, stack: Server) -> None:
     """All of OpenCV's photographs of a chessboard count, and fx is OpenCV's within its error."""
     views, size = corner_views("opencv_left")
     found = grid(views)
-    told = {"kind": "chessboard", "squares": list(found.squares)}
-    opened = client.open(board=told, img_size=list(size), capture="recorded")
+    board = {"kind": "chessboard", "squares": list(found.squares)}
+    opened = client.open(board=board, img_size=list(size), capture="recorded")
     assert opened.status == 201, opened.body
     assert opened.json["board"]["kind"] == "chessboard"
     for index, (ids, view) in enumerate(zip(found.ids, views, strict=True)):
@@ -125,7 +125,7 @@ def test_guided_capture_asks_for_a_chessboard_whole(client: Client) -> None:
 
 
 @pytest.mark.parametrize(
-    ("told", "field"),
+    ("board", "field"),
     [
         ({"kind": "circles"}, "board.kind"),
         ({"kind": "aprilgrid"}, "board.dictionary"),
@@ -136,8 +136,8 @@ def test_guided_capture_asks_for_a_chessboard_whole(client: Client) -> None:
         ({"inverted": "yes"}, "board.inverted"),
     ],
 )
-def test_impossible_boards_are_refused_by_field(client: Client, told: dict[str, Any], field: str) -> None:
-    opened = client.open(board=told)
+def test_impossible_boards_are_refused_by_field(client: Client, board: dict[str, Any], field: str) -> None:
+    opened = client.open(board=board)
     assert opened.status == 422
     assert [each["field"] for each in opened.json["errors"]] == [field], opened.json
 

@@ -47,7 +47,7 @@ const said = {
   error: /** @type {unknown} */ (null),
   estimate: /** @type {import("./source.js").Estimate | null} */ (null),
   hfov: /** @type {number | null} */ (null),
-  failed: "", // why there is no estimate
+  failed: "", // why the estimate is missing
   off: /** @type {Misalignment} */ (null),
 };
 /** One camera's run; a new one makes all that is still on its way for the old one meaningless. */

@@ -32,7 +32,7 @@ export async function calibrationOf(key, parameters) {
 }
 
 /**
- * Estimate of a camera, as if nobody had calibrated it.
+ * Estimate of a camera without its calibrations.
  * @param {CameraKey} key @returns {Promise<Estimate>} rejects as `loadSettings` and the service do
  */
 export async function estimateOf(key) {

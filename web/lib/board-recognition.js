@@ -40,7 +40,7 @@ const MAX_EDGE_PITCHES = 1.2;
 const MIN_AGREEMENT = 0.75; // of the pictures, on the number of squares
 const RATIO_RANGE = [0.3, 0.95]; // that the service takes
 
-/** True if a picture tells the board well enough that no other family need be looked for. @param {Sighting} sighting */
+/** True if a picture identifies the board, so that no other family is searched. @param {Sighting} sighting */
 export function isTelling({ family, markers: found }) {
   return family !== null && fitGrid(found, isTagFamily(family)) !== null;
 }

@@ -178,7 +178,7 @@ function draw() {
   if (ticked.size === 2) void compare(shown, status, () => load([...ticked][1]));
 }
 
-/** Ticks the calibration that the address names, whoever made it. */
+/** Ticks the calibration that the address names, of any contributor. */
 async function tickNamed() {
   const id = new URLSearchParams(location.search).get("with");
   if (!id) return;

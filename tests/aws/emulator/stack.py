@@ -91,7 +91,7 @@ class LocalStack:
         own = secrets.generate()
         self.environment = (
             self.template.environment()
-            # The secrets themselves: there is no parameter store here.
+            # The secrets themselves: the emulator has no parameter store.
             | {"SECRETS_PATH": "", "SESSION_SECRETS": own.session, "CONTRIBUTOR_SECRET": own.contributor}
             | dict(self._environment)
         )

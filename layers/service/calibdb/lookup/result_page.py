@@ -1,6 +1,6 @@
 """Head of a result's page: the title and description that messengers show of a shared address.
 
-They run no scripts, so whoever serves the page writes these.
+Messengers run no scripts, so the server or function that serves the page writes these.
 """
 
 from __future__ import annotations

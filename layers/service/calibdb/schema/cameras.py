@@ -54,9 +54,9 @@ class CameraSize(Open):
     agreeing: int = Field(description="How many calibrations agree.")
     required: int = Field(description="Number of calibrations that must agree before lookups return them.")
     reliable: bool = Field(description="True if lookups return it, for at least one model.")
-    fx: float | None = Field(description="px; null: there is no consensus yet.")
+    fx: float | None = Field(description="px; null: no consensus yet.")
     uncertainty: float | None = Field(
-        description="`uncertainty.rms` of the consensus, px; null: there is no consensus yet."
+        description="`uncertainty.rms` of the consensus, px; null: no consensus yet."
     )
     calibration_time: int | None = Field(description="Of the newest that agrees; Unix time, seconds.")
 

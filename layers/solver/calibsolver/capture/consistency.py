@@ -57,7 +57,7 @@ class Consistency:
         self._thinned: dict[int, tuple[View, View]] = {}
 
     def fit(self, views: Sequence[View], near: Calibration | None = None) -> Calibration | None:
-        """Fit `views` and the shape of their board; None if there is no believable camera, or nothing to fit.
+        """Fit `views` and the shape of their board; None if no camera is believable, or nothing to fit.
 
         Starts at `near`, or where the fit to one view less ended, or else the one to fewer points.
         """

@@ -34,7 +34,7 @@ class Homographies:
     def fit_dlt(cls, points: Array, rays: Array, weights: Array, approximate: bool = False) -> "Homographies":
         """Direct linear transform of points (v, 3, n) to unit rays (v, 3, n), finite, of weight (v, n).
 
-        Approximate where it only tells good points from bad ones.
+        Approximate if it only separates good points from bad ones.
 
         |ray x (H X)|^2 summed = h' [sum (1 - ray ray') (x) X X'] h is least for the smallest eigenvector.
         """
