@@ -76,7 +76,7 @@ class Identity:
     distinct: bool
 
 
-@functools.lru_cache(maxsize=1024)
+@functools.lru_cache(maxsize=256)
 def identify(label: str, platform: str) -> Identity:
     """Identify the camera of `label` (`MediaStreamTrack.label`) and `platform`.
 

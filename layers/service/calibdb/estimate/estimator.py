@@ -102,7 +102,7 @@ def _prior_only(prior: Evidence, population: Population, change: float, sigma: f
     return Distribution(centre, centre - math.hypot(below, reach), centre + math.hypot(above, reach), prior)
 
 
-@functools.lru_cache(maxsize=1024)
+@functools.lru_cache(maxsize=256)
 def estimate(query: EstimateQuery) -> Estimate:
     """Estimate a camera. Every valid query has an answer; the same one has the same answer."""
     result = distribution(query, default_knowledge())

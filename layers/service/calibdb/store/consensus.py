@@ -98,6 +98,6 @@ def _document(item: Item) -> ConsensusDocument | None:
         return None
 
 
-@functools.lru_cache(maxsize=256)  # documents are frozen, and lookups read the same ones again and again
+@functools.lru_cache(maxsize=64)  # documents are frozen, and lookups read the same ones again and again
 def _parsed(text: str) -> ConsensusDocument:
     return ConsensusDocument.model_validate_json(text)

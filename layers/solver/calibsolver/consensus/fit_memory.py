@@ -1,9 +1,9 @@
 """Cache of fits to members' views: a new calibration repools a camera whose other members are unchanged."""
 
 import hashlib
+from collections import OrderedDict
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import lru_cache
+from threading import Lock
 
 import numpy as np
 
@@ -11,20 +11,11 @@ from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
 from ..view import View
 
-MAX_FITS = 256
-"""Fits remembered by a process, those used last: of 64 members under four models."""
-MAX_FIT_POINTS = 4000
-"""Points of a member whose fit is remembered: with so many each, all of them hold 100 MB."""
+MAX_POINTS = 50_000
+"""Points of all fits in the cache, which drops those used longest ago: 3 MB; 64 members of 12 views."""
 
-
-@dataclass(frozen=True)
-class _Request:
-    """Views of one member to which a model is to be fitted; equal where the points are."""
-
-    digest: bytes
-    img_size: tuple[int, int]
-    model: str
-    views: Sequence[View] = field(compare=False)
+_fits: OrderedDict[tuple[bytes, tuple[int, int], str], Calibration] = OrderedDict()
+_lock = Lock()
 
 
 def fit_once(views: Sequence[View], img_size: tuple[int, int], model: str) -> Calibration:
@@ -32,19 +23,28 @@ def fit_once(views: Sequence[View], img_size: tuple[int, int], model: str) -> Ca
 
     Raises as `fit` does.
     """
-    if sum(map(len, views)) > MAX_FIT_POINTS:
-        return fit(views, img_size, model)
-    return _fit(_Request(_digest(views), img_size, model, views))
+    key = _digest(views), img_size, model
+    with _lock:
+        if key in _fits:
+            _fits.move_to_end(key)
+            return _fits[key]
+    calibration = fit(views, img_size, model)
+    with _lock:
+        _fits[key] = calibration
+        while cached_points() > MAX_POINTS:
+            _fits.popitem(last=False)
+    return calibration
 
 
-@lru_cache(maxsize=MAX_FITS)
-def _fit(request: _Request) -> Calibration:
-    return fit(request.views, request.img_size, request.model)
+def cached_points() -> int:
+    """Return the number of points of all fits in the cache."""
+    return sum(len(residuals) for one in _fits.values() for residuals in one.residuals)
 
 
 def forget() -> None:
     """Forget all fits, as a process that has just started."""
-    _fit.cache_clear()
+    with _lock:
+        _fits.clear()
 
 
 def _digest(views: Sequence[View]) -> bytes:

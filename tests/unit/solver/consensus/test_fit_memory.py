@@ -77,3 +77,17 @@ def test_consensus_of_one_calibration_is_its_fit(fitted: list[str]) -> None:
     alone = pool([one], SIZE, "rectilinear")
     assert alone.calibration is fit_memory.fit_once(one.views, SIZE, "rectilinear")
     assert fitted == ["rectilinear"]
+
+
+def test_cache_beyond_its_points_drops_the_oldest_fit(
+    fitted: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    members = [member(seed) for seed in range(4)]
+    points = [sum(map(len, m.views)) for m in members]
+    monkeypatch.setattr(fit_memory, "MAX_POINTS", sum(points[1:]))
+    for one in members:
+        fit_memory.fit_once(one.views, SIZE, "rectilinear")
+    assert fit_memory.cached_points() == sum(points[1:])
+    for one in (*members[1:], members[0]):
+        fit_memory.fit_once(one.views, SIZE, "rectilinear")
+    assert len(fitted) == 5
