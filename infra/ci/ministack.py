@@ -1,4 +1,4 @@
-"""ministack, an implementation of AWS by other people than moto's, on the loopback interface.
+"""ministack, an implementation of AWS independent of the one in the tests, on the loopback interface.
 
 It lives in an environment of its own, which the Makefile makes, and forgets everything when it ends.
 """

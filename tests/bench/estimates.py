@@ -30,7 +30,7 @@ from tests.helpers.data import ROOT, data_dir
 DOCUMENT = ROOT / "docs" / "estimates.md"
 HEADER = ["basis", "cameras", "intervals", "contain the truth", "median width", "needed"]
 FILES = "files: "
-"""Beginning of groups that no browser opens, which no total counts."""
+"""Beginning of groups whose truths are of recorded pictures, not of live cameras; no total counts them."""
 MEASURED = ("calibration", "measurement", "reported")
 Item = TypeVar("Item")
 Key = TypeVar("Key")
@@ -133,8 +133,8 @@ KINDS = {
     "phone_front": "phones, front",
     "phone_ultrawide": "phones, ultra-wide",
     "tablet_rear": "tablets, rear",
-    "action": "action cameras",
-    "drone": "drones",
+    "action": "files: action cameras",
+    "drone": "files: drones",
     "headset": "headsets",
     "phone_video": "files: phones, recorded video",
     "photo_camera": "files: cameras with interchangeable lenses",
@@ -164,7 +164,7 @@ def contributors_left_out() -> Iterator[Case]:
                 size = (float(row["w"]), float(row["h"]))
                 named = Device("action", maker, label_words=frozenset({mode}))
                 result = estimated(named, size, facts, about)
-                group = "action cameras, by model" + (" and mode" if mode else "")
+                group = "files: action cameras, by model" + (" and mode" if mode else "")
                 yield Case.of(group, f"{maker} {model}", math.log(math.tan(angle / 2)), result)
 
 
