@@ -1,8 +1,10 @@
 // Result of a rig: how good it is, where the cameras are, the rectified pair, files, each camera's calibration, code.
 import { codeBlocks } from "../lib/result/code-part.js";
+import { boardSentence } from "../lib/result/board-sentence.js";
 import { copyButton } from "../lib/result/menu.js";
 import { addCopyButton } from "../lib/copy-button.js";
 import { ApiError } from "../lib/api.js";
+import { corners } from "../lib/board.js";
 import { el } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
 import { joinFacts, number, onLanguage, rough, formatSize, t } from "../lib/i18n.js";
@@ -137,8 +139,20 @@ function section(id, content) {
   );
 }
 
+/** Longer extent of a board's corners, mm; null if its squares were not measured. @param {RigState} state */
+function lengthOf({ board, square_size: size }) {
+  if (!size) return null;
+  const points = corners(board);
+  const extents = [0, 1].map((axis) => {
+    const places = points.map((point) => point[axis]);
+    return Math.max(...places) - Math.min(...places);
+  });
+  return 1000 * size * Math.max(...extents);
+}
+
 /** @param {RigState} state @param {RigResult} result */
-function head({ cameras, rig_id: id, moments }, { verdict, rms, held_out_rms: heldOut, uncertainty, cameras: all }) {
+function head(state, { verdict, rms, held_out_rms: heldOut, uncertainty, cameras: all, board_shape: shape }) {
+  const { cameras, rig_id: id, moments } = state;
   const level = LEVELS.find((each) => each === (typeof verdict === "string" ? verdict : verdict?.level)) ?? "fair";
   const practice = cameras.some(({ camera }) => isVirtual(camera ?? ""));
   const aside = moments.flatMap(({ set_aside: views = [] }) => views).length;
@@ -167,6 +181,7 @@ function head({ cameras, rig_id: id, moments }, { verdict, rms, held_out_rms: he
           ),
         ]
       : []),
+    ...boardSentence(shape, lengthOf(state)).map((text) => el("p", {}, text)),
     el("p", { class: "muted small" }, joinFacts(figures)),
     el(
       "div",

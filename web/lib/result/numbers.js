@@ -22,10 +22,13 @@ import { COEFFICIENTS, isKnownModel, lensOf } from "../../sdk/projection.js";
  *   null)[]}} std
  * @property {{grid: [number, number], px: (number | null)[][]}} error_map columns and rows; predicted error, px
  * @property {number | null} held_out px rms
- * @property {{sag: number, sag_std: number, stretch: number, stretch_std: number, stretch_kind?:
- *   "wider" | "narrower" | "skewed"} | null} [board] shape that was taken into account, shares of the board's length;
- *   older reports have no kind
+ * @property {BoardShape | null} [board] shape that was taken into account
  * @property {ReportView[]} views
+ *
+ * @typedef {object} BoardShape shares of the board's length, with their standard deviations
+ * @property {number} sag @property {number} sag_std
+ * @property {number} stretch @property {number} stretch_std
+ * @property {"wider" | "narrower" | "skewed"} [stretch_kind] older ones have none
  *
  * @typedef {object} Row
  * @property {string} name
