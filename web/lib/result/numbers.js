@@ -168,6 +168,32 @@ export function displacements(calibration, [columns, rows]) {
 }
 
 /**
+ * Distortion along the line from the principal point to the picture's farthest corner, as far as a pinhole shows it.
+ * @param {Calibration} calibration of a model that is known here @param {number} steps
+ * @returns {{radius: number, shift: number}[]} px from the principal point; shift: outwards, against a pinhole
+ */
+export function lensProfile(calibration, steps) {
+  const {
+    camera_matrix: [[, , cx], [, , cy]],
+    img_size: [width, height],
+  } = calibration;
+  const lens = lensOf(calibration);
+  const [[fx, , px], [, fy, py]] = axialMatrix(calibration);
+  const corner = [cx < width / 2 ? width - 0.5 : -0.5, cy < height / 2 ? height - 0.5 : -0.5];
+  const [dx, dy] = [corner[0] - cx, corner[1] - cy];
+  const profile = [];
+  for (let step = 0; step <= steps; step++) {
+    const share = step / steps;
+    const ray = lens.unproject([cx + share * dx, cy + share * dy]);
+    if (!ray || ray[2] < MIN_COSINE) break;
+    const radius = share * Math.hypot(dx, dy);
+    const straight = Math.hypot((fx * ray[0]) / ray[2] + px - cx, (fy * ray[1]) / ray[2] + py - cy);
+    profile.push({ radius, shift: radius - straight });
+  }
+  return profile;
+}
+
+/**
  * Share of the picture, in cells of a 12th of its width, that has seen corners.
  * @param {number[][]} points
  * @param {[number, number]} size
