@@ -64,7 +64,10 @@ test("the profile of a lens is its radial polynomial, and is dashed beyond the c
     assert.ok(Math.abs(shift + 0.1 * 800 * straight ** 3) < 1e-3, `${radius}: ${shift}`);
   }
   const view = { index: 0, reason: null, points: [[639.5 + 300, 359.5]], residuals: [[0, 0]], cut: [] };
-  const curves = (report) => profilePlot(lens, report).svg.all("path").map(({ attributes }) => attributes);
+  const curves = (report) =>
+    profilePlot(lens, report)
+      .svg.all("path")
+      .map(({ attributes }) => attributes);
   const [, inside, beyond] = curves({ views: [view] });
   const end = (d) => Number(d.slice(d.lastIndexOf("L") + 1).split(" ")[0]);
   assert.ok(Math.abs(end(inside.d) - (438 * 300) / Math.hypot(640, 360)) < 8, inside.d);

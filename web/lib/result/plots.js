@@ -206,7 +206,9 @@ export function profilePlot(calibration, report = null) {
   const x = (/** @type {number} */ radius) => 1 + ((width - 2) * radius) / end;
   const y = (/** @type {number} */ shift) => pad + ((high - shift) / span) * (height - bottom - 2 * pad);
   const line = (/** @type {typeof profile} */ points) =>
-    points.length > 1 ? `M${points.map(({ radius, shift }) => `${short(x(radius))} ${short(y(shift))}`).join("L")}` : "";
+    points.length > 1
+      ? `M${points.map(({ radius, shift }) => `${short(x(radius))} ${short(y(shift))}`).join("L")}`
+      : "";
   const beyond = profile.findIndex(({ radius }) => radius > reach);
   const inside = beyond < 0 ? profile : profile.slice(0, beyond);
   const svg = make(
