@@ -54,8 +54,8 @@ export class RigView {
     const rectified = rectifiedPart(rig, this.#sources.pictures);
     this.#held.push(rectified.dispose);
     this.#root.replaceChildren(
-      head(this.#state, result),
-      section("where", this.#where(result)),
+      el("div", { class: "outlook" }, head(this.#state, result), this.#scene(result)),
+      section("where", relations(result)),
       section("pair", rectified.element),
       section("files", this.#files()),
       section("each", cameraList(this.#state, result)),
@@ -63,8 +63,8 @@ export class RigView {
     );
   }
 
-  /** @param {RigResult} result */
-  #where(result) {
+  /** Cameras and boards as a figure. @param {RigResult} result */
+  #scene(result) {
     const { board, square_size: size } = this.#state;
     const square = result.unit === "metres" && size ? size : 1;
     const boards =
@@ -77,15 +77,10 @@ export class RigView {
       t("rig.plot_label", { count: result.cameras.length }),
     );
     return el(
-      "div",
-      { class: "where" },
-      el(
-        "figure",
-        { class: "figure" },
-        plot,
-        el("figcaption", {}, t(boards.length ? "rig.plot_caption_boards" : "rig.plot_caption")),
-      ),
-      relations(result),
+      "figure",
+      { class: "figure" },
+      plot,
+      el("figcaption", {}, t(boards.length ? "rig.plot_caption_boards" : "rig.plot_caption")),
     );
   }
 
@@ -284,7 +279,8 @@ function codes(id) {
   const origin = new URL("../", location.href).origin;
   const javascript = `import { rig, rectifyPair } from "${origin}/sdk/calibdb.js";
 
-const stereo = await rig("${id}", { token: "cdb_…" }); // your token
+const token = "cdb_…"; // yours
+const stereo = await rig("${id}", { token });
 stereo.pose(1).tvec; // from camera 0 to camera 1, in ${"`stereo.unit`"}
 const pair = await rectifyPair(leftVideo, rightVideo, stereo);
 document.body.append(pair.left, pair.right);
@@ -292,7 +288,8 @@ document.body.append(pair.left, pair.right);
   const python = `import cv2
 
 file = cv2.FileStorage("stereo-0-1.yml", cv2.FILE_STORAGE_READ)
-K1, D1, K2, D2, R, T = (file.getNode(name).mat() for name in ("K1", "D1", "K2", "D2", "R", "T"))
+names = "K1 D1 K2 D2 R T".split()
+K1, D1, K2, D2, R, T = (file.getNode(name).mat() for name in names)
 `;
   return codeBlocks([
     ["javascript", "JavaScript", javascript],
