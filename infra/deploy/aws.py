@@ -244,21 +244,27 @@ def protect(cloudformation: Any, dynamodb: Any, stack: str) -> None:
 def upload(s3: Any, bucket: str, files: Iterable[Upload]) -> int:
     """Upload the files in their order; return how many.
 
-    A versioned file that is there stays as it is. Raises DeployError if its content is another.
+    A versioned file that is there stays as it is. Raises DeployError if its content is another. An initial
+    file gives way to any object of its name.
     """
     number = 0
     for number, file in enumerate(files, 1):  # noqa: B007 - how many there were
         if file.is_versioned and _is_published(s3, bucket, file):
             continue
-        encoding = {"ContentEncoding": file.content_encoding} if file.content_encoding else {}
-        s3.put_object(
-            Bucket=bucket,
-            Key=file.key,
-            Body=file.content,
-            ContentType=file.content_type,
-            CacheControl=file.cache_control,
-            **encoding,
-        )
+        more = {"ContentEncoding": file.content_encoding} if file.content_encoding else {}
+        more |= {"IfNoneMatch": "*"} if file.is_initial else {}
+        try:
+            s3.put_object(
+                Bucket=bucket,
+                Key=file.key,
+                Body=file.content,
+                ContentType=file.content_type,
+                CacheControl=file.cache_control,
+                **more,
+            )
+        except ClientError as error:
+            if not (file.is_initial and error.response["Error"]["Code"] == "PreconditionFailed"):
+                raise
     return number
 
 

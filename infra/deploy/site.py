@@ -12,6 +12,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from calibdb.store.dumps import CACHE_CONTROL, JSON, NO_STATISTICS, STATISTICS
 from infra.deploy import hashed_names
 from infra.web_build import site
 from infra.web_build.precache_manifest import shell_of
@@ -40,6 +41,8 @@ class Upload:
     content_encoding: str | None = None
     is_versioned: bool = False
     """True if the object never changes once it exists."""
+    is_initial: bool = False
+    """True if the object is written only where none has its name."""
 
 
 def uploads(
@@ -81,6 +84,8 @@ def uploads(
         if key not in own:  # pages load their hashed copy
             digests[file.key] = hashlib.sha256(content).hexdigest()
         yield file
+    # Pages ask for the figures before the first dump has written them.
+    yield Upload(STATISTICS, NO_STATISTICS, JSON, CACHE_CONTROL[JSON], is_initial=True)
     # What the service worker of the pages keeps, by the names and contents that a browser gets.
     yield Upload("shell.json", json.dumps(shell_of(digests)).encode(), "application/json", FRESH)
     if contact and now:

@@ -15,6 +15,7 @@ from starlette.datastructures import Headers, QueryParams
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import Receive, Scope, Send
 
+from calibdb.store.dumps import JSON, NO_STATISTICS, STATISTICS
 from calibdb.store.sqlite import SqliteObjects
 from infra.web_build import site
 from infra.web_build.root_files import root_file
@@ -191,7 +192,10 @@ class PublicObjects:
         version = self._objects.get_version(name)
         described = FOR_EVERYONE | {"x-content-type-options": "nosniff"}
         if version is None:
-            return Response(status_code=404, headers=described | {"cache-control": "public, max-age=10"})
+            described |= {"cache-control": "public, max-age=10"}
+            if name == STATISTICS:
+                return Response(NO_STATISTICS, 200, described, JSON)
+            return Response(status_code=404, headers=described)
         content, tag = version
         kind, cache_control = self._objects.headers(name)
         described |= {"etag": f'"{tag}"', "cache-control": cache_control or "no-cache"}

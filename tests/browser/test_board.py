@@ -53,8 +53,10 @@ def test_the_board_is_shown(page: Page) -> None:
 
 def test_the_board_as_a_file(page: Page) -> None:
     page.goto("/board/")
+    expect(page.locator("#papers a"), "the paper that is usual here").to_contain_text("Letter")
+    page.locator("#more-papers summary").click()
     with page.expect_download() as download:
-        page.locator("#papers a", has_text="A4").click()
+        page.locator(".papers a", has_text="A4").click()
     assert download.value.suggested_filename == "calibdb-board-a4.pdf"
     content = Path(download.value.path()).read_bytes()
     assert content.startswith(b"%PDF-1.4")
@@ -65,7 +67,7 @@ def test_a_board_is_printed_with_words_of_the_page(page: Page) -> None:
     for language, pictures in (("de", 0), ("uk", 3)):
         page.goto(f"/board/?lang={language}")
         with page.expect_download() as download:
-            page.locator("#papers a", has_text="A4").click()
+            page.locator(".papers a", has_text="A4").click()
         content = Path(download.value.path()).read_bytes()
         assert (b"Kleben" in content or b"kleben" in content) == (language == "de")
         # Letters that the font of every viewer lacks are pictures, with black in each.
@@ -141,6 +143,7 @@ def test_a_board_of_ones_own_is_the_same_on_both_pages(page: Page) -> None:
 
 def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
     page.goto("/board/")
+    page.locator("#board-edit summary").click()
     page.locator("#columns").fill("7")
     page.locator("#rows").fill("5")
     page.locator("#dictionary").select_option("DICT_6X6_250")
@@ -169,7 +172,7 @@ def test_a_board_of_another_kind_stays_of_its_kind(page: Page) -> None:
     page.locator("#columns").fill("6")
     assert address(page).endswith(f"/board/?{asked.replace('5x4', '6x4')}")
     with page.expect_download() as download:
-        page.locator("#papers a", has_text="A4").click()
+        page.locator(".papers a", has_text="A4").click()
     assert b"AprilGrid" in Path(download.value.path()).read_bytes()
     page.locator("#board-kind").select_option("chessboard")
     assert address(page).endswith("/board/?kind=chessboard&squares=6x4")
@@ -184,6 +187,8 @@ def test_a_board_of_another_kind_stays_of_its_kind(page: Page) -> None:
 )
 def test_circles_are_drawn_and_the_command_is_named(page: Page, kind: str, flag: int) -> None:
     page.goto("/board/")
+    page.locator("#preset").select_option("other")
+    expect(page.locator("#board-kind")).to_be_focused()
     page.locator("#board-kind").select_option(kind)
     for name, value in (("columns", "4"), ("rows", "11"), ("ratio", "0.5")):
         page.locator(f"#{name}").fill(value)

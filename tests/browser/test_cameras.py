@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.captures import capture, listed
-from tests.helpers.browser.pictures import SCHEMES, picture
+from tests.helpers.browser.pictures import SCHEMES, SIZES, picture
 from tests.helpers.browser.specimens import answer, camera, cameras, result, result_of_camera
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import address
@@ -28,11 +28,23 @@ def test_what_is_known_is_drawn(page: Page) -> None:
     expect(page.locator("#found > tr").first).to_contain_text("66°")
     expect(page.locator("#found .ring").first.locator(".there")).to_have_count(5)
     expect(page.locator("#more")).to_be_visible()
+    names = page.locator("#found strong")
+    page.set_viewport_size(SIZES["desk"])
+    for button, order in (("Camera", "ascending"), ("Camera", "descending"), ("Width of view", "descending")):
+        page.get_by_role("button", name=button).click()
+        head = page.get_by_role("columnheader", name=button)
+        expect(head).to_have_attribute("aria-sort", order)
+        expect(page.locator("[aria-sort]")).to_have_count(1)
+        if button == "Camera":
+            ascending = sorted(names.all_text_contents(), key=str.lower)
+            assert names.all_text_contents() == ascending[:: 1 if order == "ascending" else -1]
     for scheme in SCHEMES:
         page.emulate_media(color_scheme=scheme)
         picture(page, f"cameras-{scheme}", ["desk", "hand"] if scheme == "light" else ["hand"])
     page.goto("/cameras/?key=c2.specimen")
     page.locator("#camera-name", has_text="C920").wait_for()
+    bar = page.locator(".pinned")
+    expect(bar.locator("strong")).to_be_hidden()
     expect(page.locator(".reliability").first).to_contain_text("Ready to use")
     expect(page.locator(".reliability").last).to_contain_text("2 of 5 calibrations")
     page.locator(".mode > summary").last.click()
@@ -41,6 +53,10 @@ def test_what_is_known_is_drawn(page: Page) -> None:
     assert page.locator("path.cut").count() == 2 * 2, "what does not agree is crossed"
     expect(page.locator(".plot a").first).to_have_attribute("href", re.compile(r"result/\?id=m\d"))
     expect(page.locator("td.std").first, "how far the calibrations differ").to_contain_text("± 2.5")
+    page.mouse.wheel(0, 700)
+    expect(bar.locator("strong"), "the name, once the heading is out of sight").to_have_text("HD Pro Webcam C920")
+    expect(bar).to_contain_text("Ready to use")
+    assert bar.evaluate("(bar) => bar.getBoundingClientRect().top") == 0
     captions = page.locator("figcaption").all_text_contents()
     assert [caption for caption in captions if "consensus" in caption] == captions[-2:]
     for scheme in SCHEMES:
@@ -60,7 +76,7 @@ def test_a_calibrated_camera_is_found_and_fitted_with_any_model(page: Page, api:
     page.locator("#found a", has_text="Shelf Test Camera").click()
     page.locator("#camera-name", has_text="Shelf Test Camera").wait_for()
     call = page.locator("#calibrate-this")
-    expect(page.locator(".missing")).to_contain_text("4 more calibrations needed at 1280")
+    expect(page.locator("#missing")).to_contain_text("4 more calibrations needed at 1280")
     assert "/calibrate/?camera=Shelf+Test+Camera" in (call.get_attribute("href") or "")
     assert "img_size=1280x720" in (call.get_attribute("href") or "")
     page.go_back()

@@ -164,9 +164,10 @@ def test_upload_sets_the_headers(site: dict[str, Upload]) -> None:
     few = [
         site["index.html"],
         site["config.json"],
+        site["dumps/statistics.json"],
         Upload("x.wasm", b"1", "application/wasm", FOREVER, "gzip"),
     ]
-    assert aws.upload(s3, "web", few) == 3
+    assert aws.upload(s3, "web", few) == 4
     head = s3.head_object(Bucket="web", Key="x.wasm")
     assert (head["ContentType"], head["ContentEncoding"], head["CacheControl"]) == (
         "application/wasm",
@@ -174,6 +175,10 @@ def test_upload_sets_the_headers(site: dict[str, Upload]) -> None:
         FOREVER,
     )
     assert aws.settings(s3, "web") == SETTINGS
+    s3.put_object(Bucket="web", Key="dumps/statistics.json", Body=b"of a dump")
+    aws.upload(s3, "web", few)
+    kept = s3.get_object(Bucket="web", Key="dumps/statistics.json")["Body"].read()
+    assert kept == b"of a dump", "a later upload leaves the figures"
 
 
 @pytest.mark.usefixtures("cloud")

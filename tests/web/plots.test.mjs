@@ -1,10 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./messages.mjs";
-import { displacements } from "../../web/lib/result/numbers.js";
+import { displacements, lensProfile } from "../../web/lib/result/numbers.js";
 import { above, refined, valueAt } from "../../web/lib/contours.js";
 import { gridLines } from "../../web/lib/result/grid-picture.js";
-import { distortionPlot, errorPlot } from "../../web/lib/result/plots.js";
+import { distortionPlot, errorPlot, profilePlot } from "../../web/lib/result/plots.js";
 
 /** As much of a document as plots are made with. */
 class FakeElement {
@@ -53,6 +53,26 @@ test("the caption of a lens without distortion says 0 px, for every model that c
   // Stereographic: its focal length at the axis is 800 px.
   const { caption } = distortionPlot(calibration(1600, "omnidirectional", [1, 0, 0, 0, 0]));
   assert.match(caption, /up to 154\.1\spx/, caption);
+});
+
+test("the profile of a lens is its radial polynomial, and is dashed beyond the corners measured", () => {
+  const lens = calibration(800, "rectilinear", [-0.1, 0, 0, 0, 0]);
+  const profile = lensProfile(lens, 10);
+  assert.ok(profile.length === 11 && Math.abs(profile[10].radius - Math.hypot(640, 360)) < 1e-9);
+  for (const { radius, shift } of profile) {
+    const straight = (radius - shift) / 800;
+    assert.ok(Math.abs(shift + 0.1 * 800 * straight ** 3) < 1e-3, `${radius}: ${shift}`);
+  }
+  const view = { index: 0, reason: null, points: [[639.5 + 300, 359.5]], residuals: [[0, 0]], cut: [] };
+  const curves = (report) =>
+    profilePlot(lens, report)
+      .svg.all("path")
+      .map(({ attributes }) => attributes);
+  const [, inside, beyond] = curves({ views: [view] });
+  const end = (d) => Number(d.slice(d.lastIndexOf("L") + 1).split(" ")[0]);
+  assert.ok(Math.abs(end(inside.d) - (438 * 300) / Math.hypot(640, 360)) < 8, inside.d);
+  assert.ok(beyond.class.includes("beyond") && Math.abs(end(beyond.d) - 439) < 0.1, beyond.d);
+  assert.equal(curves(null)[2].d, "", "nothing is dashed where it is not known what was measured");
 });
 
 test("displacements of fisheye and omnidirectional lenses are from the pinhole of their focal length at the axis", () => {

@@ -1,6 +1,6 @@
 // The board page: full screen, on another device, on paper; boards of any kind.
 import { boardFile } from "../lib/board-print.js";
-import { PAPERS, fileName, papersFor, squareOn } from "../lib/papers.js";
+import { PAPERS, fileName, papersFor, squareOn, usualPaper } from "../lib/papers.js";
 import { el, part } from "../lib/dom.js";
 import { onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
@@ -49,7 +49,8 @@ function address(page, more = {}) {
 
 function showPapers() {
   for (const file of files) URL.revokeObjectURL(file);
-  const papers = papersFor(board);
+  const usual = usualPaper(navigator.languages);
+  const papers = papersFor(board).sort((a, b) => Number(b === usual) - Number(a === usual));
   files = papers.map((paper) => URL.createObjectURL(boardFile(board, paper)));
   const tiles = papers.map((paper, index) =>
     el(
@@ -64,7 +65,9 @@ function showPapers() {
       ),
     ),
   );
-  part("papers", HTMLElement).replaceChildren(...(tiles.length ? tiles : [el("li", {}, t("board.no_room"))]));
+  part("papers", HTMLElement).replaceChildren(tiles[0] ?? el("li", {}, t("board.no_room")));
+  part("other-papers", HTMLElement).replaceChildren(...tiles.slice(1));
+  part("more-papers", HTMLElement).hidden = tiles.length < 2;
 }
 
 function show() {
@@ -74,8 +77,7 @@ function show() {
   // What a phone needs to know: this board, and that this screen shows it, not its own.
   for (const id of ["qr-phone", "code-qr"])
     drawQr(part(id, SVGElement), address("../calibrate/", { facing: "environment", surface: "screen" }));
-  for (const place of document.querySelectorAll(".only-here"))
-    place.toggleAttribute("hidden", !LOOPBACK.test(location.hostname));
+  part("only-here", HTMLElement).hidden = !LOOPBACK.test(location.hostname);
   part("description", HTMLElement).textContent = boardWords(board);
   // Pages do not detect circles: then the command takes the place of their links.
   const onlyCommand = isCircles(board);

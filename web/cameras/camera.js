@@ -13,6 +13,7 @@ import { numbersPart } from "../lib/result/numbers-part.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { badgeView } from "./badge.js";
 import { membersView, nameOf } from "./members.js";
+import { ring } from "./ring.js";
 import { estimateOf, withModel } from "./source.js";
 import { spreadOf } from "./spread.js";
 
@@ -26,18 +27,20 @@ import { spreadOf } from "./spread.js";
 export function cameraView(page, explain) {
   const modes = [...page.modes].sort((a, b) => b.calibrations - a.calibrations);
   const practice = isVirtual(page.camera);
+  const heading = el("h1", { id: "camera-name", tabindex: -1 }, splitLabel(page.camera).name);
   return el(
     "div",
     {},
     el(
       "header",
       { class: "opening" },
-      el("h1", { id: "camera-name", tabindex: -1 }, splitLabel(page.camera).name),
+      heading,
       el("p", { class: "about" }, aboutText(page)),
       ...(practice ? [el("p", { class: "lead" }, t("cameras.practice"))] : []),
-      callToAction(page, modes[0]),
-      ...(practice || (modes[0] && isReady(modes[0])) ? [] : [estimatePart(page, modes[0])]),
+      el("p", { class: "lead", id: "missing" }, missingText(modes[0])),
     ),
+    summaryBar(page, modes[0], heading),
+    ...(practice || (modes[0] && isReady(modes[0])) ? [] : [estimatePart(page, modes[0])]),
     ...(modes.length
       ? modes.map((mode, index) => modeView(page, mode, index === 0, explain))
       : [el("p", { class: "band" }, t("cameras.no_modes"))]),
@@ -75,39 +78,46 @@ export function stateText({ reliable, agreeing, required }) {
 /** @param {Mode} mode */
 const isReady = (mode) => Object.values(mode.consensus).some((each) => each.reliable);
 
+/** Sentence about the calibrations that are missing. @param {Mode | undefined} mode the one of most calibrations */
+function missingText(mode) {
+  if (!mode) return t("cameras.no_modes");
+  if (isReady(mode)) return t("cameras.ready_text");
+  const missing = mode.required - mode.agreeing;
+  return missing > 0 ? t("cameras.missing_text", { count: missing, size: nameOf(mode) }) : reasonText(mode);
+}
+
 /**
- * Missing calibrations, and the button that makes one.
+ * Bar that stays in sight: how many calibrations agree, and the button that makes one. It has the name of the camera
+ * once the heading is out of sight.
  * @param {CameraPage} page
  * @param {Mode | undefined} mode the one of most calibrations
+ * @param {HTMLElement} heading
  */
-function callToAction({ camera, platform }, mode) {
+function summaryBar({ camera, platform }, mode, heading) {
   const ready = mode !== undefined && isReady(mode);
-  const missing = mode ? mode.required - mode.agreeing : 0;
   const model = mode?.members[0]?.model ?? "rectilinear";
   const href = againAddress(
     /** @type {Calibration} */ ({ camera, platform, img_size: mode?.img_size ?? [1280, 720], distortion_model: model }),
   );
-  const text = !mode
-    ? t("cameras.no_modes")
-    : ready
-      ? t("cameras.ready_text")
-      : missing > 0
-        ? t("cameras.missing_text", { count: missing, size: nameOf(mode) })
-        : reasonText(mode);
-  return el(
+  const name = el("strong", { hidden: true }, splitLabel(camera).name);
+  const bar = el(
     "div",
-    { class: "missing" },
-    el("p", { class: "lead" }, text),
+    { class: ready ? "pinned known" : "pinned" },
+    ...(mode ? [ring(mode)] : []),
     el(
-      "div",
-      { class: "actions" },
-      el(
-        "a",
-        { class: ready ? "button" : "button primary", id: "calibrate-this", href },
-        t(ready ? "cameras.calibrate_again" : "cameras.calibrate_this"),
-      ),
+      "p",
+      {},
+      name,
+      el("span", {}, mode ? stateText({ reliable: ready, agreeing: mode.agreeing, required: mode.required }) : ""),
+    ),
+    el(
+      "a",
+      { class: ready ? "button" : "button primary", id: "calibrate-this", href },
+      t(ready ? "cameras.calibrate_again" : "cameras.calibrate_this"),
     ),
   );
+  new IntersectionObserver(([{ isIntersecting }]) => (name.hidden = isIntersecting)).observe(heading);
+  return bar;
 }
 
 /** Estimate of a camera that is not ready, once it is there. @param {CameraPage} page @param {Mode | undefined} mode */

@@ -1,23 +1,22 @@
 // Rows of the table of cameras.
 import { el } from "../lib/dom.js";
 import { splitLabel } from "../lib/camera-name.js";
-import { dateText, number, rough, t } from "../lib/i18n.js";
+import { dateText, language, number, rough, t } from "../lib/i18n.js";
 import { make, short } from "../lib/svg.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { aboutText, stateText } from "./camera.js";
 import { nameOf } from "./members.js";
+import { ring } from "./ring.js";
 
 /** @typedef {import("./source.js").Found} Found */
 
-const RING = 7; // units: radius of a ring of calibrations
-const GAP = 0.12; // of a part of the ring that is left out between two
+/** Columns by which the table is sorted. @typedef {"name" | "width" | "agreeing" | "date"} Column */
 
 /** A row of the table. @param {Found} found */
 export function cameraRow(found) {
   const { key, camera, sizes } = found;
   const about = [aboutText(found), ...(isVirtual(camera) ? [t("cameras.practice")] : [])];
-  const newest = Math.max(0, ...sizes.map(({ calibration_time }) => calibration_time ?? 0));
-  const width = sizes.map(widthOf).find((angle) => angle !== null) ?? null;
+  const [newest, width] = [newestOf(found), rowWidthOf(found)];
   return el(
     "tr",
     {},
@@ -54,6 +53,28 @@ export function cameraRow(found) {
   );
 }
 
+/** Unix seconds, 0: never. @param {Found} found */
+const newestOf = ({ sizes }) => Math.max(0, ...sizes.map(({ calibration_time }) => calibration_time ?? 0));
+
+/** Degrees of the first size that has them. @param {Found} found */
+const rowWidthOf = ({ sizes }) => sizes.map(widthOf).find((angle) => angle !== null) ?? null;
+
+/**
+ * Cameras in the order of a column, ascending; what has no value comes first.
+ * @param {Found[]} found @param {Column} column
+ */
+export function sortedBy(found, column) {
+  const name = (/** @type {Found} */ each) => splitLabel(each.camera).name;
+  const value = {
+    width: (/** @type {Found} */ each) => rowWidthOf(each) ?? 0,
+    agreeing: (/** @type {Found} */ each) => Math.max(0, ...each.sizes.map(({ agreeing }) => agreeing)),
+    date: newestOf,
+  };
+  return [...found].sort((a, b) =>
+    column === "name" ? name(a).localeCompare(name(b), language()) : value[column](a) - value[column](b),
+  );
+}
+
 /**
  * Horizontal field of view by the focal length alone, degrees; null where its model leaves it open.
  * @param {Pick<import("./source.js").Size, "fx" | "img_size" | "models">} size
@@ -71,20 +92,4 @@ function fan(degrees) {
   return make("svg", { viewBox: "0 0 24 14", class: "fan", "aria-hidden": "true" }, [
     make("path", { d: `M12 13L${12 - Number(x)} ${y}A12 12 0 0 1 ${12 + Number(x)} ${y}Z` }),
   ]);
-}
-
-/** Ring with a part for each calibration that is needed. @param {import("./source.js").Size} size */
-function ring({ agreeing, required }) {
-  const parts = Array.from({ length: required }, (_, index) =>
-    make("circle", {
-      cx: 10,
-      cy: 10,
-      r: RING,
-      pathLength: required,
-      class: index < agreeing ? "there" : "",
-      "stroke-dasharray": `${1 - GAP} ${required - 1 + GAP}`,
-      "stroke-dashoffset": String(required / 4 - index - GAP / 2),
-    }),
-  );
-  return make("svg", { viewBox: "0 0 20 20", class: "ring", "aria-hidden": "true" }, parts);
 }

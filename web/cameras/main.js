@@ -8,7 +8,7 @@ import { openPage } from "../lib/page.js";
 import { liveRegion } from "../lib/live-region.js";
 import { splitLabel } from "../lib/camera-name.js";
 import { cameraView } from "./camera.js";
-import { cameraRow } from "./list.js";
+import { cameraRow, sortedBy } from "./list.js";
 import { camera, search } from "./source.js";
 
 /** @typedef {import("./source.js").Found} Found */
@@ -26,16 +26,29 @@ const [tell, offers] = [liveRegion(status), liveRegion(part("first", HTMLElement
 let found = [];
 /** @type {string | null} */
 let next = null;
+/** @type {{column: import("./list.js").Column, isDescending: boolean} | null} null: as the service lists them */
+let order = null;
 /** @type {import("./source.js").CameraPage | null} */
 let shown = null;
 /** The current request; an answer to anything else comes too late. */
 let asked = 0;
 
 function showList() {
-  list.replaceChildren(...found.map(cameraRow));
+  const rows = order ? sortedBy(found, order.column) : found;
+  if (order?.isDescending) rows.reverse();
+  list.replaceChildren(...rows.map(cameraRow));
   part("table", HTMLElement).hidden = found.length === 0;
   list.removeAttribute("aria-busy");
   more.hidden = next === null;
+}
+
+/** Sorts by a column; names rise first, amounts fall first. @param {HTMLButtonElement} button */
+function sortBy(button) {
+  const column = /** @type {import("./list.js").Column} */ (button.dataset.column);
+  order = { column, isDescending: order?.column === column ? !order.isDescending : column !== "name" };
+  for (const head of part("table", HTMLElement).querySelectorAll("th[aria-sort]")) head.removeAttribute("aria-sort");
+  button.parentElement?.setAttribute("aria-sort", order.isDescending ? "descending" : "ascending");
+  showList();
 }
 
 /** Keeps the search in the address, so that reloads, history and shared links have it. */
@@ -154,6 +167,9 @@ part("search", HTMLFormElement).addEventListener("submit", (event) => {
   void look();
 });
 state.addEventListener("change", () => void look());
+for (const button of part("table", HTMLElement).querySelectorAll("button")) {
+  button.addEventListener("click", () => sortBy(button));
+}
 more.addEventListener("click", () => look({ further: true }));
 onLanguage(() => {
   if (shown) return one.replaceChildren(cameraView(shown, explain));

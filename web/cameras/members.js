@@ -59,12 +59,12 @@ export function membersView(mode, agreed, id, explain) {
     "div",
     { class: "members" },
     ...(members.length < MIN_PLOTTED ? [] : [plots(members, agreed)]),
+    status,
     el(
       "div",
       { class: "scroll", tabindex: 0, role: "region", "aria-label": `${t("cameras.members")}: ${nameOf(mode)}` },
       table,
     ),
-    status,
     place,
   );
 }

@@ -123,7 +123,9 @@ function showDump() {
 show();
 onLanguage(show);
 try {
-  statistics = await fetchObject("statistics.json");
+  /** @type {Statistics | null} */
+  const counted = await fetchObject("statistics.json");
+  statistics = counted?.history.length ? counted : null;
   if (statistics) dump = await fetchObject("latest.json");
   status = statistics ? "data.as_of" : "data.none_yet";
   show();

@@ -8,6 +8,13 @@ fillIn();
 offerTokens();
 offerScrolling();
 offerSearch();
+unfoldContents();
+
+/** Where there is a column for the page's headings, they are in sight. */
+function unfoldContents() {
+  const contents = document.querySelector("details.contents");
+  if (contents && matchMedia("(min-width: 84rem)").matches) contents.setAttribute("open", "");
+}
 
 /** Puts address and token into examples. */
 function fillIn() {

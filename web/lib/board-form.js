@@ -1,4 +1,4 @@
-// Form in which a board is described: presets, and every parameter of its kind.
+// Form in which a board is described: presets, and, folded away, every parameter of its kind.
 import { CIRCLES, DEFAULT_TAG_SPACING, DICTIONARIES, boardFrom, isSameBoard, kindOf } from "./board.js";
 import { PRESETS } from "./board-presets.js";
 import { reason } from "./board-problem.js";
@@ -30,6 +30,7 @@ export class BoardForm {
     legacy: part("legacy", HTMLInputElement),
     inverted: part("inverted", HTMLInputElement),
   };
+  #edit = part("board-edit", HTMLDetailsElement);
   #problem = part("board-problem", HTMLElement);
   #board;
   #use;
@@ -47,7 +48,10 @@ export class BoardForm {
     dictionary.append(...DICTIONARIES.map((name) => new Option(name, name)));
     preset.addEventListener("change", () => {
       const chosen = PRESETS.find(({ id }) => id === preset.value);
-      if (!chosen) return this.#fields.kind.focus();
+      if (!chosen) {
+        this.#edit.open = true;
+        return this.#fields.kind.focus();
+      }
       this.show(chosen.board);
       onChoice(chosen.board);
     });
@@ -118,6 +122,7 @@ export class BoardForm {
       if (CIRCLES.includes(option.value)) option.text = t(`boards.kind_${option.value}`);
     preset.options[preset.options.length - 1].textContent = t("boards.preset_other");
     preset.value = PRESETS.find(({ board }) => isSameBoard(board, this.#board))?.id ?? OTHER;
+    this.#edit.open ||= preset.value === OTHER;
     this.#use.onArrange?.();
     this.#say(this.#wrong);
   }

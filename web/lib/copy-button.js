@@ -1,6 +1,7 @@
 // A button that copies a block of code. Blocks of a page's source have one from the start (header.js); a block that is
 // made
 // later gets its own by `addCopyButton(pre)`, before or after it is put into the page.
+import { highlightCode } from "./highlight.js";
 import { onLanguage, t } from "./i18n.js";
 
 const SHOWN_MS = 2000;
@@ -38,6 +39,7 @@ export function addCopyButton(pre) {
   show();
   pre.replaceWith(wrapper);
   wrapper.append(pre, button, said);
+  if (!wrapper.closest(".block")) highlightCode(pre);
   return wrapper;
 }
 

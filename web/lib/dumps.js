@@ -24,7 +24,7 @@ export async function fetchObject(name) {
   }
 }
 
-/** The database's newest figures. @returns {Promise<Snapshot | null>} null: not counted yet */
+/** The database's newest figures. @returns {Promise<Snapshot | null>} null: not counted yet, or no network */
 export async function newestFigures() {
   /** @type {{history: Snapshot[]} | null} */
   const statistics = await fetchObject("statistics.json");

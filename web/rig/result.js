@@ -1,8 +1,10 @@
 // Result of a rig: how good it is, where the cameras are, the rectified pair, files, each camera's calibration, code.
 import { codeBlocks } from "../lib/result/code-part.js";
+import { boardSentence } from "../lib/result/board-sentence.js";
 import { copyButton } from "../lib/result/menu.js";
 import { addCopyButton } from "../lib/copy-button.js";
 import { ApiError } from "../lib/api.js";
+import { corners } from "../lib/board.js";
 import { el } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
 import { joinFacts, number, onLanguage, rough, formatSize, t } from "../lib/i18n.js";
@@ -52,8 +54,8 @@ export class RigView {
     const rectified = rectifiedPart(rig, this.#sources.pictures);
     this.#held.push(rectified.dispose);
     this.#root.replaceChildren(
-      head(this.#state, result),
-      section("where", this.#where(result)),
+      el("div", { class: "outlook" }, head(this.#state, result), this.#scene(result)),
+      section("where", relations(result)),
       section("pair", rectified.element),
       section("files", this.#files()),
       section("each", cameraList(this.#state, result)),
@@ -61,8 +63,8 @@ export class RigView {
     );
   }
 
-  /** @param {RigResult} result */
-  #where(result) {
+  /** Cameras and boards as a figure. @param {RigResult} result */
+  #scene(result) {
     const { board, square_size: size } = this.#state;
     const square = result.unit === "metres" && size ? size : 1;
     const boards =
@@ -75,15 +77,10 @@ export class RigView {
       t("rig.plot_label", { count: result.cameras.length }),
     );
     return el(
-      "div",
-      { class: "where" },
-      el(
-        "figure",
-        { class: "figure" },
-        plot,
-        el("figcaption", {}, t(boards.length ? "rig.plot_caption_boards" : "rig.plot_caption")),
-      ),
-      relations(result),
+      "figure",
+      { class: "figure" },
+      plot,
+      el("figcaption", {}, t(boards.length ? "rig.plot_caption_boards" : "rig.plot_caption")),
     );
   }
 
@@ -137,8 +134,20 @@ function section(id, content) {
   );
 }
 
+/** Longer extent of a board's corners, mm; null if its squares were not measured. @param {RigState} state */
+function lengthOf({ board, square_size: size }) {
+  if (!size) return null;
+  const points = corners(board);
+  const extents = [0, 1].map((axis) => {
+    const places = points.map((point) => point[axis]);
+    return Math.max(...places) - Math.min(...places);
+  });
+  return 1000 * size * Math.max(...extents);
+}
+
 /** @param {RigState} state @param {RigResult} result */
-function head({ cameras, rig_id: id, moments }, { verdict, rms, held_out_rms: heldOut, uncertainty, cameras: all }) {
+function head(state, { verdict, rms, held_out_rms: heldOut, uncertainty, cameras: all, board_shape: shape }) {
+  const { cameras, rig_id: id, moments } = state;
   const level = LEVELS.find((each) => each === (typeof verdict === "string" ? verdict : verdict?.level)) ?? "fair";
   const practice = cameras.some(({ camera }) => isVirtual(camera ?? ""));
   const aside = moments.flatMap(({ set_aside: views = [] }) => views).length;
@@ -167,6 +176,7 @@ function head({ cameras, rig_id: id, moments }, { verdict, rms, held_out_rms: he
           ),
         ]
       : []),
+    ...boardSentence(shape, lengthOf(state)).map((text) => el("p", {}, text)),
     el("p", { class: "muted small" }, joinFacts(figures)),
     el(
       "div",
@@ -269,7 +279,8 @@ function codes(id) {
   const origin = new URL("../", location.href).origin;
   const javascript = `import { rig, rectifyPair } from "${origin}/sdk/calibdb.js";
 
-const stereo = await rig("${id}", { token: "cdb_…" }); // your token
+const token = "cdb_…"; // yours
+const stereo = await rig("${id}", { token });
 stereo.pose(1).tvec; // from camera 0 to camera 1, in ${"`stereo.unit`"}
 const pair = await rectifyPair(leftVideo, rightVideo, stereo);
 document.body.append(pair.left, pair.right);
@@ -277,7 +288,8 @@ document.body.append(pair.left, pair.right);
   const python = `import cv2
 
 file = cv2.FileStorage("stereo-0-1.yml", cv2.FILE_STORAGE_READ)
-K1, D1, K2, D2, R, T = (file.getNode(name).mat() for name in ("K1", "D1", "K2", "D2", "R", "T"))
+names = "K1 D1 K2 D2 R T".split()
+K1, D1, K2, D2, R, T = (file.getNode(name).mat() for name in names)
 `;
   return codeBlocks([
     ["javascript", "JavaScript", javascript],

@@ -35,6 +35,7 @@
  * @property {Uncertainty | null} uncertainty
  * @property {{level: "good" | "fair" | "poor", reasons?: string[]} | string | null} verdict
  * @property {(Pose & {moment: string})[]} [board_poses] board → camera 0
+ * @property {import("../lib/result/numbers.js").BoardShape} [board_shape] missing: as drawn
  *
  * @typedef {object} RigState
  * @property {string} rig_id

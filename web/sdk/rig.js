@@ -37,6 +37,8 @@ import { createViews } from "./views.js";
  * @property {{level: "good" | "fair" | "poor", reasons: string[]}} verdict "uncertain", "held_out" or "set_aside" are
  *   reasons
  * @property {(Motion & {moment: string})[]} [board_poses] boards of the moments that count: board → camera 0
+ * @property {{sag: number, sag_std: number, stretch: number, stretch_std: number, stretch_kind?: "wider" | "narrower" |
+ *   "skewed"}} [board_shape] bend and print of the board, shares of its longer side; missing: as drawn
  *
  * @typedef {object} Pose from a camera of a rig to another: x → R x + t, both frames x right, y down, z forward
  * @property {number[]} rvec rotation vector, radians

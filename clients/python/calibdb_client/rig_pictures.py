@@ -46,6 +46,16 @@ class RigResult:
     moments: int
     left_out: tuple[tuple[str, str], ...] = ()
 
+    def board_sentence(self, square_mm: float | None = None) -> str | None:
+        """Return a sentence on the bend and the print of the board; None if it was taken as drawn.
+
+        It is in millimetres if the side of a square is given.
+        """
+        from calibsolver.quality import report
+
+        length = self.board.length(square_mm) if square_mm else None
+        return report.board_sentence(self.rig.record.get("board_shape"), length)
+
 
 def calibrate_rig(
     folders: Sequence[str | Path],
@@ -191,6 +201,7 @@ def _record(fit: dict[str, Any], recordings: Sequence[Recording]) -> dict[str, A
             {"moment": each["moment"], "rvec": each["pose"][:3], "tvec": each["pose"][3:]}
             for each in fit["board_poses"]
         ],
+        **({"board_shape": fit["board_shape"]} if "board_shape" in fit else {}),
     }
 
 

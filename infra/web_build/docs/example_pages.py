@@ -204,9 +204,12 @@ def _camera_demo(example: Example) -> str:
         if example.has_virtual
         else ""
     )
-    return f"""<div class="actions" id="begin">
-          <button class="primary" id="start" type="button"
-            data-t="examples.start">Open the camera</button>{virtually}
+    picture = (
+        f'<img src="../{example.folder}.jpg" width="480" height="270" alt="">' if example.has_virtual else ""
+    )
+    return f"""<div class="begin" id="begin">{picture}
+          <div class="actions"><button class="primary" id="start" type="button"
+            data-t="examples.start">Open the camera</button>{virtually}</div>
         </div>
         <div class="stage" id="stage" role="img"
           data-t-label="examples.scene" aria-label="Scene" hidden></div>
@@ -220,12 +223,12 @@ def _source(web: Path, name: str) -> str:
 
 
 def _index() -> str:
-    cards = [_card("../ar", '<span data-t="examples.ar"></span>')]
+    cards = [_card("../ar", '<strong data-t="examples.ar"></strong>')]
     for one in ENGINES:
         adapter = re.search(r"calibdb/adapters/\w+", one.lines)
-        named = f'<span data-t="{one.message}">{escape(one.heading)}</span>'
+        named = f'<strong data-t="{one.message}">{escape(one.heading)}</strong>'
         cards.append(
-            _card(one.folder, f"<span>{one.name}</span> <code>{adapter[0]}</code>" if adapter else named)
+            _card(one.folder, f"<strong>{one.name}</strong> <code>{adapter[0]}</code>" if adapter else named)
         )
     return _document(
         "Examples",
@@ -243,7 +246,9 @@ def _index() -> str:
 def _card(folder: str, words: str) -> str:
     name = folder.rpartition("/")[2]
     picture = f'<img src="./{name}.jpg" width="480" height="270" alt="" loading="lazy">'
-    return f'<li><a href="{folder}/">{picture}{words}</a></li>'
+    return (
+        f'<li><a href="{folder}/">{picture}{words} <span data-t="examples.{name}_does"></span></a></li>'
+    )
 
 
 def _document(title: str, lead: str, root: str, head: str, main: str) -> str:

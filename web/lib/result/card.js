@@ -3,6 +3,7 @@ import { el } from "../dom.js";
 import { splitLabel } from "../camera-name.js";
 import { dateText, joinFacts, language, number, pageUrl, rough, formatSize, t } from "../i18n.js";
 import { isVirtual } from "../virtual/name.js";
+import { boardSentence } from "./board-sentence.js";
 import { meaning } from "./meaning.js";
 import { hint, moreMenu, shareButton } from "./menu.js";
 import { isFairInside, levelOf } from "./numbers.js";
@@ -21,8 +22,6 @@ import { button, listViews } from "./views.js";
  */
 
 const FILES = ["photographs", "video"]; // platforms of what no browser opened as a camera
-const MIN_SIGMAS = 2; // of a shape that is certain
-const MAX_STRETCH = 0.01; // share of the length by which a printer may stretch a board
 const BOARDS = /** @type {Record<string, string>} */ ({
   charuco: "ChArUco",
   chessboard: "Chessboard",
@@ -122,20 +121,6 @@ const insideSentence = ({ uncertainty: { inside, covered } }) =>
   typeof inside === "number" && typeof covered === "number"
     ? [t("result.inside_sentence", { inside: rough(inside), covered: number(100 * covered, 0) })]
     : [];
-
-/**
- * Sentence about the board's shape, if it is certain and a printer may have made it.
- * @param {Report["board"]} [board] @returns {string[]}
- */
-export function boardSentence(board) {
-  if (!board || !(board.stretch < MAX_STRETCH)) return [];
-  const deviations = [];
-  if (board.sag > MIN_SIGMAS * board.sag_std) deviations.push(t("result.board_bent", { sag: rough(100 * board.sag) }));
-  if (board.stretch > MIN_SIGMAS * board.stretch_std)
-    deviations.push(t(`result.board_${board.stretch_kind ?? "stretched"}`, { stretch: rough(100 * board.stretch) }));
-  if (!deviations.length) return [];
-  return [t("result.board", { deviations: new Intl.ListFormat(language()).format(deviations) })];
-}
 
 /** @param {Result} result @param {Trial | null} trial @param {string | null} id */
 function nextSteps(result, trial, id) {

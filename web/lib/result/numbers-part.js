@@ -4,7 +4,7 @@ import { el } from "../dom.js";
 import { number, rough, t } from "../i18n.js";
 import { copyButton, hint } from "./menu.js";
 import { fieldOfView, intrinsics } from "./numbers.js";
-import { distortionPlot } from "./plots.js";
+import { distortionPlot, profilePlot } from "./plots.js";
 import { distortionValues, figure } from "./tiles.js";
 import { matrixText, valueText } from "./values.js";
 
@@ -98,7 +98,12 @@ export function numbersPart(calibration, report, { pending = false } = {}) {
  * @param {Report | null} report
  */
 export const lensPart = (calibration, report) =>
-  el("div", { class: "columns" }, figure(distortionPlot(calibration, report)), distortionValues(calibration));
+  el(
+    "div",
+    { class: "columns" },
+    figure(distortionPlot(calibration, report)),
+    el("div", { class: "lens" }, figure(profilePlot(calibration, report)), distortionValues(calibration)),
+  );
 
 /** @param {Calibration} calibration */
 function copies(calibration) {

@@ -22,10 +22,13 @@ import { COEFFICIENTS, isKnownModel, lensOf } from "../../sdk/projection.js";
  *   null)[]}} std
  * @property {{grid: [number, number], px: (number | null)[][]}} error_map columns and rows; predicted error, px
  * @property {number | null} held_out px rms
- * @property {{sag: number, sag_std: number, stretch: number, stretch_std: number, stretch_kind?:
- *   "wider" | "narrower" | "skewed"} | null} [board] shape that was taken into account, shares of the board's length;
- *   older reports have no kind
+ * @property {BoardShape | null} [board] shape that was taken into account
  * @property {ReportView[]} views
+ *
+ * @typedef {object} BoardShape shares of the board's length, with their standard deviations
+ * @property {number} sag @property {number} sag_std
+ * @property {number} stretch @property {number} stretch_std
+ * @property {"wider" | "narrower" | "skewed"} [stretch_kind] older ones have none
  *
  * @typedef {object} Row
  * @property {string} name
@@ -162,6 +165,32 @@ export function displacements(calibration, [columns, rows]) {
   }).flatMap(({ to, ray }) =>
     !ray || ray[2] < MIN_COSINE ? [] : [{ to, from: [(fx * ray[0]) / ray[2] + cx, (fy * ray[1]) / ray[2] + cy] }],
   );
+}
+
+/**
+ * Distortion along the line from the principal point to the picture's farthest corner, as far as a pinhole shows it.
+ * @param {Calibration} calibration of a model that is known here @param {number} steps
+ * @returns {{radius: number, shift: number}[]} px from the principal point; shift: outwards, against a pinhole
+ */
+export function lensProfile(calibration, steps) {
+  const {
+    camera_matrix: [[, , cx], [, , cy]],
+    img_size: [width, height],
+  } = calibration;
+  const lens = lensOf(calibration);
+  const [[fx, , px], [, fy, py]] = axialMatrix(calibration);
+  const corner = [cx < width / 2 ? width - 0.5 : -0.5, cy < height / 2 ? height - 0.5 : -0.5];
+  const [dx, dy] = [corner[0] - cx, corner[1] - cy];
+  const profile = [];
+  for (let step = 0; step <= steps; step++) {
+    const share = step / steps;
+    const ray = lens.unproject([cx + share * dx, cy + share * dy]);
+    if (!ray || ray[2] < MIN_COSINE) break;
+    const radius = share * Math.hypot(dx, dy);
+    const straight = Math.hypot((fx * ray[0]) / ray[2] + px - cx, (fy * ray[1]) / ray[2] + py - cy);
+    profile.push({ radius, shift: radius - straight });
+  }
+  return profile;
 }
 
 /**

@@ -3,8 +3,8 @@ import { number, rough, t } from "../i18n.js";
 import { above, refined, valueAt } from "../contours.js";
 import { gridLines } from "./grid-picture.js";
 import { convexHull, hatching } from "./hull.js";
-import { coverage, displacements, viewIssue } from "./numbers.js";
-import { arrow, imagePlot, make, short } from "../svg.js";
+import { coverage, displacements, lensProfile, viewIssue } from "./numbers.js";
+import { arrow, imagePlot, make, short, ticks } from "../svg.js";
 
 /**
  * @typedef {import("./numbers.js").Calibration} Calibration
@@ -21,6 +21,8 @@ const MOVES_GRID = /** @type {[number, number]} */ ([17, 11]); // where the dist
 const NOTABLE_DISTORTION = 0.02; // of the width; smaller distortions are drawn larger than they are
 const LABEL_WIDTH = 56; // units
 const HATCH_LINES = 60; // across a picture's width
+const PROFILE = { width: 440, height: 70, bottom: 18, pad: 8 }; // units
+const PROFILE_STEPS = 60;
 
 /** A round number not below. @param {number} value */
 function roundUp(value) {
@@ -181,6 +183,55 @@ export function distortionPlot(calibration, report = null) {
     ...(report ? [t("result.extrapolated")] : []),
   ];
   return { svg, caption: [t("result.distortion_caption", found), ...more].join(" ") };
+}
+
+/**
+ * Profile of the lens: the shift by distortion from the principal point to the farthest corner of the picture.
+ * @param {Calibration} calibration of a model that is known here
+ * @param {Report | null} [report] of the corners measured: beyond the farthest the curve is dashed
+ */
+export function profilePlot(calibration, report = null) {
+  const {
+    camera_matrix: [[, , cx], [, , cy]],
+  } = calibration;
+  const profile = lensProfile(calibration, PROFILE_STEPS);
+  const end = profile[profile.length - 1].radius;
+  const largest = profile.reduce((best, each) => (Math.abs(each.shift) > Math.abs(best.shift) ? each : best));
+  const found = { shift: number(largest.shift, 1), radius: number(largest.radius, 0) };
+  const reach = report ? Math.max(0, ...usedCorners(report).map(([u, v]) => Math.hypot(u - cx, v - cy))) : Infinity;
+  const { width, height, bottom, pad } = PROFILE;
+  const shifts = profile.map(({ shift }) => shift);
+  const [low, high] = [Math.min(0, ...shifts), Math.max(0, ...shifts)];
+  const span = Math.max(high - low, ROUNDOFF_PX);
+  const x = (/** @type {number} */ radius) => 1 + ((width - 2) * radius) / end;
+  const y = (/** @type {number} */ shift) => pad + ((high - shift) / span) * (height - bottom - 2 * pad);
+  const line = (/** @type {typeof profile} */ points) =>
+    points.length > 1
+      ? `M${points.map(({ radius, shift }) => `${short(x(radius))} ${short(y(shift))}`).join("L")}`
+      : "";
+  const beyond = profile.findIndex(({ radius }) => radius > reach);
+  const inside = beyond < 0 ? profile : profile.slice(0, beyond);
+  const svg = make(
+    "svg",
+    {
+      viewBox: `0 0 ${width} ${height}`,
+      role: "img",
+      "aria-label": t("result.profile_label", found),
+      class: "plot profile",
+    },
+    [
+      make("rect", { x: 1, y: 1, width: width - 2, height: height - bottom - 1, class: "ground" }),
+      make("path", { d: `M1 ${short(y(0))}H${width - 1}`, class: "ideal" }),
+      make("path", { d: line(inside), class: "mark" }),
+      make("path", { d: beyond < 0 ? "" : line(profile.slice(Math.max(0, beyond - 1))), class: "mark beyond" }),
+      make("rect", { x: 1, y: 1, width: width - 2, height: height - bottom - 1, class: "edge" }),
+      ...ticks(end, 5).map((radius) =>
+        make("text", { x: short(x(radius)), y: height - 4, class: radius ? "" : "start" }, [number(radius, 0)]),
+      ),
+    ],
+  );
+  const more = beyond < 0 ? [] : [t("result.profile_beyond")];
+  return { svg, caption: [t("result.profile_caption", found), ...more].join(" ") };
 }
 
 /**

@@ -53,6 +53,8 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     output.note(f"board: {result.board}")
     for name, why in result.left_out:
         output.note(f"left out {name}: {why}")
+    if sentence := result.board_sentence(chosen.square_mm):
+        output.note(sentence)
     if output.json:
         output.document(dict(rig.record))
     else:

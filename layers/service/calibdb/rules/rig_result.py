@@ -101,6 +101,7 @@ def _result(rig: Rig, fit: RigFit, endings: Sequence[EndingDocument], now: int) 
             MomentPose(moment=one.moment, rvec=one.pose[:3], tvec=_times(one.pose[3:], scale))
             for one in fit.board_poses
         ),
+        board_shape=fit.board_shape,
     )
 
 

@@ -7,9 +7,9 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field
 
 from calibdb.schema.board import Board
-from calibdb.schema.calibration import Calibration
+from calibdb.schema.calibration import BoardShape, Calibration
 from calibdb.schema.fields import DistortionModel, ImgSize, Open, Pixel, Row, Strict, Whole
-from calibdb.schema.membership import MAX_RIG_CAMERAS, MIN_RIG_CAMERAS, MomentId
+from calibdb.schema.membership import MAX_RIG_CAMERAS, MIN_RIG_CAMERAS, MomentId, is_none
 from calibdb.schema.session import HintCode
 
 RigUnit = Literal["squares", "metres"]
@@ -179,6 +179,9 @@ class RigResult(Open):
     )
     verdict: RigVerdict
     board_poses: tuple[MomentPose, ...] = Field((), description="Boards of the moments that count.")
+    board_shape: BoardShape | None = Field(
+        None, exclude_if=is_none, description="Shape of the board in the fit; missing: as drawn."
+    )
 
 
 class RigState(Open):

@@ -7,9 +7,10 @@ from typing import Literal
 from pydantic import Field
 
 from calibdb.schema.board import Board
-from calibdb.schema.calibration import FitRecord
+from calibdb.schema.calibration import BoardShape, FitRecord
 from calibdb.schema.documents import EstimateDocument, Finish
 from calibdb.schema.fields import Open
+from calibdb.schema.membership import is_none
 from calibdb.schema.rig import Motion, RigState, RigTarget, RigUncertainty, SetAsideReason
 from calibdb.schema.session import SetAside
 
@@ -127,6 +128,7 @@ class RigFit(Open):
     set_aside: tuple[ViewSetAside, ...] = ()
     turned: tuple[TurnedView, ...] = ()
     board_poses: tuple[BoardPose, ...] = ()
+    board_shape: BoardShape | None = Field(None, exclude_if=is_none)
 
 
 class RigEstimateDocument(Open):

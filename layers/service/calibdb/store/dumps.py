@@ -14,8 +14,10 @@ from calibdb.store.ports import Objects
 FOLDER = "dumps/"
 LATEST, STATISTICS = f"{FOLDER}latest.json", f"{FOLDER}statistics.json"
 JSON, GZIP = "application/json", "application/gzip"
+NO_STATISTICS = Statistics(created=0, history=(), wanted=()).model_dump_json().encode()
+"""Content of `STATISTICS` before the first dump."""
 # A part never changes; it is removed when a contributor is forgotten.
-_CACHE_CONTROL = {JSON: "public, max-age=60, s-maxage=300", GZIP: "public, max-age=3600"}
+CACHE_CONTROL = {JSON: "public, max-age=60, s-maxage=300", GZIP: "public, max-age=3600"}
 _DRAFT = f"{FOLDER}draft.json"
 
 
@@ -38,7 +40,7 @@ class Dumps:
 
     def write(self, name: str, content: bytes, media_type: str = JSON) -> None:
         """Write a public object, over the one of its name if there is one."""
-        self._public.put(name, content, media_type, _CACHE_CONTROL[media_type])
+        self._public.put(name, content, media_type, CACHE_CONTROL[media_type])
 
     def names(self) -> list[str]:
         """List the names of all public objects. For operators."""

@@ -133,7 +133,7 @@ def _held_out(rig: _Rig, calibration: RigCalibration) -> float | None:
 
 
 def _fit_record(rig: _Rig, calibration: RigCalibration) -> dict[str, Any]:
-    u = calibration.uncertainty
+    u, shape = calibration.uncertainty, calibration.board_shape
     deviations = [
         np.sqrt(np.maximum(np.diagonal(calibration.pose_covariance(i)), 0)) for i in range(rig.count)
     ]
@@ -157,6 +157,7 @@ def _fit_record(rig: _Rig, calibration: RigCalibration) -> dict[str, Any]:
             if np.isfinite(pose).all()
         ],
         "turned": [{"moment": rig.names[m], "position": i} for m, i in calibration.turned],
+        **({} if shape is None else {"board_shape": shape.figures()}),
     }
 
 
