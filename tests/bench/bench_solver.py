@@ -96,7 +96,7 @@ def spread(board: Board, camera: Camera, count: int, rng: np.random.Generator) -
         rvec = np.radians(rng.uniform(15, 45)) * np.array([np.cos(axis), np.sin(axis), 0])
         depth = board.size[0] * camera.matrix[0, 0] / (rng.uniform(0.4, 0.7) * camera.img_size[0])
         place = np.array([*(rng.uniform(-0.15, 0.15, 2) * depth), depth])
-        view = synthetic.seen(board, camera, rvec, place - rotation.matrix(rvec) @ center, rng)
+        view = synthetic.detect(board, camera, rvec, place - rotation.matrix(rvec) @ center, rng)
         if len(view) == board.corner_count:
             views.append(view)
     return views

@@ -42,18 +42,22 @@ def test_board_on_a_screen_has_no_shape(client: Client, stack: Server) -> None:
     """Photographs of a bent chessboard, once as of paper and once as of a screen."""
     views, size = corner_views("opencv_left")
     numbered = grid(views)
-    shapes = []
+    shapes, said = [], []
     for surface in ({}, {"surface": "screen"}):
         board = {"kind": "chessboard", "squares": list(numbered.squares), **surface}
         opened = client.open(board=board, img_size=list(size), capture="recorded")
         assert opened.status == 201, opened.body
         for index, (ids, view) in enumerate(zip(numbered.ids, views, strict=True)):
-            assert client.view(index, list(ids), view.image_points.tolist()).status == 200
+            answer = client.view(index, list(ids), view.image_points.tolist())
+            assert answer.status == 200
+        said.append(answer.json.get("board_shape"))
         document = stored(stack, client.call("POST", "/v1/session/finish").json["calibration_id"])
         assert document.board.surface == surface.get("surface")
         shapes.append(document.fits[document.distortion_model].board_shape)
     assert shapes[0] is not None
     assert shapes[1] is None
+    assert said[0] == pytest.approx(shapes[0].model_dump(), rel=0.1), "the session states it before its end"
+    assert said[1] is None
 
 
 @pytest.mark.parametrize("board", [APRILGRID, CHESSBOARD, {"inverted": True}, {"surface": "screen"}])

@@ -109,6 +109,45 @@ test("a capture that is shown nothing new for 30 s ends with its four views, in 
   assert.equal(decide(back, 40_001), null, "time in a hidden tab does not count");
 });
 
+test("a capture ends after six holds in a row where the board was before, and says so at each", () => {
+  const views = [1, 2, 3, 4].map((index) => ({ index, points: 40, rms: 0.1 }));
+  const answer = { ...SESSION, views, calibration: {}, accepted: true, reason: null };
+  const places = [0, 1, 2].map((n) => frame({ rvec: [0.4, 0.6, 0], tvec: [-12 + 2 * n, -6, 20] }));
+  let state = capturing();
+  let time = 0;
+  const hold = (detection, ms) => {
+    state = frames(detection, ms, time).reduce(reduce, state);
+    time += ms + 100;
+  };
+  for (const detection of places) {
+    hold(detection, LONG_HOLD_MS + 200);
+    assert.equal(decide(state, time), "submit");
+    state = reduce(state, { type: "sent", corners: state.detector.corners });
+    state = reduce(state, { type: "answer", answer, corners: state.detector.corners, time });
+    state = reduce(state, { type: "pose", pose: target(THERE), picture: null, time });
+    hold(detection, 2 * LONG_HOLD_MS); // the hold that was sent goes on
+  }
+  assert.equal(state.capture.repeats, 0);
+  for (let n = 0; n < 6; n++) {
+    assert.notEqual(decide(state, time), "finish", `after ${n}`);
+    hold(places[n % 3], 2 * LONG_HOLD_MS);
+    assert.equal(state.capture.repeats, n + 1, "once for each hold");
+    assert.equal(state.ui.notice.key, "capture.refused_duplicate");
+  }
+  assert.equal(decide(state, time), "finish");
+  hold(frame(ELSEWHERE), 0);
+  const taken = { ...answer, views: [...views, views[0]] };
+  const fresh = reduce(state, { type: "answer", answer: taken, corners: state.detector.corners, time });
+  assert.equal(fresh.capture.repeats, 0, "a new view begins the count again");
+});
+
+test("a board that faces the camera shows nothing new, each time it is held so", () => {
+  const once = capturing(frames(frame(FACING), 4 * LONG_HOLD_MS));
+  assert.equal(once.capture.repeats, 1);
+  const moved = frames(frame({ ...FACING, tvec: [-9, -5, 22] }), LONG_HOLD_MS, 10_000).reduce(reduce, once);
+  assert.equal(moved.capture.repeats, 2);
+});
+
 test("a view that was taken off the target is said to be, with what helps more", () => {
   const view = { index: 0, points: 40, rms: 0.1, on_target: false };
   const taken = (views) =>
@@ -158,7 +197,7 @@ test("an accepted view takes the target away, and progress never falls but by un
   );
   assert.equal(reduce(taken, { type: "session", session: { ...SESSION, views, progress: 0.4 } }).capture.progress, 0.5);
   const undone = reduce(taken, { type: "undone", session: SESSION, time: 700 });
-  assert.deepEqual([undone.capture.progress, undone.capture.lastSent], [0, null]);
+  assert.deepEqual([undone.capture.progress, undone.capture.shown], [0, []]);
 });
 
 test("convergence ends the capture", () => {

@@ -1,6 +1,6 @@
 // Rules for taking a view by itself: is the board at the target, is it held still there, for how long? Pure.
 import { foreshortening } from "../lib/board-outline.js";
-import { isIdle, viewCount } from "./state.js";
+import { isExhausted, viewCount } from "./state.js";
 import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget, lenienceAfter } from "../lib/capture/at-target.js";
 import { motion } from "../lib/capture/stillness.js";
 
@@ -27,13 +27,39 @@ export function isThere({ capture: { aim }, detector }) {
  */
 export function requiredHold(state) {
   const {
-    capture: { key, pose, lastSent },
-    detector: { outline, corners },
+    capture: { key, pose, shown },
+    detector: { outline },
   } = state;
   if (!key || !pose || !outline) return null;
-  if (lastSent && motion(lastSent, corners) < (MIN_DISPLACEMENT_PX * key.img_size[0]) / 1280) return null;
+  const place = placeShown(state);
+  if (place >= 0 && place === shown.length - 1) return null;
   if (isThere(state)) return HOLD_MS;
-  return foreshortening(outline) > MIN_FORESHORTENING ? LONG_HOLD_MS : null;
+  return place < 0 && foreshortening(outline) > MIN_FORESHORTENING ? LONG_HOLD_MS : null;
+}
+
+/** Index of the hold shown before at the place of the board, -1 if there was none. @param {State} state */
+function placeShown({ capture: { key, shown }, detector: { corners } }) {
+  const near = (MIN_DISPLACEMENT_PX * (key?.img_size[0] ?? 0)) / 1280;
+  return shown.findLastIndex((hold) => motion(hold, corners) < near);
+}
+
+/**
+ * Holds shown so far, if the board has just been held where nothing new is to be seen; null if not. It was held there
+ * before, or it faces the camera.
+ * @param {number} held ms, before the last frame
+ * @param {State} state
+ */
+export function shownAgain(held, state) {
+  const {
+    capture: { pose, shown },
+    detector: { corners, outline, stillness },
+    link: { busy },
+  } = state;
+  if (busy || !pose || !outline || requiredHold(state) !== null) return null;
+  const place = placeShown(state);
+  const required = place < 0 ? LONG_HOLD_MS : HOLD_MS;
+  if (held >= required || stillness.held < required || (place >= 0 && place === shown.length - 1)) return null;
+  return [...shown.filter((_, index) => index !== place), corners];
 }
 
 /** Progress of the hold, 0…1. @param {State} state */
@@ -83,7 +109,7 @@ export function decide(state, time) {
   const { held, frames } = detector.stillness;
   if (required !== null && held >= required && frames >= MIN_HOLD_FRAMES) return "submit";
   if (detector.diagnosis.trouble === "legacy" && viewCount(state) === 0) return "relayout";
-  if (isIdle(state, time)) return "finish";
+  if (isExhausted(state, time)) return "finish";
   // While no board is in sight, another pose would not help.
   if (detector.corners.ids.length === 0) return null;
   if (capture.skipAfter !== null) return time - ui.noticedAt > capture.skipAfter ? "skip" : null;

@@ -1,7 +1,7 @@
 // Reducer of the guided capture: `(state, event) => state`. No clock, no DOM, no network.
 import { observedOutline } from "../lib/board-outline.js";
 import { HEALTHY, diagnose, troubleOf } from "../lib/capture/diagnosis.js";
-import { HOLD_MS, LONG_HOLD_MS, isThere, lenience, requiredHold, timeToRead } from "./hold.js";
+import { HOLD_MS, LONG_HOLD_MS, isThere, lenience, requiredHold, shownAgain, timeToRead } from "./hold.js";
 import { HINTS, SILENT, asMirrored, instruct } from "./instruction.js";
 import { jaccard } from "../lib/capture/jaccard.js";
 import { isOfSize, offlineGoal, viewCount } from "./state.js";
@@ -57,7 +57,8 @@ export function initial(board, wanted) {
       takenAt: 0,
       aim: null,
       nearest: { time: 0, distance: Infinity },
-      lastSent: null,
+      shown: [],
+      repeats: 0,
       skipAfter: null,
       unsteady: false,
     },
@@ -157,7 +158,10 @@ export function reduce(state, event) {
       return change(state, { link: { busy: false } });
     case "sent":
       return change(state, {
-        capture: { lastSent: event.corners, unsteady: state.capture.unsteady || isUnsteady(state, event.corners) },
+        capture: {
+          shown: [...state.capture.shown, event.corners],
+          unsteady: state.capture.unsteady || isUnsteady(state, event.corners),
+        },
         detector: { restless: 0 },
         ui: { instruction: DONE },
       });
@@ -300,7 +304,11 @@ function storeView(state, { corners, stored, time }) {
   const left = Math.max(0, MAX_UNCONFIRMED_PROGRESS - state.capture.progress);
   const progress = state.capture.progress + left / Math.max(1, offlineGoal(state) - state.link.stored);
   const next = change(clearTarget(state), {
-    capture: { lastSent: corners, progress, unsteady: state.capture.unsteady || isUnsteady(state, corners) },
+    capture: {
+      shown: [...state.capture.shown, corners],
+      progress,
+      unsteady: state.capture.unsteady || isUnsteady(state, corners),
+    },
     link: { stored, busy: false },
     ui: { instruction: DONE },
   });
@@ -394,10 +402,15 @@ function observeFrame(state, { detection, time }) {
   });
   const distance = outline && capture.aim ? 1 - next.detector.overlap + difference(outline, capture.aim) : Infinity;
   const nearest = distance < capture.nearest.distance - MIN_APPROACH ? { time, distance } : capture.nearest;
-  return change(next, {
+  const held = change(next, {
     capture: { nearest },
     ui: { instruction: instruct(next, requiredHold(next) === HOLD_MS, time) },
   });
+  const shown = shownAgain(detector.stillness.held, held);
+  if (!shown) return held;
+  const repeated = change(held, { capture: { shown, repeats: capture.repeats + 1 } });
+  const wasHere = shown.length === capture.shown.length;
+  return wasHere ? notify(repeated, { key: "capture.refused_duplicate", kind: "bad" }, time) : repeated;
 }
 
 /**
@@ -425,17 +438,19 @@ function takeAnswer(state, { answer, corners, time }) {
   const reason = answer.reason === "outlier" && answer.views.length === 0 ? "degenerate" : answer.reason;
   // Who has done what was asked is not told to do it.
   const useless = (reason === "no_information" || reason === "duplicate") && isThere(state);
+  const { shown, repeats, takenAt } = state.capture;
   const next = change(followSession(state, answer), {
     capture: {
-      lastSent: corners,
+      shown: shown.includes(corners) ? shown : [...shown, corners],
+      repeats: answer.accepted ? 0 : repeats + Number(reason === "duplicate"),
       skipAfter: answer.accepted || !isThere(state) ? null : timeToRead(useless),
-      takenAt: answer.accepted ? time : state.capture.takenAt,
+      takenAt: answer.accepted ? time : takenAt,
     },
     link: { busy: false },
   });
   // The answered target is gone at once; the next one is fetched. A refused one stays.
-  const shown = answer.accepted ? clearTarget(next) : next;
-  return notify(shown, answerNotice(state, answer, useless ? "useless" : reason), time);
+  const cleared = answer.accepted ? clearTarget(next) : next;
+  return notify(cleared, answerNotice(state, answer, useless ? "useless" : reason), time);
 }
 
 /** @param {State} state @param {ViewAnswer} answer @param {string | null} reason @returns {Notice} */
@@ -465,7 +480,7 @@ function undo(state, { session, stored, time }) {
   const next = session
     ? change(followSession(state, session), { capture: { progress: session.progress } })
     : change(state, { capture: { progress: progress * left } });
-  const undone = change(next, { capture: { lastSent: null, takenAt: time }, link: { stored, busy: false } });
+  const undone = change(next, { capture: { shown: [], repeats: 0, takenAt: time }, link: { stored, busy: false } });
   return notify(undone, { key: "capture.view_undone", kind: "good" }, time);
 }
 

@@ -17,7 +17,7 @@ from calibsolver.guidance.candidates import CornerGrid, PoseLimits
 from calibsolver.guidance.overlap import estimate_outline, jaccard_index
 from calibsolver.guidance.search import fisher_information
 from tests.helpers.solver.hands import STEADY, Hand
-from tests.helpers.solver.synthetic import Session, User, match_picture, seen
+from tests.helpers.solver.synthetic import Session, User, detect, match_picture
 
 MAX_ATTEMPTS = 8
 COMFORTABLE = PoseLimits(width=(0.30, 0.75), max_tilt_deg=45.0, min_visible=0.9)
@@ -58,7 +58,7 @@ def run_published_method(
         session.attempts += 1
         target = guide.next_pose(session.views, None)
         asked = match_picture(board, guide.camera(session.views), camera, target)
-        view = seen(board, camera, *user.hold(board, asked, rng), rng, noise, wild)
+        view = detect(board, camera, *user.hold(board, asked, rng), rng, noise, wild)
         tried.append((jaccard_index(target.outline, estimate_outline(board, view), camera.img_size), view))
         if not guide.is_reached(target, view):
             if len(tried) < MAX_ATTEMPTS:
@@ -114,7 +114,7 @@ def _captured(
     for r, t in zip(poses.r[:views], poses.t[:views], strict=True):
         session.attempts += 1
         session.views.append(
-            seen(board, camera, rotation.vector(r), t, rng, noise, hand=hand, corners=corners)
+            detect(board, camera, rotation.vector(r), t, rng, noise, hand=hand, corners=corners)
         )
         try:
             calibration = fit(session.views, camera.img_size, camera.model)

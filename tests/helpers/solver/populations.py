@@ -50,7 +50,7 @@ def views(
             depth = BOARD.size[0] * camera.matrix[0, 0] / (width * w)
             t = depth * ray - r @ middle
             focused = hand.refocused(camera, rng)
-            view = synthetic.seen(
+            view = synthetic.detect(
                 BOARD, focused, rotation.vector(r), t, rng, noise, hand=hand, corners=corners
             )
             if len(view) >= 16:

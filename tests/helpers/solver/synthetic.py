@@ -16,10 +16,12 @@ from calibsolver.camera import pixel_grid
 from calibsolver.capture import Capture, Estimate, History
 from calibsolver.fitting.initial_guess import plane_poses
 from calibsolver.guidance import FixedPlan, Guide
-from calibsolver.guidance.target import TargetPose
+from calibsolver.guidance.target import TargetPose, in_image
 from tests.helpers.solver.hands import STEADY, Hand
 
 IMG_SIZE = (1280, 720)
+BORDER_PX = 2.0
+"""Border in which neither corners nor markers are found."""
 
 
 def rectilinear_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE) -> list[Camera]:
@@ -74,7 +76,7 @@ def fisheye_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int] = 
     return cameras
 
 
-def seen(
+def detect(
     board: Board,
     camera: Camera,
     rvec: np.ndarray,
@@ -86,10 +88,11 @@ def seen(
     hand: Hand = STEADY,
     corners: np.ndarray | None = None,
 ) -> View:
-    """Corners as a detector reports them: in the image, Gaussian noise, a share `wild` 3 to 50 px off.
+    """Corners as a detector reports them: Gaussian noise, a share `wild` 3 to 50 px off.
 
-    With `blur` the noise grows with the tilt: it is 1 + blur times as large at 45 degrees. `hand` says how
-    the board moves meanwhile; `corners` (n, 3) are those of a bent board.
+    A corner is reported if the image contains it and what identifies it (`Board.support`), as a marker beside
+    it. With `blur` the noise grows with the tilt: it is 1 + blur times as large at 45 degrees. `hand` says
+    how the board moves meanwhile; `corners` (n, 3) are those of a bent board.
     """
     r = rotations.matrix(rvec)
     corners = board.points if corners is None else corners
@@ -99,10 +102,12 @@ def seen(
     center = r @ board.outline.mean(axis=0) + tvec
     tilt = np.degrees(np.arccos(np.clip(r[:, 2] @ center / np.linalg.norm(center), -1, 1)))
     noise = noise * (1 + blur * (tilt / 45) ** 2)
-    w, h = camera.img_size
-    inside = (q >= 2).all(axis=1) & (q[:, 0] <= w - 3) & (q[:, 1] <= h - 3)
+    support = camera.project(board.support.reshape(-1, 3) @ r.T + tvec).reshape(*board.support.shape[:3], 2)
+    whole = np.all(in_image(support, camera.img_size, BORDER_PX), axis=2)
+    inside = in_image(q, camera.img_size, BORDER_PX) & np.any(whole, axis=1)
     q = q[inside] + noise * rng.normal(size=(int(inside.sum()), 2))
     bad = rng.uniform(size=len(q)) < wild
+    w, h = camera.img_size
     angle = rng.uniform(0, 2 * np.pi, len(q))
     off = rng.uniform(3, 50, len(q))[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     return View(board.points[inside], np.where(bad[:, None], np.clip(q + off, 0, (w - 1, h - 1)), q))
@@ -249,7 +254,7 @@ def run(
         drawn = capture.camera(None if isinstance(chooser, FixedPlan) else estimate)
         asked = match_picture(board, drawn, camera, target)
         rvec, tvec = user.hold(board, asked, rng)
-        view = seen(board, camera, rvec, tvec, rng, noise, wild, blur, hand, corners)
+        view = detect(board, camera, rvec, tvec, rng, noise, wild, blur, hand, corners)
         wanted = target if guide is None else capture.next_target(session.views, estimate)
         decision = capture.judge(session.views, wanted, view, estimate.excluded, quarantined, history)
         if decision.estimate is None or decision.estimate.calibration is None:

@@ -10,6 +10,7 @@ from calibsolver import Board, Camera, rotation
 from calibsolver.capture import Capture
 from calibsolver.guidance import TargetPose
 from calibsolver.guidance.overlay import draw_board
+from tests.helpers.solver import synthetic
 
 TARGETS = 4
 SQUARE_PX = 48
@@ -60,6 +61,15 @@ def drawn(board: Board, camera: Camera, target: TargetPose, seed: int) -> np.nda
     return np.clip(blurred + noise, 0, 255).astype(np.uint8)
 
 
+def detector_of(board: Board) -> Detector:
+    """Detector of the Python client for a board."""
+    return Detector(
+        ClientBoard(
+            board.squares, board.marker_ratio, board.dictionary, kind=board.kind, inverted=board.inverted
+        )
+    )
+
+
 @pytest.mark.parametrize(
     ("size", "board"),
     [(size, board) for size, _, board in CASES],
@@ -67,11 +77,7 @@ def drawn(board: Board, camera: Camera, target: TargetPose, seed: int) -> np.nda
 )
 def test_detector_finds_the_board_at_every_target(size: tuple[int, int], board: Board) -> None:
     """All of a chessboard, and of others enough corners for a view."""
-    detector = Detector(
-        ClientBoard(
-            board.squares, board.marker_ratio, board.dictionary, kind=board.kind, inverted=board.inverted
-        )
-    )
+    detector = detector_of(board)
     capture = Capture(board, size, target_error=0.001)
     camera, views, estimate = capture.camera(None), [], capture.estimate([])
     for number in range(TARGETS):
@@ -86,3 +92,24 @@ def test_detector_finds_the_board_at_every_target(size: tuple[int, int], board: 
         points = points + np.random.default_rng(number).normal(0, 0.15, points.shape)
         views.append(board.view(target.ids, points))
         estimate = capture.estimate(views)
+
+
+@pytest.mark.parametrize("name", ["charuco", "6x6 markers", "aprilgrid"])
+def test_simulated_detector_reports_the_corners_that_the_detector_finds(name: str) -> None:
+    """Of boards that the picture cuts: at most 2 % differ."""
+    board, rng = BOARDS[name], np.random.default_rng(0)
+    camera = Camera("rectilinear", [[560, 0, 322], [0, 558, 237], [0, 0, 1]], [0, 0, 0, 0, 0], (640, 480))
+    detector, different, count = detector_of(board), 0, 0
+    for number in range(8):
+        turn = rotation.matrix(np.radians([*rng.uniform(-35, 35, 2), rng.uniform(-30, 30)]))
+        depth = camera.focal[0] / camera.img_size[0] * max(board.size) / rng.uniform(0.7, 1.3)
+        place = depth * np.array([rng.uniform(-0.5, 0.5), rng.uniform(-0.4, 0.4), 1])
+        target = TargetPose.seen(board, camera, turn, place - turn @ board.outline.mean(axis=0), "", 0.0)
+        found = detector.find(drawn(board, camera, target, number))
+        assert found is not None
+        view = synthetic.detect(board, camera, target.rvec, target.tvec, rng, noise=0)
+        same = (board.points[:, None] == view.object_points).all(axis=2).any(axis=1)
+        different += len(set(found.ids) ^ set(np.flatnonzero(same)))
+        count += len(view)
+    assert different <= 0.02 * count
+    assert count < 8 * 0.9 * board.corner_count, "boards are cut"

@@ -24,7 +24,7 @@ def honest_views(count: int, board: Board = BOARD, seed: int = 0) -> list[View]:
     views: list[View] = []
     while len(views) < count:
         target = capture.next_target(views, capture.estimate(views))
-        views.append(synthetic.seen(board, CAMERA, *synthetic.User().hold(board, target, rng), rng))
+        views.append(synthetic.detect(board, CAMERA, *synthetic.User().hold(board, target, rng), rng))
     return views
 
 
@@ -105,7 +105,7 @@ def test_contradicting_view_is_refused_where_the_search_runs_out_of_time(
     rng = np.random.default_rng(1)
     capture = Capture(BOARD, SIZE, target_error=1e-3)
     target = capture.next_target(VIEWS, capture.estimate(VIEWS))
-    lie = synthetic.seen(BOARD, other, *synthetic.User().hold(BOARD, target, rng), rng)
+    lie = synthetic.detect(BOARD, other, *synthetic.User().hold(BOARD, target, rng), rng)
     free = capture.judge(VIEWS, target, lie)
 
     def search_for_ever(*_: object) -> None:
@@ -141,7 +141,7 @@ def test_contradicting_view_of_a_dense_board_is_fitted_to_few_points(monkeypatch
     rng = np.random.default_rng(1)
     capture = Capture(board, SIZE, target_error=1e-3)
     target = capture.next_target(views, capture.estimate(views))
-    lie = synthetic.seen(board, other, *synthetic.User().hold(board, target, rng), rng)
+    lie = synthetic.detect(board, other, *synthetic.User().hold(board, target, rng), rng)
     counted = count_points_fitted(monkeypatch)
     decision = Capture(board, SIZE, target_error=1e-3).judge(views, target, lie)
     assert decision.reason == "outlier"
@@ -157,7 +157,7 @@ def test_capture_ends_where_the_whole_board_has_no_room() -> None:
     views = []
     for turn in np.linspace(-0.5, 0.5, 9):
         rvec = np.array([turn, 0.4 * np.cos(5 * turn), 0.1 * turn])
-        view = synthetic.seen(board, CAMERA, rvec, np.array([-25.0, -25.0, 75.0]), rng)
+        view = synthetic.detect(board, CAMERA, rvec, np.array([-25.0, -25.0, 75.0]), rng)
         assert len(view) > 2000
         views.append(view)
     capture = Capture(board, SIZE, target_error=1e-3)

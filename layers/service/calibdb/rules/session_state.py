@@ -72,6 +72,7 @@ def _members(document: SessionDocument) -> dict[str, Any]:
         "progress": estimate.progress,
         "uncertainty": estimate.uncertainty,
         "systematic": estimate.fit and estimate.fit.systematic,
+        "board_shape": estimate.fit and estimate.fit.board_shape,
         "calibration": fit,
         "calibration_id": calibration_id,
         "end": estimate.end if finish else None,

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from calibdb.schema.board import Board
-from calibdb.schema.calibration import Calibration, Uncertainty
+from calibdb.schema.calibration import BoardShape, Calibration, Uncertainty
 from calibdb.schema.fields import (
     DEVICE_TEXT,
     CaptureKind,
@@ -27,7 +27,7 @@ from calibdb.schema.fields import (
     join_device,
 )
 from calibdb.schema.licence import Licence, LicenceVersion, Licensed
-from calibdb.schema.membership import MomentId, RigJoin, RigMembership
+from calibdb.schema.membership import MomentId, RigJoin, RigMembership, is_none
 from calibdb.schema.observed_corners import ObservedCorners
 
 MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends long before
@@ -247,6 +247,11 @@ class SessionState(Open):
         description="Predicted error of a projection over the image, px; null before the first fit."
     )
     systematic: float | None = Field(None, description="As in `calibration`; null: there is no fit yet.")
+    board_shape: BoardShape | None = Field(
+        None,
+        exclude_if=is_none,
+        description="Shape of the board in the fit so far; missing: as drawn, or there is no fit yet.",
+    )
     calibration: Calibration | None = Field(
         description="The calibration; null: none yet, or nothing reliable is known."
     )

@@ -25,7 +25,7 @@ def capture() -> Capture:
 
 
 def hold(target: TargetPose, seed: int = 9) -> View:
-    return synthetic.seen(BOARD, CAMERA, target.rvec, target.tvec, np.random.default_rng(seed))
+    return synthetic.detect(BOARD, CAMERA, target.rvec, target.tvec, np.random.default_rng(seed))
 
 
 def test_estimate_without_views_is_empty() -> None:
@@ -72,7 +72,7 @@ def refusals(session: synthetic.Session) -> dict[str, View]:
     p, q = good.object_points, good.image_points
     row = p[:, 1] == p[0, 1]
     tilted, apart = np.array([0.2, -0.1, 0.0]), np.array([-4.5, -3, 14.0])
-    other, first = synthetic.seen(Board(squares=(8, 8)), CAMERA, tilted, apart, rng), views[0]
+    other, first = synthetic.detect(Board(squares=(8, 8)), CAMERA, tilted, apart, rng), views[0]
     assert len(other) == 49
     return {
         "too_few_points": View(p[:5], q[:5]),
@@ -128,7 +128,7 @@ def test_noiseless_copies_do_not_converge(focal: int) -> None:
     c = capture()
     camera = Camera("rectilinear", np.array([[focal, 0, 640], [0, focal, 360], [0, 0, 1]]), D, SIZE)
     target = c.next_target([], c.estimate([]))
-    copy = synthetic.seen(BOARD, camera, target.rvec, target.tvec, np.random.default_rng(0), noise=0)
+    copy = synthetic.detect(BOARD, camera, target.rvec, target.tvec, np.random.default_rng(0), noise=0)
     views: list[View] = []
     for _ in range(9):
         if c.judge(views, target, copy).accepted:
@@ -144,13 +144,13 @@ def test_noiseless_first_view_does_not_make_others_outliers(width: float) -> Non
     target, rvec = c.next_target([], c.estimate([])), np.array([0.3, 0.4, 0.0])
     place = np.array([0, 0, 9 * CAMERA.matrix[0, 0] / (width * 1280)])
     tvec = place - rotation.matrix(rvec) @ BOARD.outline.mean(axis=0)
-    views = [synthetic.seen(BOARD, CAMERA, rvec, tvec, rng, noise=0)]
+    views = [synthetic.detect(BOARD, CAMERA, rvec, tvec, rng, noise=0)]
     assert c.judge([], target, views[0]).accepted
     estimate = c.estimate(views)
     for _ in range(6):
         target = c.next_target(views, estimate)
         asked = synthetic.match_picture(BOARD, c.camera(estimate), CAMERA, target)
-        view = synthetic.seen(BOARD, CAMERA, *synthetic.User().hold(BOARD, asked, rng), rng, noise=0.15)
+        view = synthetic.detect(BOARD, CAMERA, *synthetic.User().hold(BOARD, asked, rng), rng, noise=0.15)
         decision = c.judge(views, target, view)
         if decision.accepted and decision.estimate:
             views, estimate = [*views, view], decision.estimate
@@ -170,7 +170,7 @@ def test_first_view_is_never_an_outlier(model: str, tilt: int) -> None:
         rvec = np.radians(tilt) * np.array([0.6, 0.8, 0.0])
         place = np.array([0, 0, 9 * focal / (width * 1280)])
         tvec = place - rotation.matrix(rvec) @ BOARD.outline.mean(axis=0)
-        decision = c.judge([], target, synthetic.seen(BOARD, camera, rvec, tvec, rng))
+        decision = c.judge([], target, synthetic.detect(BOARD, camera, rvec, tvec, rng))
         assert decision.accepted, (focal, width)
 
 
@@ -180,7 +180,7 @@ def test_mirrored_first_view_is_refused_in_any_pose() -> None:
     for _ in range(20):
         rvec = rng.normal(size=3) * [0.6, 0.6, 1.5]
         center = rotation.matrix(rvec) @ BOARD.outline.mean(axis=0)
-        view = synthetic.seen(BOARD, CAMERA, rvec, np.array([0, 0, 12.0]) - center, rng)
+        view = synthetic.detect(BOARD, CAMERA, rvec, np.array([0, 0, 12.0]) - center, rng)
         if len(view) < 30:
             continue
         assert c.judge([], target, view).reason != "mirrored"
@@ -215,7 +215,7 @@ def test_capture_converges_between_shuffled_views() -> None:
             break
         target = c.next_target(views, estimate)
         asked = synthetic.match_picture(BOARD, c.camera(estimate), CAMERA, target)
-        good = synthetic.seen(BOARD, CAMERA, asked.rvec, asked.tvec, rng)
+        good = synthetic.detect(BOARD, CAMERA, asked.rvec, asked.tvec, rng)
         bad = View(good.object_points, good.image_points[rng.permutation(len(good))])
         view = bad if i % 2 == 0 else good
         decision = c.judge(views, target, view)

@@ -39,7 +39,7 @@ class Session:
     def honest(self, camera: Camera = CAMERA) -> View:
         """The board held where the picture shows it, about, before `camera`."""
         asked = synthetic.match_picture(BOARD, self.rules.camera(self.estimate), camera, self.target)
-        return synthetic.seen(BOARD, camera, *synthetic.User().hold(BOARD, asked, self.rng), self.rng)
+        return synthetic.detect(BOARD, camera, *synthetic.User().hold(BOARD, asked, self.rng), self.rng)
 
     def submit(self, view: View) -> bool:
         decision = self.rules.judge(
@@ -239,7 +239,7 @@ def test_capture_off_the_target_ends_at_max_views_with_advice() -> None:
             break
         rvec = np.radians(25) * session.rng.normal(size=3)
         tvec = session.rng.uniform((-7, -4.5, 11), (-2, -1.5, 16))
-        session.submit(synthetic.seen(BOARD, CAMERA, rvec, tvec, session.rng))
+        session.submit(synthetic.detect(BOARD, CAMERA, rvec, tvec, session.rng))
     assert len(session.views) == MAX_VIEWS
     assert session.estimate.end == "limit"
     assert set(session.reasons) <= {"duplicate"}

@@ -23,7 +23,7 @@ def test_first_two_poses_are_the_published_ones() -> None:
     assert np.degrees(np.linalg.norm(first.rvec)) == pytest.approx(50.0, abs=1)
     assert len(first.ids) == 40
     camera = synthetic.rectilinear_cameras()[6]
-    view = synthetic.seen(Board(), camera, first.rvec, first.tvec, np.random.default_rng(0))
+    view = synthetic.detect(Board(), camera, first.rvec, first.tvec, np.random.default_rng(0))
     second = guide.next_pose([view], None)
     np.testing.assert_allclose(second.rvec, 0, atol=0.01)
     assert np.ptp(second.outline[:, 1]) == pytest.approx(720, rel=0.01)
@@ -35,7 +35,7 @@ def test_second_pose_fills_the_picture_for_every_model(model: str) -> None:
     camera = synthetic.rectilinear_cameras()[6]
     guide = PoseSelection(Board(), SIZE, model)
     first = guide.next_pose([], None)
-    view = synthetic.seen(Board(), camera, first.rvec, first.tvec, np.random.default_rng(0))
+    view = synthetic.detect(Board(), camera, first.rvec, first.tvec, np.random.default_rng(0))
     target = guide.next_pose([view], None)
     assert target.purpose == "to fill the picture"
     assert 0.75 <= np.ptp(target.outline[:, 0]) / SIZE[0] <= 0.9

@@ -37,7 +37,7 @@ def test_few_views_in_the_middle_without_tilt() -> None:
     rng = np.random.default_rng(0)
     at = np.array([0, 0, 20.0]) - board.outline.mean(axis=0)
     views = [
-        synthetic.seen(board, CAMERA, np.radians(rng.uniform(-2, 2, 3)), at + rng.uniform(-1, 1, 3), rng)
+        synthetic.detect(board, CAMERA, np.radians(rng.uniform(-2, 2, 3)), at + rng.uniform(-1, 1, 3), rng)
         for _ in range(3)
     ]
     calibration = fit(views, CAMERA.img_size)
@@ -52,11 +52,11 @@ def test_cut_views_count_for_neither_tilt_nor_coverage() -> None:
     board, rng = Board(), np.random.default_rng(0)
     at = np.array([0, 0, 20.0]) - board.outline.mean(axis=0)
     views = [
-        synthetic.seen(board, CAMERA, np.radians(rng.uniform(-2, 2, 3)), at + rng.uniform(-1, 1, 3), rng)
+        synthetic.detect(board, CAMERA, np.radians(rng.uniform(-2, 2, 3)), at + rng.uniform(-1, 1, 3), rng)
         for _ in range(5)
     ]
     near = np.array([-4.5, -3.0, 7.0])
-    tilted = synthetic.seen(board, CAMERA, np.radians([0.0, 40.0, 0.0]), near, rng)
+    tilted = synthetic.detect(board, CAMERA, np.radians([0.0, 40.0, 0.0]), near, rng)
     flipped = tilted.image_points * (-1, 1) + (CAMERA.img_size[0] - 1.0, 0)
     expected = {"no_tilt", "edges_not_covered"}
     assert expected <= codes(fit(views, CAMERA.img_size), views)
