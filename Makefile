@@ -39,8 +39,9 @@ run: $(SETUP) ## run the service on this machine: page and API on http://127.0.0
 
 test: ## run everything below up to browser
 	@$(MAKE) $(PAIRED) .node .drawn $(CHECKS)
-	$(PYTEST) $(MODULES) tests/unit tests/service tests/aws
-	@$(MAKE) --no-print-directory browser
+	@bash infra/ci/browsers.sh
+	@$(MAKE) $(PAIRED) .alone .below
+	$(PYTEST) $(MODULES) -m "not alone" tests/browser
 
 lint: ## check style, types, imports, wording, the template, and dependencies for known vulnerabilities
 	@$(MAKE) $(PAIRED) $(CHECKS)
@@ -82,6 +83,13 @@ lint: ## check style, types, imports, wording, the template, and dependencies fo
 		$(PY) -m pip --python .build/audit install --quiet --no-compile --retries 0 --timeout 10 pip-audit==2.10.1 2>/dev/null) || true
 	@$(PY) -m infra.ci.audit
 
+# Tests that follow a hand in real time mostly wait: others get what these leave of the processor.
+.alone:
+	$(PYTEST) -m alone tests/browser
+
+.below:
+	nice -n 19 $(PYTEST) $(MODULES) tests/unit tests/service tests/aws
+
 unit: $(SETUP) .node .drawn ## test one package at a time, without sockets, and the web client's modules under node
 	$(PYTEST) $(MODULES) tests/unit
 
@@ -91,7 +99,7 @@ service: $(SETUP) ## test HTTP against the server, and on emulated AWS
 browser: $(SETUP) ## test the pages in Chromium and Firefox
 	@bash infra/ci/browsers.sh
 	$(PYTEST) $(MODULES) -m "not alone" tests/browser
-	$(PYTEST) -m alone tests/browser
+	@$(MAKE) --no-print-directory .alone
 
 thorough: export THOROUGH := 1
 thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS=54 CASES=5000 FILES=100000
@@ -100,7 +108,7 @@ thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS
 .thorough-browser: browser
 
 .thorough-unit:
-	$(PYTEST) $(TWO) -m thorough tests/unit
+	$(PYTEST) $(TWO) -m thorough tests/unit tests/service tests/aws
 
 # kill -9 while captures end, at as many moments as KILLS; and of two processes under load, as often
 .thorough-kills:

@@ -20,6 +20,7 @@ from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store, aws
 from tests.aws.emulator import LocalStack
+from tests.helpers.marks import thorough
 from tests.helpers.service.client import BRIEF, TOKEN, Answer, Client, Truth
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
 from tests.helpers.stack import faults
@@ -77,8 +78,21 @@ def kept(state: Any) -> dict[int, int]:
     return {view["index"]: view["points"] for view in state["views"]}
 
 
-@pytest.mark.parametrize("service", ["dynamodb", "s3"])
-@pytest.mark.parametrize("fault", [faults.throttled, faults.broken, faults.unreached, faults.unheard])
+@pytest.mark.parametrize(
+    ("fault", "service"),
+    [
+        (faults.throttled, "dynamodb"),
+        (faults.unheard, "dynamodb"),
+        (faults.broken, "s3"),
+        (faults.unheard, "s3"),
+        *thorough(
+            (faults.broken, "dynamodb"),
+            (faults.unreached, "dynamodb"),
+            (faults.throttled, "s3"),
+            (faults.unreached, "s3"),
+        ),
+    ],
+)
 def test_capture_completes_when_half_of_the_calls_fail(
     fresh_stack: LocalStack, fault: Any, service: str
 ) -> None:

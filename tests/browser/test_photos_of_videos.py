@@ -11,6 +11,7 @@ from playwright.sync_api import Page, expect
 
 from tests.helpers.browser import stop_and_go
 from tests.helpers.data import data_dir, external_data
+from tests.helpers.marks import thorough
 
 pytestmark = [external_data, pytest.mark.alone]
 
@@ -21,12 +22,9 @@ WHITE_ON_BLACK = "4 × 5 ChArUco, DICT_4X4_50, markers 0.75, white on black"
     ("name", "words", "frames"),
     [
         ("caliscope_opt1.mp4", ("Is this your board?", WHITE_ON_BLACK), 57),
-        ("caliscope_pre1_mirrored.mp4", ("mirrored", WHITE_ON_BLACK), 120),
-        pytest.param(
-            "chessboard_yubin.mp4",
-            ("Is this your board?", "9 × 7 chessboard"),
-            120,
-            marks=pytest.mark.thorough,
+        *thorough(
+            ("caliscope_pre1_mirrored.mp4", ("mirrored", WHITE_ON_BLACK), 120),
+            ("chessboard_yubin.mp4", ("Is this your board?", "9 × 7 chessboard"), 120),
         ),
     ],
     ids=["opt1", "mirrored", "yubin"],

@@ -123,6 +123,7 @@ def test_who_holds_still_gets_a_result_with_a_verdict(
         assert not away, "the board is in every pose"
 
 
+@pytest.mark.thorough
 def test_mirrored_footage_is_turned_back_by_one_click(
     playwright: Playwright, stack: str, tmp_path: Path
 ) -> None:
@@ -149,6 +150,7 @@ class Walk:
     words: str
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "walk",
     [

@@ -16,6 +16,7 @@ from calibsolver.formats import ExportSource, mrcal, reading
 from calibsolver.formats.grid import grid
 from infra.web_build.examples import EXAMPLE_FILE
 from tests.helpers.data import data_dir, external_data
+from tests.helpers.marks import thorough
 from tests.helpers.service.client import BRIEF, TOKEN, Answer, Client, Truth
 
 NEED_CORNERS = {"corners-vnl"}
@@ -123,7 +124,7 @@ def test_corners_alone_are_no_camera(client: Client) -> None:
     assert (status, field) == (422, "file")
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (1, 2))])
+@pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
 @pytest.mark.parametrize("form", ["photonvision", "mrcal", "corners-vnl"])
 def test_exported_corners_come_back(client: Client, form: str, seed: int) -> None:
     """Round trips: a capture, a file of its corners, a session of them without a complaint."""

@@ -22,6 +22,7 @@ from infra.web_build.operations import OPERATIONS
 from infra.web_build.recorded_examples import prepare, prepare_call
 from tests.helpers.board_pictures import write
 from tests.helpers.documents import CODE, SITE, Block, blocks, sources
+from tests.helpers.marks import thorough
 
 EXAMPLES = json.loads(EXAMPLES_PATH.read_text())
 #: commands fail where the service refuses
@@ -119,7 +120,7 @@ def parted(said: str) -> tuple[int, str]:
     return int(status), body.strip()
 
 
-@pytest.mark.parametrize("language", ["curl", "fetch", "python"])
+@pytest.mark.parametrize("language", ["fetch", "python", *thorough("curl")])
 def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, language: str) -> None:
     expected = {operation.name: min(operation.answers) for operation in OPERATIONS}
     assert set(SCENARIO) == set(expected), "every call has an example"

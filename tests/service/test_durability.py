@@ -21,6 +21,7 @@ import pytest
 from infra.server import folder
 from infra.server.command import main
 from infra.server.server import PortInUseError, Server
+from tests.helpers.marks import thorough
 from tests.helpers.service.client import Client
 from tests.helpers.service.published import asked, calibration, mode_of, store
 from tests.helpers.stack.processes import LocalProcess
@@ -205,8 +206,14 @@ def test_restart_keeps_sessions_and_excludes_a_second_server(tmp_path: Path) -> 
         assert Client(second, session).state() == started.json()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("workers", ["1", "2"])
+@pytest.mark.parametrize(
+    ("number", "workers"),
+    [
+        (signal.SIGINT, "1"),
+        (signal.SIGTERM, "2"),
+        *thorough((signal.SIGTERM, "1"), (signal.SIGINT, "2")),
+    ],
+)
 def test_server_stops_within_three_seconds(tmp_path: Path, number: signal.Signals, workers: str) -> None:
     with LocalProcess(tmp_path / "data", {"WORKERS": workers}) as server, httpx.Client() as kept:
         assert kept.get(f"{server.url}/healthz").status_code == 200  # a connection that is kept

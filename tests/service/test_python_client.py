@@ -16,8 +16,9 @@ from calibdb_client.cli import main
 from calibdb_client.key import CameraKey
 from infra.server.server import Server
 from tests.helpers import board_pictures
-from tests.helpers.service.client import BRIEF, Truth, until
 from tests.helpers.service.client import Client as Raw
+from tests.helpers.service.client import Truth
+from tests.helpers.service.published import asked, calibration, mode_of, store
 
 LABEL, PLATFORM, SIZE = "HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64", (1280, 720)
 KEY = CameraKey(LABEL, PLATFORM, SIZE)
@@ -28,13 +29,12 @@ EXAMPLES = Path(__file__).parents[2] / "clients/python/examples"
 
 @pytest.fixture(scope="module")
 def known(stack: Server) -> dict[str, Any]:
-    """The lookup of a camera that five captures calibrated."""
-    for seed in range(5):
-        Truth(seed=seed).calibrate(Raw(stack), camera=LABEL, **BRIEF)
-    found = until(
-        lambda: (answer := Raw(stack).lookup(camera=LABEL, redirect=False)).status == 200 and answer
-    )
-    record: dict[str, Any] = found.json
+    """The lookup of a camera that five contributors calibrated."""
+    documents = [calibration(LABEL, n) for n in range(5)]
+    for document in documents:
+        store(stack).calibrations.publish(document)
+    store(stack).refit.now(asked(mode_of(documents[0])))
+    record: dict[str, Any] = Raw(stack).lookup(camera=LABEL, redirect=False).json
     return record
 
 

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from calibdb_client.pictures import FoundViews, picture_paths, read
 from calibsolver import fit
 from calibsolver.capture.rules import MAX_POINTS
 from tests.helpers import board_pictures
-from tests.helpers.data import corner_views, data_dir, external_data
+from tests.helpers.data import data_dir, external_data
 from tests.helpers.recordings import recording_of
 
 PHOTOGRAPHS = ["--squares", "8x8", "--marker-ratio", "0.75", "--dictionary", "DICT_4X4_1000"]
@@ -69,7 +70,7 @@ def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest
     assert main(["submit", str(path), "--offline", "--json"]) == 0
     assert np.allclose(json.loads(capfd.readouterr().out)["camera_matrix"], calibration.camera_matrix)
     assert main(["submit", str(path)]) == 2, "nobody said which camera it is"
-    assert main(["calibrate", str(folder), "--offline"]) == 0
+    assert main(["calibrate", str(folder), "--offline", "--model", "rectilinear", "--squares", "9x6"]) == 0
     assert len(list(working.iterdir())) == 2, "an earlier capture is never replaced"
 
 
@@ -172,7 +173,8 @@ def test_file_that_is_no_recording_is_refused(content: str, tmp_path: Path) -> N
 def test_real_photographs_give_opencvs_focal_length(working: Path) -> None:
     """With the board as drawn, OpenCV's; in its shape, one that the error bars reach."""
     photographs = data_dir() / "photos" / "charuco_1280x720"
-    assert main(["calibrate", str(photographs), "--offline", "-o", "camera.json", *PHOTOGRAPHS]) == 0
+    options = [*PHOTOGRAPHS, "--model", "rectilinear", "-o", "camera.json"]
+    assert main(["calibrate", str(photographs), "--offline", *options]) == 0
     recording = Recording.load(working / "camera.json")
     assert len(recording.views) == 16
     objects = [
@@ -192,23 +194,12 @@ def test_real_photographs_give_opencvs_focal_length(working: Path) -> None:
     assert (off[1] / np.sqrt(np.diagonal(found.record["covariance"])[:2])).max() < 1
 
 
-@external_data
-def test_model_is_chosen_for_photographs_of_a_fisheye(
-    working: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    photographs = str(data_dir() / "photos" / "chessboard_omnidir_left")
-    assert main(["calibrate", photographs, "--offline", "-o", "camera.json"]) == 0
-    lens = Calibration.load(working / "camera.json").lens
-    views, size = corner_views("jy_left")
-    assert lens.model in ("fisheye", "omnidirectional")
-    assert lens.focal[0] == pytest.approx(fit(views, size, "fisheye").camera.focal[0], rel=0.01)
-    assert "board: chessboard, 9 x 7 squares" in capfd.readouterr().err
-
-
 def test_failure_names_the_model_that_fits(working: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    recording_of("jy_left").save(working / "left.json")
+    left = recording_of("jy_left")
+    replace(left, views=left.views[::2]).save(working / "left.json")
     assert main(["submit", "left.json", "--offline", "--model", "rectilinear"]) == 0
     assert "--model omnidirectional explains these pictures better" in capfd.readouterr().err
-    recording_of("babel_ov_plane").save(working / "wide.json")
+    wide = recording_of("babel_ov_plane")
+    replace(wide, views=wide.views[::2]).save(working / "wide.json")
     assert main(["submit", "wide.json", "--offline", "--model", "rectilinear"]) == 7
     assert "--model fisheye fits them" in capfd.readouterr().err

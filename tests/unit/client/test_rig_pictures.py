@@ -73,8 +73,11 @@ def test_rig_of_fisheyes_is_calibrated_from_two_folders(
 ) -> None:
     """The fit of all 34 pairs has a baseline of 4.076 squares."""
     monkeypatch.chdir(tmp_path)
-    folders = [str(data_dir() / "photos" / f"chessboard_omnidir_{side}") for side in ("left", "right")]
-    assert main(["rig", *folders, "-o", "rig.yaml"]) == 0
+    for side in ("left", "right"):
+        Path(side).mkdir()
+        for path in sorted((data_dir() / "photos" / f"chessboard_omnidir_{side}").iterdir())[::2]:
+            (Path(side) / path.name).symlink_to(path)
+    assert main(["rig", "left", "right", "-o", "rig.yaml"]) == 0
     rig = Rig.load("rig.calibdb.json")
     assert baseline(rig) == pytest.approx(4.076, rel=0.01)
     assert {camera.distortion_model for camera in rig.calibrations} <= {"fisheye", "omnidirectional"}

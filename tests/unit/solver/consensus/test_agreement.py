@@ -7,6 +7,7 @@ from calibsolver import Camera, View, fit
 from calibsolver.consensus.agreement import compare, difference
 from calibsolver.consensus.pooling import Member, Rule, pool
 from tests.helpers.data import available, corner_views, external_data
+from tests.helpers.marks import thorough
 from tests.helpers.solver import attacks, populations, synthetic
 
 
@@ -14,7 +15,7 @@ from tests.helpers.solver import attacks, populations, synthetic
 def test_lying_minority_does_not_move_the_consensus(kind: str) -> None:
     """By half a pixel over the image, from just beside the truth to 30 % off; no answer is no harm."""
     rng = np.random.default_rng(5)
-    totals = (5, 10) if kind == "junk" else (5, 8, 12)
+    totals = (5, 10)
     trials = [attacks.trial(rng, kind, total) for total in totals]
     assert not [(t.total, t.moved) for t in trials if t.wrong]
     # With six honest ones and more there is an answer all the same.
@@ -29,8 +30,14 @@ def test_answer_is_not_moved_where_noise_might_excuse_lies(number: int) -> None:
     assert not found.wrong
 
 
-@pytest.mark.parametrize("effort", attacks.EFFORTS)
-@pytest.mark.parametrize("kind", ["focal", "shift"])
+@pytest.mark.parametrize(
+    ("kind", "effort"),
+    [
+        ("focal", "very poor views"),
+        ("shift", "very many views"),
+        *thorough(("focal", "very many views"), ("shift", "very poor views")),
+    ],
+)
 def test_attackers_with_very_poor_or_very_many_views_move_no_answer(kind: str, effort: str) -> None:
     """The errors that their calibrations state, large or small, give them no more influence."""
     rng = np.random.default_rng(11)
@@ -121,7 +128,7 @@ REAL = {"jy_left": "fisheye", "babel_ov_plane": "fisheye"} | dict.fromkeys(
 
 
 @pytest.mark.parametrize("name", available(REAL))
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
 def test_contributors_of_one_real_camera_agree(name: str, seed: int) -> None:
     """Five contributors with three to five views each, drawn at random."""
     views, size = corner_views(name)
@@ -137,7 +144,7 @@ def test_contributors_of_one_real_camera_agree(name: str, seed: int) -> None:
 
 @external_data
 @pytest.mark.parametrize("pair", [("pv_picam_640", "pv_picam_960"), ("pv_picam_320", "pv_picam_640")])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
 def test_another_mode_of_a_real_camera_is_kept_out(pair: tuple[str, str], seed: int) -> None:
     """Five contributors of four views, and one whose mode has another field of view by 2 %."""
     views, size = corner_views(pair[0])

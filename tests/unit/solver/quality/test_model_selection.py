@@ -7,6 +7,7 @@ from calibsolver import CalibrationError, View, models
 from calibsolver.quality.cross_validation import HeldOut
 from calibsolver.quality.model_selection import not_significantly_worse, suggest_model
 from tests.helpers.data import available, corner_views
+from tests.helpers.marks import thorough
 from tests.helpers.solver import populations, synthetic
 
 WIDE = {"fisheye", "rational", "omnidirectional"}
@@ -22,7 +23,13 @@ EXPECTED = {
 }
 
 
-@pytest.mark.parametrize("name", available(EXPECTED))
+FEW = ("opencv_left", "pv_charuco_480", "jy_left", "ocam_fisheye2")
+"""Two of each kind of lens."""
+
+
+@pytest.mark.parametrize(
+    "name", [*available(FEW), *thorough(*(n for n in available(EXPECTED) if n not in FEW))]
+)
 def test_suggested_model_of_real_lenses(name: str) -> None:
     views, size = corner_views(name)
     choice = suggest_model(views[:: 1 + len(views) // 20], size)
