@@ -246,15 +246,14 @@ class LeastSquares(ABC):
         The result is `converged` where the gradient allows no further decrease, and is not where no step led
         downhill, or the iterations ran out before the predicted decrease was negligible.
         """
-        damping, sigma_floor = options.damping, 1e-6 * self.width
+        damping, counted = options.damping, weights > 0.5
         plain = None if (weights == 1).all() else weights
-        counted = weights > 0.5
-        tolerance_abs = self.obs.count * (ROUNDOFF * self.width) ** 2
+        tolerance_abs = self.rounding
         predicted = sigma = previous_predicted = np.inf
         refused, last = 0.0, None
         for iteration in range(options.iterations):
             deadline.check()
-            sigma = max(self.noise(state, counted), sigma_floor)
+            sigma = self.visible_noise(state, counted)
             objective = Objective(
                 plain, HUBER_SIGMAS * sigma if options.robust else np.inf, sigma * sigma * options.with_prior
             )
@@ -303,6 +302,40 @@ class LeastSquares(ABC):
         visible = max(sigma, NOISE_FLOOR * self.width)
         # Where curvature beyond Gauss-Newton's makes it slow, what is left may be nothing that could be seen.
         return replace(state, converged=bool(predicted < NEGLIGIBLE_DECREASE * visible * visible))
+
+    def optimum_by_one_step(self, state: State, weights: Array, options: Options) -> State | None:
+        """Optimum of least squares for points of weight (v, n), if one undamped step from `state` ends there.
+
+        It has the residuals there, and the derivatives of `state`. None if actual and predicted decrease
+        differ by more than the tolerance.
+        """
+        sigma = self.visible_noise(state, weights > 0.5)
+        objective = Objective(weights, np.inf, sigma * sigma)
+        cost, _ = objective.of(state)
+        da, dp, predicted, _ = state.system(weights, objective.prior_weight).step(options.damping)
+        k, poses = self.retract(state.k, state.poses, da, dp)
+        if not self.is_feasible(k):
+            return None
+        r = self.residuals(k, poses)
+        moved = replace(
+            state,
+            k=k,
+            poses=poses,
+            square=r[0] * r[0] + r[1] * r[1],
+            prior_residuals=self.prior(k)[0],
+            converged=True,
+        )
+        error = abs(cost - objective.of(moved)[0] - predicted)
+        return moved if error < options.tolerance * cost + self.rounding else None
+
+    @property
+    def rounding(self) -> float:
+        """Decrease of the cost, px^2, that is rounding."""
+        return self.obs.count * (ROUNDOFF * self.width) ** 2
+
+    def visible_noise(self, state: State, counted: Mask) -> float:
+        """Noise of a coordinate, px, over the points that count (v, n), and not none."""
+        return max(self.noise(state, counted), 1e-6 * self.width)
 
     def noise(self, state: State, counted: Mask) -> float:
         """Noise of a coordinate, px, over the points that count (v, n): what weighs the prior."""

@@ -33,8 +33,8 @@ MAX_GROSS_REJECTIONS = 4
 """Rounds of gross outlier rejection: a model that is too simple would lose point after point."""
 ROBUST_OPTIMUM = Options(robust=True, tolerance=1e-6, one_step=True)
 """Tight: no mask may depend on where the solver happens to stop."""
-GROSS_REJECTION = Options(tolerance=1e-6, one_step=True)
-"""Fits that only distinguish gross outliers."""
+NEAR = Options(tolerance=1e-7, one_step=True)
+"""Fits from which either the optimum or the board's shape is sought."""
 
 
 def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mask]:
@@ -50,12 +50,14 @@ def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mas
     # A view of wrong corners would turn a pose, and then the camera.
     weights = unit_weights(mask & inliers().any(axis=1, keepdims=True))
     state = problem.solve(state, weights, ROBUST_OPTIMUM)
-    good, previous = inliers(), mask
-    for _ in range(MAX_GROSS_REJECTIONS):
-        if not good.any() or np.array_equal(good, previous):
+    good, rounds = inliers(), 0
+    while good.any():
+        state = problem.solve(state, unit_weights(good), NEAR)
+        if rounds == MAX_GROSS_REJECTIONS or (not rounds and np.array_equal(good, mask)):
             break
-        state = problem.solve(state, unit_weights(good), GROSS_REJECTION)
-        previous, good = good, inliers()
+        previous, good, rounds = good, inliers(), rounds + 1
+        if np.array_equal(good, previous):
+            break
     return state, good
 
 
