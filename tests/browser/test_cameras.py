@@ -54,7 +54,9 @@ def test_what_is_known_is_drawn(page: Page) -> None:
     expect(page.locator(".plot a").first).to_have_attribute("href", re.compile(r"result/\?id=m\d"))
     expect(page.locator("td.std").first, "how far the calibrations differ").to_contain_text("± 2.5")
     page.mouse.wheel(0, 700)
-    expect(bar.locator("strong"), "the name, once the heading is out of sight").to_have_text("HD Pro Webcam C920")
+    expect(bar.locator("strong"), "the name, once the heading is out of sight").to_have_text(
+        "HD Pro Webcam C920"
+    )
     expect(bar).to_contain_text("Ready to use")
     assert bar.evaluate("(bar) => bar.getBoundingClientRect().top") == 0
     captions = page.locator("figcaption").all_text_contents()
