@@ -258,25 +258,17 @@ def _document(title: str, lead: str, root: str, head: str, main: str) -> str:
     return f"""<!doctype html>
 <html lang="en">
 <head>
-  <meta charset="utf-8">
-  <meta name="viewport" content="width=device-width, initial-scale=1">
   <title>{title} · calibDB</title>
   <meta name="description" data-t-content="{lead}" content="">
-  <link rel="icon" href="{root}icon.svg" type="image/svg+xml">
-  <link rel="stylesheet" href="{root}style.css">
   <link rel="stylesheet" href="{root}examples/examples.css">
   {head}
 </head>
 <body>
   <div class="page">
-    <header class="masthead">
-      <a class="brand" href="{root}">calibDB</a>
-      <select class="language" id="language" aria-label="Language"></select>
-    </header>
+    <header class="masthead"></header>
     <main>
 {main}
     </main>
-    <footer class="foot"><span data-t="common.licence">calibDB is free software, Apache-2.0.</span></footer>
   </div>
 </body>
 </html>
