@@ -61,7 +61,6 @@ export function frame(document, place) {
     document.querySelector("header.rim > .fill")?.insertAdjacentHTML("afterend", navigation(place, "site"));
   const column = document.querySelector(".page");
   if (column) {
-    column.querySelector(":scope > footer.foot")?.remove();
     column.insertAdjacentHTML("beforeend", foot(place));
   }
   skipLink(document);
@@ -69,12 +68,23 @@ export function frame(document, place) {
 
 /** @param {Document} document @param {Place} place */
 function head(document, { key, language, translated, origin, preloads }) {
-  const viewport = document.querySelector("meta[name=viewport]");
   const classic = [
     ...(translated ? ["language"] : []),
     ...(document.querySelector("script[type=module]") ? ["early-clicks"] : []),
   ];
-  viewport?.insertAdjacentHTML("afterend", classic.map((name) => `\n  <script src="/${name}.js"></script>`).join(""));
+  const first = [
+    '<meta charset="utf-8">',
+    ...(document.querySelector("meta[name=viewport]")
+      ? []
+      : ['<meta name="viewport" content="width=device-width, initial-scale=1">']),
+    ...classic.map((name) => `<script src="/${name}.js"></script>`),
+  ];
+  document.head.insertAdjacentHTML("afterbegin", first.map((line) => `\n  ${line}`).join(""));
+  const about = document.querySelector("meta[name=description]") ?? document.querySelector("title");
+  about?.insertAdjacentHTML(
+    "afterend",
+    '\n  <link rel="icon" href="/icon.svg" type="image/svg+xml">\n  <link rel="stylesheet" href="/style.css">',
+  );
   for (const link of document.querySelectorAll("link[rel=modulepreload]:not([as])")) link.remove();
   const [style] = [...document.querySelectorAll("link[rel=stylesheet]")].slice(-1);
   const alphabets = language === "uk" ? ["latin", "cyrillic"] : ["latin"];
@@ -101,7 +111,7 @@ function head(document, { key, language, translated, origin, preloads }) {
   ]
     .filter(([name, content]) => content && !document.querySelector(`meta[property="${name}"]`))
     .map(([name, content]) => `<meta property="${name}" content="${escape(content)}">`);
-  (style ?? viewport)?.insertAdjacentHTML("afterend", [...lines, ...social].map((line) => `\n  ${line}`).join(""));
+  style?.insertAdjacentHTML("afterend", [...lines, ...social].map((line) => `\n  ${line}`).join(""));
 }
 
 /**

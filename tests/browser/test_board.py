@@ -66,6 +66,7 @@ def test_the_board_as_a_file(page: Page) -> None:
 def test_a_board_is_printed_with_words_of_the_page(page: Page) -> None:
     for language, pictures in (("de", 0), ("uk", 3)):
         page.goto(f"/board/?lang={language}")
+        page.locator("#more-papers summary").click()
         with page.expect_download() as download:
             page.locator(".papers a", has_text="A4").click()
         content = Path(download.value.path()).read_bytes()
@@ -171,6 +172,7 @@ def test_a_board_of_another_kind_stays_of_its_kind(page: Page) -> None:
     expect(page.locator("#ratio")).to_be_hidden()
     page.locator("#columns").fill("6")
     assert address(page).endswith(f"/board/?{asked.replace('5x4', '6x4')}")
+    page.locator("#more-papers summary").click()
     with page.expect_download() as download:
         page.locator(".papers a", has_text="A4").click()
     assert b"AprilGrid" in Path(download.value.path()).read_bytes()

@@ -213,7 +213,18 @@ def press_at(page: Page, selector: str) -> None:
     page.keyboard.press("Enter")
 
 
-def test_whole_capture_is_done_by_the_keyboard(page: Page) -> None:
+MAX_SHIFT = 0.02
+# [ms, shift] of what moves while views are taken, but for what follows a key
+SHIFTS = """window.shifts = [];
+new PerformanceObserver((list) => {
+  if (document.getElementById("reticle").hidden) return;
+  for (const { startTime, value, hadRecentInput } of list.getEntries())
+    if (!hadRecentInput) window.shifts.push([startTime, value]);
+}).observe({ type: "layout-shift", buffered: true });"""
+
+
+def test_whole_capture_is_done_by_the_keyboard_and_nothing_jumps(page: Page) -> None:
+    page.add_init_script(SHIFTS)
     page.goto(f"/calibrate/?{ENDLESS.partition('?')[2].replace('virtual=1&', '')}")
     page.locator("#start-virtual:visible").wait_for()
     press_at(page, "#start-virtual")
@@ -221,6 +232,11 @@ def test_whole_capture_is_done_by_the_keyboard(page: Page) -> None:
     page.locator("#finish:visible").wait_for()
     press_at(page, "#finish")
     done(page)
+    shifts = page.evaluate("window.shifts")
+    assert shifts
+    within_5_s = [sum(value for at, value in shifts if 0 <= at - start <= 5000) for start, _ in shifts]
+    print(f"layout shift within 5 s: at most {max(within_5_s):.4f}")
+    assert max(within_5_s) < MAX_SHIFT
     expect(page.locator("#result-name")).to_be_focused()
     board = page.locator("#done .scene .board path").first
     seen = board.get_attribute("d")

@@ -13,7 +13,8 @@ from playwright.sync_api import BrowserContext, Page, Route, expect
 
 from tests.helpers.browser.executables import executable
 from tests.helpers.browser.interruptions import HIDE
-from tests.helpers.browser.pictures import WIDE, picture
+from tests.helpers.browser.pictures import SIZES, WIDE, picture
+from tests.helpers.browser.specimens import answer, rig
 from tests.helpers.browser.waiting import until
 
 RIG = "/rig/?virtual=1&rate=10&img_size=640x480&error=0.5"
@@ -84,6 +85,19 @@ def test_stereo_camera_with_both_pictures_in_one_stream_is_calibrated(
     page.locator("#done:not([hidden])").wait_for()
     expect(page.locator("#done .scene .camera")).to_have_count(2)
     assert page.locator("#done .scene .board").count() >= 4, "boards as the service knows them"
+
+
+def test_the_boards_shape_is_stated_in_millimetres(page: Page) -> None:
+    answer(page, "**/v1/rigs/*", rig)
+    page.goto(f"/rig/?id={rig()['rig_id']}")
+    expect(page.locator("#done header")).to_contain_text(
+        "Your board is bent by 0.90\u00a0mm. That was taken into account."
+    )
+    page.set_viewport_size(SIZES["desk"])
+    right = page.locator("#verdict").bounding_box() or {}
+    scene = page.locator("#done .scene").bounding_box() or {}
+    assert scene["x"] > right["x"] + 400, "the scene is next to the verdict"
+    assert scene["y"] + scene["height"] < 900
 
 
 @pytest.mark.thorough

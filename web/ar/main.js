@@ -3,7 +3,7 @@ import { boardFrom, boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-problem.js";
 import { CameraError, cameras, open, play, propose } from "../lib/camera.js";
 import { Detector, DetectorError } from "../lib/detector.js";
-import { part } from "../lib/dom.js";
+import { part, sayFailure } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
 import { onLanguage, rough, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
@@ -80,7 +80,7 @@ function write() {
   const name = `${isVirtual(label) ? t("ar.virtual") : label}, ${size}`;
   html("opening-text").textContent = t(waiting === "lookup" ? "ar.looking_up" : `capture.opening_${waiting}`);
   html("unknown-text").textContent = phase === "unknown" ? t("ar.unknown_text", { camera: name }) : "";
-  html("failure").textContent = phase === "failed" ? errorText(error) : "";
+  sayFailure(html("failure"), phase === "failed" ? errorText(error) : "");
   html("facts").textContent = phase === "live" ? `${name} · ${t(`ar.origin_${origin}`)}` : "";
   html("recalibrate").hidden = phase !== "live" || origin === "returned";
   writeOff();

@@ -1,5 +1,6 @@
 // Rendering of the state into the page. Reads nothing back, decides nothing.
 import { propose } from "../lib/camera.js";
+import { sayFailure } from "../lib/dom.js";
 import { joinFacts, t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/virtual/name.js";
 import { holdProgress, requiredHold } from "./hold.js";
@@ -64,7 +65,7 @@ function renderOpening({ openingText }, state) {
 
 /** @param {Parts} parts @param {State} state */
 function renderFailure({ failure, kept, failedVirtual }, state) {
-  write(failure, statusText.failure(state));
+  sayFailure(failure, statusText.failure(state));
   show(kept, statusText.saved(state));
   failedVirtual.hidden = state.failure?.code !== "not_found";
 }

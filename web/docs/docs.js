@@ -10,7 +10,7 @@ offerScrolling();
 offerSearch();
 unfoldContents();
 
-/** Where there is a column for the page's headings, they are in sight. */
+/** Opens the list of headings if it has a column of its own. */
 function unfoldContents() {
   const contents = document.querySelector("details.contents");
   if (contents && matchMedia("(min-width: 84rem)").matches) contents.setAttribute("open", "");

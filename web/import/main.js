@@ -70,6 +70,9 @@ let text = "";
 let wrong = null;
 /** @type {Map<Numbered, Judgement>} */
 const judgements = new Map();
+const AUTOMATIC = "auto"; // of the lens models: the one that explains the views
+/** Name of a camera in the name of its file: what stands before the size, as in my-cam-640x480-photonvision.json. */
+const FILE_OF_CAMERA = /^(.+?)[-_ ]\d{3,5}x\d{3,5}\b/;
 const BINARY = /[\u0000-\u0008\u000e-\u001f\ufffd]/; // characters that no text has
 /** Files are read one after the other, and only the last one counts. */
 let turn = 0;
@@ -139,6 +142,7 @@ async function take(file) {
     }
     if (found.kind === "keypoints") accept(found.views, found.size);
     if (found.kind === "table") ask(found.text, found.squares);
+    parts.camera.value ||= (FILE_OF_CAMERA.exec(file.name)?.[1] ?? "").replaceAll(/[-_]/g, " ");
     show();
   } catch (error) {
     if (mine !== turn) return;
@@ -226,6 +230,7 @@ async function start(without = new Set()) {
   try {
     const { api: address, token, return_origins: returnOrigins } = await loadSettings();
     const webcam = parts.kind.value === "webcam";
+    const detectModel = parts.model.value === AUTOMATIC;
     const request = {
       camera: parts.camera.value.trim(),
       platform: webcam ? await platformHere() : parts.kind.value,
@@ -233,7 +238,7 @@ async function start(without = new Set()) {
       zoom: webcam ? 0 : Number(parts.focal.value) || 0,
       board,
       distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (
-        parts.model.value
+        detectModel ? "rectilinear" : parts.model.value
       ),
     };
     const usable = views.filter((each) => each.points.length >= MIN_VIEW_CORNERS && !without.has(each));
@@ -244,12 +249,14 @@ async function start(without = new Set()) {
           retry ? t("faults.retry") : t("photos.calibrating", { done: judgements.size, all: usable.length }),
         );
     };
-    const { state, numbers } = await calibrate(new Api(address, { onRetry }), token, request, usable, (judgement) => {
+    const onJudgement = (/** @type {Judgement} */ judgement) => {
       if (mine !== turn) return;
       judgements.set(usable[judgement.view], judgement);
       tell(() => t("photos.calibrating", { done: judgements.size, all: usable.length }));
       show();
-    });
+    };
+    const api = new Api(address, { onRetry });
+    const { state, numbers } = await calibrate(api, token, request, usable, onJudgement, { detectModel });
     if (mine !== turn) return;
     const id = state.calibration_id;
     if (!id) {
@@ -295,7 +302,8 @@ function speak() {
 }
 
 parts.camera.value = query.get("camera") ?? "";
-parts.model.append(...Object.keys(COEFFICIENTS).map((model) => new Option("", model)));
+parts.kind.value = query.has("camera") ? "webcam" : "photographs";
+parts.model.append(...[AUTOMATIC, ...Object.keys(COEFFICIENTS)].map((model) => new Option("", model)));
 speak();
 onLanguage(speak);
 sayChosen(parts.file);

@@ -27,3 +27,14 @@ export function part(id, type) {
   if (!(found instanceof type)) throw new TypeError(`the page has no ${type.name} #${id}`);
   return found;
 }
+
+/**
+ * Says the reason of a failure in the heading of a place, and what to do about it in its paragraph.
+ * @param {HTMLElement} place @param {string} text its first sentence is the reason
+ */
+export function sayFailure(place, text) {
+  const [reason = text, remedy = ""] = /^((?:\([^)]*\)|[^(])+?[.!?]) (.+)$/s.exec(text)?.slice(1) ?? [];
+  const [heading, paragraph] = place.children;
+  if (heading.textContent !== reason) heading.textContent = reason;
+  if (paragraph.textContent !== remedy) paragraph.textContent = remedy;
+}

@@ -9,6 +9,7 @@ import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
 import { openCaptureStore } from "../lib/capture/capture-store.js";
 import { Feedback } from "../lib/capture/feedback.js";
 import { DetectorError } from "../lib/detector.js";
+import { sayFailure } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
 import { inLanguage, language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
@@ -242,7 +243,7 @@ async function showResult(state, record) {
 function fail(error, signal) {
   if (signal?.aborted) return;
   begin.cancel();
-  parts.failure.textContent = failureText(error);
+  sayFailure(parts.failure, failureText(error));
   show("failed");
   void listInterrupted();
 }
@@ -373,10 +374,8 @@ async function open(id) {
     resume(record);
   } catch (error) {
     if (record) return resume(record); // without the network, too
-    parts.failure.textContent =
-      error instanceof Error && !("status" in error) && error.message === t("rig.not_here")
-        ? error.message
-        : failureText(error);
+    const isElsewhere = error instanceof Error && !("status" in error) && error.message === t("rig.not_here");
+    sayFailure(parts.failure, isElsewhere ? error.message : failureText(error));
     show("failed");
   }
 }

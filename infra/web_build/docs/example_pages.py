@@ -20,8 +20,8 @@ class Example:
 
     Attributes
     ----------
-    folder, name, heading, message
-        Folder, engine, heading, and the key of the heading's text.
+    folder, name, heading, message, does
+        Folder, engine, heading, and the keys of the texts of the heading and of the line in the gallery.
     has_virtual
         True if the virtual camera can stand in.
     lines, style
@@ -38,6 +38,7 @@ class Example:
     name: str
     heading: str
     message: str
+    does: str
     has_virtual: bool
     lines: str
     style: str = ""
@@ -71,6 +72,7 @@ ENGINES = (
         "three.js",
         "three.js over a calibrated camera",
         "examples.three",
+        "examples.three_does",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/three";
 
@@ -84,6 +86,7 @@ mesh.position.set(x, -y, -z);                      // OpenCV's (x, y, z)""",
         "Babylon.js",
         "Babylon.js over a calibrated camera",
         "examples.babylon",
+        "examples.babylon_does",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/babylon";
 
@@ -97,6 +100,7 @@ mesh.position.set(x, -y, z);                       // OpenCV's (x, y, z), in a l
         "A-Frame",
         "A-Frame over a calibrated camera",
         "examples.aframe",
+        "examples.aframe_does",
         has_virtual=True,
         style="vendor/engines/aframe.css",
         lines=f"""{_IMPORT}import {{ registerCalibrated }} from "calibdb/adapters/aframe";
@@ -111,6 +115,7 @@ registerCalibrated(AFRAME);
         "AR.js",
         "AR.js with your own camera_para.dat",
         "examples.arjs",
+        "examples.arjs_does",
         has_virtual=False,
         lead="examples.arjs_lead",
         lines="""import { lookup } from "calibdb";
@@ -131,6 +136,7 @@ context.init(() => applyCalibration(camera, calibration, { viewport }));
         "Stereo",
         "Depth from a rectified pair",
         "examples.stereo",
+        "examples.stereo_does",
         has_virtual=True,
         lines="""import { rectifyPair, rig } from "calibdb";
 
@@ -223,13 +229,12 @@ def _source(web: Path, name: str) -> str:
 
 
 def _index() -> str:
-    cards = [_card("../ar", '<strong data-t="examples.ar"></strong>')]
+    cards = [_card("../ar", '<strong data-t="examples.ar"></strong>', "examples.ar_does")]
     for one in ENGINES:
         adapter = re.search(r"calibdb/adapters/\w+", one.lines)
         named = f'<strong data-t="{one.message}">{escape(one.heading)}</strong>'
-        cards.append(
-            _card(one.folder, f"<strong>{one.name}</strong> <code>{adapter[0]}</code>" if adapter else named)
-        )
+        words = f"<strong>{one.name}</strong> <code>{adapter[0]}</code>" if adapter else named
+        cards.append(_card(one.folder, words, one.does))
     return _document(
         "Examples",
         "examples.index_lead",
@@ -243,37 +248,27 @@ def _index() -> str:
     )
 
 
-def _card(folder: str, words: str) -> str:
+def _card(folder: str, words: str, does: str) -> str:
     name = folder.rpartition("/")[2]
     picture = f'<img src="./{name}.jpg" width="480" height="270" alt="" loading="lazy">'
-    return (
-        f'<li><a href="{folder}/">{picture}{words} <span data-t="examples.{name}_does"></span></a></li>'
-    )
+    return f'<li><a href="{folder}/">{picture}{words} <span data-t="{does}"></span></a></li>'
 
 
 def _document(title: str, lead: str, root: str, head: str, main: str) -> str:
     return f"""<!doctype html>
 <html lang="en">
 <head>
-  <meta charset="utf-8">
-  <meta name="viewport" content="width=device-width, initial-scale=1">
   <title>{title} · calibDB</title>
   <meta name="description" data-t-content="{lead}" content="">
-  <link rel="icon" href="{root}icon.svg" type="image/svg+xml">
-  <link rel="stylesheet" href="{root}style.css">
   <link rel="stylesheet" href="{root}examples/examples.css">
   {head}
 </head>
 <body>
   <div class="page">
-    <header class="masthead">
-      <a class="brand" href="{root}">calibDB</a>
-      <select class="language" id="language" aria-label="Language"></select>
-    </header>
+    <header class="masthead"></header>
     <main>
 {main}
     </main>
-    <footer class="foot"><span data-t="common.licence">calibDB is free software, Apache-2.0.</span></footer>
   </div>
 </body>
 </html>

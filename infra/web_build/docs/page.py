@@ -50,26 +50,17 @@ def page(
     modules = "".join(
         f'  <script type="module" src="{at(script)}"></script>\n' for script in ("docs/docs.js", *scripts)
     )
-    home = at("index.html")
     chosen = _token_choice(at("developers/index.html")) if uses_service else ""
     return f"""<!doctype html>
 <html lang="en">
 <head>
-  <meta charset="utf-8">
-  <meta name="viewport" content="width=device-width, initial-scale=1">
   <title>{escape(title)} · calibDB</title>
   <meta name="description" content="{escape(description)}">
-  <link rel="icon" href="{at("icon.svg")}" type="image/svg+xml">
-  <link rel="stylesheet" href="{at("style.css")}">
   <link rel="stylesheet" href="{at("docs/docs.css")}">
 {modules}</head>
 <body>
   <div class="page">
-    <header class="masthead">
-      <a class="brand" href="{home}">calibDB</a>
-      <nav aria-label="Pages" data-t-label="common.pages"></nav>
-      <select class="language" id="language" aria-label="Language"></select>
-    </header>
+    <header class="masthead"></header>
     <main class="docs">
       <div class="docs-search">
         <form id="search" role="search" hidden>
@@ -90,7 +81,6 @@ def page(
       </article>
 {_navigation(key)}
     </main>
-    <footer class="foot"><span data-t="common.licence">calibDB is free software, Apache-2.0.</span></footer>
   </div>
 </body>
 </html>

@@ -10,7 +10,7 @@ from playwright.sync_api import Page, Route, ViewportSize
 from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
 from .pictures import SETTLED
-from .specimens import answer, camera, cameras, result
+from .specimens import answer, camera, cameras, result, rig
 from .waiting import TIMEOUT_S
 
 PAGES = {
@@ -20,6 +20,7 @@ PAGES = {
     "&return_to=https://app.example/",
     "rig": "rig/",
     "rig-join": "rig/?code=ABC234",
+    "rig-result": "rig/?id=12218ed74dc03e8563d2918b05d67fdb",
     "photos": "photos/",
     "import": "import/",
     "cameras": "cameras/",
@@ -151,6 +152,7 @@ def prepare(page: Page) -> None:
     answer(page, "**/v1/cameras?*", cameras)
     answer(page, "**/v1/cameras/*", camera)
     answer(page, "**/v1/calibrations/x", result)
+    answer(page, "**/v1/rigs/*", rig)
     answer(page, "**/dumps/statistics.json", statistics)
     answer(page, "**/dumps/latest.json", dump)
     page.route("**/opencv*", refuse)  # 3 MB that show nothing

@@ -28,6 +28,12 @@ def result() -> dict[str, Any]:
     return found | {"board": board, "camera_key": None}
 
 
+def rig() -> dict[str, Any]:
+    """State of a finished rig of two simulated cameras whose board is bent."""
+    state: dict[str, Any] = json.loads((ROOT / "tests" / "web" / "rig_state.json").read_text())
+    return state
+
+
 def result_of_camera() -> dict[str, Any]:
     """The same, of a camera whose page there is: `camera`."""
     return result() | {"camera_key": "c2.specimen"}

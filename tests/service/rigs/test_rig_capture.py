@@ -53,6 +53,8 @@ def test_finished_rig_is_right_within_its_uncertainty(finished: tuple[RigTruth, 
     assert result["uncertainty"]["rms"] <= state["target_error"] == pytest.approx(0.3)
     assert result["rms"] == pytest.approx(rig.noise * 2**0.5, rel=0.25)
     assert result["held_out_rms"] == pytest.approx(result["rms"], rel=0.5)
+    shape = result.get("board_shape", {"sag": 0, "stretch": 0})
+    assert max(shape["sag"], shape["stretch"]) < 0.001, "the board is as drawn"
     first, second = result["extrinsics"]
     assert (first["rvec"], first["tvec"], first["std"]) == ([0] * 3, [0] * 3, [0] * 6)
     truth = rig.motions[1]

@@ -15,10 +15,8 @@ ROOT = Path(__file__).parents[3]
 PAGE = """<!doctype html>
 <html lang="en">
 <head>
-  <meta charset="utf-8">
-  <meta name="viewport" content="width=device-width">
   <title>Trial</title>
-  <link rel="stylesheet" href="../style.css">
+  <link rel="stylesheet" href="./main.css">
   <script type="module" src="./main.js"></script>
 </head>
 <body>
@@ -54,8 +52,10 @@ def test_every_page_is_there_in_every_language_with_its_texts(made: Mapping[str,
         assert not re.search(r'data-t="([\w.]+)"[^>]*>\1<', page), key
 
 
-def test_one_header_and_one_footer_on_all_pages(made: Mapping[str, bytes]) -> None:
+def test_one_head_header_and_footer_on_all_pages(made: Mapping[str, bytes]) -> None:
     for key, page in pages(made).items():
+        for once in ('<meta charset="utf-8">', 'name="viewport"', 'rel="icon"', 'href="/style.css"'):
+            assert page.count(once) == 1, (key, once)
         assert page.count('class="skip"') == 1, key
         assert page.count('class="page"') == page.count('<footer class="foot">'), key
         navigations = page.count('<header class="masthead">') + page.count('<nav class="site"')
@@ -162,7 +162,7 @@ def test_scripts_of_the_site_keep_their_names_and_lose_their_comments(made: Mapp
 def test_a_changed_source_is_another_site_and_absent_pages_are_left_out(tmp_path: Path) -> None:
     web = tmp_path / "web"
     messages = [f"messages/{language}/common.json" for language in ("en", *site.LANGUAGES)]
-    for name in ("lib/i18n.js", "lib/header.js", "lib/copy-button.js", *messages):
+    for name in ("lib/i18n.js", "lib/header.js", "lib/copy-button.js", "lib/highlight.js", *messages):
         (web / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(site.WEB / name, web / name)
     for name in ("trial", "board"):
