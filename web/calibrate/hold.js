@@ -44,8 +44,8 @@ function placeShown({ capture: { key, shown }, detector: { corners } }) {
 }
 
 /**
- * Holds shown so far, if the board has just been held where nothing new is to be seen; null if not. It was held there
- * before, or it faces the camera.
+ * Holds shown so far, if the board has just been held where no view is taken; null if not. It was held there before, or
+ * it faces the camera.
  * @param {number} held ms, before the last frame
  * @param {State} state
  */

@@ -408,8 +408,8 @@ function observeFrame(state, { detection, time }) {
   });
   const shown = shownAgain(detector.stillness.held, held);
   if (!shown) return held;
-  const repeated = change(held, { capture: { shown, repeats: capture.repeats + 1 } });
   const wasHere = shown.length === capture.shown.length;
+  const repeated = change(held, { capture: { shown, repeats: capture.repeats + Number(wasHere) } });
   return wasHere ? notify(repeated, { key: "capture.refused_duplicate", kind: "bad" }, time) : repeated;
 }
 
