@@ -141,14 +141,18 @@ test("a capture ends after six holds in a row where the board was before, and sa
   assert.equal(fresh.capture.repeats, 0, "a new view begins the count again");
 });
 
-test("a board that faces the camera counts as shown again only at the same place", () => {
-  const elsewhere = frame({ ...FACING, tvec: [-9, -5, 22] });
-  const places = [frame(FACING), elsewhere, frame(FACING)];
-  const repeats = [1, 2, 3].map((count) => {
-    const events = places.slice(0, count).flatMap((detection, n) => frames(detection, 3 * LONG_HOLD_MS, 5000 * n));
-    return capturing(events).capture.repeats;
-  });
-  assert.deepEqual(repeats, [0, 0, 1]);
+test("a pose whose view was refused can be tried again after another hold; one that is in is not sent twice", () => {
+  const back = (reason) => {
+    let state = capturing(frames(frame(ELSEWHERE), 2 * LONG_HOLD_MS));
+    const answer = { ...SESSION, accepted: reason === null, reason };
+    state = reduce(state, { type: "answer", answer, corners: state.detector.corners, time: 3_000 });
+    state = reduce(state, { type: "pose", pose: target(THERE), picture: null, time: 3_000 });
+    state = frames(frame({ ...ELSEWHERE, tvec: [-9, -6, 20] }), 2 * LONG_HOLD_MS, 4_000).reduce(reduce, state);
+    state = reduce(state, { type: "sent", corners: state.detector.corners });
+    return frames(frame(ELSEWHERE), 2 * LONG_HOLD_MS, 8_000).reduce(reduce, state);
+  };
+  assert.deepEqual([decide(back("outlier"), 11_000), back("outlier").capture.repeats], ["submit", 0]);
+  assert.deepEqual([decide(back(null), 11_000), back(null).capture.repeats], [null, 1]);
 });
 
 test("a view that was taken off the target is said to be, with what helps more", () => {
@@ -200,7 +204,7 @@ test("an accepted view takes the target away, and progress never falls but by un
   );
   assert.equal(reduce(taken, { type: "session", session: { ...SESSION, views, progress: 0.4 } }).capture.progress, 0.5);
   const undone = reduce(taken, { type: "undone", session: SESSION, time: 700 });
-  assert.deepEqual([undone.capture.progress, undone.capture.shown], [0, []]);
+  assert.deepEqual([undone.capture.progress, undone.capture.lastHold, undone.capture.taken], [0, null, []]);
 });
 
 test("convergence ends the capture", () => {
