@@ -140,7 +140,7 @@ export const plainNotice = (key, values) => ({ key, kind: "plain", values });
 export const MIN_VIEWS = 4; // of which the service makes a calibration
 const USUAL_VIEWS = 5; // of a capture
 const IDLE_MS = 30_000; // without another view, after which a capture ends with those that are there
-const MAX_REPEATS = 6; // holds in a row that show nothing new, after which it ends likewise
+const MAX_REPEATS = 4; // holds in a row that show nothing new, after which it ends likewise
 
 /** Number of views that take part in the fit. @param {SessionState | null} session */
 const usedViews = (session) => session?.views.filter(({ set_aside }) => !set_aside).length ?? 0;
