@@ -4,7 +4,11 @@ import { isExhausted, viewCount } from "./state.js";
 import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget, lenienceAfter } from "../lib/capture/at-target.js";
 import { motion } from "../lib/capture/stillness.js";
 
-/** @typedef {import("./state.js").State} State */
+/**
+ * @typedef {import("./state.js").State} State
+ *
+ * @typedef {import("../lib/board-outline.js").Corners} Corners
+ */
 
 export { HOLD_MS, LONG_HOLD_MS };
 const MIN_FORESHORTENING = 0.08; // from which a pose other than the target may be worth sending
@@ -27,39 +31,30 @@ export function isThere({ capture: { aim }, detector }) {
  */
 export function requiredHold(state) {
   const {
-    capture: { key, pose, shown },
+    capture: { key, pose, lastHold, taken },
     detector: { outline },
   } = state;
-  if (!key || !pose || !outline) return null;
-  const place = placeShown(state);
-  if (place >= 0 && place === shown.length - 1) return null;
+  if (!key || !pose || !outline || isNear(state, lastHold)) return null;
   if (isThere(state)) return HOLD_MS;
-  return place < 0 && foreshortening(outline) > MIN_FORESHORTENING ? LONG_HOLD_MS : null;
+  if (taken.some((hold) => isNear(state, hold))) return null;
+  return foreshortening(outline) > MIN_FORESHORTENING ? LONG_HOLD_MS : null;
 }
 
-/** Index of the hold shown before at the place of the board, -1 if there was none. @param {State} state */
-function placeShown({ capture: { key, shown }, detector: { corners } }) {
-  const near = (MIN_DISPLACEMENT_PX * (key?.img_size[0] ?? 0)) / 1280;
-  return shown.findLastIndex((hold) => motion(hold, corners) < near);
+/** True if the board is where it was held then. @param {State} state @param {Corners | null} hold */
+function isNear({ capture: { key }, detector: { corners } }, hold) {
+  return hold !== null && key !== null && motion(hold, corners) < (MIN_DISPLACEMENT_PX * key.img_size[0]) / 1280;
 }
 
 /**
- * Holds shown so far, if the board has just been held where nothing new is to be seen; null if not. It was held there
- * before, or it faces the camera.
+ * True if the board has just been held again where a view was taken before.
  * @param {number} held ms, before the last frame
  * @param {State} state
  */
-export function shownAgain(held, state) {
-  const {
-    capture: { pose, shown },
-    detector: { corners, outline, stillness },
-    link: { busy },
-  } = state;
-  if (busy || !pose || !outline || requiredHold(state) !== null) return null;
-  const place = placeShown(state);
-  const required = place < 0 ? LONG_HOLD_MS : HOLD_MS;
-  if (held >= required || stillness.held < required || (place >= 0 && place === shown.length - 1)) return null;
-  return [...shown.filter((_, index) => index !== place), corners];
+export function isRepeat(held, state) {
+  const { lastHold, pose, taken } = state.capture;
+  const { stillness } = state.detector;
+  if (!pose || state.link.busy || held >= HOLD_MS || stillness.held < HOLD_MS) return false;
+  return !isThere(state) && !isNear(state, lastHold) && taken.some((hold) => isNear(state, hold));
 }
 
 /** Progress of the hold, 0…1. @param {State} state */

@@ -1,7 +1,7 @@
 // Reducer of the guided capture: `(state, event) => state`. No clock, no DOM, no network.
 import { observedOutline } from "../lib/board-outline.js";
 import { HEALTHY, diagnose, troubleOf } from "../lib/capture/diagnosis.js";
-import { HOLD_MS, LONG_HOLD_MS, isThere, lenience, requiredHold, shownAgain, timeToRead } from "./hold.js";
+import { HOLD_MS, LONG_HOLD_MS, isRepeat, isThere, lenience, requiredHold, timeToRead } from "./hold.js";
 import { HINTS, SILENT, asMirrored, instruct } from "./instruction.js";
 import { jaccard } from "../lib/capture/jaccard.js";
 import { isOfSize, offlineGoal, viewCount } from "./state.js";
@@ -57,7 +57,8 @@ export function initial(board, wanted) {
       takenAt: 0,
       aim: null,
       nearest: { time: 0, distance: Infinity },
-      shown: [],
+      lastHold: null,
+      taken: [],
       repeats: 0,
       skipAfter: null,
       unsteady: false,
@@ -158,10 +159,7 @@ export function reduce(state, event) {
       return change(state, { link: { busy: false } });
     case "sent":
       return change(state, {
-        capture: {
-          shown: [...state.capture.shown, event.corners],
-          unsteady: state.capture.unsteady || isUnsteady(state, event.corners),
-        },
+        capture: { lastHold: event.corners, unsteady: state.capture.unsteady || isUnsteady(state, event.corners) },
         detector: { restless: 0 },
         ui: { instruction: DONE },
       });
@@ -305,7 +303,8 @@ function storeView(state, { corners, stored, time }) {
   const progress = state.capture.progress + left / Math.max(1, offlineGoal(state) - state.link.stored);
   const next = change(clearTarget(state), {
     capture: {
-      shown: [...state.capture.shown, corners],
+      lastHold: corners,
+      taken: [...state.capture.taken, corners],
       progress,
       unsteady: state.capture.unsteady || isUnsteady(state, corners),
     },
@@ -406,11 +405,9 @@ function observeFrame(state, { detection, time }) {
     capture: { nearest },
     ui: { instruction: instruct(next, requiredHold(next) === HOLD_MS, time) },
   });
-  const shown = shownAgain(detector.stillness.held, held);
-  if (!shown) return held;
-  const repeated = change(held, { capture: { shown, repeats: capture.repeats + 1 } });
-  const wasHere = shown.length === capture.shown.length;
-  return wasHere ? notify(repeated, { key: "capture.refused_duplicate", kind: "bad" }, time) : repeated;
+  if (!isRepeat(detector.stillness.held, held)) return held;
+  const repeated = change(held, { capture: { lastHold: corners, repeats: capture.repeats + 1 } });
+  return notify(repeated, { key: "capture.refused_duplicate", kind: "bad" }, time);
 }
 
 /**
@@ -438,10 +435,12 @@ function takeAnswer(state, { answer, corners, time }) {
   const reason = answer.reason === "outlier" && answer.views.length === 0 ? "degenerate" : answer.reason;
   // Who has done what was asked is not told to do it.
   const useless = (reason === "no_information" || reason === "duplicate") && isThere(state);
-  const { shown, repeats, takenAt } = state.capture;
+  const { taken, repeats, takenAt } = state.capture;
+  const isIn = answer.accepted || reason === "duplicate";
   const next = change(followSession(state, answer), {
     capture: {
-      shown: shown.includes(corners) ? shown : [...shown, corners],
+      lastHold: corners,
+      taken: isIn ? [...taken, corners] : taken,
       repeats: answer.accepted ? 0 : repeats + Number(reason === "duplicate"),
       skipAfter: answer.accepted || !isThere(state) ? null : timeToRead(useless),
       takenAt: answer.accepted ? time : takenAt,
@@ -480,7 +479,10 @@ function undo(state, { session, stored, time }) {
   const next = session
     ? change(followSession(state, session), { capture: { progress: session.progress } })
     : change(state, { capture: { progress: progress * left } });
-  const undone = change(next, { capture: { shown: [], repeats: 0, takenAt: time }, link: { stored, busy: false } });
+  const undone = change(next, {
+    capture: { lastHold: null, taken: [], repeats: 0, takenAt: time },
+    link: { stored, busy: false },
+  });
   return notify(undone, { key: "capture.view_undone", kind: "good" }, time);
 }
 

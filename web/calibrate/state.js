@@ -50,7 +50,8 @@
  * @property {number} takenAt ms, when the last view was taken, or the capture began
  * @property {[number, number][] | null} aim the target's outline, px; null where too little of it is in the image
  * @property {{time: number, distance: number}} nearest smallest distance to the target so far, and when
- * @property {Corners[]} shown corners of the holds that were sent or brought nothing new, the last one last
+ * @property {Corners | null} lastHold corners of the hold that was sent or recognised last: the same is not sent twice
+ * @property {Corners[]} taken corners of the holds whose views are in
  * @property {number} repeats holds in a row that showed nothing new
  * @property {boolean} unsteady the corners moved while one of the views was held
  * @property {number | null} skipAfter ms after a refusal in the target's place, before another target is requested
@@ -139,7 +140,7 @@ export const plainNotice = (key, values) => ({ key, kind: "plain", values });
 export const MIN_VIEWS = 4; // of which the service makes a calibration
 const USUAL_VIEWS = 5; // of a capture
 const IDLE_MS = 30_000; // without another view, after which a capture ends with those that are there
-const MAX_REPEATS = 6; // holds in a row that show nothing new, after which it ends likewise
+const MAX_REPEATS = 4; // holds in a row that show nothing new, after which it ends likewise
 
 /** Number of views that take part in the fit. @param {SessionState | null} session */
 const usedViews = (session) => session?.views.filter(({ set_aside }) => !set_aside).length ?? 0;
