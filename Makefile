@@ -40,7 +40,7 @@ run: $(SETUP) ## run the service on this machine: page and API on http://127.0.0
 test: ## run everything below up to browser
 	@$(MAKE) $(PAIRED) .node .drawn $(CHECKS)
 	@bash infra/ci/browsers.sh
-	@$(MAKE) $(PAIRED) .alone .below
+	@$(MAKE) $(PAIRED) .alone .background
 	$(PYTEST) $(MODULES) -m "not alone" tests/browser
 
 lint: ## check style, types, imports, wording, the template, and dependencies for known vulnerabilities
@@ -83,12 +83,13 @@ lint: ## check style, types, imports, wording, the template, and dependencies fo
 		$(PY) -m pip --python .build/audit install --quiet --no-compile --retries 0 --timeout 10 pip-audit==2.10.1 2>/dev/null) || true
 	@$(PY) -m infra.ci.audit
 
-# Tests that follow a hand in real time mostly wait: others get what these leave of the processor.
+# Tests marked `alone` mostly wait. Next to them run unit and service tests, with a lower priority: not the lowest,
+# with which another program on the machine would stop them.
 .alone:
 	$(PYTEST) -m alone tests/browser
 
-.below:
-	nice -n 19 $(PYTEST) $(MODULES) tests/unit tests/service tests/aws
+.background:
+	nice -n 5 $(PYTEST) $(MODULES) tests/unit tests/service tests/aws
 
 unit: $(SETUP) .node .drawn ## test one package at a time, without sockets, and the web client's modules under node
 	$(PYTEST) $(MODULES) tests/unit
@@ -174,11 +175,17 @@ node_modules/.made: package-lock.json
 	npm ci --silent --fetch-retries 5
 	@touch $@
 
-web/vendor/api.d.ts: node_modules/.made infra/web_build/vendor.mjs infra/web_build/engines.mjs infra/web_build/detector/opencv.json .build/openapi.json
+web/vendor/api.d.ts: node_modules/.made infra/web_build/vendor.mjs infra/web_build/engines.mjs infra/web_build/detector/opencv.json infra/web_build/dictionaries.py .build/openapi.json
 	node infra/web_build/vendor.mjs
+	@$(PY) -m infra.web_build.dictionaries
 	@touch $@
 
-.build/openapi.json: .venv/.made $(wildcard layers/service/calibdb/schema/*.py infra/web_build/*.py) infra/web_build/examples.json
+CALLS := $(wildcard functions/*/*.py layers/service/calibdb/schema/*.py infra/web_build/*.py)
+
+.build/examples.json: .venv/.made $(CALLS)
+	@$(PY) -m infra.web_build.recorded_examples
+
+.build/openapi.json: .build/examples.json $(CALLS)
 	@mkdir -p $(@D)
 	@$(PY) -m infra.web_build.openapi $@
 
