@@ -23,6 +23,8 @@ MODULES := -n 3 --dist loadscope --no-loadscope-reorder
 CHECKS := .mypy .cfn-lint .tsc .prettier .ruff .wording .imports .audit
 # Tests under node that have OpenCV draw boards
 DRAWN := tests/web/geometry.test.mjs
+# The test under node that installs Vite and webpack
+BUNDLED := tests/web/bundlers.test.mjs
 PAIRED := --no-print-directory --jobs 2 --output-sync
 # One core for both sides of every ratio: libraries differ in how many they would take.
 ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
@@ -50,7 +52,7 @@ lint: ## check style, types, imports, wording, the template, and dependencies fo
 .drawn .ruff .wording .imports .mypy .cfn-lint .audit: .venv/.made
 
 .node:
-	node --test $(filter-out $(DRAWN),$(wildcard tests/web/*.test.mjs))
+	node --test $(filter-out $(DRAWN) $(BUNDLED),$(wildcard tests/web/*.test.mjs))
 
 .drawn:
 	node --test $(DRAWN)
@@ -225,8 +227,8 @@ CHECKOV := .build/checkov/bin/checkov
 $(CHECKOV):
 	$(PYTHON) -m venv .build/checkov && .build/checkov/bin/pip install --quiet checkov==3.3.30
 
-verify: $(SETUP) ## check the deployment with other people's programs; ONLY=checkov,conformance,rehearsal,pins
-	@set -e; for name in $(call words_of,$(or $(ONLY),checkov,conformance,rehearsal,pins)); do $(MAKE) --no-print-directory .verify-$$name; done
+verify: $(SETUP) ## check the deployment and the packages with other people's programs; ONLY=checkov,conformance,rehearsal,pins,bundlers
+	@set -e; for name in $(call words_of,$(or $(ONLY),checkov,conformance,rehearsal,pins,bundlers)); do $(MAKE) --no-print-directory .verify-$$name; done
 
 # infra/checkov.yaml argues for the rules that are not followed.
 .verify-checkov: $(CHECKOV)
@@ -241,11 +243,15 @@ verify: $(SETUP) ## check the deployment with other people's programs; ONLY=chec
 .verify-pins: $(UV) .venv/.made
 	@UV=$(abspath $(UV)) $(PY) -m infra.ci.pins
 
+# The SDK's package in the builds of Vite and webpack
+.verify-bundlers: web/vendor/api.d.ts
+	node --test $(BUNDLED)
+
 # A deployment into another program's AWS on this machine
 .verify-rehearsal: $(UV) $(SAM) $(MINISTACK)
 	@$(PY) -m infra.deploy.rehearsal
 
-checkov conformance rehearsal pins:
+checkov conformance rehearsal pins bundlers:
 	@$(MAKE) --no-print-directory verify ONLY=$@
 
 clean: ## remove everything that make made

@@ -67,8 +67,8 @@ def record(stack: Server, seed: int) -> str:
         "capture": "recorded",
     }
     send(stack, "POST", "/v1/session", session, started)
-    for index, (ids, points) in enumerate(_views(seed)):
-        send(stack, "POST", "/v1/session/views", session, {"index": index, "ids": ids, "points": points})
+    views = [{"ids": ids, "points": points} for ids, points in _views(seed)]
+    send(stack, "POST", "/v1/session/batch", session, {"index": 0, "views": views})
     return session
 
 
