@@ -23,6 +23,8 @@ MODULES := -n 3 --dist loadscope --no-loadscope-reorder
 CHECKS := .mypy .cfn-lint .tsc .prettier .ruff .wording .imports .audit
 # Tests under node that have OpenCV draw boards
 DRAWN := tests/web/geometry.test.mjs
+# The test under node that installs Vite and webpack
+BUNDLED := tests/web/bundlers.test.mjs
 PAIRED := --no-print-directory --jobs 2 --output-sync
 # One core for both sides of every ratio: libraries differ in how many they would take.
 ONE_CORE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
@@ -40,7 +42,7 @@ run: $(SETUP) ## run the service on this machine: page and API on http://127.0.0
 test: ## run everything below up to browser
 	@$(MAKE) $(PAIRED) .node .drawn $(CHECKS)
 	@bash infra/ci/browsers.sh
-	@$(MAKE) $(PAIRED) .alone .below
+	@$(MAKE) $(PAIRED) .alone .background
 	$(PYTEST) $(MODULES) -m "not alone" tests/browser
 
 lint: ## check style, types, imports, wording, the template, and dependencies for known vulnerabilities
@@ -50,7 +52,7 @@ lint: ## check style, types, imports, wording, the template, and dependencies fo
 .drawn .ruff .wording .imports .mypy .cfn-lint .audit: .venv/.made
 
 .node:
-	node --test $(filter-out $(DRAWN),$(wildcard tests/web/*.test.mjs))
+	node --test $(filter-out $(DRAWN) $(BUNDLED),$(wildcard tests/web/*.test.mjs))
 
 .drawn:
 	node --test $(DRAWN)
@@ -83,12 +85,13 @@ lint: ## check style, types, imports, wording, the template, and dependencies fo
 		$(PY) -m pip --python .build/audit install --quiet --no-compile --retries 0 --timeout 10 pip-audit==2.10.1 2>/dev/null) || true
 	@$(PY) -m infra.ci.audit
 
-# Tests that follow a hand in real time mostly wait: others get what these leave of the processor.
+# Tests marked `alone` mostly wait. Next to them run unit and service tests, with a lower priority: not the lowest,
+# with which another program on the machine would stop them.
 .alone:
 	$(PYTEST) -m alone tests/browser
 
-.below:
-	nice -n 19 $(PYTEST) $(MODULES) tests/unit tests/service tests/aws
+.background:
+	nice -n 5 $(PYTEST) $(MODULES) tests/unit tests/service tests/aws
 
 unit: $(SETUP) .node .drawn ## test one package at a time, without sockets, and the web client's modules under node
 	$(PYTEST) $(MODULES) tests/unit
@@ -174,11 +177,17 @@ node_modules/.made: package-lock.json
 	npm ci --silent --fetch-retries 5
 	@touch $@
 
-web/vendor/api.d.ts: node_modules/.made infra/web_build/vendor.mjs infra/web_build/engines.mjs infra/web_build/detector/opencv.json .build/openapi.json
+web/vendor/api.d.ts: node_modules/.made infra/web_build/vendor.mjs infra/web_build/engines.mjs infra/web_build/detector/opencv.json infra/web_build/dictionaries.py .build/openapi.json
 	node infra/web_build/vendor.mjs
+	@$(PY) -m infra.web_build.dictionaries
 	@touch $@
 
-.build/openapi.json: .venv/.made $(wildcard layers/service/calibdb/schema/*.py infra/web_build/*.py) infra/web_build/examples.json
+CALLS := $(wildcard functions/*/*.py layers/service/calibdb/schema/*.py infra/web_build/*.py)
+
+.build/examples.json: .venv/.made $(CALLS)
+	@$(PY) -m infra.web_build.recorded_examples
+
+.build/openapi.json: .build/examples.json $(CALLS)
 	@mkdir -p $(@D)
 	@$(PY) -m infra.web_build.openapi $@
 
@@ -218,8 +227,8 @@ CHECKOV := .build/checkov/bin/checkov
 $(CHECKOV):
 	$(PYTHON) -m venv .build/checkov && .build/checkov/bin/pip install --quiet checkov==3.3.30
 
-verify: $(SETUP) ## check the deployment with other people's programs; ONLY=checkov,conformance,rehearsal,pins
-	@set -e; for name in $(call words_of,$(or $(ONLY),checkov,conformance,rehearsal,pins)); do $(MAKE) --no-print-directory .verify-$$name; done
+verify: $(SETUP) ## check the deployment and the packages with other people's programs; ONLY=checkov,conformance,rehearsal,pins,bundlers
+	@set -e; for name in $(call words_of,$(or $(ONLY),checkov,conformance,rehearsal,pins,bundlers)); do $(MAKE) --no-print-directory .verify-$$name; done
 
 # infra/checkov.yaml argues for the rules that are not followed.
 .verify-checkov: $(CHECKOV)
@@ -234,11 +243,15 @@ verify: $(SETUP) ## check the deployment with other people's programs; ONLY=chec
 .verify-pins: $(UV) .venv/.made
 	@UV=$(abspath $(UV)) $(PY) -m infra.ci.pins
 
+# The SDK's package in the builds of Vite and webpack
+.verify-bundlers: web/vendor/api.d.ts
+	node --test $(BUNDLED)
+
 # A deployment into another program's AWS on this machine
 .verify-rehearsal: $(UV) $(SAM) $(MINISTACK)
 	@$(PY) -m infra.deploy.rehearsal
 
-checkov conformance rehearsal pins:
+checkov conformance rehearsal pins bundlers:
 	@$(MAKE) --no-print-directory verify ONLY=$@
 
 clean: ## remove everything that make made

@@ -10,7 +10,9 @@ const complaint = python.runPython(`
 import compileall, py_compile, sys
 complaint = "" if sys.version_info[:2] == (3, 13) else f"this is Python {sys.version}"
 kept = py_compile.PycInvalidationMode.UNCHECKED_HASH
-complaint or ("" if compileall.compile_dir("/compiled", quiet=1, invalidation_mode=kept) else "some modules cannot be compiled")
+if not complaint and not compileall.compile_dir("/compiled", quiet=1, invalidation_mode=kept):
+    complaint = "some modules cannot be compiled"
+complaint
 `);
 if (complaint) {
   console.error(`calibDB: ${complaint}`);

@@ -1,1 +1,1 @@
-"""Measurements of a stack: its cost on AWS, and its behaviour under load."""
+"""Measurements of a stack: its capacity, its processor, and its behaviour under load."""

@@ -4,7 +4,7 @@ OpenCV's own dictionaries of one marker size are prefixes of the largest, so fou
 the original one and AprilTag's families have one each. Bits are packed row by row, marker after marker, most
 significant bit first, 1 = white, without the black border.
 
-    python -m infra.web_build.dictionaries   (again only when OpenCV's tables change, which they must not)
+    python -m infra.web_build.dictionaries
 """
 
 import base64
@@ -13,7 +13,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-DICTIONARIES_PATH = Path(__file__).parents[2] / "web" / "lib" / "dictionaries.js"
+DICTIONARIES_PATH = Path(__file__).parents[2] / "web" / "vendor" / "dictionaries.js"
 TABLES = {
     "4X4": ("DICT_4X4_1000", 4),
     "5X5": ("DICT_5X5_1000", 5),
@@ -41,7 +41,7 @@ def bits(name: str) -> np.ndarray:
 
 def text() -> str:
     """Return the JavaScript module."""
-    lines = ["// Made by infra/web_build/dictionaries.py from OpenCV's ArUco dictionaries: do not edit."]
+    lines = ["// Made by infra/web_build/dictionaries.py from OpenCV's ArUco dictionaries."]
     lines.append("/** @type {Record<string, {side: number, count: number, bits: string}>} */")
     lines.append("export const TABLES = {")
     for key, (name, side) in TABLES.items():

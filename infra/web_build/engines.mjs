@@ -8,8 +8,9 @@ const modules = fileURLToPath(new URL("../../node_modules/", import.meta.url));
 const buffer = fileURLToPath(new URL("./buffer.mjs", import.meta.url));
 
 const ENGINES = {
-  three:
-    'export { BoxGeometry, Group, Mesh, MeshBasicMaterial, PerspectiveCamera, PlaneGeometry, Scene, WebGLRenderer } from "three";',
+  three: `
+    export { BoxGeometry, Group, Mesh, MeshBasicMaterial, PerspectiveCamera, PlaneGeometry, Scene } from "three";
+    export { WebGLRenderer } from "three";`,
   "@babylonjs/core": `
     export { FreeCamera } from "@babylonjs/core/Cameras/freeCamera.js";
     export { Engine } from "@babylonjs/core/Engines/engine.js";

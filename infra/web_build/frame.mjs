@@ -140,8 +140,9 @@ function toPage(page, { key, inAllLanguages, translated }) {
 
 /** @param {Place} place */
 function masthead(place) {
+  const current = place.key === "index.html" ? ' aria-current="page"' : "";
   return `<header class="masthead">
-      <a class="brand" href="${toPage("", place)}"${place.key === "index.html" ? ' aria-current="page"' : ""}>calibDB</a>
+      <a class="brand" href="${toPage("", place)}"${current}>calibDB</a>
       ${navigation(place)}
       ${place.translated ? languageSelect(place.language) : ""}
     </header>`;
@@ -162,7 +163,8 @@ function navigation(place, name = "") {
       .filter(there)
       .map((one) => `<li>${item(one)}</li>`)
       .join("");
-    return `<details class="menu"><summary${inside}><span data-t="${message}"></span></summary><ul>${links}</ul></details>`;
+    const summary = `<summary${inside}><span data-t="${message}"></span></summary>`;
+    return `<details class="menu">${summary}<ul>${links}</ul></details>`;
   });
   return `<nav${name && ` class="${name}"`} aria-label="Pages" data-t-label="common.pages">${parts.join("")}</nav>`;
 }
@@ -172,7 +174,8 @@ function languageSelect(spoken) {
   const options = Object.entries(LANGUAGES).map(
     ([code, name]) => `<option value="${code}" lang="${code}"${code === spoken ? " selected" : ""}>${name}</option>`,
   );
-  return `<select class="language" id="language" data-t-label="common.language" aria-label="Language">${options.join("")}</select>`;
+  const labels = 'data-t-label="common.language" aria-label="Language"';
+  return `<select class="language" id="language" ${labels}>${options.join("")}</select>`;
 }
 
 /** @param {Place} place */
@@ -186,10 +189,10 @@ function foot(place) {
   const languages = place.translated
     ? Object.entries(LANGUAGES)
         .filter(([code]) => code !== place.language)
-        .map(
-          ([code, name]) =>
-            `<li><a href="${addressOf(place.key, code)}${code === "en" ? "?lang=en" : ""}" lang="${code}" hreflang="${code}">${name}</a></li>`,
-        )
+        .map(([code, name]) => {
+          const address = `${addressOf(place.key, code)}${code === "en" ? "?lang=en" : ""}`;
+          return `<li><a href="${address}" lang="${code}" hreflang="${code}">${name}</a></li>`;
+        })
     : [];
   return `<footer class="foot">
       <nav aria-label="Footer" data-t-label="common.footer"><ul>${[...links, ...outside].join("")}</ul></nav>

@@ -21,7 +21,7 @@ from infra.web_build.parameters import Node
 
 __all__ = ["OPENAPI_KEY", "OPERATIONS", "document", "text"]
 
-EXAMPLES_PATH = Path(__file__).with_name("examples.json")
+EXAMPLES_PATH = Path(__file__).resolve().parents[2] / ".build" / "examples.json"
 """Answers to the examples of `operations`, written by `infra.web_build.recorded_examples`."""
 OPENAPI_KEY = "openapi.json"
 RATE_LIMITED = ("RateLimit-Policy", "RateLimit")

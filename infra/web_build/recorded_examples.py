@@ -1,7 +1,7 @@
 """Answers of the service to the examples of `operations`: `python -m infra.web_build.recorded_examples`.
 
 A stack in memory gets five calibrations of one synthetic camera; then every example of `example_calls` is
-sent to it. `examples.json` has what it answers; the OpenAPI document and the reference take it from there.
+sent to it. `.build/examples.json` contains its responses. The OpenAPI document and the reference show them.
 """
 
 from __future__ import annotations
@@ -67,8 +67,8 @@ def record(stack: Server, seed: int) -> str:
         "capture": "recorded",
     }
     send(stack, "POST", "/v1/session", session, started)
-    for index, (ids, points) in enumerate(_views(seed)):
-        send(stack, "POST", "/v1/session/views", session, {"index": index, "ids": ids, "points": points})
+    views = [{"ids": ids, "points": points} for ids, points in _views(seed)]
+    send(stack, "POST", "/v1/session/batch", session, {"index": 0, "views": views})
     return session
 
 
@@ -183,5 +183,6 @@ def _shorten(node: Any) -> Any:
 
 
 if __name__ == "__main__":
+    EXAMPLES_PATH.parent.mkdir(exist_ok=True)
     EXAMPLES_PATH.write_text(text(), encoding="utf-8")
     print(f"{EXAMPLES_PATH.relative_to(ROOT)}: {EXAMPLES_PATH.stat().st_size} bytes", file=sys.stderr)

@@ -8,10 +8,10 @@ import pytest
 import yaml
 
 from infra.deploy.intrinsics import parse
-from infra.measure import edge_month
-from infra.measure.fixed_costs import ROOT, firewall, fixed_costs
-from infra.measure.usage import PRICES, Usage, price, price_at_edge, price_preflights, read_units, write_units
+from tests.bench import edge_month
 from tests.bench.cost import MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of, report
+from tests.bench.fixed_costs import ROOT, firewall, fixed_costs
+from tests.bench.usage import PRICES, Usage, price, price_at_edge, price_preflights, read_units, write_units
 from tests.helpers.service.storage_calls import lasting_tokens
 
 MAX_COMPUTE_USD = {"a million lookups": 0.1, "a finished calibration": 0.0001}

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import yaml
 
-from infra.measure import edge_month
-from infra.measure.fixed_costs import fixed_costs
-from infra.measure.usage import PRICES
+from tests.bench import edge_month
 from tests.bench.cost import LOOKUPS, MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of
+from tests.bench.fixed_costs import fixed_costs
 from tests.bench.table import Row
+from tests.bench.usage import PRICES
 
 
 def rows() -> Iterator[Row]:

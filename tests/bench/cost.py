@@ -2,7 +2,7 @@
 
 Calls, durations and sizes are measured on a local stack, whose functions ask the same of storage as they do
 on AWS; what is paid without any request is counted in the template. Prices and what cannot be measured here
-are in `infra/measure/prices.yaml`.
+are in `tests/bench/prices.yaml`.
 """
 
 from __future__ import annotations
@@ -20,9 +20,13 @@ import yaml
 from botocore.awsrequest import AWSPreparedRequest
 
 from infra.console.progress import track
-from infra.measure import edge_month, load_test
-from infra.measure.fixed_costs import FixedCost, firewall, fixed_costs, places
-from infra.measure.usage import (
+from infra.measure import load_test
+from infra.server.server import DEVELOPMENT_TOKEN
+from tests.aws.emulator import LocalStack, intercept
+from tests.aws.emulator.storage import Answer
+from tests.bench import edge_month
+from tests.bench.fixed_costs import FixedCost, firewall, fixed_costs, places
+from tests.bench.usage import (
     PRICES,
     Usage,
     price,
@@ -31,9 +35,6 @@ from infra.measure.usage import (
     read_units,
     write_units,
 )
-from infra.server.server import DEVELOPMENT_TOKEN
-from tests.aws.emulator import LocalStack, intercept
-from tests.aws.emulator.storage import Answer
 
 LOOKUPS, CALIBRATION = "a million lookups", "a finished calibration"
 ALIAS = "a new label or platform of a known camera"

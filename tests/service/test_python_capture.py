@@ -25,6 +25,7 @@ from calibdb_client.capture.outline import TEXTS
 from calibdb_client.cli import main
 from infra.server.server import Server
 from tests.helpers import board_pictures
+from tests.helpers.marks import thorough
 from tests.helpers.service.client import Client as Raw
 from tests.helpers.service.client import until
 from tests.helpers.virtual_person import Listener, VirtualCamera
@@ -144,7 +145,7 @@ def test_service_that_goes_away_leaves_every_view(served: str, monkeypatch: pyte
     ("board", "described"),
     [
         (Board((9, 6), kind="chessboard"), []),
-        (Board((5, 4), kind="aprilgrid"), ["--kind", "aprilgrid", "--squares", "5x4"]),
+        *thorough((Board((5, 4), kind="aprilgrid"), ["--kind", "aprilgrid", "--squares", "5x4"])),
     ],
     ids=["chessboard", "aprilgrid"],
 )

@@ -107,7 +107,6 @@ def test_operator_acts_on_the_data_folder(installed: Remote, scripts: Path, data
     assert installed.http.get("/healthz").status_code == 200
     for command in (
         ("backup", data / "backup.tar"),
-        ("token", "create", "--origin", "https://page.example"),
         ("publish-dump",),
     ):
         done = subprocess.run(

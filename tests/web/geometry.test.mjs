@@ -4,7 +4,7 @@ import { execFileSync } from "node:child_process";
 import { existsSync, readFileSync } from "node:fs";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { TABLES } from "../../web/lib/dictionaries.js";
+import { TABLES } from "../../web/vendor/dictionaries.js";
 import { blackRectangles, raster } from "../../web/lib/board-drawing.js";
 import { say } from "../../web/lib/i18n.js";
 import "./messages.mjs";

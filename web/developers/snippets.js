@@ -37,7 +37,8 @@ const WRITERS = {
 `,
   curl: ({ origin, token }) => `curl -s ${origin}/v1/lookup \\
   -H "Authorization: Bearer ${token}" -H "Content-Type: application/json" \\
-  -d '{"camera": "HD Pro Webcam C920 (046d:082d)", "platform": "X11; Linux x86_64", "img_size": [1280, 720], "miss": "ok"}'
+  -d '{"camera": "HD Pro Webcam C920 (046d:082d)", "platform": "X11; Linux x86_64",
+       "img_size": [1280, 720], "miss": "ok"}'
 `,
 };
 

@@ -108,7 +108,8 @@ function item({ address, page, title, text, terms }) {
   const name = page === title ? title : `${page} › ${title}`;
   const places = terms.map((term) => text.toLowerCase().indexOf(term)).filter((place) => place >= 0);
   const start = Math.max(0, Math.min(...(places.length ? places : [0])) - EXCERPT / 3);
-  const excerpt = `${start > 0 ? "…" : ""}${text.slice(start, start + EXCERPT)}${start + EXCERPT < text.length ? "…" : ""}`;
+  const end = start + EXCERPT;
+  const excerpt = `${start > 0 ? "…" : ""}${text.slice(start, end)}${end < text.length ? "…" : ""}`;
   return el(
     "li",
     {},

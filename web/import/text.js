@@ -1,7 +1,10 @@
 // Calibration files that are neither JSON nor tables: XML, YAML, ROS's .ini. What they are, and the camera matrix in
 // them. Pure.
 
-const NAMES = String.raw`cam(?:era)?[ _-]?mat(?:rix)?|camera[ _-]?intrinsics?|intrinsic[_-]?matrix|intrinsics?|projection_parameters|mtx|K|M\d|fx|fc|(?:camera\d?\.)fx`;
+const NAMES = [
+  String.raw`cam(?:era)?[ _-]?mat(?:rix)?|camera[ _-]?intrinsics?|intrinsic[_-]?matrix|intrinsics?`,
+  String.raw`projection_parameters|mtx|K|M\d|fx|fc|(?:camera\d?\.)fx`,
+].join("|");
 const MEMBER = new RegExp(
   String.raw`^[ \t]*(?:<(?:${NAMES})\b|["']?(?:${NAMES})\d?["']?[ \t]*(?:[:=]|\r?$)|cam\d+[ \t]*:)`,
   "gim",

@@ -1,5 +1,5 @@
 // Black areas of a board. Apart from its geometry: only who draws boards needs the tables of the markers.
-import { TABLES } from "./dictionaries.js";
+import { TABLES } from "../vendor/dictionaries.js";
 import { DEFAULT_TAG_SPACING, corners, dictionaryOf, isBlack, isCircles, markers, sizeOf } from "./board.js";
 
 /**

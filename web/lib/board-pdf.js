@@ -71,10 +71,11 @@ export function boardPdf(board, paper, foot, letter) {
 
   const box = [0, 0, width * POINTS_PER_MM, height * POINTS_PER_MM].map(number).join(" ");
   const named = pictures.map((_, index) => `/I${index} ${6 + index} 0 R`).join(" ");
+  const resources = `<< /Font << /F1 5 0 R >> /XObject << ${named} >> >>`;
   return file([
     "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
     "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-    `<< /Type /Page /Parent 2 0 R /MediaBox [${box}] /Contents 4 0 R /Resources << /Font << /F1 5 0 R >> /XObject << ${named} >> >> >>`,
+    `<< /Type /Page /Parent 2 0 R /MediaBox [${box}] /Contents 4 0 R /Resources ${resources} >>`,
     `<< /Length ${content.length} >>\nstream\n${content}\nendstream`,
     "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>",
     ...pictures.map(

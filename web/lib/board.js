@@ -1,9 +1,8 @@
-// Calibration boards (ChArUco, chessboard, AprilGrid, circles): valid layouts, and the positions of their corners. Frame: x
-// right, y
-// down, unit = one square, of an AprilGrid one side of a tag.
+// Calibration boards (ChArUco, chessboard, AprilGrid, circles): valid layouts, and the positions of their corners.
+// Frame: x right, y down, unit = one square, of an AprilGrid one side of a tag.
 
 /**
- * Number of markers of the dictionaries, and cells a side; dictionaries.js lists the white cells.
+ * Number of markers of the dictionaries, and cells a side; vendor/dictionaries.js lists the white cells.
  * @type {Record<string, {side: number, count: number}>}
  */
 const SIZES = {
@@ -35,8 +34,9 @@ export const CIRCLES = ["circles", "asymmetric_circles"];
  * @typedef {object} Board
  * @property {"charuco" | "chessboard" | "aprilgrid" | "circles" | "asymmetric_circles"} [kind] charuco where it is
  *   missing
- * @property {[number, number]} squares columns, rows; of an AprilGrid its tags, of circles these. The unit of circles is
- *   the distance between rows; in rows of an asymmetric grid they are two units apart, and odd rows are shifted by one
+ * @property {[number, number]} squares columns, rows; of an AprilGrid its tags, of circles these. The unit of circles
+ *   is the distance between rows. In rows of an asymmetric grid they are two units apart, and odd rows are shifted by
+ *   one
  * @property {number} marker_ratio marker side / square side; of circles diameter / unit
  * @property {string} dictionary "DICT_4X4_50"
  * @property {boolean} legacy layout of OpenCV before 4.6: boards of an even number of rows start with a white square
@@ -46,8 +46,8 @@ export const CIRCLES = ["circles", "asymmetric_circles"];
  *
  * @typedef {import("../vendor/api.js").Board & Board} SentBoard as the service takes it
  *
- * @typedef {{code: "kind" | "circles" | "squares" | "few_corners" | "many_corners" | "ratio" | "spacing" | "dictionary" | "family"
- *   | "few_markers",
+ * @typedef {{code: "kind" | "circles" | "squares" | "few_corners" | "many_corners" | "ratio" | "spacing" | "dictionary"
+ *   | "family" | "few_markers",
  *   values: Record<string, string | number>}} Problem
  *   why a board cannot be; problem.js has the words
  */

@@ -10,9 +10,8 @@ export function jsonText(value, indent = "") {
   }
   if (value !== null && typeof value === "object") {
     const members = Object.entries(value).filter(([, each]) => each !== undefined);
-    return members.length
-      ? `{\n${members.map(([name, each]) => `${inner}${JSON.stringify(name)}: ${jsonText(each, inner)}`).join(",\n")}\n${indent}}`
-      : "{}";
+    const lines = members.map(([name, each]) => `${inner}${JSON.stringify(name)}: ${jsonText(each, inner)}`);
+    return lines.length ? `{\n${lines.join(",\n")}\n${indent}}` : "{}";
   }
   return JSON.stringify(value);
 }

@@ -275,7 +275,8 @@ function drawing(scene, yaw, pitch, views) {
       return make(
         "g",
         {
-          class: `${kind}${kind === "axis" ? `-${"xyz"[position]}` : ""}${kind === "camera" && position === 0 ? " first" : ""}`,
+          class:
+            kind === "axis" ? `axis-${"xyz"[position]}` : kind === "camera" && position === 0 ? "camera first" : kind,
           ...(isBoard && far > near ? { opacity: short(1 - ((1 - FADED) * (depth - near)) / (far - near)) } : {}),
           ...(isBoard && position in views ? { "data-view": views[position] } : {}),
         },

@@ -61,6 +61,7 @@ export function arrow(x0, y0, x1, y1) {
   const [hx, hy] = [dx * head, dy * head];
   return (
     `M${short(x0)} ${short(y0)}L${short(x1)} ${short(y1)}` +
-    `M${short(x1 - hx + 0.5 * hy)} ${short(y1 - hy - 0.5 * hx)}L${short(x1)} ${short(y1)}L${short(x1 - hx - 0.5 * hy)} ${short(y1 - hy + 0.5 * hx)}`
+    `M${short(x1 - hx + 0.5 * hy)} ${short(y1 - hy - 0.5 * hx)}L${short(x1)} ${short(y1)}` +
+    `L${short(x1 - hx - 0.5 * hy)} ${short(y1 - hy + 0.5 * hx)}`
   );
 }

@@ -28,7 +28,7 @@ export function thumbnail(picture) {
 
 /**
  * Marks corners on a small copy.
- * @param {HTMLCanvasElement} canvas @param {number[][]} points px of the picture @param {number} width of the picture, px
+ * @param {HTMLCanvasElement} canvas @param {number[][]} points px of the photo @param {number} width of the photo, px
  */
 export function mark(canvas, points, width) {
   const context = canvas.getContext("2d");

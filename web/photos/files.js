@@ -40,7 +40,8 @@ export class UnreadableError extends Error {
 /** Command that converts a video to what every browser reads. @param {string} name of the file */
 export function conversion(name) {
   const quoted = (/** @type {string} */ text) => `"${text.replace(/["$\\`]/g, "\\$&")}"`;
-  return `ffmpeg -i ${quoted(name)} -an -c:v libx264 -crf 16 -pix_fmt yuv420p ${quoted(`${name.replace(/\.[^.]*$/, "")}-h264.mp4`)}`;
+  const converted = `${name.replace(/\.[^.]*$/, "")}-h264.mp4`;
+  return `ffmpeg -i ${quoted(name)} -an -c:v libx264 -crf 16 -pix_fmt yuv420p ${quoted(converted)}`;
 }
 
 /** Files of cards and some phones come without a type. @param {File} file */
@@ -168,8 +169,14 @@ function event(video, name, file) {
 }
 
 /** Words that cameras and programs put into names of files. */
-const FILE_WORDS =
-  /^(?:img|dsc[fn]?|pxl|dji|gopr\d+|gh\d\d|mvi|mov|vid|video|image|frame|frames|photo|photos|picture|pic|capture|captured|snapshot|screenshot|output|left|right|calib|calibration|board|charuco|chessboard|aprilgrid|test|scan|wp|p|s)$/i;
+const FILE_WORDS = new RegExp(
+  [
+    String.raw`^(?:img|dsc[fn]?|pxl|dji|gopr\d+|gh\d\d|mvi|mov|vid|video|image|frame|frames|photo|photos|picture|pic`,
+    "capture|captured|snapshot|screenshot|output|left|right|calib|calibration|board|charuco|chessboard|aprilgrid",
+    "test|scan|wp|p|s)$",
+  ].join("|"),
+  "i",
+);
 const MIN_NAME_LETTERS = 4;
 
 /**

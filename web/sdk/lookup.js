@@ -235,7 +235,8 @@ function explain(error, { outcome }) {
   if (!(error instanceof LookupError) || outcome !== "missing" || (error.status !== 0 && error.status < 500))
     return error;
   const text =
-    "calibDB does not know this camera well enough to answer without its service, which cannot be asked now: try again later";
+    "calibDB does not know this camera well enough to answer without its service, " +
+    "which cannot be asked now: try again later";
   return new LookupError(text, error.status, { cause: error });
 }
 

@@ -137,7 +137,8 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
         for _ in range(5):
             writer.write(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
     writer.release()
-    assert main(["calibrate", "board.avi", "--offline", "-o", "camera.json"]) == 0
+    plain = ["--offline", "--model", "rectilinear", "--squares", "9x6"]
+    assert main(["calibrate", "board.avi", *plain, "-o", "camera.json"]) == 0
     found = Calibration.load("camera.json")
     assert np.abs(found.camera_matrix - board_pictures.MATRIX).max() < 3 * found.uncertainty["rms"] + 2
     assert len(Recording.load("camera.json").views) == 6
@@ -145,7 +146,7 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
     Path("cut.avi").write_bytes(content[: len(content) * 3 // 4])
     Path("none.mp4").write_bytes(content[1000:5000])
     capfd.readouterr()
-    assert main(["calibrate", "cut.avi", "--offline", "-o", "cut.json", "--squares", "9x6"]) in (0, 7)
+    assert main(["calibrate", "cut.avi", *plain, "-o", "cut.json"]) in (0, 7)
     assert main(["calibrate", "none.mp4", "--offline"]) == 2
     assert "cannot be read as a video" in capfd.readouterr().err
     # through an object with read(), as a camera: its own time, its end

@@ -24,6 +24,7 @@ def test_capture_at_the_outline_ends_within_90_s(seed: int) -> None:
     capture(RealCamera(seed=seed))
 
 
+@pytest.mark.thorough
 def test_capture_of_a_flat_board_ends_within_90_s_and_within_twice_its_stated_error() -> None:
     error, stated = capture(RealCamera(size=(480, 360), fx=430, habits=Habits(bend_mm=0)))
     assert error < MAX_ERROR_RATIO * stated

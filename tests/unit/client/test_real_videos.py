@@ -29,6 +29,7 @@ def test_board_of_a_real_video_is_recognised(name: str) -> None:
     assert board_in_video(data_dir() / VIDEO / name) == BOARDS[name]
 
 
+@pytest.mark.thorough
 def test_mirrored_video_is_recognised_and_turned_back() -> None:
     path = data_dir() / VIDEO / "caliscope_pre1_mirrored.mp4"
     with pytest.raises(MirroredError):

@@ -6,6 +6,7 @@ import pytest
 
 from calibsolver import Board, Calibration, CalibrationError, Camera, View, fit, locate, rotation
 from tests.helpers.data import corner_views
+from tests.helpers.marks import thorough
 
 SIZE = (1280, 720)
 CAMERAS = {
@@ -16,7 +17,6 @@ CAMERAS = {
 }
 BOARD = Board((9, 6))
 NOISE = 0.3
-POSES = 500
 """Per model: 2,000 in all."""
 CHI2_68, CHI2_95 = 7.0092, 12.5916
 """Quantiles of chi square with 6 degrees of freedom at 0.68 and 0.95."""
@@ -55,12 +55,12 @@ def poses(model: str, count: int, rng: np.random.Generator) -> list[tuple[np.nda
     return out
 
 
-def mahalanobis(model: str, rng: np.random.Generator) -> list[float]:
+def mahalanobis(model: str, rng: np.random.Generator, count: int) -> list[float]:
     """Squared distances of true poses from estimated ones, in units of the covariance."""
     calibration = calibration_of(model)
     root = np.linalg.cholesky(calibration.covariance)
     distances = []
-    for r, t in poses(model, POSES, rng):
+    for r, t in poses(model, count, rng):
         true = camera_of(model, root @ rng.normal(size=len(root)))
         q = true.project(BOARD.points @ r.T + t) + rng.normal(size=(BOARD.corner_count, 2)) * NOISE
         found = locate(calibration, View(BOARD.points, q))
@@ -70,13 +70,15 @@ def mahalanobis(model: str, rng: np.random.Generator) -> list[float]:
     return distances
 
 
-def test_covariance_covers_the_errors_of_simulated_poses() -> None:
+@pytest.mark.parametrize("count", [100, *thorough(500)])
+def test_covariance_covers_the_errors_of_simulated_poses(count: int) -> None:
+    """Within three times the Monte Carlo error of a share, of one model and of all four."""
     rng = np.random.default_rng(45)
-    distances = np.array([mahalanobis(model, rng) for model in CAMERAS])
+    distances = np.array([mahalanobis(model, rng, count) for model in CAMERAS])
     for limit, share in ((CHI2_68, 0.68), (CHI2_95, 0.95)):
-        assert float((distances < limit).mean()) == pytest.approx(share, abs=0.03)
-        # of 500 poses a share has a Monte Carlo error of 2.1 and 1.0 points
-        assert (distances < limit).mean(axis=1) == pytest.approx([share] * 4, abs=0.06)
+        bound = 3 * np.sqrt(share * (1 - share) / count)
+        assert float((distances < limit).mean()) == pytest.approx(share, abs=bound / 2)
+        assert (distances < limit).mean(axis=1) == pytest.approx([share] * 4, abs=bound)
 
 
 @pytest.mark.parametrize("model", CAMERAS)

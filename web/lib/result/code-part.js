@@ -13,8 +13,8 @@ const STRAIGHTEN = {
   rectilinear: "straight = cv2.undistort(image, K, D)",
   rational: "straight = cv2.undistort(image, K, D)",
   fisheye: "straight = cv2.fisheye.undistortImage(image, K, D, Knew=K)",
-  omnidirectional:
-    "xi, D = D[:1], D[1:]\nstraight = cv2.omnidir.undistortImage(image, K, D, xi, cv2.omnidir.RECTIFY_PERSPECTIVE, Knew=K)",
+  omnidirectional: `xi, D = D[:1], D[1:]
+straight = cv2.omnidir.undistortImage(image, K, D, xi, cv2.omnidir.RECTIFY_PERSPECTIVE, Knew=K)`,
 };
 
 /** @param {Calibration} calibration */

@@ -80,7 +80,8 @@ export function numbersPart(calibration, report, { pending = false } = {}) {
             : [
                 row(
                   [t("result.field")],
-                  `${[horizontal, vertical].map(degrees).join("\u00a0×\u00a0")}${diagonal === null ? "" : ` (${degrees(diagonal)})`}`,
+                  [horizontal, vertical].map(degrees).join("\u00a0×\u00a0") +
+                    (diagonal === null ? "" : ` (${degrees(diagonal)})`),
                 ),
               ]),
           // Last, since it arrives with the report: nothing moves below it.

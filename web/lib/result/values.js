@@ -6,8 +6,10 @@ const MIN_PLAIN = 1e-3; // below this a number has a power of ten
 const SUPERSCRIPT = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
 
 /** @param {number} exponent */
-const power = (exponent) =>
-  `\u00a0×\u00a010${exponent < 0 ? "⁻" : ""}${[...String(Math.abs(exponent))].map((digit) => SUPERSCRIPT[Number(digit)]).join("")}`;
+const power = (exponent) => {
+  const digits = [...String(Math.abs(exponent))].map((digit) => SUPERSCRIPT[Number(digit)]).join("");
+  return `\u00a0×\u00a010${exponent < 0 ? "⁻" : ""}${digits}`;
+};
 
 /**
  * A number and its standard deviation, both to the same place.

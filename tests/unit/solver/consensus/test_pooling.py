@@ -9,6 +9,7 @@ from calibsolver import CalibrationError, Camera, View, fit
 from calibsolver.consensus.agreement import compare
 from calibsolver.consensus.pooling import Member, Rule, pool
 from tests.helpers.data import available, corner_views
+from tests.helpers.marks import thorough
 from tests.helpers.solver import hands, populations, synthetic
 
 SIZE = (1280, 720)
@@ -161,7 +162,7 @@ def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
     assert pooled.spread < 0.003 * size[0]
 
 
-@pytest.mark.parametrize("contributors", [1, 3])
+@pytest.mark.parametrize("contributors", [3, *thorough(1)])
 def test_contributors_with_bent_boards_agree_in_the_shape_of_each(contributors: int) -> None:
     """Boards bend by 0.5 % in any direction, six views each: 0.5 px off at most, within what is stated."""
     for seed, camera in enumerate(synthetic.rectilinear_cameras()[::6]):

@@ -23,8 +23,8 @@ EXPECTED = {
 }
 
 
-FEW = ("opencv_left", "pv_charuco_480", "jy_left", "ocam_fisheye2")
-"""Two of each kind of lens."""
+FEW = ("opencv_left", "jy_left", "ocam_fisheye2")
+"""One of each kind of lens."""
 
 
 @pytest.mark.parametrize(
