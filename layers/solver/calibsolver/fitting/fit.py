@@ -52,8 +52,6 @@ MAX_MASKS = 2
 """Rounds in which points are cut, or taken back, by what the shape explains."""
 REJECTION = Options(tolerance=1e-5, one_step=True)
 """Fits that only distinguish outliers."""
-NEAR = Options(tolerance=1e-7, one_step=True)
-"""Fits from which either the optimum or the board's shape is sought."""
 FREE = Options(with_prior=False, iterations=400, tolerance=1e-15)
 """Least squares alone may wind through long valleys."""
 
@@ -241,21 +239,25 @@ class _Fit:
         Gross outliers are removed. The other points are tested against fits that exclude them. Points that
         hardly spoil the fit are taken back.
         """
-        state, inliers = outliers.reject_gross(self.problem, state, self.mask)
+        state, inliers, is_fitted = outliers.reject_gross(self.problem, state, self.mask)
         if self._concentrate_at_rim(inliers, self.mask):
             # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
-            all_points = self.problem.solve(state, self.multistart.unit_weights, NEAR)
+            all_points = self.problem.solve(
+                state, self.multistart.unit_weights, outliers.LEAST_SQUARES
+            )
             if self._is_close(all_points, self.mask, state, inliers, MAX_RIM_RMS_RATIO):
                 return all_points, self.mask
         if not inliers.any():  # refused later
             return state, inliers
-        with_tails = self.problem.solve(state, outliers.unit_weights(inliers), NEAR)
+        with_tails = state
+        if not is_fitted:
+            with_tails = self.problem.solve(state, outliers.unit_weights(inliers), outliers.LEAST_SQUARES)
         state, good = self._reject_outliers(with_tails, inliers)
         if state is with_tails or not good.any():
             return state, good
         ratio = MAX_RIM_RMS_RATIO if self._concentrate_at_rim(good, inliers) else MAX_TAIL_RMS_RATIO
         if not with_tails.converged:  # from nearer, it may
-            with_tails = self.problem.solve(state, outliers.unit_weights(inliers), NEAR)
+            with_tails = self.problem.solve(state, outliers.unit_weights(inliers), outliers.LEAST_SQUARES)
         if self._is_close(with_tails, inliers, state, good, ratio):
             return with_tails, inliers  # what was rejected are tails of the noise
         return state, good

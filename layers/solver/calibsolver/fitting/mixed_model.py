@@ -51,9 +51,9 @@ class Variances:
         """Standard deviations (SHAPE_SIZE,) of the numbers of the shape."""
         return np.array([self.height] * BEND_SIZE + [self.stretch] * (SHAPE_SIZE - BEND_SIZE))
 
-    def logarithms(self) -> Array:
-        """Logarithms (4,) of all."""
-        return np.log([self.noise2, max(self.motion, 1e-12), self.height, self.stretch])
+    def logarithms(self) -> list[float]:
+        """Logarithms of all four."""
+        return [math.log(each) for each in (self.noise2, max(self.motion, 1e-12), self.height, self.stretch)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,8 +114,9 @@ class MixedModel:
         kept = [*range(size), size + MOTION_SIZE]
         moves = slice(size, size + MOTION_SIZE)
         self.count = count
-        self.prior, self.gradient = prior
-        self.shape = shape
+        self.prior, self.shape = prior[0], shape
+        self.camera_belief = np.zeros((size, size + 1))
+        self.camera_belief[SHAPE_SIZE:, SHAPE_SIZE:-1], self.camera_belief[SHAPE_SIZE:, -1] = prior
         self.gram = gram[:, kept][:, :, kept]
         self.total = self.gram.sum(axis=0)
         # In the principal directions of each cluster's motion its covariance is diagonal.
@@ -133,36 +134,41 @@ class MixedModel:
 
     def belief(self, v: Variances) -> tuple[Array, Array]:
         """Information (g, g) and half gradient (g,) of the priors of shape and intrinsics."""
-        information, gradient = np.zeros((self.size, self.size)), np.empty(self.size)
-        information[SHAPE_SIZE:, SHAPE_SIZE:], gradient[SHAPE_SIZE:] = self.prior, self.gradient
-        certain = 1 / v.shape_deviations() ** 2
-        information.reshape(-1)[: SHAPE_SIZE * self.size : self.size + 1] = certain
-        gradient[:SHAPE_SIZE] = certain * self.shape
-        return information, gradient
+        both = self._belief(1 / v.shape_deviations() ** 2)
+        return both[:, :-1], both[:, -1]
+
+    def _belief(self, certain: Array) -> Array:
+        """Information and half gradient (g, g + 1) of the priors, of the shape's information (SHAPE_SIZE,)."""
+        out = self.camera_belief.copy()
+        out.reshape(-1)[: SHAPE_SIZE * (self.size + 1) : self.size + 2] = certain
+        out[:SHAPE_SIZE, -1] = certain * self.shape
+        return out
 
     def solve(self, v: Variances) -> Solution:
         """Solve at the variances `v`, motion marginalised."""
         size = self.size
         weights = self._weights(v)
-        total, belief, slope = self._total(v, weights)
-        inverse = inverse_by_elimination(total[:size, :size] + v.noise2 * belief)
-        one = np.ones(size + 1)
-        one[:size] = x = -inverse @ (total[:size, size] + v.noise2 * slope)
+        pull = self.across * weights
+        total, certain = self.total - pull @ self.across.T, 1 / v.shape_deviations() ** 2
+        total[:size] += v.noise2 * self._belief(certain)
+        inverse = inverse_by_elimination(total[:size, :size])
+        x = inverse @ total[:size, size]
+        one = np.append(np.negative(x, out=x), 1.0)
         pulled = one @ self.across
         u = -pulled * weights
         # One step of the maximization, from the second moments of the posterior.
-        covariance = v.noise2 * inverse
-        rest = float(one @ self.total @ one) + float(u @ (2 * pulled + self.power * u))
-        pull = self.across[:size] * weights
-        variance = v.noise2 * (float(weights.sum()) + dot(inverse @ pull, pull))
-        known = dot(covariance, belief) + (variance / v.motion if v.motion > 0 else u.size)
+        spread = v.noise2 * inverse.diagonal()[:SHAPE_SIZE]
+        rest = dot(one @ self.total, one) + dot(u, 2 * pulled + self.power * u)
+        variance = v.noise2 * (float(weights.sum()) + dot(inverse @ pull[:size], pull[:size]))
+        known = dot(spread, certain) + v.noise2 * dot(inverse[SHAPE_SIZE:, SHAPE_SIZE:], self.prior)
+        known += variance / v.motion if v.motion > 0 else u.size
         freedom = self.count - (size + u.size - known)
         noise2 = max(rest / max(freedom, 0.1 * self.count, 1.0), self.floor)
         motion = v.motion
         if v.motion > 0:
-            square = float(u @ u) + variance + MOTION_FREEDOM * self.expected_motion
+            square = dot(u, u) + variance + MOTION_FREEDOM * self.expected_motion
             motion = square / (u.size + MOTION_FREEDOM)
-        second = ((self.shape + x[:SHAPE_SIZE]) ** 2 + covariance.diagonal()[:SHAPE_SIZE]).tolist()
+        second = ((self.shape + x[:SHAPE_SIZE]) ** 2 + spread).tolist()
         height = deviation(second[:BEND_SIZE], EXPECTED_HEIGHT)
         stretch = min(deviation(second[BEND_SIZE:], EXPECTED_STRETCH), self.max_stretch)
         return Solution(x, u.reshape(-1, MOTION_SIZE), Variances(noise2, motion, height, stretch))
@@ -180,18 +186,16 @@ class MixedModel:
     def learn(self, v: Variances) -> Variances:
         """Learn the variances from `v` on."""
         last = v.logarithms()
-        previous = np.zeros_like(last)
+        previous = [0.0] * len(last)
         for step in range(MAX_LEARNING_STEPS):
             v = self.solve(v).variances
             now = v.logarithms()
-            change = now - last
-            if not np.abs(change).max() > LEARNING_TOLERANCE:
+            change = [a - b for a, b in zip(now, last, strict=True)]
+            if not any(abs(each) > LEARNING_TOLERANCE for each in change):
                 break
             if step % EXTRAPOLATION_STEPS == EXTRAPOLATION_STEPS - 1:
-                with np.errstate(all="ignore"):
-                    rate = np.nan_to_num(np.clip(change / previous, 0.0, MAX_RATE))
-                now = now + change * rate / (1 - rate)
-                noise2, motion, height, stretch = np.exp(now).tolist()
+                now = [a + remainder(c, p) for a, c, p in zip(now, change, previous, strict=True)]
+                noise2, motion, height, stretch = map(math.exp, now)
                 v = Variances(max(noise2, self.floor), motion if v.motion > 0 else 0.0, height, stretch)
             last, previous = now, change
         return v
@@ -213,6 +217,12 @@ class MixedModel:
 def deviation(second: Sequence[float], expected: float) -> float:
     """Standard deviation of numbers with these second moments, by its prior."""
     return math.sqrt((sum(second) + SHAPE_FREEDOM * expected**2) / (len(second) + SHAPE_FREEDOM))
+
+
+def remainder(change: float, previous: float) -> float:
+    """Sum of the changes after two that follow each other, of a geometric series."""
+    rate = min(max(change / previous, 0.0), MAX_RATE) if previous else 0.0
+    return change * rate / (1 - rate)
 
 
 def inverse_by_elimination(a: Array) -> Array:

@@ -33,15 +33,16 @@ MAX_GROSS_REJECTIONS = 4
 """Rounds of gross outlier rejection: a model that is too simple would lose point after point."""
 ROBUST_OPTIMUM = Options(robust=True, tolerance=1e-6, one_step=True)
 """Tight: no mask may depend on where the solver happens to stop."""
-GROSS_REJECTION = Options(tolerance=1e-6, one_step=True)
-"""Fits that only distinguish gross outliers."""
+LEAST_SQUARES = Options(tolerance=1e-6, one_step=True)
+"""Fits that only distinguish outliers, or from which the optimum or the board's shape is sought."""
 
 
-def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mask]:
+def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mask, bool]:
     """Fit without gross outliers, from a state near the optimum, and its inlier mask (v, n).
 
     The first mask is that of the robust optimum over the points `mask` of all views that are near now. Every
-    other is that of the least-squares fit to the one before, until two are equal.
+    other is that of the least-squares fit to the one before, until two are equal. The last part of the result
+    is True if the state is the least-squares fit to exactly the inliers.
     """
 
     def inliers() -> Mask:
@@ -51,12 +52,12 @@ def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mas
     weights = unit_weights(mask & inliers().any(axis=1, keepdims=True))
     state = problem.solve(state, weights, ROBUST_OPTIMUM)
     good, previous = inliers(), mask
-    for _ in range(MAX_GROSS_REJECTIONS):
+    for rejections in range(MAX_GROSS_REJECTIONS):
         if not good.any() or np.array_equal(good, previous):
-            break
-        state = problem.solve(state, unit_weights(good), GROSS_REJECTION)
+            return state, good, rejections > 0
+        state = problem.solve(state, unit_weights(good), LEAST_SQUARES)
         previous, good = good, inliers()
-    return state, good
+    return state, good, np.array_equal(good, previous)
 
 
 def inlier_mask(state: State, mask: Mask, among: Mask, sigmas: float, img_size: tuple[int, int]) -> Mask:

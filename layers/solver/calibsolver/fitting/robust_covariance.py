@@ -99,7 +99,7 @@ class Evidence:
         gram, turned = np.empty((views, columns, columns)), np.zeros((size + 3, size + 3))
         for block, parts, counted in _blocks(rows, effects, used):
             projection = Projection.of(parts, counted)
-            np.matmul(projection.left, projection.left.transpose(0, 2, 1), out=gram[block])
+            gram[block] = normal_equations.products_of_rows(projection.left)
             if metric is None:
                 turned += _turned_gram(projection, gram[block, :size, :size], poses.t[block])
         if metric is None:
