@@ -485,6 +485,6 @@ def robust_sigma(state: State, counted: Mask) -> float:
         return np.inf
     used = square.size * 2
     unknowns = len(state.rows) - 1 - POSE_SIZE + POSE_SIZE * len(state.square)
-    correction = np.sqrt(used / max(used - unknowns, 0.1 * used))
-    median = np.sqrt(np.partition(square, square.size // 2)[square.size // 2])
-    return float(median / RAYLEIGH_MEDIAN * correction)
+    middle = square.size // 2
+    median2 = float(np.partition(square, middle)[middle])
+    return math.sqrt(median2 * used / max(used - unknowns, 0.1 * used)) / RAYLEIGH_MEDIAN
