@@ -429,13 +429,16 @@ class Problem(LeastSquares):
         if self.origin is not None:
             return super().retract(k, poses, da, dp)
         change = self.free(da)
-        across, down = float(change[0] / k[0]), float(change[1] / k[1])
-        longer = (across + down) / 2
         moved, t = k + change, poses.t + dp[:, 3:]
-        if abs(longer) > SHORT_STEP:
-            grown, order = math.exp(longer), 2 * prior.weights(self.model).order
-            moved[0], moved[1] = k[0] * math.exp(across), k[1] * math.exp(down)
-            moved[4:] = (moved[4:] - k[4:] * (order * longer)) * grown**order
+        magnified, by_d = self.model.magnification(k[4:])
+        lens = float(by_d @ change[4:]) / magnified
+        across, down = float(change[0] / k[0]), float(change[1] / k[1])
+        stretched, longer = (across + down) / 2, (across + down) / 2 + lens
+        if max(abs(stretched), abs(longer)) > SHORT_STEP:
+            order, grown = 2 * prior.weights(self.model).order, math.exp(longer)
+            moved[4:] = (moved[4:] - k[4:] * (order * stretched)) * math.exp(stretched) ** order
+            shrunk = magnified / self.model.magnification(moved[4:])[0]
+            moved[0], moved[1] = k[0] * math.exp(across + lens) * shrunk, k[1] * math.exp(down + lens) * shrunk
             t[:, 2] = (t[:, 2] - poses.t[:, 2] * longer) * grown
         return moved, Poses(rotation.matrix(dp[:, :3]) @ poses.r, t)
 
