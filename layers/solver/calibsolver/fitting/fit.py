@@ -239,43 +239,43 @@ class _Fit:
         Gross outliers are removed. The other points are tested against fits that exclude them. Points that
         hardly spoil the fit are taken back.
         """
-        with_tails, inliers = outliers.reject_gross(self.problem, state, self.mask)
+        state, inliers, is_fitted = outliers.reject_gross(self.problem, state, self.mask)
         if self._concentrate_at_rim(inliers, self.mask):
             # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
-            all_points = self.problem.solve(with_tails, self.multistart.unit_weights, outliers.NEAR)
-            if self._is_close(all_points, self.mask, with_tails, inliers, MAX_RIM_RMS_RATIO):
+            all_points = self.problem.solve(
+                state, self.multistart.unit_weights, outliers.LEAST_SQUARES
+            )
+            if self._is_close(all_points, self.mask, state, inliers, MAX_RIM_RMS_RATIO):
                 return all_points, self.mask
         if not inliers.any():  # refused later
-            return with_tails, inliers
+            return state, inliers
+        with_tails = state
+        if not is_fitted:
+            with_tails = self.problem.solve(state, outliers.unit_weights(inliers), outliers.LEAST_SQUARES)
         state, good = self._reject_outliers(with_tails, inliers)
         if state is with_tails or not good.any():
             return state, good
         ratio = MAX_RIM_RMS_RATIO if self._concentrate_at_rim(good, inliers) else MAX_TAIL_RMS_RATIO
         if not with_tails.converged:  # from nearer, it may
-            near = self.problem.at(state.k, state.poses)
-            with_tails = self.problem.solve(near, outliers.unit_weights(inliers), outliers.NEAR)
+            with_tails = self.problem.solve(state, outliers.unit_weights(inliers), outliers.LEAST_SQUARES)
         if self._is_close(with_tails, inliers, state, good, ratio):
             return with_tails, inliers  # what was rejected are tails of the noise
-        return replace(self.problem.at(state.k, state.poses), converged=state.converged), good
+        return state, good
 
     def _reject_outliers(self, state: State, inliers: Mask) -> tuple[State, Mask]:
         """Reject outliers and refit in turn, beginning with the fit to `inliers` (v, n).
 
-        The refits are only as precise as the masks need, and the derivatives of the result may be those of an
-        earlier fit. Without outliers the result is `state` itself.
+        The refits are only as precise as the masks need. Without outliers the result is `state` itself.
         """
-        previous, linearized = inliers, state
+        previous = inliers
         for _ in range(MAX_REJECTIONS - 1):
             good = outliers.inlier_mask(
                 state, self.mask, previous, outliers.OUTLIER_SIGMAS, self.problem.img_size
             )
             if not good.any() or np.array_equal(previous, good):
                 return state, good
-            weights = outliers.unit_weights(good)
-            optimum = self.problem.optimum_by_one_step(linearized, weights, REJECTION)
-            if optimum is None:
-                optimum = linearized = self.problem.solve(linearized, weights, REJECTION)
-            state, previous = optimum, good
+            state = self.problem.solve(state, outliers.unit_weights(good), REJECTION)
+            previous = good
         return state, previous  # where a point or two change sides every time, either is as good
 
     def _concentrate_at_rim(self, good: Mask, among: Mask) -> bool:

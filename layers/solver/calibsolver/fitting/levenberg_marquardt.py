@@ -246,14 +246,15 @@ class LeastSquares(ABC):
         The result is `converged` where the gradient allows no further decrease, and is not where no step led
         downhill, or the iterations ran out before the predicted decrease was negligible.
         """
-        damping, counted = options.damping, weights > 0.5
+        damping, sigma_floor = options.damping, 1e-6 * self.width
         plain = None if (weights == 1).all() else weights
-        tolerance_abs = self.rounding
+        counted = weights > 0.5
+        tolerance_abs = self.obs.count * (ROUNDOFF * self.width) ** 2
         predicted = sigma = previous_predicted = np.inf
         refused, last = 0.0, None
         for iteration in range(options.iterations):
             deadline.check()
-            sigma = self.visible_noise(state, counted)
+            sigma = max(self.noise(state, counted), sigma_floor)
             objective = Objective(
                 plain, HUBER_SIGMAS * sigma if options.robust else np.inf, sigma * sigma * options.with_prior
             )
@@ -302,40 +303,6 @@ class LeastSquares(ABC):
         visible = max(sigma, NOISE_FLOOR * self.width)
         # Where curvature beyond Gauss-Newton's makes it slow, what is left may be nothing that could be seen.
         return replace(state, converged=bool(predicted < NEGLIGIBLE_DECREASE * visible * visible))
-
-    def optimum_by_one_step(self, state: State, weights: Array, options: Options) -> State | None:
-        """Optimum of least squares for points of weight (v, n), if one undamped step from `state` ends there.
-
-        It has the residuals there, and the derivatives of `state`. None if actual and predicted decrease
-        differ by more than the tolerance.
-        """
-        sigma = self.visible_noise(state, weights > 0.5)
-        objective = Objective(weights, np.inf, sigma * sigma)
-        cost, _ = objective.of(state)
-        da, dp, predicted, _ = state.system(weights, objective.prior_weight).step(options.damping)
-        k, poses = self.retract(state.k, state.poses, da, dp)
-        if not self.is_feasible(k):
-            return None
-        r = self.residuals(k, poses)
-        moved = replace(
-            state,
-            k=k,
-            poses=poses,
-            square=r[0] * r[0] + r[1] * r[1],
-            prior_residuals=self.prior(k)[0],
-            converged=True,
-        )
-        error = abs(cost - objective.of(moved)[0] - predicted)
-        return moved if error < options.tolerance * cost + self.rounding else None
-
-    @property
-    def rounding(self) -> float:
-        """Decrease of the cost, px^2, that is rounding."""
-        return self.obs.count * (ROUNDOFF * self.width) ** 2
-
-    def visible_noise(self, state: State, counted: Mask) -> float:
-        """Noise of a coordinate, px, over the points that count (v, n), and not none."""
-        return max(self.noise(state, counted), 1e-6 * self.width)
 
     def noise(self, state: State, counted: Mask) -> float:
         """Noise of a coordinate, px, over the points that count (v, n): what weighs the prior."""
@@ -462,13 +429,16 @@ class Problem(LeastSquares):
         if self.origin is not None:
             return super().retract(k, poses, da, dp)
         change = self.free(da)
-        across, down = float(change[0] / k[0]), float(change[1] / k[1])
-        longer = (across + down) / 2
         moved, t = k + change, poses.t + dp[:, 3:]
-        if abs(longer) > SHORT_STEP:
-            grown, order = math.exp(longer), 2 * prior.weights(self.model).order
-            moved[0], moved[1] = k[0] * math.exp(across), k[1] * math.exp(down)
-            moved[4:] = (moved[4:] - k[4:] * (order * longer)) * grown**order
+        magnified, by_d = self.model.magnification(k[4:])
+        lens = float(by_d @ change[4:]) / magnified
+        across, down = float(change[0] / k[0]), float(change[1] / k[1])
+        stretched, longer = (across + down) / 2, (across + down) / 2 + lens
+        if max(abs(stretched), abs(longer)) > SHORT_STEP:
+            order, grown = 2 * prior.weights(self.model).order, math.exp(longer)
+            moved[4:] = (moved[4:] - k[4:] * (order * stretched)) * math.exp(stretched) ** order
+            shrunk = magnified / self.model.magnification(moved[4:])[0]
+            moved[0], moved[1] = k[0] * math.exp(across + lens) * shrunk, k[1] * math.exp(down + lens) * shrunk
             t[:, 2] = (t[:, 2] - poses.t[:, 2] * longer) * grown
         return moved, Poses(rotation.matrix(dp[:, :3]) @ poses.r, t)
 
@@ -518,6 +488,6 @@ def robust_sigma(state: State, counted: Mask) -> float:
         return np.inf
     used = square.size * 2
     unknowns = len(state.rows) - 1 - POSE_SIZE + POSE_SIZE * len(state.square)
-    correction = np.sqrt(used / max(used - unknowns, 0.1 * used))
-    median = np.sqrt(np.partition(square, square.size // 2)[square.size // 2])
-    return float(median / RAYLEIGH_MEDIAN * correction)
+    middle = square.size // 2
+    median2 = float(np.partition(square, middle)[middle])
+    return math.sqrt(median2 * used / max(used - unknowns, 0.1 * used)) / RAYLEIGH_MEDIAN

@@ -156,7 +156,10 @@ class ShapedProblem(LeastSquares):
 
     def _with_shape(self, k: Array, poses: Poses, rows: Array, square: Array) -> State:
         """State of rows (SHAPE_SIZE + a + 7, 2, v, n), the first of which are filled here."""
-        by_x, by_y, by_z = np.einsum("vij,iavn->javn", poses.r, rows[-4:-1])
+        by_point = np.empty_like(rows[:3])
+        by_camera_point = rows[-4:-1].transpose(1, 2, 0, 3)
+        np.matmul(poses.r.transpose(0, 2, 1), by_camera_point, out=by_point.transpose(1, 2, 0, 3))
+        by_x, by_y, by_z = by_point
         for i in range(BEND_SIZE):
             np.multiply(by_z, self.displacements[i, :, 2], out=rows[i])
         np.multiply(by_x, self.displacements[3, :, 0], out=rows[3])
@@ -175,12 +178,15 @@ class MixedFit:
         Problem with the shape, at variances to begin with.
     labels
         (v,) clusters of views in nearly the same pose.
+    begun
+        Variances from which others are learnt.
     max_stretch
         Standard deviation of stretch at most.
     """
 
     problem: ShapedProblem
     labels: IntArray
+    begun: Variances
     max_stretch: float = MAX_STRETCH_DEVIATION
 
     @classmethod
@@ -200,7 +206,8 @@ class MixedFit:
         """
         if noise2 < (PRIOR_NOISE_WIDTHS * drawn.width) ** 2:  # a bend leaves more
             return None
-        fit = cls(ShapedProblem.of(drawn, Variances(noise2)), labels)
+        v = Variances(noise2)
+        fit = cls(ShapedProblem.of(drawn, v), labels, v)
         begun = fit.problem.start(state)
         model = fit.linearize(begun, good)
         fit, v = fit._learn(model)
@@ -245,7 +252,7 @@ class MixedFit:
 
     def _learn(self, model: MixedModel) -> "tuple[MixedFit, Variances]":
         """Learn the variances; a stretch that no printer causes is not one, and has next to none."""
-        v = model.learn(self.problem.variances)
+        v = model.learn(self.begun)
         expected = tuple((model.shape + model.solve(v).x[:SHAPE_SIZE]).tolist())
         if replace(self.problem.frame, parameters=expected).is_plausible:
             return self, v
@@ -255,7 +262,7 @@ class MixedFit:
     def _at_variances(self, model: MixedModel, v: Variances) -> "MixedFit":
         """Return the fit at learnt variances, without motion: what moves counts as noise."""
         noise2 = model.solve(replace(v, motion=0.0)).variances.noise2
-        return replace(self, problem=replace(self.problem, variances=replace(v, noise2=noise2)))
+        return replace(self, problem=replace(self.problem, variances=replace(v, noise2=noise2)), begun=v)
 
     def solve(self, state: State, good: Mask, options: Options = IN_SHAPE) -> State:
         """Solve for the optimum of the good points (v, n)."""
@@ -284,7 +291,7 @@ class MixedFit:
         used = None if good.all() else good
         evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, used)
         model = self._model(state, good, evidence.gram)
-        v = model.learn(replace(self.problem.variances, noise2=noise2))
+        v = model.learn(self.begun)
         if not np.array_equal(mask, good):
             u = model.moved(model.solve(v).u)
             left = state.rows[-1] + np.einsum("vm,mavn->avn", u[self.labels], effects)

@@ -119,6 +119,8 @@ class MixedModel:
         self.camera_belief[SHAPE_SIZE:, SHAPE_SIZE:-1], self.camera_belief[SHAPE_SIZE:, -1] = prior
         self.gram = gram[:, kept][:, :, kept]
         self.total = self.gram.sum(axis=0)
+        scale = 1 / np.sqrt(np.maximum(self.total.diagonal()[:-1], 1e-300))
+        self.scale = scale[:, None] * scale
         # In the principal directions of each cluster's motion its covariance is diagonal.
         power, self.directions = np.linalg.eigh(gram[:, moves, moves])
         self.power = np.maximum(power.ravel(), 0.0)
@@ -151,7 +153,7 @@ class MixedModel:
         pull = self.across * weights
         total, certain = self.total - pull @ self.across.T, 1 / v.shape_deviations() ** 2
         total[:size] += v.noise2 * self._belief(certain)
-        inverse = inverse_by_elimination(total[:size, :size])
+        inverse = self._inverse(total[:size, :size])
         x = inverse @ total[:size, size]
         one = np.append(np.negative(x, out=x), 1.0)
         pulled = one @ self.across
@@ -205,6 +207,15 @@ class MixedModel:
         out: Array = np.einsum("cij,cj->ci", self.directions, u)
         return out
 
+    def _inverse(self, a: Array) -> Array:
+        """Inverse of A (g, g), as `symmetric_inverse`: faster, where A is well positive definite."""
+        try:
+            out: Array = np.asarray(np.linalg.inv(a * self.scale), dtype=np.float64)
+        except np.linalg.LinAlgError:
+            return symmetric_inverse(a)
+        out *= self.scale
+        return out if (out.diagonal() > 0).all() else symmetric_inverse(a)
+
     def _total(self, v: Variances, weights: Array) -> tuple[Array, Array, Array]:
         """Gram matrix (g + 1, g + 1), motion marginalised; information and half gradient of the priors."""
         return self.total - (self.across * weights) @ self.across.T, *self.belief(v)
@@ -223,18 +234,6 @@ def remainder(change: float, previous: float) -> float:
     """Sum of the changes after two that follow each other, of a geometric series."""
     rate = min(max(change / previous, 0.0), MAX_RATE) if previous else 0.0
     return change * rate / (1 - rate)
-
-
-def inverse_by_elimination(a: Array) -> Array:
-    """Inverse of A (g, g), as `symmetric_inverse`: faster, where A is well positive definite."""
-    scale = 1 / np.sqrt(np.maximum(a.diagonal(), 1e-300))
-    products = scale[:, None] * scale
-    try:
-        out: Array = np.asarray(np.linalg.inv(a * products), dtype=np.float64)
-    except np.linalg.LinAlgError:
-        return symmetric_inverse(a)
-    out *= products
-    return out if (out.diagonal() > 0).all() else symmetric_inverse(a)
 
 
 def trusted_motion(v: Variances, noise2: float) -> float:

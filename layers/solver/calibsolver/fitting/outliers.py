@@ -33,15 +33,16 @@ MAX_GROSS_REJECTIONS = 4
 """Rounds of gross outlier rejection: a model that is too simple would lose point after point."""
 ROBUST_OPTIMUM = Options(robust=True, tolerance=1e-6, one_step=True)
 """Tight: no mask may depend on where the solver happens to stop."""
-NEAR = Options(tolerance=1e-7, one_step=True)
-"""Fits from which either the optimum or the board's shape is sought."""
+LEAST_SQUARES = Options(tolerance=1e-6, one_step=True)
+"""Fits that only distinguish outliers, or from which the optimum or the board's shape is sought."""
 
 
-def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mask]:
+def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mask, bool]:
     """Fit without gross outliers, from a state near the optimum, and its inlier mask (v, n).
 
     The first mask is that of the robust optimum over the points `mask` of all views that are near now. Every
-    other is that of the least-squares fit to the one before, until two are equal.
+    other is that of the least-squares fit to the one before, until two are equal. The last part of the result
+    is True if the state is the least-squares fit to exactly the inliers.
     """
 
     def inliers() -> Mask:
@@ -50,15 +51,13 @@ def reject_gross(problem: Problem, state: State, mask: Mask) -> tuple[State, Mas
     # A view of wrong corners would turn a pose, and then the camera.
     weights = unit_weights(mask & inliers().any(axis=1, keepdims=True))
     state = problem.solve(state, weights, ROBUST_OPTIMUM)
-    good, rounds = inliers(), 0
-    while good.any():
-        state = problem.solve(state, unit_weights(good), NEAR)
-        if rounds == MAX_GROSS_REJECTIONS or (not rounds and np.array_equal(good, mask)):
-            break
-        previous, good, rounds = good, inliers(), rounds + 1
-        if np.array_equal(good, previous):
-            break
-    return state, good
+    good, previous = inliers(), mask
+    for rejections in range(MAX_GROSS_REJECTIONS):
+        if not good.any() or np.array_equal(good, previous):
+            return state, good, rejections > 0
+        state = problem.solve(state, unit_weights(good), LEAST_SQUARES)
+        previous, good = good, inliers()
+    return state, good, np.array_equal(good, previous)
 
 
 def inlier_mask(state: State, mask: Mask, among: Mask, sigmas: float, img_size: tuple[int, int]) -> Mask:
