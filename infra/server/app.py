@@ -90,11 +90,10 @@ class App:
         self._dumps = dumps
         self._workers = workers
         self._public = public or Public()
-        routes: list[Route] = []
+        self._routes: list[Route] = []
         for name in FUNCTIONS:
-            routes += importlib.import_module(f"functions.{name}.app").handler.routes
-        self._routes = routes
-        self._api = with_default_headers(application(*routes))
+            self._routes += importlib.import_module(f"functions.{name}.app").handler.routes
+        self._api = with_default_headers(application(*self._routes))
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request."""
@@ -141,8 +140,7 @@ class App:
                 async with asyncio.timeout(BODY_TIMEOUT_S):
                     body = await _read(Request(scope, receive))
             except TimeoutError:
-                late = _message(408, "Request Timeout", {"connection": "close"})
-                await late(scope, receive, send)
+                await _message(408, "Request Timeout", {"connection": "close"})(scope, receive, send)
                 return
             except ClientDisconnect:
                 return

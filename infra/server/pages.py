@@ -189,13 +189,11 @@ class PublicObjects:
         if scope["method"] not in ("GET", "HEAD"):
             return Response(status_code=405, headers={"allow": "GET, HEAD"})
         name = scope["path"].removeprefix("/")
-        version = self._objects.get_version(name)
         described = FOR_EVERYONE | {"x-content-type-options": "nosniff"}
-        if version is None:
+        if (version := self._objects.get_version(name)) is None:
             described |= {"cache-control": "public, max-age=10"}
-            if name == STATISTICS:
-                return Response(NO_STATISTICS, 200, described, JSON)
-            return Response(status_code=404, headers=described)
+            content, status = (NO_STATISTICS, 200) if name == STATISTICS else (b"", 404)
+            return Response(content, status, described, JSON)
         content, tag = version
         kind, cache_control = self._objects.headers(name)
         described |= {"etag": f'"{tag}"', "cache-control": cache_control or "no-cache"}
