@@ -41,9 +41,8 @@ run: $(SETUP) ## run the service on this machine: page and API on http://127.0.0
 
 test: ## run everything below up to browser
 	@$(MAKE) $(PAIRED) .node .drawn $(CHECKS)
-	@bash infra/ci/browsers.sh
-	@$(MAKE) $(PAIRED) .alone .background
-	$(PYTEST) $(MODULES) -m "not alone" tests/browser
+	$(PYTEST) $(MODULES) tests/unit tests/service tests/aws
+	@$(MAKE) --no-print-directory browser
 
 lint: ## check style, types, imports, wording, the template, and dependencies for known vulnerabilities
 	@$(MAKE) $(PAIRED) $(CHECKS)
@@ -85,14 +84,6 @@ lint: ## check style, types, imports, wording, the template, and dependencies fo
 		$(PY) -m pip --python .build/audit install --quiet --no-compile --retries 0 --timeout 10 pip-audit==2.10.1 2>/dev/null) || true
 	@$(PY) -m infra.ci.audit
 
-# Tests marked `alone` mostly wait. Next to them run unit and service tests, with a lower priority: not the lowest,
-# with which another program on the machine would stop them.
-.alone:
-	$(PYTEST) -m alone tests/browser
-
-.background:
-	nice -n 5 $(PYTEST) $(MODULES) tests/unit tests/service tests/aws
-
 unit: $(SETUP) .node .drawn ## test one package at a time, without sockets, and the web client's modules under node
 	$(PYTEST) $(MODULES) tests/unit
 
@@ -102,7 +93,7 @@ service: $(SETUP) ## test HTTP against the server, and on emulated AWS
 browser: $(SETUP) ## test the pages in Chromium and Firefox
 	@bash infra/ci/browsers.sh
 	$(PYTEST) $(MODULES) -m "not alone" tests/browser
-	@$(MAKE) --no-print-directory .alone
+	$(PYTEST) -m alone tests/browser
 
 thorough: export THOROUGH := 1
 thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS=54 CASES=5000 FILES=100000

@@ -16,14 +16,13 @@ THOROUGH = bool(os.environ.get("THOROUGH"))  # `make thorough`
 #: markers whose tests run only on a condition
 SELECTED = {"thorough": THOROUGH, "external_data": EXTERNAL is not None}
 
-#: modules that take longest, a minute and a half to ten seconds: what begins last must be short
+#: modules that take longest: what begins last must be short
 LONGEST = (
-    *("test_pages", "test_interruptions", "test_virtual_camera", "test_ar", "test_diagnosis"),
-    *("test_other_boards", "test_result", "test_rig", "test_examples", "test_rectifier"),
-    *("test_controls", "test_preflights", "test_photos", "test_outages", "test_lost_gpu"),
-    *("test_guidance", "test_reindex", "test_crowd", "test_hostile", "test_ops", "test_durability"),
-    *("test_loop", "test_pooling", "test_killed_while_finishing", "test_bundle"),
-    *("test_openapi_fuzz", "test_documents", "test_imports", "test_python_capture"),
+    *("test_all_pages", "test_pages", "test_interruptions", "test_result", "test_controls", "test_photos"),
+    *("test_board", "test_ar", "test_diagnosis", "test_rig", "test_other_boards", "test_virtual_camera"),
+    *("test_boards_in_pictures", "test_pictures", "test_guidance", "test_agreement", "test_pooling"),
+    *("test_server_wheel", "test_loop", "test_documents", "test_durability", "test_killed_while_finishing"),
+    *("test_live_capture", "test_report", "test_hostile", "test_model_selection"),
 )
 
 #: allocations between two searches for garbage. Storage in memory makes so many objects that Python's own 700

@@ -204,6 +204,7 @@ def test_estimate_is_drawn_against_the_calibration(page: Page, sent: list[Reques
     expect(said).to_contain_text("at the outermost corner")
 
 
+@pytest.mark.thorough
 def test_without_the_service_there_is_no_estimate(page: Page) -> None:
     page.route("**/v1/lookup", lambda route: route.fulfill(status=503, json={}))
     page.goto(ADDRESS)
@@ -213,6 +214,7 @@ def test_without_the_service_there_is_no_estimate(page: Page) -> None:
     expect(page.locator("#stage")).to_have_attribute("data-shown", "matrix")
 
 
+@pytest.mark.thorough
 def test_what_was_just_measured_is_taken(page: Page, api: httpx.Client, sent: list[Request]) -> None:
     address = f"/ar/?{TRUTH.query(error=0)}"
     page.goto(address)

@@ -111,6 +111,7 @@ def test_what_was_on_the_gpu_is_made_anew_in_firefox(stack: str, in_firefox: InF
     check_drawn(in_firefox(f"{stack}/board/", f"() => ({DRAWN})({json.dumps(calibration('rectilinear'))})"))
 
 
+@pytest.mark.thorough
 def test_overlays_go_on_with_the_gpu_and_say_so_where_it_is_lost_for_good(context: BrowserContext) -> None:
     overlays = context.new_page()  # which tells that the GPU was lost
     overlays.goto(ADDRESS)

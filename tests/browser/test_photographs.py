@@ -5,12 +5,13 @@ from typing import Any
 import cv2
 import httpx
 import numpy as np
+import pytest
 from playwright.sync_api import BrowserContext, Page
 
 from tests.helpers.browser.captures import begin
 from tests.helpers.data import data_dir, external_data
 
-pytestmark = external_data
+pytestmark = [external_data, pytest.mark.thorough]
 BOARD = {"squares": [8, 8], "marker_ratio": 0.75, "dictionary": "DICT_4X4_1000", "legacy": False}
 SIZE = (640, 480)
 MIN_POINTS = 6

@@ -18,7 +18,8 @@ from tests.helpers.browser import photographs
 from tests.helpers.browser.photographs import sent_views
 from tests.helpers.browser.pictures import PASSING, picture
 from tests.helpers.browser.waiting import until
-from tests.helpers.data import data_dir, external_data
+from tests.helpers.data import EXTERNAL, data_dir, external_data
+from tests.helpers.marks import thorough
 
 BOARD = "squares=8x8&marker_ratio=0.75&dictionary=DICT_4X4_1000"
 PAGE = f"/photos/?{BOARD}"
@@ -44,7 +45,11 @@ class Series:
     page: str
 
 
-@pytest.fixture(scope="module", params=["drawn", pytest.param("real", marks=external_data)])
+# Drawn ones stand in for the real ones.
+DRAWN = ["drawn"] if EXTERNAL is None else thorough("drawn")
+
+
+@pytest.fixture(scope="module", params=[*DRAWN, pytest.param("real", marks=external_data)])
 def series(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Series:
     if request.param == "drawn":
         folder = tmp_path_factory.mktemp("photographs")

@@ -8,7 +8,6 @@ from playwright.sync_api import Browser, Page, Route
 from tests.helpers.browser.waiting import TIMEOUT_S
 
 PATHS = ("/", "/calibrate/", "/ar/", "/rig/", "/cameras/", "/photos/")
-SIZES = ((1440, 900), (390, 844))
 MAX_SHIFT = 0.01
 # CLS: the largest sum of shifts within 5 s that follow one another within 1 s
 SHIFTS = """window.shift = 0;
@@ -43,7 +42,14 @@ def hold(page: Page, held: list[Route]) -> None:
     page.route(re.compile("geologica-latin"), lambda route: held.append(route))
 
 
-@pytest.mark.parametrize("size", SIZES, ids=["laptop", "phone"])
+@pytest.mark.parametrize(
+    "size",
+    [
+        (390, 844),
+        pytest.param((1440, 900), marks=pytest.mark.thorough),
+    ],
+    ids=["phone", "laptop"],
+)
 def test_first_visits_show_the_typeface_without_a_shift(
     chromium: Browser, stack: str, size: tuple[int, int]
 ) -> None:

@@ -15,19 +15,19 @@ from tests.helpers.browser.frame_rate import WATCH
 from tests.helpers.browser.interruptions import views
 from tests.helpers.browser.truth import SMALL, Truth, projection_errors
 from tests.helpers.browser.waiting import address
+from tests.helpers.marks import thorough
 
 from .test_lookup import expect_known_after_five
 
 ROOT = Path(__file__).resolve().parents[2]
 
-TRUTH = Truth()
 RATE = 15  # frames/s, of a webcam in poor light
 KEYPOINTS = {"index", "ids", "points"}
 SESSION = {"camera", "platform", "img_size", "zoom", "board", "distortion_model", "track", "target_error"}
 
 
 def assert_true(
-    calibration: dict[str, Any], views: int, seconds: float, frames: int, where: str, truth: Truth = TRUTH
+    calibration: dict[str, Any], views: int, seconds: float, frames: int, where: str, truth: Truth = SMALL
 ) -> None:
     """A camera is as it was made; its capture took as long as the frames of 40 seconds."""
     errors = projection_errors(truth, calibration)
@@ -67,21 +67,22 @@ def assert_only_keypoints(sent: list[Request]) -> None:
     assert views >= 4
 
 
+@pytest.mark.parametrize("truth", [SMALL, *thorough(Truth())], ids=["640", "1280"])
 def test_chromium_hands_free_with_nothing_but_keypoints_until_the_camera_is_known(
-    page: Page, api: httpx.Client, stack: str
+    page: Page, api: httpx.Client, stack: str, truth: Truth
 ) -> None:
     sent: list[Request] = []
     page.on("request", lambda request: sent.append(request))
     page.on("websocket", lambda socket: pytest.fail(f"a socket to {socket.url}"))
     page.add_init_script(WATCH)
-    page.goto(f"/calibrate/?{TRUTH.query(hand='person', rate=RATE)}")
+    page.goto(f"/calibrate/?{truth.query(hand='person', rate=RATE, k3=1e-6)}")
     page.wait_for_selector("#done:not([hidden]), #failed:not([hidden])")
     seconds, frames = page.evaluate("[performance.now() / 1000, window.pace.frames]")
     assert page.locator("#done").is_visible(), page.locator("#failure").text_content()
     stored = api.get(f"/calibrations/{address(page).split('id=')[1]}").json()
-    assert_true(stored, views(page), seconds, frames, "Chromium")
+    assert_true(stored, views(page), seconds, frames, "Chromium", truth)
     assert_only_keypoints(sent)
-    expect_known_after_five(page, api, stack, stored)
+    expect_known_after_five(page, api, stack, stored, truth)
 
 
 @pytest.mark.alone
@@ -91,7 +92,7 @@ def test_firefox_hands_free(stack: str) -> None:
     outcome = driven(script, there)
     assert outcome["failure"] == ""
     count = int(outcome["counts"])
-    assert_true(outcome["calibration"], count, *outcome["taken"], "Firefox", SMALL)
+    assert_true(outcome["calibration"], count, *outcome["taken"], "Firefox")
 
 
 @pytest.mark.thorough

@@ -125,7 +125,7 @@ def test_corners_alone_are_no_camera(client: Client) -> None:
 
 
 @pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
-@pytest.mark.parametrize("form", ["photonvision", "mrcal", "corners-vnl"])
+@pytest.mark.parametrize("form", ["photonvision", *thorough("mrcal", "corners-vnl")])
 def test_exported_corners_come_back(client: Client, form: str, seed: int) -> None:
     """Round trips: a capture, a file of its corners, a session of them without a complaint."""
     state = Truth(seed=20 + seed).calibrate(client, **BRIEF)

@@ -196,7 +196,7 @@ test("a capture is taken up again with the views it had, also one whose answer w
   assert.deepEqual([...taken.keys()], [0], "the view whose answer was lost is the last one");
 });
 
-test("views taken while the service is away are sent in their order once it is back, by this page or the next one", async () => {
+test("views taken while the service is away are sent in order once it is back, by this page or the next", async () => {
   const taken = [];
   let away = false;
   let saved = null;
@@ -233,7 +233,7 @@ test("views taken while the service is away are sent in their order once it is b
   assert.deepEqual([taken, refused, state.views.length, next.waiting], [[1, 2, 4], 1, 3, 0]);
 });
 
-test("a capture begun without the service is sent when it is there, and may be sent again as another one's", async () => {
+test("a capture begun without the service is sent once it is there, and may be sent again as another's", async () => {
   const taken = [];
   const { api, calls } = service(({ call, body }) => {
     if (call === "POST /v1/auth") return json(201, { session_id: "s", expires_at: 0 });

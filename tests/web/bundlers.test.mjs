@@ -16,15 +16,19 @@ import { lookup, rectifyPair, rig } from "calibdb";
 import { applyCalibration } from "calibdb/adapters/three";
 import { lensOf } from "calibdb/projection";
 
-const answer = { img_size: [640, 480], camera_matrix: [[500, 0, 320], [0, 500, 240], [0, 0, 1]], distortion_model: "rectilinear",
-  distortion_coefficients: [0, 0, 0, 0, 0], exact_size: true, reliable: true };
+const answer = { img_size: [640, 480], camera_matrix: [[500, 0, 320], [0, 500, 240], [0, 0, 1]],
+  distortion_model: "rectilinear", distortion_coefficients: [0, 0, 0, 0, 0], exact_size: true, reliable: true };
 const still = { rvec: [0, 0, 0], tvec: [0, 0, 0] };
 const pair = { calibrations: [answer, answer], extrinsics: [{ position: 0, ...still }, { position: 1, ...still }] };
-const fetch = async (url) => new Response(JSON.stringify(/rigs/.test(url) ? pair : answer), { headers: { "content-type": "application/json" } });
+const headers = { "content-type": "application/json" };
+const fetch = async (url) => new Response(JSON.stringify(/rigs/.test(url) ? pair : answer), { headers });
 const key = { camera: "A camera", platform: "X11; Linux x86_64", img_size: [640, 480], zoom: 0 };
 const { calibration } = await lookup(key, { token: "t", api: "https://calibdb.example/v1", fetch, cache: null });
 const stereo = await rig("1f0c", { token: "t", api: "https://calibdb.example/v1", fetch });
-globalThis.found = [calibration.project([0.1, 0, 1]), typeof applyCalibration, typeof lensOf, calibration.projectionMatrix({ near: 1, far: 2 }).length, stereo.pose(1).tvec, typeof rectifyPair];
+globalThis.found = [
+  calibration.project([0.1, 0, 1]), typeof applyCalibration, typeof lensOf,
+  calibration.projectionMatrix({ near: 1, far: 2 }).length, stereo.pose(1).tvec, typeof rectifyPair,
+];
 `;
 const EXPECTED = [[370, 240], "function", "function", 16, [0, 0, 0], "function"];
 
@@ -93,15 +97,20 @@ test("it installs into an empty project, with types", () => {
   assert.ok(existsSync(join(folder, "node_modules/calibdb/LICENSE")));
   writeFileSync(
     join(folder, "use.mjs"),
-    "import { lookup, projectionMatrix } from 'calibdb'; import { lensOf } from 'calibdb/projection'; import { Bundle } from 'calibdb/bundle'; import { Rig } from 'calibdb/rig'; import { applyCalibration } from 'calibdb/adapters/three'; console.log(typeof lookup, typeof lensOf, typeof Bundle, typeof Rig, typeof applyCalibration);",
+    `import { lookup, projectionMatrix } from "calibdb"; import { lensOf } from "calibdb/projection";
+    import { Bundle } from "calibdb/bundle"; import { Rig } from "calibdb/rig";
+    import { applyCalibration } from "calibdb/adapters/three";
+    console.log(typeof lookup, typeof lensOf, typeof Bundle, typeof Rig, typeof applyCalibration);`,
   );
   assert.equal(run("node", "use.mjs").trim(), "function function function function function");
   const use = (/** @type {string} */ model) => `import { lookup, type Calibration } from "calibdb";
-    const { calibration } = await lookup({ camera: "x", platform: "y", img_size: [640, 480], zoom: 0 }, { token: "t", model: ${model} });
+    const key = { camera: "x", platform: "y", img_size: [640, 480] as [number, number], zoom: 0 };
+    const { calibration } = await lookup(key, { token: "t", model: ${model} });
     export const known: Calibration | null = calibration;
     export const at: [number, number] | null | undefined = calibration?.project([0, 0, 1]);`;
   const offline = `import { Bundle } from "calibdb/bundle"; import { applyCalibration } from "calibdb/adapters/babylon";
-    export const found = async (text: string) => lookup({ camera: "x", platform: "y", img_size: [640, 480], zoom: 0 }, { bundle: new Bundle(JSON.parse(text)), token: text.length ? text : undefined });
+    export const found = async (text: string) =>
+      lookup(key, { bundle: new Bundle(JSON.parse(text)), token: text.length ? text : undefined });
     export type Eye = Parameters<typeof applyCalibration>[0];`;
   writeFileSync(join(folder, "use.ts"), use('"fisheye"') + offline);
   // An error that does not come is one.
@@ -112,26 +121,36 @@ test("it installs into an empty project, with types", () => {
   writeFileSync(
     join(folder, "page.ts"),
     `import { Rectifier } from "calibdb/rectifier"; import { Calibration } from "calibdb";
-    export const show = async (calibration: Calibration) => document.body.append((await calibration.rectifier({ balance: 1 })).canvas, (await calibration.distorter()).canvas);
-    export const unseen = (calibration: Calibration) => new Rectifier(calibration, { canvas: new OffscreenCanvas(1, 1) }).canvas.transferToImageBitmap();`,
+    export const show = async (calibration: Calibration) =>
+      document.body.append(
+        (await calibration.rectifier({ balance: 1 })).canvas, (await calibration.distorter()).canvas);
+    const canvas = new OffscreenCanvas(1, 1);
+    export const unseen = (calibration: Calibration) =>
+      new Rectifier(calibration, { canvas }).canvas.transferToImageBitmap();`,
   );
   writeFileSync(
     join(folder, "pair.ts"),
-    `import { rectifyPair, rig, type PairRectifier, type Pose, type View } from "calibdb"; import { rectify } from "calibdb/stereo";
+    `import { rectifyPair, rig, type PairRectifier, type Pose, type View } from "calibdb";
+    import { rectify } from "calibdb/stereo";
     export const show = async (left: HTMLVideoElement, right: HTMLVideoElement, frame: VideoFrame) => {
       const known = await rig("id", { token: "t" });
       const pair: PairRectifier = await rectifyPair(left, right, known, { scale: 0.5, positions: [1, 2] });
       const pose: Pose = known.pose(1);
       document.body.append(pair.left, pair.right);
-      const away = await rectifyPair(frame, frame, { left: known.calibrations[0], right: known.calibrations[1], pose }, { packing: "beside", canvases: [new OffscreenCanvas(1, 1), new OffscreenCanvas(1, 1)] });
+      const [first, second] = known.calibrations;
+      const canvases: [OffscreenCanvas, OffscreenCanvas] = [new OffscreenCanvas(1, 1), new OffscreenCanvas(1, 1)];
+      const options = { packing: "beside" as const, canvases };
+      const away = await rectifyPair(frame, frame, { left: first, right: second, pose }, options);
       const eyes: View[] = [...known.toMetres(0.03).views({ near: 0.1 }), ...pair.views()];
-      return [pair.draw(), pair.depth(10), pair.point([1, 2], 3)[2], away.left.transferToImageBitmap(), eyes[0].transform.matrix, rectify(known.calibrations[0], known.calibrations[1], pose).Q];
+      const seen = [pair.draw(), pair.depth(10), pair.point([1, 2], 3)[2], away.left.transferToImageBitmap()];
+      return [...seen, eyes[0].transform.matrix, rectify(first, second, pose).Q];
     };`,
   );
   writeFileSync(
     join(folder, "worker.ts"),
     `import { lookup, type CameraKey } from "calibdb";
-    onmessage = async ({ data }: MessageEvent<CameraKey>) => postMessage((await lookup(data, { token: "t" })).calibration?.camera_matrix);`,
+    onmessage = async ({ data }: MessageEvent<CameraKey>) =>
+      postMessage((await lookup(data, { token: "t" })).calibration?.camera_matrix);`,
   );
   const check = (/** @type {string[]} */ files, resolution = "bundler", lib = "es2023,dom") =>
     run(

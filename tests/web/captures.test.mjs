@@ -24,7 +24,7 @@ function serve(t) {
 }
 
 for (const room of [true, false]) {
-  test(`a capture goes on with the views that are left, ${room ? "saved on the device" : "where nothing can be saved, too"}`, async (t) => {
+  test(`a capture continues with the other views, ${room ? "saved here" : "also if nothing can be saved"}`, async (t) => {
     const sent = serve(t);
     const saved = new Map();
     const unsaved = [];

@@ -73,7 +73,7 @@ test("moiré shows in the white of the board, and sensor noise does not", () => 
   }
 });
 
-test("moiré is looked for where the board is bright: an inverted board's dark print may reflect the room, and light may fall off", () => {
+test("moiré is looked for in bright parts of the board: dark print may reflect, and light may fall off", () => {
   const inverted = { ...DEFAULT_BOARD, inverted: true };
   const dark = (at, value) => (value < 128 ? 255 - ((at % SIZE[0]) % 16 < 8 ? 70 : 0) : 255 - value);
   for (const pose of POSES) {

@@ -101,7 +101,7 @@ test("an unknown camera is asked of the service, and of the edge once an hour an
   assert.equal((await lookup(KEY, { ...options, cache: full })).reason, "too_few");
 });
 
-test("while every function fails a known camera is answered, and of another it is said that it cannot be asked now", async () => {
+test("while every function fails, a known camera has its answer, and another camera a reason", async () => {
   for (const failing of [
     () => json(503, { detail: "Service Unavailable" }),
     () => {

@@ -36,7 +36,8 @@ for a in json.loads(sys.argv[1]):
     b.setLegacyPattern(a["legacy"])
     w, h = (n * a["scale"] + 2 * a["margin"] for n in a["squares"])
     p = b.generateImage((w, h), marginSize=a["margin"])
-    found.append({"w": w, "h": h, "pixels": base64.b64encode(p.tobytes()).decode(), "corners": b.getChessboardCorners().tolist()})
+    pixels, corners = base64.b64encode(p.tobytes()).decode(), b.getChessboardCorners().tolist()
+    found.append({"w": w, "h": h, "pixels": pixels, "corners": corners})
 print(json.dumps(found))`;
   const request = boards.map(([, { squares, marker_ratio, dictionary, legacy }, scale]) => ({
     squares,

@@ -75,7 +75,7 @@ test("the profile of a lens is its radial polynomial, and is dashed beyond the c
   assert.equal(curves(null)[2].d, "", "nothing is dashed where it is not known what was measured");
 });
 
-test("displacements of fisheye and omnidirectional lenses are from the pinhole of their focal length at the axis", () => {
+test("displacements of fisheye and omnidirectional lenses start at the pinhole of their focal length", () => {
   // Equidistant, r = f t, and stereographic, r = 2 f tan(t / 2), which is xi = 1: from f tan t.
   const grid = /** @type {[number, number]} */ ([17, 11]);
   const f = 800;
@@ -209,7 +209,7 @@ test("a finer map goes smoothly through the values that there are", () => {
   );
 });
 
-test("the grid that is straightened shows the lens: straight lines of a pinhole, bent ones of a lens that bends", () => {
+test("the grid that is straightened shows the lens: straight lines of a pinhole, else bent ones", () => {
   const bend = (lens) =>
     Math.max(
       ...gridLines(lens).map(({ seen: line }) => {

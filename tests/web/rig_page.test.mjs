@@ -66,7 +66,7 @@ test("a picture that is 200 ms old while the hand moves at 5 cm/s is no still on
   assert.ok(!isReady([sight], 0));
 });
 
-test("other devices need a longer hold, and a still longer one after what they missed; the same hold is taken once", () => {
+test("other devices need a longer hold, and a still longer one after a miss; one hold is taken once", () => {
   const still = (hold) => sightOf(0, hold);
   assert.ok(!isReady([still(1_400)], 0) && isReady([still(1_500)], 0), "nowhere near a target");
   assert.ok(!isReady([still(1_500)], remoteHold(0)) && isReady([still(1_900)], remoteHold(0)));
@@ -177,7 +177,7 @@ const recordOf = (leads, count) => ({
   })),
 });
 
-test("a device's cameras enter a rig, and a page that was lost in the middle completes that with the same sessions", async () => {
+test("a device's cameras enter a rig, and a page that was lost completes it with the same sessions", async () => {
   const calls = [];
   let isLost = true;
   const service = {
@@ -327,7 +327,7 @@ test("a rig ends without a click when it is accurate or nothing more comes, and 
   assert.ok(isComplete(inaccurate, 0, course), "so it does when the error has stopped falling");
 });
 
-test("the error of a rig is on a plateau after ten moments, three of them without progress, at the target, near the best", () => {
+test("the error of a rig is on a plateau after ten moments, three without progress, near the best", () => {
   const of = (errors, missed = -1) => errors.map((rms, n) => ({ rms, atTarget: n !== missed }));
   const still = [null, null, null, 6, 5, 4, 2, 2, 2, 1.8];
   assert.ok(hasPlateau(of(still)));

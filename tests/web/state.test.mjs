@@ -169,7 +169,7 @@ test("a view that was taken off the target is said to be, with what helps more",
   assert.equal(taken([{ ...view, on_target: null }]), "capture.view_taken");
 });
 
-test("a target refused in its own place is given up soon: after 1 s where nothing can be done about it, after 3 s to read why else", () => {
+test("a target refused in its own place is given up after 1 s if nothing helps, else after 3 s to read why", () => {
   const held = capturing(frames(frame(THERE), HOLD_MS));
   const answer = { ...SESSION, accepted: false, reason: "no_information" };
   const refused = reduce(held, { type: "answer", answer, corners: held.detector.corners, time: 600 });

@@ -305,7 +305,7 @@ test("the formula of raw camera access takes projection matrices back", () => {
   );
 });
 
-test("raw camera access gives the matrix where the service knows none, and asks again where its picture changes", async () => {
+test("raw camera access gives the matrix if the service has none, and asks again if its picture changes", async () => {
   const { global, session, calls } = running();
   const shown = (pinhole) => [
     {

@@ -7,17 +7,19 @@ import json
 import struct
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
 import numpy.typing as npt
-from playwright.sync_api import Request
 
 from calibsolver import Board
 from calibsolver.guidance.overlay import draw_board
 
 from .truth import Truth
+
+if TYPE_CHECKING:  # of the browser tests only
+    from playwright.sync_api import Request
 
 Grey = npt.NDArray[np.uint8]
 

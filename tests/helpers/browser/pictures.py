@@ -71,16 +71,17 @@ def violations(page: Page, *rules: str) -> list[str]:
 def picture(
     page: Page, name: str, sizes: Iterable[str] = ("desk", "hand"), *, full: bool = False, check: bool = True
 ) -> None:
-    """Take pictures of a state, and hold it to what holds for all: no sideways scrolling, axe, fingers.
+    """Hold a state to what holds for all: no sideways scrolling, axe, fingers.
 
-    Axe reads it in the last size, and in all of them where there is time.
+    Axe reads it in the last size. `make thorough` saves its pictures, and axe reads it in all sizes.
     """
     OUTPUT.mkdir(exist_ok=True)
     wanted = list(sizes)
     for size in wanted:
         page.set_viewport_size(SIZES[size])
         page.evaluate(SETTLED)
-        page.screenshot(path=OUTPUT / f"{name}-{size}.png", full_page=full)
+        if THOROUGH:
+            page.screenshot(path=OUTPUT / f"{name}-{size}.png", full_page=full)
         if check:
             assert remaining(page, lambda: page.evaluate(WIDE)) == 0, f"{name} is too wide, px"
             if THOROUGH or size == wanted[-1]:

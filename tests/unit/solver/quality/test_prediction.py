@@ -7,6 +7,7 @@ from calibsolver import Board, Camera, View, fit
 from calibsolver.capture import Capture
 from calibsolver.quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
 from tests.helpers.data import corner_views
+from tests.helpers.marks import thorough
 from tests.helpers.solver import synthetic
 
 BOARD = Board()
@@ -79,7 +80,7 @@ def error_after(views: list[View], camera: Camera) -> float:
     return float(np.sqrt(np.nanmean(error**2)))
 
 
-@pytest.mark.parametrize("factor", [1.0, 1.3, 0.6])
+@pytest.mark.parametrize("factor", [0.6, *thorough(1.0, 1.3)])
 def test_seed_starts_a_capture_and_does_not_end_it(factor: float) -> None:
     """Right or wrong, the prior leaves no trace in the result."""
     for i in (1, 6, 10):
