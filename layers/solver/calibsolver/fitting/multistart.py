@@ -19,8 +19,6 @@ MAX_TRUSTED_RMS_WIDTHS = 0.002
 """Trimmed rms / image width above which other starts are tried."""
 TOWARDS_OPTIMUM = Options(robust=True, tolerance=1e-3, damping=1e-5, one_step=True, patient=True)
 """The way to near the optimum is always robust: one bad view must not turn the first steps."""
-WITHOUT_GROSS_OUTLIERS = Options(tolerance=1e-4, one_step=True)
-"""Fits that compare starts."""
 MAX_PRIOR_Z = 3.0
 """Sigmas of the prior by which aspect and principal point may differ before other starts are tried, too."""
 MAX_REINITIALIZATIONS = 3
@@ -202,4 +200,4 @@ def refit_without_gross_outliers(problem: Problem, state: State, mask: Mask) -> 
     good = outliers.inlier_mask(state, mask, mask, outliers.GROSS_OUTLIER_SIGMAS, problem.img_size)
     if np.array_equal(good, mask):
         return state
-    return problem.solve(state, outliers.unit_weights(good), WITHOUT_GROSS_OUTLIERS)
+    return problem.solve(state, outliers.unit_weights(good), Options(tolerance=1e-4))

@@ -42,7 +42,7 @@ MAX_REJECTIONS = 6
 """Rounds of outlier rejection."""
 MAX_UNSETTLED_ROUNDS = 3
 """Rounds that end without convergence, after which the moments are taken to contradict each other."""
-ROUND = Options(iterations=40, tolerance=1e-8, one_step=True)
+ROUND = Options(iterations=40, tolerance=1e-8)
 """One round: moments that agree need ten steps or twenty, and the next round continues there."""
 MIN_OUTLIER_WIDTHS = 0.003
 """Distance / image width below which a single point of a good view is not an outlier."""
