@@ -242,9 +242,7 @@ class _Fit:
         state, inliers, is_fitted = outliers.reject_gross(self.problem, state, self.mask)
         if self._concentrate_at_rim(inliers, self.mask):
             # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
-            all_points = self.problem.solve(
-                state, self.multistart.unit_weights, outliers.LEAST_SQUARES
-            )
+            all_points = self.problem.solve(state, self.multistart.unit_weights, outliers.LEAST_SQUARES)
             if self._is_close(all_points, self.mask, state, inliers, MAX_RIM_RMS_RATIO):
                 return all_points, self.mask
         if not inliers.any():  # refused later

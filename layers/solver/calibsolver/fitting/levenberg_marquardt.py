@@ -423,8 +423,9 @@ class Problem(LeastSquares):
         """Intrinsics and poses after steps (a,) and (v, 6), along the curve that keeps the picture.
 
         A longer focal length moves the boards away, and leaves each coefficient's effect in px: the long
-        valley between focal length, distortion and distance is then nearly straight. A constraint is kept by
-        straight steps.
+        valley between focal length, distortion and distance is then nearly straight. The focal length in
+        question is that at the axis (`Model.focal`), which lenses may magnify (`Model.magnification`). A
+        constraint is kept by straight steps.
         """
         if self.origin is not None:
             return super().retract(k, poses, da, dp)
@@ -438,7 +439,10 @@ class Problem(LeastSquares):
             order, grown = 2 * prior.weights(self.model).order, math.exp(longer)
             moved[4:] = (moved[4:] - k[4:] * (order * stretched)) * math.exp(stretched) ** order
             shrunk = magnified / self.model.magnification(moved[4:])[0]
-            moved[0], moved[1] = k[0] * math.exp(across + lens) * shrunk, k[1] * math.exp(down + lens) * shrunk
+            moved[0], moved[1] = (
+                k[0] * math.exp(across + lens) * shrunk,
+                k[1] * math.exp(down + lens) * shrunk,
+            )
             t[:, 2] = (t[:, 2] - poses.t[:, 2] * longer) * grown
         return moved, Poses(rotation.matrix(dp[:, :3]) @ poses.r, t)
 

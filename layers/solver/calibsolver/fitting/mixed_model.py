@@ -140,7 +140,7 @@ class MixedModel:
         return both[:, :-1], both[:, -1]
 
     def _belief(self, certain: Array) -> Array:
-        """Information and half gradient (g, g + 1) of the priors, of the shape's information (SHAPE_SIZE,)."""
+        """Information and half gradient (g, g + 1) of the priors; that of the shape is `certain`."""
         out = self.camera_belief.copy()
         out.reshape(-1)[: SHAPE_SIZE * (self.size + 1) : self.size + 2] = certain
         out[:SHAPE_SIZE, -1] = certain * self.shape

@@ -33,7 +33,7 @@ MAX_GROSS_REJECTIONS = 4
 """Rounds of gross outlier rejection: a model that is too simple would lose point after point."""
 ROBUST_OPTIMUM = Options(robust=True, tolerance=1e-6, one_step=True)
 """Tight: no mask may depend on where the solver happens to stop."""
-LEAST_SQUARES = Options(tolerance=1e-6, one_step=True)
+LEAST_SQUARES = Options(tolerance=1e-7, one_step=True)
 """Fits that only distinguish outliers, or from which the optimum or the board's shape is sought."""
 
 

@@ -1,12 +1,14 @@
 """Steps of the solver: how many it takes, and the shortcuts of linear algebra against the plain way."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from calibsolver import fit, models
 from calibsolver.fitting.homography import smallest_eigenvectors
 from calibsolver.fitting.initial_guess import focal_sweep
-from calibsolver.fitting.levenberg_marquardt import Options, Problem, Step
+from calibsolver.fitting.levenberg_marquardt import Options, Problem, State, Step
 from calibsolver.fitting.normal_equations import Poses, Projection, System, projected_gram_matrices
 from calibsolver.fitting.observations import Observations
 from calibsolver.fitting.outliers import unit_weights
@@ -86,6 +88,38 @@ def test_gram_matrices_by_elimination_are_those_of_the_projection() -> None:
     seen[[0, 3]] = True
     more = with_more_points(of_clusters, rows, effects, labels, used, seen)
     np.testing.assert_allclose(more, cluster_grams(rows, effects, labels, seen), rtol=0, atol=1e-10)
+
+
+def test_step_along_which_the_focal_length_at_the_axis_stays_does_not_move_the_boards() -> None:
+    """xi and generalised focal lengths grow together in proportion: the lens magnifies as before."""
+    views, img_size = data.corner_views("jy_left")
+    obs = Observations.of(views)
+    model = models.get("omnidirectional")
+    problem = Problem(model, obs, img_size)
+    k = model.start(600.0, img_size)
+    poses = Poses.of_vectors(np.tile([0.0, 0, 0, 1, 2, 10], (len(views), 1)))
+    step = np.zeros(model.size)
+    step[4] = 0.5
+    step[:2] = k[:2] * step[4] / (1 + k[4])
+    moved, boards = problem.retract(k, poses, step, np.zeros((len(views), 6)))
+    assert moved[4] == k[4] + step[4]
+    np.testing.assert_allclose(model.focal(moved), model.focal(k), rtol=1e-12)
+    np.testing.assert_allclose(boards.t, poses.t, rtol=1e-12)
+
+
+def test_omnidirectional_fit_goes_straight_along_its_valley(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With boards that move by the generalised focal length it takes 120 linearizations."""
+    views, img_size = data.corner_views("jy_left")
+    count, take_step = 0, Problem._take_step
+
+    def counted(*arguments: Any) -> State | None:
+        nonlocal count
+        count += 1
+        return take_step(*arguments)
+
+    monkeypatch.setattr(Problem, "_take_step", counted)
+    fit(views, img_size, "omnidirectional", board_shape=False)
+    assert count <= 40
 
 
 @pytest.mark.parametrize("name", ["opencv_left", "opencv_right", "jy_left"])
