@@ -265,7 +265,7 @@ def test_exclusions_are_read_from_records_of_views() -> None:
 
 @pytest.mark.parametrize("focal_widths", [0.05, 0.3, 2.0, 4.0, 50.0])
 def test_wrong_seed_harms_no_capture(focal_widths: float) -> None:
-    """As many views as without, one more at most (median of three), none refused: at targets and elsewhere."""
+    """As many views as without, one more at most (median of three), and none refused."""
     k = CAMERA.intrinsics
     k[:2] = focal_widths * CAMERA.img_size[0]
     wrong = Camera.from_intrinsics(CAMERA.model, k, CAMERA.img_size)
