@@ -41,7 +41,7 @@ def test_attackers_with_very_poor_or_very_many_views_move_no_answer(kind: str, e
 
 def test_honest_contributors_of_poor_views_weigh_little() -> None:
     """Their calibrations are off by several pixels, and are evidence all the same."""
-    camera, rng = synthetic.rectilinear_cameras()[5], np.random.default_rng(5)
+    camera, rng = synthetic.rectilinear_cameras()[5], np.random.default_rng(4)
 
     def contribute(name: str, effort: attacks.Effort) -> Member:
         return Member(name, name, tuple(populations.views(camera, rng, effort.noise, effort.views)))
