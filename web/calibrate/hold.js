@@ -51,10 +51,11 @@ function isNear({ capture: { key }, detector: { corners } }, hold) {
  * @param {State} state
  */
 export function isRepeat(held, state) {
-  const { lastHold, pose, taken } = state.capture;
+  const { lastHold, lastRepeat, pose, taken } = state.capture;
   const { stillness } = state.detector;
   if (!pose || state.link.busy || held >= HOLD_MS || stillness.held < HOLD_MS) return false;
-  return !isThere(state) && !isNear(state, lastHold) && taken.some((hold) => isNear(state, hold));
+  if (isThere(state) || isNear(state, lastRepeat ?? lastHold)) return false;
+  return taken.some((hold) => isNear(state, hold));
 }
 
 /** Progress of the hold, 0…1. @param {State} state */

@@ -58,6 +58,7 @@ export function initial(board, wanted) {
       aim: null,
       nearest: { time: 0, distance: Infinity },
       lastHold: null,
+      lastRepeat: null,
       taken: [],
       repeats: 0,
       skipAfter: null,
@@ -304,6 +305,7 @@ function storeView(state, { corners, stored, time }) {
   const next = change(clearTarget(state), {
     capture: {
       lastHold: corners,
+      lastRepeat: null,
       taken: [...state.capture.taken, corners],
       progress,
       unsteady: state.capture.unsteady || isUnsteady(state, corners),
@@ -406,7 +408,7 @@ function observeFrame(state, { detection, time }) {
     ui: { instruction: instruct(next, requiredHold(next) === HOLD_MS, time) },
   });
   if (!isRepeat(detector.stillness.held, held)) return held;
-  const repeated = change(held, { capture: { lastHold: corners, repeats: capture.repeats + 1 } });
+  const repeated = change(held, { capture: { lastRepeat: corners, repeats: capture.repeats + 1 } });
   return notify(repeated, { key: "capture.refused_duplicate", kind: "bad" }, time);
 }
 
@@ -440,6 +442,7 @@ function takeAnswer(state, { answer, corners, time }) {
   const next = change(followSession(state, answer), {
     capture: {
       lastHold: corners,
+      lastRepeat: null,
       taken: isIn ? [...taken, corners] : taken,
       repeats: answer.accepted ? 0 : repeats + Number(reason === "duplicate"),
       skipAfter: answer.accepted || !isThere(state) ? null : timeToRead(useless),
@@ -480,7 +483,7 @@ function undo(state, { session, stored, time }) {
     ? change(followSession(state, session), { capture: { progress: session.progress } })
     : change(state, { capture: { progress: progress * left } });
   const undone = change(next, {
-    capture: { lastHold: null, taken: [], repeats: 0, takenAt: time },
+    capture: { lastHold: null, lastRepeat: null, taken: [], repeats: 0, takenAt: time },
     link: { stored, busy: false },
   });
   return notify(undone, { key: "capture.view_undone", kind: "good" }, time);

@@ -50,7 +50,8 @@
  * @property {number} takenAt ms, when the last view was taken, or the capture began
  * @property {[number, number][] | null} aim the target's outline, px; null where too little of it is in the image
  * @property {{time: number, distance: number}} nearest smallest distance to the target so far, and when
- * @property {Corners | null} lastHold corners of the hold that was sent or recognised last: the same is not sent twice
+ * @property {Corners | null} lastHold corners of the hold that was sent last: the same hold is not sent twice
+ * @property {Corners | null} lastRepeat corners of the last hold that showed nothing new: it counts once
  * @property {Corners[]} taken corners of the holds whose views are in
  * @property {number} repeats holds in a row that showed nothing new
  * @property {boolean} unsteady the corners moved while one of the views was held

@@ -114,7 +114,17 @@ def _captured(
     for r, t in zip(poses.r[:views], poses.t[:views], strict=True):
         session.attempts += 1
         session.views.append(
-            detect(board, camera, rotation.vector(r), t, rng, noise, hand=hand, corners=corners)
+            detect(
+                board,
+                camera,
+                rotation.vector(r),
+                t,
+                rng,
+                noise,
+                hand=hand,
+                corners=corners,
+                whole_markers=False,
+            )
         )
         try:
             calibration = fit(session.views, camera.img_size, camera.model)

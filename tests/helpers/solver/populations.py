@@ -51,7 +51,15 @@ def views(
             t = depth * ray - r @ middle
             focused = hand.refocused(camera, rng)
             view = synthetic.detect(
-                BOARD, focused, rotation.vector(r), t, rng, noise, hand=hand, corners=corners
+                BOARD,
+                focused,
+                rotation.vector(r),
+                t,
+                rng,
+                noise,
+                hand=hand,
+                corners=corners,
+                whole_markers=False,
             )
             if len(view) >= 16:
                 out.append(view)

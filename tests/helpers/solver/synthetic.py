@@ -87,12 +87,13 @@ def detect(
     blur: float = 0.0,
     hand: Hand = STEADY,
     corners: np.ndarray | None = None,
+    whole_markers: bool = True,
 ) -> View:
     """Corners as a detector reports them: Gaussian noise, a share `wild` 3 to 50 px off.
 
-    A corner is reported if the image contains it and what identifies it (`Board.support`), as a marker beside
-    it. With `blur` the noise grows with the tilt: it is 1 + blur times as large at 45 degrees. `hand` says
-    how the board moves meanwhile; `corners` (n, 3) are those of a bent board.
+    A corner is reported if the image contains it and, with `whole_markers`, what identifies it, as a marker
+    beside it (`Board.support`). With `blur` the noise grows with the tilt: it is 1 + blur times as large at
+    45 degrees. `hand` says how the board moves meanwhile; `corners` (n, 3) are those of a bent board.
     """
     r = rotations.matrix(rvec)
     corners = board.points if corners is None else corners
@@ -102,9 +103,11 @@ def detect(
     center = r @ board.outline.mean(axis=0) + tvec
     tilt = np.degrees(np.arccos(np.clip(r[:, 2] @ center / np.linalg.norm(center), -1, 1)))
     noise = noise * (1 + blur * (tilt / 45) ** 2)
-    support = camera.project(board.support.reshape(-1, 3) @ r.T + tvec).reshape(*board.support.shape[:3], 2)
-    whole = np.all(in_image(support, camera.img_size, BORDER_PX), axis=2)
-    inside = in_image(q, camera.img_size, BORDER_PX) & np.any(whole, axis=1)
+    inside = in_image(q, camera.img_size, BORDER_PX)
+    if whole_markers:
+        places = camera.project(board.support.reshape(-1, 3) @ r.T + tvec)
+        whole = in_image(places, camera.img_size, BORDER_PX).reshape(board.support.shape[:3])
+        inside &= np.any(np.all(whole, axis=2), axis=1)
     q = q[inside] + noise * rng.normal(size=(int(inside.sum()), 2))
     bad = rng.uniform(size=len(q)) < wild
     w, h = camera.img_size

@@ -108,7 +108,8 @@ def views(board: Board, camera: Camera, rng: np.random.Generator, noise: float, 
         width = rng.uniform(0.9, 1.1)
         for _ in range(8):
             depth = board.size[0] * camera.matrix[0, 0] / (width * w)
-            view = synthetic.detect(board, camera, rotation.vector(r), depth * ray - r @ middle, rng, noise)
+            t = depth * ray - r @ middle
+            view = synthetic.detect(board, camera, rotation.vector(r), t, rng, noise, whole_markers=False)
             if len(view) >= least:
                 out.append(view)
                 break

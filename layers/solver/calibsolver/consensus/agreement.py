@@ -30,14 +30,12 @@ COMPARISON_GRID = (12, 9)
 """Columns and rows of pixels at which two calibrations are compared."""
 MIN_SHARED_IMAGE = 0.5
 """Share of the image for which two calibrations must both have rays."""
-MAX_PREDICTIVE_RATIO = 6.0
+MAX_PREDICTIVE_RATIO = 5.0
 """Predictive ratio up to which a calibration agrees."""
 MAX_DISTANCE_RATIO = 5.0
 """Distance ratio up to which a calibration agrees if specimens differ by SPECIMEN_SPREAD_WIDTHS."""
 MAX_NEIGHBOUR_DISAGREEMENT = 0.5
 """Disagreement of two calibrations up to which a group may start from both, so that none is a bridge."""
-MAX_MEMBER_DISAGREEMENT = 1.25
-"""Disagreement above which a member of a group is dropped; calibrations join it up to 1."""
 SPECIMEN_SPREAD_WIDTHS = 0.00083
 """Standard deviation of the difference of two specimens, rms over the image / image width."""
 SPECIMEN_DIRECTIONS = 3
@@ -112,8 +110,8 @@ class Estimates:
         total[alone] = np.eye(total.shape[1])
         others = symmetric_inverse(total)
         ratio, distance = self._ratios(np.einsum("cpq,cq->cp", others, pull), others)
-        spread = self._spread_ratios(distance, members)
-        out = np.maximum(ratio / MAX_PREDICTIVE_RATIO, distance / (MAX_DISTANCE_RATIO * spread))
+        expected = self._expected_distances(distance, members)
+        out = np.maximum(ratio / MAX_PREDICTIVE_RATIO, distance / (MAX_DISTANCE_RATIO * expected))
         return np.where(alone, np.inf, out)
 
     def pairwise(self) -> Array:
@@ -133,29 +131,32 @@ class Estimates:
         distance = np.sum(np.einsum("cpq,cp->cq", whitening(total), d) ** 2, axis=1) / d.shape[1]
         return increase / np.maximum(expected, 1e-300), distance
 
-    def _spread_ratios(self, distance: Array, members: IntArray) -> Array:
-        """Variance (c,) between the other members' specimens / that of SPECIMEN_SPREAD_WIDTHS, at least 1.
+    def _expected_distances(self, distance: Array, members: IntArray) -> Array:
+        """Expected distance ratio (c,) given the spread that the other members' specimens show, at least 1.
 
+        Their variance / that of SPECIMEN_SPREAD_WIDTHS counts as far as specimens are part of the covariance.
         `distance` (c,): distance ratios, from which the share that noise explains is taken off. Each
         contributor counts once, and the median decides: a distant minority is not a spread.
         """
         size = self.y.shape[1]
-        share = (
+        own_share = (
             np.sum(symmetric_inverse(self.covariance + self.specimens) * self.specimens, axis=(1, 2)) / size
         )
-        excess = np.clip((distance - (1 - share)) * size / SPECIMEN_DIRECTIONS, 0, MAX_SPREAD_RATIO * share)
+        excess = (distance - (1 - own_share)) * size / SPECIMEN_DIRECTIONS
+        excess = np.clip(excess, 0, MAX_SPREAD_RATIO * own_share)
         numbers, part = np.unique(self.owner[members], return_inverse=True)
         count = np.bincount(part)
         excess = np.bincount(part, excess[members]) / count
-        share = np.bincount(part, share[members]) / count
-        out = np.empty(len(self.y))
+        share = np.bincount(part, own_share[members]) / count
+        spread = np.empty(len(self.y))
         for owner in np.unique(self.owner):
             other = numbers != owner
             total = other.sum()
             middle = np.median(excess[other]) if total else 0.0
             ratio = (SPREAD_MEMBERS + total * middle) / (SPREAD_MEMBERS + share[other].sum())
-            out[self.owner == owner] = np.clip(ratio, 1, MAX_SPREAD_RATIO)
-        return out
+            spread[self.owner == owner] = np.clip(ratio, 1, MAX_SPREAD_RATIO)
+        expected: Array = 1 + own_share * (spread - 1)
+        return expected
 
     def _by_contributor(self, members: IntArray, part: IntArray, count: int) -> tuple[Array, Array]:
         """Mean (n, p) of each contributor and its precision (n, p, p) as an estimate of the product."""
@@ -217,8 +218,7 @@ def settle(estimates: Estimates, start: IntArray, among: IntArray) -> IntArray:
     """
     group = start
     for _ in range(MAX_ROUNDS):
-        away = estimates.disagreement(group)[among]
-        following = among[away <= np.where(np.isin(among, group), MAX_MEMBER_DISAGREEMENT, 1)]
+        following = among[estimates.disagreement(group)[among] <= 1]
         if np.array_equal(following, group):
             return group
         if following.size < 2:
@@ -227,7 +227,7 @@ def settle(estimates: Estimates, start: IntArray, among: IntArray) -> IntArray:
     while len(group) > 1:
         away = estimates.disagreement(group)[group]
         worst = int(np.argmax(away))
-        if away[worst] <= MAX_MEMBER_DISAGREEMENT:
+        if away[worst] <= 1:
             break
         group = np.delete(group, worst)
     return group
