@@ -15,7 +15,7 @@ from tests.helpers.solver import populations, synthetic
 from tests.helpers.solver.peers import Comfortable
 
 
-@pytest.fixture(scope="module", params=[1, *thorough(5)])
+@pytest.fixture(scope="module", params=[2, *thorough(5)])
 def rectilinear(request: pytest.FixtureRequest) -> list[synthetic.Session]:
     """So many captures with every camera."""
     return [
@@ -257,7 +257,7 @@ def subset(views: int, draws: int = 1, **world: object) -> list[synthetic.Sessio
 
 
 def test_gross_outliers_hardly_raise_the_error() -> None:
-    assert np.median([s.mean[3] for s in subset(4, draws=2, wild=0.01)]) <= 0.19
+    assert np.median([s.mean[3] for s in subset(4, draws=3, wild=0.01)]) <= 0.19
 
 
 def test_clumsy_user_needs_few_more_attempts() -> None:
@@ -298,7 +298,7 @@ def test_noise_at_steep_tilts_leads_to_flatter_poses() -> None:
     camera = synthetic.rectilinear_cameras()[6]
     tilts: dict[float, list[float]] = {0.0: [], 4.0: []}
     for blur, found in tilts.items():
-        for seed in range(2):
+        for seed in range(4):
             session = synthetic.run(camera, np.random.default_rng(seed), views=7, noise=0.1, blur=blur)
             assert session.calibration is not None
             rt = session.calibration.poses[3:]
