@@ -17,7 +17,7 @@ await inFirefox(executablePath, true, async (page) => {
   const taken = await page.evaluate(() => [performance.now() / 1000, window.looks]);
   const [failure, json, counts] = await page.evaluate(() =>
     ["failure", "json"]
-      .map((id) => document.getElementById(id).textContent)
+      .map((id) => document.getElementById(id).textContent.trim())
       .concat(document.getElementById("counts").dataset.taken),
   );
   return { taken, failure, counts, calibration: json ? JSON.parse(json) : null };
