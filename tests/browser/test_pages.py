@@ -164,6 +164,15 @@ def test_a_hidden_capture_waits_and_is_led_by_keyboard(page: Page, seconds: int)
     wait_for_views(page, before + 1)
 
 
+def test_header_of_a_capture_keeps_its_height_on_a_phone(page: Page) -> None:
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.goto(ENDLESS, wait_until="domcontentloaded")
+    header = "document.querySelector('header.rim').getBoundingClientRect().height"
+    before = page.evaluate(header)
+    page.locator("#sent:visible").wait_for()
+    assert page.evaluate(header) == pytest.approx(before, abs=0.5)
+
+
 def test_the_focus_goes_where_the_page_goes(page: Page) -> None:
     def focused(where: str) -> None:
         page.locator(f"#{where}:focus").wait_for()
