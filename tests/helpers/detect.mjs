@@ -5,19 +5,10 @@
 //
 // Prints [{ids, points, markers}] of each picture: markers by id, with their corners.
 import { readFileSync } from "node:fs";
-import createOpenCV from "../../infra/web_build/detector/opencv.js";
 import { MarkerDetector } from "../../web/lib/marker-detector.js";
+import { cv } from "./opencv.mjs";
 
 const { pictures, board } = JSON.parse(readFileSync(0, "utf8"));
-const wasm = new WebAssembly.Module(
-  readFileSync(new URL("../../infra/web_build/detector/opencv.wasm", import.meta.url)),
-);
-const cv = await createOpenCV({
-  instantiateWasm(imports, done) {
-    done(new WebAssembly.Instance(wasm, imports), wasm);
-    return {};
-  },
-});
 const dictionary = cv.getPredefinedDictionary(cv[board.dictionary]);
 const charuco = new cv.aruco_CharucoBoard(
   new cv.Size(...board.squares),

@@ -42,7 +42,7 @@ def test_board_on_a_screen_has_no_shape(client: Client, stack: Server) -> None:
     """Photographs of a chessboard that is bent, and has a shape, if it is of paper."""
     views, size = corner_views("opencv_left")
     numbered = grid(views)
-    shapes, said = [], []
+    shapes, states = [], []
     for surface in ({}, {"surface": "screen"}):
         board = {"kind": "chessboard", "squares": list(numbered.squares), **surface}
         opened = client.open(board=board, img_size=list(size), capture="recorded")
@@ -53,14 +53,14 @@ def test_board_on_a_screen_has_no_shape(client: Client, stack: Server) -> None:
         ]
         answer = client.call("POST", "/v1/session/batch", {"index": 0, "views": sent})
         assert answer.status == 200
-        said.append(client.state().get("board_shape"))
+        states.append(client.state().get("board_shape"))
         document = stored(stack, client.call("POST", "/v1/session/finish").json["calibration_id"])
         assert document.board.surface == surface.get("surface")
         shapes.append(document.fits[document.distortion_model].board_shape)
     assert shapes[0] is not None
     assert shapes[1] is None
-    assert said[0]["sag"] == pytest.approx(shapes[0].sag, rel=0.1), "the session states it before its end"
-    assert said[1] is None
+    assert states[0]["sag"] == pytest.approx(shapes[0].sag, rel=0.1), "the session states it before its end"
+    assert states[1] is None
 
 
 @pytest.mark.parametrize("board", [APRILGRID, CHESSBOARD, {"inverted": True}, {"surface": "screen"}])

@@ -403,13 +403,13 @@ function observeFrame(state, { detection, time }) {
   });
   const distance = outline && capture.aim ? 1 - next.detector.overlap + difference(outline, capture.aim) : Infinity;
   const nearest = distance < capture.nearest.distance - MIN_APPROACH ? { time, distance } : capture.nearest;
-  const held = change(next, {
+  const after = change(next, {
     capture: { nearest },
     ui: { instruction: instruct(next, requiredHold(next) === HOLD_MS, time) },
   });
-  if (!isRepeat(detector.stillness.held, held)) return held;
-  const repeated = change(held, { capture: { lastRepeat: corners, repeats: capture.repeats + 1 } });
-  return notify(repeated, { key: "capture.refused_duplicate", kind: "bad" }, time);
+  if (!isRepeat(detector.stillness.held, after)) return after;
+  const duplicate = change(after, { capture: { lastRepeat: corners, repeats: capture.repeats + 1 } });
+  return notify(duplicate, { key: "capture.refused_duplicate", kind: "bad" }, time);
 }
 
 /**
@@ -451,8 +451,8 @@ function takeAnswer(state, { answer, corners, time }) {
     link: { busy: false },
   });
   // The answered target is gone at once; the next one is fetched. A refused one stays.
-  const cleared = answer.accepted ? clearTarget(next) : next;
-  return notify(cleared, answerNotice(state, answer, useless ? "useless" : reason), time);
+  const after = answer.accepted ? clearTarget(next) : next;
+  return notify(after, answerNotice(state, answer, useless ? "useless" : reason), time);
 }
 
 /** @param {State} state @param {ViewAnswer} answer @param {string | null} reason @returns {Notice} */

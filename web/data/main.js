@@ -124,8 +124,8 @@ show();
 onLanguage(show);
 try {
   /** @type {Statistics | null} */
-  const counted = await fetchObject("statistics.json");
-  statistics = counted?.history.length ? counted : null;
+  const figures = await fetchObject("statistics.json");
+  statistics = figures?.history.length ? figures : null;
   if (statistics) dump = await fetchObject("latest.json");
   status = statistics ? "data.as_of" : "data.none_yet";
   show();

@@ -232,8 +232,8 @@ def _index() -> str:
     cards = [_card("../ar", '<strong data-t="examples.ar"></strong>', "examples.ar_does")]
     for one in ENGINES:
         adapter = re.search(r"calibdb/adapters/\w+", one.lines)
-        named = f'<strong data-t="{one.message}">{escape(one.heading)}</strong>'
-        words = f"<strong>{one.name}</strong> <code>{adapter[0]}</code>" if adapter else named
+        heading = f'<strong data-t="{one.message}">{escape(one.heading)}</strong>'
+        words = f"<strong>{one.name}</strong> <code>{adapter[0]}</code>" if adapter else heading
         cards.append(_card(one.folder, words, one.does))
     return _document(
         "Examples",

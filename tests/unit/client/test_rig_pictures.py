@@ -35,8 +35,8 @@ def test_pair_of_real_cameras_has_the_baseline_of_opencvs_calibration(pair: list
     assert result.moments == 13
     metres = fit_rig(pair, moments_of(pair), pair[0].board, "rectilinear", 0.025, []).rig
     assert baseline(metres) == pytest.approx(3.314 * 0.025, abs=0.0003)
-    said = result.board_sentence(square_mm=25)
-    assert said == "Your board is bent by 0.2 mm; that was taken into account."
+    sentence = result.board_sentence(square_mm=25)
+    assert sentence == "Your board is bent by 0.2 mm; that was taken into account."
 
 
 def test_pictures_of_two_moments_are_set_aside_and_named(pair: list[Recording]) -> None:

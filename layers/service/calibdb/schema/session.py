@@ -250,7 +250,7 @@ class SessionState(Open):
     board_shape: BoardShape | None = Field(
         None,
         exclude_if=is_none,
-        description="Shape of the board in the fit so far; missing: as drawn, or there is no fit yet.",
+        description="Shape of the board in the fit so far; missing: as drawn, or before the first fit.",
     )
     calibration: Calibration | None = Field(
         description="The calibration; null: none yet, or nothing reliable is known."
