@@ -13,6 +13,8 @@ unexport PYTHONDONTWRITEBYTECODE
 # What the commands need, made once and again when its lock file changes; Python's and npm's packages at the same time
 SETUP := .setup
 AUDIT := .build/audit/bin/pip-audit
+UV := .venv/bin/uv
+INSTALL_UV := $(PY) -m pip install --quiet --no-compile --require-hashes -r infra/ci/uv.lock
 PYTEST := $(PY) -m pytest
 # Tests share nothing and mostly take one core or wait: two at a time take half the time.
 TWO := -n 2 --dist worksteal
@@ -156,12 +158,13 @@ release: $(SETUP) $(UV) ## ARGS="bump 0.2.0" sets the version; ARGS="build --tag
 	@$(MAKE) --silent --jobs 2 .venv/.made web/vendor/api.d.ts
 
 # ---- the environment (a mark stands inside what it marks, so that removing that is enough to have it made anew)
-.venv/.made: requirements.lock infra/ci/pip.lock
+.venv/.made: requirements.lock infra/ci/uv.lock
 	@test -n "$(PYTHON)" || { echo "calibDB needs Python 3.11 to 3.13"; exit 1; }
 	@test -x $(PY) || $(PYTHON) -m venv .venv
-	@# Half the time of the one that Python brings, which does as well where this cannot be had
-	@$(PY) -m pip install --quiet --no-compile --retries 0 --timeout 10 --require-hashes -r infra/ci/pip.lock 2>/dev/null || true
-	$(PY) -m pip install --quiet --no-compile --retries 10 --require-hashes -r requirements.lock
+	@# uv takes a fifth of pip's time; pip does as well where uv or its packages cannot be had
+	@$(INSTALL_UV) --retries 0 --timeout 10 2>/dev/null || true
+	@$(UV) pip install --quiet --python $(PY) --require-hashes -r requirements.lock 2>/dev/null || \
+		$(PY) -m pip install --quiet --no-compile --retries 10 --require-hashes -r requirements.lock
 	@touch $@
 
 node_modules/.made: package-lock.json
@@ -183,14 +186,13 @@ CALLS := $(wildcard functions/*/*.py layers/service/calibdb/schema/*.py infra/we
 	@$(PY) -m infra.web_build.openapi $@
 
 # ---- upkeep
-UV := .build/uv/bin/uv
 COMPILE := $(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-annotate
 
-$(UV):
-	$(PYTHON) -m venv .build/uv && .build/uv/bin/pip install --quiet uv
+$(UV): .venv/.made
+	@test -x $@ || $(INSTALL_UV)
 
 lock: $(UV) ## write the lock files anew
-	echo pip | $(COMPILE) -o infra/ci/pip.lock -
+	echo uv | $(COMPILE) -o infra/ci/uv.lock -
 	$(COMPILE) --group dev -o requirements.lock
 	$(COMPILE) --group service -c requirements.lock -o layers/service/requirements.lock
 	$(COMPILE) --group solver -c requirements.lock -o layers/solver/requirements.lock
