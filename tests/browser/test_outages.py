@@ -21,7 +21,7 @@ from tests.helpers.browser.waiting import hear, listen, until
 from ..conftest import THOROUGH
 
 # A function that nobody has asked for a while has to start: its first answer takes longer. That to a view,
-# and in `make thorough` that to a question for a pose, too. Written down is what the service takes besides.
+# and in `make thorough` that to a question for a pose, too. `slowest`: the longest that the page waited, ms.
 COLD = f"""
   const cold = {json.dumps(["pose", "views"] if THOROUGH else ["views"])};
 """
@@ -30,11 +30,11 @@ COLD += """
   window.slowest = 0;
   window.fetch = async (address, request) => {
     const [, kind] = /\\/v1\\/session\\/([a-z]+)/.exec(address) ?? [];
+    const asked = performance.now();
     if (cold.includes(kind)) {
       cold.splice(cold.indexOf(kind), 1);
       await new Promise((resolve) => setTimeout(resolve, 3_000));
     }
-    const asked = performance.now();
     try {
       return await answer(address, request);
     } finally {

@@ -155,7 +155,8 @@ def prepare(page: Page) -> None:
     answer(page, "**/v1/rigs/*", rig)
     answer(page, "**/dumps/statistics.json", statistics)
     answer(page, "**/dumps/latest.json", dump)
-    page.route("**/opencv*", refuse)  # 3 MB that show nothing
+    # 3 MB that show nothing. The worker itself: what a worker imports in vain is pending for ever.
+    page.route("**/detector.worker.js", refuse)
     page.add_init_script(_LATE_ANSWERS)
     page.add_init_script(_WATCH)
 
