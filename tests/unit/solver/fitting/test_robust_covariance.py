@@ -9,6 +9,7 @@ from calibsolver import Camera, View, fit
 from calibsolver.fitting.effect_likelihood import EffectLikelihood, trust
 from tests.bench.honesty import ratios_if_true
 from tests.helpers.data import corner_views
+from tests.helpers.marks import thorough
 from tests.helpers.solver import hands, populations, synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[5]
@@ -26,6 +27,7 @@ def test_covariance_is_positive_definite_from_one_view_on(count: int) -> None:
     assert c.inflation >= 1
 
 
+@pytest.mark.thorough
 def test_differences_drawn_from_true_bars_of_one_direction_are_a_normal_number() -> None:
     """Ratios of true bars, as `make bench DOCS=honesty` draws them."""
     c = fit(views(6), CAMERA.img_size)
@@ -52,7 +54,7 @@ def error_ratio(camera: Camera, rng: np.random.Generator, hand: hands.Hand, coun
     return float(np.sqrt(np.mean(error**2))) / found.uncertainty().rms
 
 
-@pytest.mark.parametrize("hand", [hands.BENT, hands.MOVING, hands.MOVING_AND_BENT])
+@pytest.mark.parametrize("hand", [hands.MOVING_AND_BENT, *thorough(hands.BENT, hands.MOVING)])
 def test_errors_in_hands_are_predicted(hand: hands.Hand) -> None:
     """The board bends by 0.5 %, the same in all views, or moves at 5 cm/s. Of true bars one in 20 is above 2.
 

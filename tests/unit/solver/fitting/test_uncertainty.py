@@ -7,10 +7,11 @@ from calibsolver import Calibration, fit, models
 from calibsolver.camera import pixel_grid
 from calibsolver.fitting.uncertainty import projection_jacobian_rotation_free
 from tests.helpers.data import corner_views
+from tests.helpers.marks import thorough
 from tests.helpers.solver import intervals, populations, synthetic
 
 
-@pytest.mark.parametrize("model", models.NAMES)
+@pytest.mark.parametrize("model", ["rectilinear", "omnidirectional", *thorough("fisheye", "rational")])
 def test_predicted_error_matches_the_actual_error(model: str) -> None:
     """Sixty captures. The bounds are for so few: `make bench DOCS=uncertainty` takes many.
 
