@@ -173,7 +173,7 @@ release: $(SETUP) $(UV) ## ARGS="bump 0.2.0" sets the version; ARGS="build --tag
 	@test -x $(PY) || $(PYTHON) -m venv .venv
 	@# uv takes a fifth of pip's time; pip does as well where uv or its packages cannot be had
 	@$(INSTALL_UV) --retries 0 --timeout 10 2>/dev/null || true
-	@$(UV) pip install --quiet --python $(PY) --require-hashes -r requirements.lock 2>/dev/null || \
+	@UV_HTTP_TIMEOUT=10 $(UV) pip install --quiet --python $(PY) --require-hashes -r requirements.lock 2>/dev/null || \
 		$(PY) -m pip install --quiet --no-compile --retries 10 --require-hashes -r requirements.lock
 	@touch $@
 
