@@ -1,7 +1,7 @@
 // The end of a practice run: what the application that sent the visitor gets of it, and the way on to a real camera.
 import { t } from "../lib/i18n.js";
 import { loadSettings } from "../lib/settings.js";
-import { isVirtual } from "../lib/virtual/name.js";
+import { isVirtual } from "../lib/camera-name.js";
 import { isPracticeReturned } from "./history.js";
 import { senderName, senderOf } from "./sender.js";
 

@@ -2,7 +2,7 @@
 import { propose } from "../lib/camera.js";
 import { sayFailure } from "../lib/dom.js";
 import { joinFacts, t } from "../lib/i18n.js";
-import { isVirtual } from "../lib/virtual/name.js";
+import { isVirtual } from "../lib/camera-name.js";
 import { holdProgress, requiredHold } from "./hold.js";
 import { renderDetection, renderTarget } from "./overlay-layer.js";
 import { isFinishable, viewCount, isSharpestOffered } from "./state.js";

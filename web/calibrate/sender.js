@@ -3,7 +3,7 @@ import { Api } from "../lib/api.js";
 import { onLanguage, formatSize, t } from "../lib/i18n.js";
 import { returnAddress } from "../lib/result/return-address.js";
 import { loadSettings } from "../lib/settings.js";
-import { isVirtual } from "../lib/virtual/name.js";
+import { isVirtual } from "../lib/camera-name.js";
 
 /**
  * @typedef {import("./state.js").Wanted} Wanted

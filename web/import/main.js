@@ -1,11 +1,10 @@
 // Calibration from what another program has measured. The file is read on this device; only where corners are is sent.
 import { Api } from "../lib/api.js";
 import { observedOutline } from "../lib/board-outline.js";
-import { part } from "../lib/dom.js";
+import { part, liveRegion } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
-import { sayChosen } from "../lib/file-input.js";
+import { sayChosen, openPage } from "../lib/page.js";
 import { onLanguage, formatSize, t } from "../lib/i18n.js";
-import { openPage } from "../lib/page.js";
 import { rankByNovelty } from "../lib/rank.js";
 import { MAX_VIEWS, calibrate } from "../lib/series.js";
 import { load } from "../lib/result/source.js";
@@ -13,7 +12,6 @@ import { LaterResultView } from "../lib/result/later.js";
 import { platformHere } from "../sdk/calibdb.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
-import { liveRegion } from "../lib/live-region.js";
 import { Converter } from "./converter.js";
 import { MAX_CHARACTERS, sourceOf, unpackCorners } from "../lib/conversion.js";
 import { MalformedError } from "./malformed.js";

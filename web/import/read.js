@@ -5,7 +5,7 @@ import { cameraMatrix, isPhotonVision, photonVision } from "./json.js";
 import { MalformedError } from "./malformed.js";
 import { isTable, squaresIn, table } from "./table.js";
 import { cameraIn } from "./text.js";
-import { NAME } from "../lib/virtual/name.js";
+import { NAME } from "../lib/camera-name.js";
 
 /**
  * @typedef {import("./grid.js").Numbered} Numbered

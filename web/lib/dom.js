@@ -1,4 +1,5 @@
-// DOM elements: making them and finding them.
+// DOM elements: making them, finding them, and writing texts into them.
+import { onLanguage } from "./i18n.js";
 
 /**
  * @template {keyof HTMLElementTagNameMap} K
@@ -37,4 +38,25 @@ export function sayFailure(place, text) {
   const [heading, paragraph] = place.children;
   if (heading.textContent !== reason) heading.textContent = reason;
   if (paragraph.textContent !== remedy) paragraph.textContent = remedy;
+}
+
+/**
+ * Live region: a text in one place of the page, written again when another language is chosen.
+ * @param {Element} place
+ * @returns {(text?: () => string | (Node | string)[]) => void} writes a text there from now on; without one: nothing
+ */
+export function liveRegion(place) {
+  /** @type {() => string | (Node | string)[]} */
+  let current = () => "";
+  const write = () => {
+    const text = current();
+    // Written only where it changed: a live region speaks on every write.
+    if (typeof text !== "string") place.replaceChildren(...text);
+    else if (place.textContent !== text) place.textContent = text;
+  };
+  onLanguage(write);
+  return (text = () => "") => {
+    current = text;
+    write();
+  };
 }

@@ -1,19 +1,17 @@
 // Calibration from photographs or a video. Boards are looked for on this device; only where their corners are is sent.
 import { DEFAULT_BOARD, boardFrom, boardQuery, isSameBoard } from "../lib/board.js";
-import { showProblem } from "../lib/board-problem.js";
+import { showProblem } from "../lib/board-text.js";
 import { Api } from "../lib/api.js";
 import { Detector, DetectorError } from "../lib/detector.js";
-import { el, part } from "../lib/dom.js";
+import { el, part, liveRegion } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
-import { sayChosen } from "../lib/file-input.js";
+import { sayChosen, openPage } from "../lib/page.js";
 import { hasMessage, onLanguage, t } from "../lib/i18n.js";
-import { openPage } from "../lib/page.js";
 import { load } from "../lib/result/source.js";
 import { levelOf } from "../lib/result/numbers.js";
 import { LaterResultView } from "../lib/result/later.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
-import { liveRegion } from "../lib/live-region.js";
 import { card, sizeOf } from "./card.js";
 import { WhichBoard } from "../lib/which-board.js";
 import { cameraOfNames, shots } from "./files.js";

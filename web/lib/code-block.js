@@ -1,7 +1,5 @@
-// A button that copies a block of code. Blocks of a page's source have one from the start (header.js); a block that is
-// made
-// later gets its own by `addCopyButton(pre)`, before or after it is put into the page.
-import { highlightCode } from "./highlight.js";
+// A block of code: its colours, and a button that copies it. Blocks of a page's source have one from the start
+// (header.js); a block that is made later gets its own by `addCopyButton(pre)`, before or after it is put into the page.
 import { onLanguage, t } from "./i18n.js";
 
 const SHOWN_MS = 2000;
@@ -57,5 +55,36 @@ async function copy(pre) {
     if (!(error instanceof DOMException) && !(error instanceof TypeError)) throw error;
     getSelection()?.selectAllChildren(pre);
     return false;
+  }
+}
+
+const PARTS =
+  /(?<string>"[^"\n]*"|(?<!\w)'[^'\n]*'|`[^`\n]*`)|(?<comment>(?<=^|\s)(?:\/\/|#)\s.*)|\b(?<keyword>import|from|as|const|let|await|async|new|function|return|if|else|for|in|of|def|with|true|false|null|None|True|False)\b/gm;
+
+/**
+ * Colours strings, comments and keywords of JavaScript, Python and JSON, as the browser's highlights: no element is made
+ * for a word.
+ * @param {HTMLElement} code
+ */
+function highlightCode(code) {
+  if (!("highlights" in CSS)) return;
+  /** @type {{node: Node, end: number}[]} */
+  const texts = [];
+  const walker = document.createTreeWalker(code, NodeFilter.SHOW_TEXT);
+  let end = 0;
+  while (walker.nextNode()) {
+    end += walker.currentNode.textContent?.length ?? 0;
+    texts.push({ node: walker.currentNode, end });
+  }
+  const place = (/** @type {number} */ offset) => {
+    const index = texts.findIndex((text) => offset <= text.end);
+    return /** @type {const} */ ([texts[index].node, offset - (texts[index - 1]?.end ?? 0)]);
+  };
+  for (const match of (code.textContent ?? "").matchAll(PARTS)) {
+    const name = Object.entries(match.groups ?? {}).find(([, text]) => text !== undefined)?.[0] ?? "";
+    const range = new Range();
+    range.setStart(...place(match.index));
+    range.setEnd(...place(match.index + match[0].length));
+    CSS.highlights.set(name, (CSS.highlights.get(name) ?? new Highlight()).add(range));
   }
 }
