@@ -29,7 +29,7 @@ import numpy as np
 
 from calibsolver import Board, Camera
 from calibsolver import rotation as rotations
-from infra.console.progress import track
+from infra.console import track
 
 FAULT_RATE = 0.2  # share of the requests
 _TIMEOUT_S = 60.0  # s for one answer

@@ -19,7 +19,7 @@ from typing import Any
 import yaml
 from botocore.awsrequest import AWSPreparedRequest
 
-from infra.console.progress import track
+from infra.console import track
 from infra.measure import load_test
 from infra.server.server import DEVELOPMENT_TOKEN
 from tests.aws.emulator import LocalStack, intercept
