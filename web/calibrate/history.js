@@ -2,6 +2,7 @@
 // there.
 import { inLanguage, language, pageUrl } from "../lib/i18n.js";
 import { isVirtual } from "../lib/camera-name.js";
+import { isLoopback } from "../lib/result/return-address.js";
 
 /** @typedef {import("./state.js").Wanted["distortion_model"]} LensType */
 
@@ -56,8 +57,6 @@ export function resumeAt(query) {
   location.assign(captureAddress(query, RESUME));
 }
 
-const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
-
 /**
  * True if an application gets the result of a practice run: if it asked for the virtual camera, and if it is still
  * being
@@ -67,9 +66,7 @@ const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
 export function isPracticeReturned(returnTo, asked) {
   return (
     isVirtual(asked ?? "") ||
-    (returnTo !== null &&
-      URL.canParse(returnTo, location.href) &&
-      LOOPBACK.test(new URL(returnTo, location.href).hostname))
+    (returnTo !== null && URL.canParse(returnTo, location.href) && isLoopback(new URL(returnTo, location.href)))
   );
 }
 

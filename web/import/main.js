@@ -14,7 +14,7 @@ import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
 import { Converter } from "./converter.js";
 import { MAX_CHARACTERS, sourceOf, unpackCorners } from "../lib/conversion.js";
-import { MalformedError } from "./malformed.js";
+import { MalformedError } from "./grid.js";
 import { MIN_VIEW_CORNERS, MAX_BYTES, prepare, read } from "./read.js";
 import { table } from "./table.js";
 import { decode } from "./text.js";

@@ -179,11 +179,7 @@ function arAddress({ camera }, id) {
 function returning({ returnTo, returnOrigins = [] }, id) {
   const found = returnAddress(returnTo ?? null, location.origin, returnOrigins);
   if (!found || !id) return null;
-  const {
-    url: { host },
-    url,
-    allowed,
-  } = found;
+  const { url, host, allowed } = found;
   if (!allowed)
     return { element: el("p", { class: "return problem" }, t("result.back_refused", { host })), link: false };
   return {
