@@ -20,7 +20,7 @@ import yaml
 from botocore.awsrequest import AWSPreparedRequest
 
 from infra.console import track
-from infra.measure import load_test
+from infra.deploy import load_test
 from infra.server.server import DEVELOPMENT_TOKEN
 from tests.aws.emulator import LocalStack, intercept
 from tests.aws.emulator.storage import Answer
