@@ -3,7 +3,8 @@ import { Api } from "../lib/api.js";
 import { observedOutline } from "../lib/board-outline.js";
 import { part, liveRegion } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
-import { sayChosen, openPage } from "../lib/page.js";
+import { takeFiles } from "../lib/file-input.js";
+import { openPage } from "../lib/page.js";
 import { onLanguage, formatSize, t } from "../lib/i18n.js";
 import { rankByNovelty } from "../lib/rank.js";
 import { MAX_VIEWS, calibrate } from "../lib/series.js";
@@ -304,18 +305,7 @@ parts.kind.value = query.has("camera") ? "webcam" : "photographs";
 parts.model.append(...[AUTOMATIC, ...Object.keys(COEFFICIENTS)].map((model) => new Option("", model)));
 speak();
 onLanguage(speak);
-sayChosen(parts.file);
-parts.file.addEventListener("change", () => {
-  void take(parts.file.files?.[0]);
-  parts.file.value = "";
-});
-for (const name of ["dragenter", "dragover", "dragleave", "drop"]) {
-  parts.drop.addEventListener(name, (event) => {
-    event.preventDefault();
-    parts.drop.classList.toggle("over", name === "dragenter" || name === "dragover");
-    if (name === "drop") void take(/** @type {DragEvent} */ (event).dataTransfer?.files[0]);
-  });
-}
+takeFiles(parts.file, parts.drop, ([file]) => void take(file));
 parts.kind.addEventListener("change", showKind);
 parts.table.addEventListener("submit", (event) => {
   event.preventDefault();

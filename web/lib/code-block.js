@@ -25,7 +25,9 @@ export function addCopyButton(pre) {
   };
   let timer = 0;
   button.addEventListener("click", async () => {
-    outcome = (await copy(pre)) ? "common.copied" : "common.selected";
+    const copied = await copy((pre.textContent ?? "").trimEnd());
+    if (!copied) getSelection()?.selectAllChildren(pre);
+    outcome = copied ? "common.copied" : "common.selected";
     show();
     clearTimeout(timer);
     timer = setTimeout(() => {
@@ -41,19 +43,14 @@ export function addCopyButton(pre) {
   return wrapper;
 }
 
-/**
- * Copies the text; where the browser does not allow that, selects it.
- * @param {HTMLElement} pre
- * @returns {Promise<boolean>} copied?
- */
-async function copy(pre) {
+/** Copies a text. @param {string} text @returns {Promise<boolean>} false: the browser does not allow it */
+export async function copy(text) {
   try {
-    await navigator.clipboard.writeText((pre.textContent ?? "").trimEnd());
+    await navigator.clipboard.writeText(text);
     return true;
   } catch (error) {
     // Not a secure context (TypeError: there is no clipboard), or not permitted.
     if (!(error instanceof DOMException) && !(error instanceof TypeError)) throw error;
-    getSelection()?.selectAllChildren(pre);
     return false;
   }
 }

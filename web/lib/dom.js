@@ -29,6 +29,11 @@ export function part(id, type) {
   return found;
 }
 
+/** Writes a text only where it changed: a live region speaks on every write. @param {Element} place @param {string} text */
+export function write(place, text) {
+  if (place.textContent !== text) place.textContent = text;
+}
+
 /**
  * Says the reason of a failure in the heading of a place, and what to do about it in its paragraph.
  * @param {HTMLElement} place @param {string} text its first sentence is the reason
@@ -36,8 +41,8 @@ export function part(id, type) {
 export function sayFailure(place, text) {
   const [reason = text, remedy = ""] = /^((?:\([^)]*\)|[^(])+?[.!?]) (.+)$/s.exec(text)?.slice(1) ?? [];
   const [heading, paragraph] = place.children;
-  if (heading.textContent !== reason) heading.textContent = reason;
-  if (paragraph.textContent !== remedy) paragraph.textContent = remedy;
+  write(heading, reason);
+  write(paragraph, remedy);
 }
 
 /**
@@ -48,15 +53,14 @@ export function sayFailure(place, text) {
 export function liveRegion(place) {
   /** @type {() => string | (Node | string)[]} */
   let current = () => "";
-  const write = () => {
+  const speak = () => {
     const text = current();
-    // Written only where it changed: a live region speaks on every write.
-    if (typeof text !== "string") place.replaceChildren(...text);
-    else if (place.textContent !== text) place.textContent = text;
+    if (typeof text === "string") write(place, text);
+    else place.replaceChildren(...text);
   };
-  onLanguage(write);
+  onLanguage(speak);
   return (text = () => "") => {
     current = text;
-    write();
+    speak();
   };
 }

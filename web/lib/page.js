@@ -1,5 +1,5 @@
 // Start of every page: messages in the visitor's language, and a service worker that caches its files.
-import { offerLanguages, t, translate, onLanguage } from "./i18n.js";
+import { offerLanguages, t, translate } from "./i18n.js";
 
 /** Makes what every page has work: its language, its fields, its consent block, its cached files. */
 export function openPage() {
@@ -56,23 +56,4 @@ function explainField({ target }) {
 /** @param {EventTarget | null} field */
 function clearExplanation(field) {
   if (field instanceof HTMLInputElement && explained.delete(field)) field.setCustomValidity("");
-}
-
-/**
- * Says next to a file input how many files are chosen, in the language of the page: browsers speak their own.
- * @param {HTMLInputElement} input within a label that looks like a button; the element described by its
- *   aria-describedby says the state
- */
-export function sayChosen(input) {
-  const state = document.getElementById(input.getAttribute("aria-describedby") ?? "");
-  let count = 0;
-  const say = () => {
-    if (state) state.textContent = count ? t("common.files_chosen", { count }) : t("common.no_file");
-  };
-  input.addEventListener("change", () => {
-    if (input.files?.length) count = input.files.length; // the page may empty it again, to be given the same file twice
-    say();
-  });
-  onLanguage(say);
-  say();
 }

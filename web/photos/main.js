@@ -5,7 +5,8 @@ import { Api } from "../lib/api.js";
 import { Detector, DetectorError } from "../lib/detector.js";
 import { el, part, liveRegion } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
-import { sayChosen, openPage } from "../lib/page.js";
+import { takeFiles } from "../lib/file-input.js";
+import { openPage } from "../lib/page.js";
 import { hasMessage, onLanguage, t } from "../lib/i18n.js";
 import { load } from "../lib/result/source.js";
 import { levelOf } from "../lib/result/numbers.js";
@@ -395,19 +396,7 @@ speak();
 onLanguage(speak);
 showProblem(parts.problem, asked.problem);
 linkBoard();
-sayChosen(parts.files);
-parts.files.addEventListener("change", () => {
-  take([...(parts.files.files ?? [])]);
-  parts.files.value = "";
-});
-for (const name of ["dragenter", "dragover", "dragleave", "drop"]) {
-  parts.drop.addEventListener(name, (event) => {
-    event.preventDefault();
-    parts.drop.classList.toggle("over", name === "dragenter" || name === "dragover");
-    const { dataTransfer } = /** @type {DragEvent} */ (event);
-    if (name === "drop") take([...(dataTransfer?.files ?? [])]);
-  });
-}
+takeFiles(parts.files, parts.drop, take);
 parts.series.addEventListener("change", () => {
   discard();
   tell();

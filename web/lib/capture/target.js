@@ -139,6 +139,27 @@ export function asMirrored(code) {
     .join("_");
 }
 
+/**
+ * @typedef {object} Instruction the one that is shown
+ * @property {string} code shown now: of a message
+ * @property {string} next to be shown
+ * @property {number} since ms, when `next` was first chosen
+ */
+
+const MIN_CHOSEN_MS = 400; // before a new instruction replaces the one that is shown
+
+/**
+ * Instruction that is steady enough to be read.
+ * @param {Instruction} before @param {string} next its code @param {number} time ms
+ * @param {boolean} [urgent] shown at once
+ * @returns {Instruction}
+ */
+export function settled(before, next, time, urgent = false) {
+  const since = next === before.next ? before.since : time;
+  const code = before.code === "" || urgent || time - since >= MIN_CHOSEN_MS ? next : before.code;
+  return { code, next, since };
+}
+
 export const HOLD_MS = 700; // still at the target
 export const LONG_HOLD_MS = 1_500; // still anywhere else: the service judges whether the view helps all the same
 // at 1280 px image width, from the hold that was sent last: the service refuses duplicates within 25.6
