@@ -7,9 +7,6 @@ import { FAULTS } from "./degrade.js";
 import { Calibration } from "../../sdk/calibration.js";
 import { intrinsicsOf } from "./lens.js";
 
-export { isVirtual } from "../camera-name.js";
-export { labelOf, setupFrom } from "./setup.js";
-
 /**
  * @typedef {import("../board.js").Board} Board
  * @typedef {import("./lens.js").LensParameters} LensParameters
