@@ -14,7 +14,7 @@ from calibdb.estimate.estimator import EstimateQuery
 from calibdb.estimate.starting_camera import starting_camera
 from calibdb.http import application, metrics
 from calibdb.rules import rig_rules, session_rules
-from calibdb.rules.seed import find_seed as find_reliable_seed
+from calibdb.rules.session_rules import find_seed as find_reliable_seed
 from calibdb.rules.session_state import state
 from calibdb.schema import FitRecord, RigDocument, SessionDocument, SessionRequest
 from calibdb.schema.membership import RigJoin, RigMembership

@@ -11,7 +11,7 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from calibdb.proof import fetch
+from calibdb import proof
 from calibdb.schema.managed_token import ProofAnswer, ProofFailure, ProofRequest
 from calibdb.schema.origins import proof_content, proof_host
 from calibdb.store.proofs import store_proof
@@ -35,8 +35,8 @@ def look_for(request: ProofRequest) -> ProofFailure | None:
     if host is None:
         return "name"
     try:
-        text = fetch.read_proof(host)
-    except fetch.ProofError as error:
+        text = proof.read_proof(host)
+    except proof.ProofError as error:
         return error.reason
     lines = {line.strip() for line in text.splitlines()}
     return None if proof_content(request.token_id) in lines else "content"

@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 
 import boto3
 
-from infra.console.steps import announce
+from infra.console import announce
 from infra.deploy import account_check, aws, page_token, smoke, smoke_capture
 from infra.deploy.aws import DeployError
 from infra.deploy.package import ROOT, TEMPLATE, complete_template, package_template, release_digest

@@ -13,8 +13,7 @@ from calibdb.schema import RefitRequest
 from calibdb.store import Calibrations, aws
 from calibdb.store.keys import calibration_object, tombstone_object
 from calibdb.store.storage import storage_named
-from infra.deploy import smoke
-from infra.measure import load_test
+from infra.deploy import load_test, smoke
 from infra.ops.replica import ReplicatedObjects
 
 CAMERA = "calibDB smoke test"

@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 from calibdb.store.sqlite import FILE_NAME, FOLDER_NAME, backup
-from infra.ops.errors import OpsError
+from infra.ops import OpsError
 
 _SECRETS = "secrets.json"
 _PARTS = (FILE_NAME, FOLDER_NAME, _SECRETS)

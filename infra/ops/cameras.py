@@ -8,13 +8,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from calibdb.camera_key.visible import visible
+from calibdb.camera_key.characters import visible
 from calibdb.schema import CalibrationDocument, ConsensusDocument
 from calibdb.store import StreamMode
 from calibdb.store.keys import WITHDRAWN, camera_pk, tombstone_object
-from infra.ops import reindex
+from infra.ops import OpsError, reindex
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext
-from infra.ops.errors import OpsError
 
 
 @dataclass(frozen=True)

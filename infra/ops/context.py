@@ -13,7 +13,7 @@ from calibdb.store.keys import WITHDRAWN
 from calibdb.store.ports import Storage
 from calibdb.store.sqlite import SqliteObjects
 from calibdb.store.storage import storage_of
-from infra.console.progress import Track, pass_through
+from infra.console import Track, pass_through
 from infra.ops.index import Index
 
 CALIBRATIONS_PREFIX = "calibrations/"

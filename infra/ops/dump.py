@@ -12,8 +12,8 @@ from pyarrow import parquet
 
 from calibdb.dump.public_copy import Alias, aliases, public_copy, unnamed_copy
 from calibdb.schema import CalibrationDocument
+from infra.ops import OpsError
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
-from infra.ops.errors import OpsError
 from infra.ops.restore import CALIBRATIONS, RIGS, VOTES
 
 Select = Callable[[Any], Any]  # of a stored document, its copy in the dump; None: it stays out

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from calibdb.store import Aliases
-from infra.ops.errors import OpsError
+from infra.ops import OpsError
 
 _LOOKUP_PATH = re.compile(r"/known/v1/([0-9a-f]{32})/")
 UNKNOWN = "unknown"  # cameras that no lookup has found

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from calibsolver import CalibrationError
 from calibsolver.formats import ImportedFile
-from calibsolver.formats.reader_options import ReaderOptions
+from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.reading import read_bytes
-from infra.ops.errors import OpsError
+from infra.ops import OpsError
 
 _MAX_JSON_BYTES = 64 * 2**20  # bytes; keypoints make files large
 

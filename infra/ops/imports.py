@@ -17,13 +17,12 @@ from calibdb.schema.session import SetAside
 from calibsolver import CalibrationError, Camera, View, fit, models
 from calibsolver.fitting.coverage import Coverage, record_covered
 from calibsolver.formats import ImportedFile
+from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.grid import grid
-from calibsolver.formats.reader_options import ReaderOptions
 from calibsolver.quality.model_selection import suggest_model
 from calibsolver.quality.report import describe
-from infra.ops import reindex
+from infra.ops import OpsError, reindex
 from infra.ops.context import OpsContext
-from infra.ops.errors import OpsError
 from infra.ops.files import read_file
 from infra.ops.seed import UNKNOWN_ERROR
 

@@ -8,8 +8,8 @@ from calibdb.dump.figures import Figures
 from calibdb.dump.weekly_dump import WeeklyDump
 from calibdb.schema.dump import Dump
 from calibdb.store.dumps import LATEST, STATISTICS, Dumps
+from infra.ops import OpsError
 from infra.ops.context import OpsContext
-from infra.ops.errors import OpsError
 
 
 def publish_dump(context: OpsContext) -> Dump:

@@ -9,9 +9,8 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from calibdb.schema import CalibrationDocument, RigCalibrationDocument, VoteDocument
-from infra.ops import reindex
+from infra.ops import OpsError, reindex
 from infra.ops.context import OpsContext
-from infra.ops.errors import OpsError
 
 CALIBRATIONS, VOTES, RIGS = "calibrations.jsonl", "votes.jsonl", "rigs.jsonl"
 

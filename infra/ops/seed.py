@@ -14,8 +14,8 @@ from pydantic import ValidationError
 from calibdb.camera_key import identify, public_label, public_platform
 from calibdb.schema import FitRecord, PriorDocument
 from calibsolver import Camera, models
+from infra.ops import OpsError
 from infra.ops.context import OpsContext
-from infra.ops.errors import OpsError
 
 # Ratio of focal lengths beyond which rows are of several lenses or modes under one name: no guess at all.
 _MAX_FOCAL_RATIO = 1.1

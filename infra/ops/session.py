@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from infra.console.output import Output
-from infra.console.progress import track
+from infra.console import Output, track
 
 if TYPE_CHECKING:
     from calibdb.store.ports import JobName

@@ -10,8 +10,8 @@ from calibdb.access import token_use
 from calibdb.access.plans import HOUR_S, PLANS
 from calibdb.access.tokens import ApiToken, secret_hash, with_secret
 from calibdb.schema.managed_token import TokenUse
+from infra.ops import OpsError
 from infra.ops.context import OpsContext
-from infra.ops.errors import OpsError
 
 _SECRET_BYTES = 24
 

@@ -13,9 +13,8 @@ from calibdb.schema import CalibrationDocument, RigDocument, SessionDocument
 from calibdb.store import StreamMode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
 from calibdb.store.rigs import rig_calibration_object
-from infra.ops import reindex
+from infra.ops import OpsError, reindex
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
-from infra.ops.errors import OpsError
 from infra.ops.public_dump import replace_dumps
 
 _MIN_DIGITS = 12  # hex digits of a contributor that name one

@@ -11,7 +11,7 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-from infra.console.steps import announce
+from infra.console import announce
 from infra.release import changelog, wheels
 from infra.release.checkout import ROOT, version
 

@@ -16,8 +16,8 @@ from infra.web_build import site
 from infra.web_build.site_headers import compress
 
 PROJECTS = (ROOT / "clients" / "python", ROOT / "layers" / "solver")
-_FOLDERS = ("functions", "infra/console", "infra/ops", "infra/server", "infra/web_build")
-_RELEASE_FILES = ("infra/release/__init__.py", "infra/release/changelog.py")
+_FOLDERS = ("functions", "infra/ops", "infra/server", "infra/web_build")
+_FILES = ("infra/console.py", "infra/release/__init__.py", "infra/release/changelog.py")
 _GROUPS = ("service", "solver", "server", "ops")
 _NOT_NEEDED = ("boto", "mangum", "markdown-it-py", "pygments")  # on AWS, and to build the site
 _PROJECT = """
@@ -63,7 +63,7 @@ def build_server(target: Path) -> Path:
             shutil.copytree(ROOT / folder, library / folder, ignore=ignored)
         for name in ("service/calibdb", "solver/calibsolver"):
             shutil.copytree(ROOT / "layers" / name, library / Path(name).name, ignore=ignored)
-        for name in _RELEASE_FILES:
+        for name in _FILES:
             (library / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, library / name)
         shutil.copytree(site.WEB, library / "web", ignore=shutil.ignore_patterns("node_modules"))

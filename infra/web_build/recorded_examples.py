@@ -23,9 +23,8 @@ from calibsolver import rotation as rotations
 from calibsolver.guidance import FixedPlan, TargetPose
 from infra.server.server import DEVELOPMENT_TOKEN, Server
 from infra.web_build.example_calls import calls, fill_in, learn
-from infra.web_build.examples import EXAMPLE_CAMERA, EXAMPLE_PLATFORM
 from infra.web_build.openapi import EXAMPLES_PATH
-from infra.web_build.operations import OPERATIONS
+from infra.web_build.operations import EXAMPLE_CAMERA, EXAMPLE_PLATFORM, OPERATIONS
 from infra.web_build.site import ROOT
 
 EXAMPLES = {operation.name: operation.example for operation in OPERATIONS}

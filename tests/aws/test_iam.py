@@ -190,7 +190,7 @@ def manage(stack: LocalStack) -> None:
     made = client.call("POST", "/v1/tokens", {"origins": ["https://example.org"]}, token="").json
     managing, line = made["management_token"], made["origins"][0]["proof"]["content"]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("calibdb.proof.fetch.read_proof", lambda _: line)
+        patch.setattr("calibdb.proof.read_proof", lambda _: line)
         verified = client.call("POST", "/v1/tokens/self/verify", token=managing).json
     assert [origin["state"] for origin in verified["origins"]] == ["verified"]
     other = client.call("POST", "/v1/tokens", {"origins": ["http://localhost"]}, token="").json

@@ -7,7 +7,7 @@ import pkgutil
 import sys
 from collections.abc import Callable, Iterable
 
-from infra.console.steps import announce
+from infra.console import announce
 from tests import bench
 from tests.bench.table import Row, render
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from calibsolver import CalibrationError, fit, models
 from calibsolver.fitting.resection import reprojection_score
-from infra.console.progress import track
+from infra.console import track
 from tests.bench import corners, document
 
 TIMEOUT = 25.0

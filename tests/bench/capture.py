@@ -25,7 +25,7 @@ from calibsolver.capture.admission import rejection_reason
 from calibsolver.fitting.coverage import COVERAGE_GRID, hull
 from calibsolver.formats.grid import grid
 from calibsolver.quality.assessment import level_of
-from infra.console.progress import track
+from infra.console import track
 from tests.bench import document
 from tests.bench.corners import NAMES
 from tests.bench.real_views import distance, usable_views

@@ -14,7 +14,7 @@ import numpy as np
 
 from calibsolver import CalibrationError, Camera
 from calibsolver.consensus import Member, pool
-from infra.console.progress import track
+from infra.console import track
 from tests.bench import document, honest_worlds
 from tests.helpers.solver import attacks, populations, synthetic
 

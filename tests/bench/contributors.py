@@ -15,7 +15,7 @@ import numpy as np
 from calibsolver import Calibration, Camera, fit
 from calibsolver.consensus import Consensus, Member, Rule, pool
 from calibsolver.consensus.fit_memory import fit_once
-from infra.console.progress import track
+from infra.console import track
 from tests.bench import document
 from tests.helpers.solver import hands, populations, synthetic
 

@@ -19,8 +19,8 @@ from typing import Any
 import yaml
 from botocore.awsrequest import AWSPreparedRequest
 
-from infra.console.progress import track
-from infra.measure import load_test
+from infra.console import track
+from infra.deploy import load_test
 from infra.server.server import DEVELOPMENT_TOKEN
 from tests.aws.emulator import LocalStack, intercept
 from tests.aws.emulator.storage import Answer

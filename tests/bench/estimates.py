@@ -22,7 +22,7 @@ from calibdb.estimate.knowledge import Knowledge
 from calibdb.estimate.own import calibrated, other_size, reported
 from calibdb.estimate.population import by_model, members
 from calibdb.estimate.published import published
-from infra.console.steps import announce
+from infra.console import announce
 from infra.web_build import lens_facts
 from tests.bench import document
 from tests.helpers.data import ROOT, data_dir

@@ -14,7 +14,7 @@ import numpy as np
 from calibsolver import Board, Camera
 from calibsolver.capture import MAX_VIEWS
 from calibsolver.guidance import FixedPlan, ProjectionUncertainty
-from infra.console.steps import announce
+from infra.console import announce
 from tests.bench import document
 from tests.bench.bound import bound
 from tests.bench.plots import Line, plot

@@ -18,7 +18,7 @@ from calibsolver.capture import Capture, History
 from calibsolver.guidance import TargetPose
 from calibsolver.guidance.overlap import estimate_outline, jaccard_index
 from calibsolver.guidance.overlay import draw_board, texture_coordinates
-from infra.console.progress import track
+from infra.console import track
 from tests.bench import document
 from tests.helpers.solver import hands, synthetic
 

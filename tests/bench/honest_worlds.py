@@ -15,7 +15,7 @@ import numpy as np
 
 import calibsolver
 from calibsolver.consensus import Consensus, Member, Rule, difference, pool
-from infra.console.progress import track
+from infra.console import track
 from tests.bench import document
 from tests.helpers.solver import worlds
 

@@ -19,7 +19,7 @@ from calibdb.camera_key import Identity, identify
 from calibdb.camera_key.system import system_of
 from calibsolver import Camera
 from calibsolver.consensus.agreement import compare
-from infra.console.steps import announce
+from infra.console import announce
 from tests.bench import document
 from tests.helpers.data import ROOT, data_dir
 

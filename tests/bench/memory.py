@@ -12,7 +12,7 @@ import threading
 import time
 from pathlib import Path
 
-from infra.measure.load_test import drive
+from infra.deploy.load_test import drive
 from infra.server.server import DEVELOPMENT_TOKEN, Server
 from tests.bench import raw_load
 from tests.helpers.service.client import CAMERA, TOKEN

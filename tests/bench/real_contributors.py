@@ -15,7 +15,7 @@ import numpy as np
 
 from calibsolver import CalibrationError, View, fit
 from calibsolver.consensus import Consensus, Member, Rule, pool
-from infra.console.progress import track
+from infra.console import track
 from tests.bench import document
 from tests.bench.capture import Footage, footage
 from tests.bench.real_views import distance

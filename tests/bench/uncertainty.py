@@ -10,7 +10,7 @@ import numpy as np
 
 from calibsolver import CalibrationError, fit, models
 from calibsolver.quality.systematic import probable_cause
-from infra.console.progress import track
+from infra.console import track
 from tests.bench import document
 from tests.bench.honesty import predicted, white
 from tests.helpers.solver import hands, intervals, populations, synthetic

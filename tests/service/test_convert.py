@@ -14,7 +14,7 @@ from calibsolver import Camera
 from calibsolver.formats import FORMATS as WRITERS
 from calibsolver.formats import ExportSource, mrcal, reading
 from calibsolver.formats.grid import grid
-from infra.web_build.examples import EXAMPLE_FILE
+from infra.web_build.operations import EXAMPLE_FILE
 from tests.helpers.data import data_dir, external_data
 from tests.helpers.marks import thorough
 from tests.helpers.service.client import BRIEF, TOKEN, Answer, Client, Truth

@@ -1,13 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { spreadOf } from "../../web/cameras/spread.js";
+import { spreadOf } from "../../web/cameras/agreement.js";
 import { splitLabel, systemName } from "../../web/lib/camera-name.js";
-import { jsonText } from "../../web/lib/json-text.js";
+import { jsonText, matrixText, valueText } from "../../web/lib/result/values.js";
 import { lensDifference } from "../../web/lib/lens-difference.js";
 import { widthOf } from "../../web/cameras/list.js";
 import { forgetOwn, keepOwn, ownCalibrations } from "../../web/lib/own-calibrations.js";
 import { agreementOf, followAgreement } from "../../web/lib/result/agreement.js";
-import { matrixText, valueText } from "../../web/lib/result/values.js";
 
 const lens = (f, cx, cy, distortion_coefficients, distortion_model = "rectilinear") => ({
   img_size: [1280, 720],

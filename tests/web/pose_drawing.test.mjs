@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
-import { drawnBoard } from "../../web/lib/pose-drawing.js";
+import { drawnBoard } from "../../web/photos/wanted.js";
 import { transformPoint } from "../../web/lib/pose.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 

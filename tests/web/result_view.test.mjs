@@ -13,9 +13,8 @@ import {
   levelOf,
 } from "../../web/lib/result/numbers.js";
 import { setLanguage } from "../../web/lib/i18n.js";
-import { boardSentence } from "../../web/lib/result/board-sentence.js";
+import { boardSentence, errorInScene, errorInWords } from "../../web/lib/result/meaning.js";
 import { convexHull, hatching } from "../../web/lib/result/hull.js";
-import { errorInScene, errorInWords } from "../../web/lib/result/meaning.js";
 import { reasonTexts } from "../../web/lib/result/reasons.js";
 import "./messages.mjs";
 import { ticks } from "../../web/lib/svg.js";

@@ -4,7 +4,8 @@ import { test } from "node:test";
 globalThis.location = new URL("https://calibdb.example/calibrate/");
 const { setLanguage } = await import("../../web/lib/i18n.js");
 const { isPracticeReturned } = await import("../../web/calibrate/history.js");
-const { knownOf, knownText, senderOf } = await import("../../web/calibrate/sender.js");
+const { knownOf, knownText } = await import("../../web/calibrate/sender.js");
+const { returnAddress } = await import("../../web/lib/result/return-address.js");
 await import("./messages.mjs");
 globalThis.history = { state: null, replaceState() {} };
 setLanguage("en");
@@ -22,12 +23,15 @@ test("an application under development gets a practice result, any other only if
 });
 
 test("the visitor is led back to web pages alone", () => {
-  assert.deepEqual(
-    ["javascript:alert(1)", "data:text/html,x", "https://user:secret@app.example/", null].map((to) => senderOf(to, [])),
-    [null, null, null, null],
-  );
-  assert.equal(senderOf("http://app.example/", []).allowed, false);
-  const here = senderOf("/ar/?virtual=1", []);
+  const sender = (to) => returnAddress(to, location.origin, []);
+  assert.deepEqual(["javascript:alert(1)", "data:text/html,x", "https://user:secret@app.example/", null].map(sender), [
+    null,
+    null,
+    null,
+    null,
+  ]);
+  assert.equal(sender("http://app.example/").allowed, false);
+  const here = sender("/ar/?virtual=1");
   assert.deepEqual([here.isHere, here.allowed], [true, true]);
 });
 

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Sharpest } from "../../web/lib/capture/sharpest.js";
+import { Sharpest } from "../../web/lib/rank.js";
 
 const at = (x, sharpness, count = 12) => ({
   ids: Array.from({ length: count }, (_, id) => id),

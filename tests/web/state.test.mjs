@@ -6,7 +6,7 @@ import { initial, reduce } from "../../web/calibrate/reducer.js";
 import { visibility } from "../../web/calibrate/overlay-layer.js";
 import { isEnough, isFinishable, isRestless, isSharpestOffered, offlineGoal } from "../../web/calibrate/state.js";
 import { HEALTHY } from "../../web/lib/capture/diagnosis.js";
-import { asMirrored } from "../../web/calibrate/instruction.js";
+import { asMirrored } from "../../web/lib/capture/target.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { transformPoint } from "../../web/lib/pose.js";
 

@@ -8,7 +8,7 @@ import "./messages.mjs";
 import { initial } from "../../web/calibrate/reducer.js";
 import { requestFacts, requestText } from "../../web/calibrate/request-facts.js";
 import * as statusText from "../../web/calibrate/status-text.js";
-import { labelOf, setupFrom } from "../../web/lib/virtual/camera.js";
+import { labelOf, setupFrom } from "../../web/lib/virtual/setup.js";
 
 setLanguage("en");
 const VIRTUAL = { id: "virtual", label: labelOf(setupFrom(new URLSearchParams())) };

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { interpolatePose, perturbPose, rotationMatrix, seededRandom, transformPoint } from "../../web/lib/pose.js";
-import { labelOf, setupFrom } from "../../web/lib/virtual/camera.js";
+import { labelOf, setupFrom } from "../../web/lib/virtual/setup.js";
 
 const LENS = { fx: 1000, fy: 990, cx: 664.5, cy: 345, k1: -0.25, k2: 0.05, p1: 0.002, p2: -0.001, k3: 0.01 };
 

@@ -1,6 +1,6 @@
 // Page /ar/, which shows what a calibration is for: the same drawing in three ways over the camera's picture.
 import { boardFrom, boardQuery } from "../lib/board.js";
-import { showProblem } from "../lib/board-problem.js";
+import { showProblem } from "../lib/board-text.js";
 import { CameraError, cameras, open, play, propose } from "../lib/camera.js";
 import { Detector, DetectorError } from "../lib/detector.js";
 import { part, sayFailure } from "../lib/dom.js";
@@ -11,7 +11,7 @@ import { phoneModel } from "../lib/phone-model.js";
 import { keyOf } from "../sdk/key.js";
 import { lensOf } from "../sdk/projection.js";
 import { RectifierError } from "../sdk/warp.js";
-import { isVirtual } from "../lib/virtual/name.js";
+import { isVirtual } from "../lib/camera-name.js";
 import { Live } from "./live.js";
 import { MODES } from "./modes.js";
 import { calibrationOf, estimateOf } from "./source.js";

@@ -2,8 +2,9 @@
 import { Api } from "../lib/api.js";
 import { loadSettings } from "../lib/settings.js";
 import { LookupError, lookup, returned } from "../sdk/calibdb.js";
-import { isVirtual, setupFrom } from "../lib/virtual/camera.js";
-import { trueCalibration } from "../lib/virtual/truth.js";
+import { isVirtual } from "../lib/camera-name.js";
+import { trueCalibration } from "../lib/virtual/camera.js";
+import { setupFrom } from "../lib/virtual/setup.js";
 
 /**
  * @typedef {import("../sdk/calibdb.js").CameraKey} CameraKey

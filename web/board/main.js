@@ -1,17 +1,16 @@
 // The board page: full screen, on another device, on paper; boards of any kind.
 import { boardFile } from "../lib/board-print.js";
 import { PAPERS, fileName, papersFor, squareOn, usualPaper } from "../lib/papers.js";
-import { el, part } from "../lib/dom.js";
+import { el, part, liveRegion } from "../lib/dom.js";
 import { onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
-import { liveRegion } from "../lib/live-region.js";
-import { DEFAULT_BOARD, boardFrom, boardQuery, circlesCommand, isCircles } from "../lib/board.js";
+import { DEFAULT_BOARD, boardFrom, boardQuery, circlesCommand, isCircles, sizeOf } from "../lib/board.js";
 import { BoardForm } from "../lib/board-form.js";
-import { boardWords } from "../lib/board-words.js";
-import { showProblem } from "../lib/board-problem.js";
+import { boardWords, showProblem } from "../lib/board-text.js";
 import { drawQr } from "../lib/qr.js";
-import { sheetPreview } from "./sheet-preview.js";
 import { BoardScreen } from "./screen.js";
+import { blackRectangles } from "../lib/board-drawing.js";
+import { make } from "../lib/svg.js";
 
 /** @typedef {typeof DEFAULT_BOARD} Board */
 
@@ -125,3 +124,22 @@ part("reset", HTMLButtonElement).addEventListener("click", () => {
 });
 // Another device is sent here to show it: without a touch there is no full screen, but the window there is.
 if (query.has("fill")) screenOf.fill(true);
+
+/**
+ * A printed sheet in small: the board as it lies on the paper.
+ * @param {import("../lib/board.js").Board} board
+ * @param {[number, number]} paper mm, landscape
+ * @param {number} side of a square, mm
+ * @returns {SVGElement}
+ */
+function sheetPreview(board, [width, height], side) {
+  const [columns, rows] = sizeOf(board);
+  const [left, top] = [(width - columns * side) / 2, (height - rows * side) / 2];
+  const path = blackRectangles(board)
+    .map(([x, y, w, h]) => `M${left + x * side} ${top + y * side}h${w * side}v${h * side}h${-w * side}z`)
+    .join("");
+  return make("svg", { viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true" }, [
+    make("rect", { class: "sheet-paper", width, height }),
+    make("path", { d: path }),
+  ]);
+}

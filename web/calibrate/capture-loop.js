@@ -7,7 +7,7 @@ import { nextPlanned, trustedCalibration } from "./plan.js";
 import { RequestQueue } from "./request-queue.js";
 import { isEnough, isFinishable, isOfSize, isSharpestOffered, viewCount } from "./state.js";
 import { motion } from "../lib/capture/stillness.js";
-import { Sharpest } from "../lib/capture/sharpest.js";
+import { Sharpest } from "../lib/rank.js";
 import { tint } from "./tint.js";
 
 /**

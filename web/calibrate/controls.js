@@ -1,5 +1,4 @@
 // Buttons of the capture page, and what they do.
-import { watchPopovers } from "./popovers.js";
 import { renderChoice } from "./render.js";
 
 /**
@@ -34,4 +33,27 @@ export function connectControls(parts, actions) {
   ])) {
     button.addEventListener("click", ({ detail }) => void (detail < 2 && action()));
   }
+}
+
+const OPEN = ".rim details[open]";
+
+/**
+ * Closes the popovers at the rim of the viewfinder with Escape, and with a press anywhere else.
+ * @param {() => void} onEscape called when no popover was open
+ */
+function watchPopovers(onEscape) {
+  document.addEventListener("keydown", ({ key }) => {
+    if (key !== "Escape") return;
+    const popovers = document.querySelectorAll(OPEN);
+    for (const popover of popovers) {
+      if (popover.contains(document.activeElement)) popover.querySelector("summary")?.focus();
+      popover.removeAttribute("open");
+    }
+    if (popovers.length === 0) onEscape();
+  });
+  document.addEventListener("pointerdown", ({ target }) => {
+    for (const popover of document.querySelectorAll(OPEN)) {
+      if (target instanceof Node && !popover.contains(target)) popover.removeAttribute("open");
+    }
+  });
 }

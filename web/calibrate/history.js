@@ -1,11 +1,15 @@
-// Address of the capture page: of the capture while it runs, of its result afterwards, so that a reload shows what is
+// Address of the capture page: what it asks for, and of the result once there is one, so that a reload shows what is
 // there.
 import { inLanguage, language, pageUrl } from "../lib/i18n.js";
-import { isVirtual } from "../lib/virtual/name.js";
+import { isVirtual } from "../lib/camera-name.js";
+import { isLoopback } from "../lib/result/return-address.js";
+
+/** @typedef {import("./state.js").Wanted["distortion_model"]} LensType */
 
 /** Fragment of an address that resumes the saved capture. */
 export const RESUME = "#go-on";
 
+const LENS_TYPES = ["rectilinear", "rational", "fisheye", "omnidirectional"];
 const CAPTURE_PATH = location.pathname;
 
 /** @param {URLSearchParams} parameters */
@@ -53,8 +57,6 @@ export function resumeAt(query) {
   location.assign(captureAddress(query, RESUME));
 }
 
-const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
-
 /**
  * True if an application gets the result of a practice run: if it asked for the virtual camera, and if it is still
  * being
@@ -64,8 +66,28 @@ const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
 export function isPracticeReturned(returnTo, asked) {
   return (
     isVirtual(asked ?? "") ||
-    (returnTo !== null &&
-      URL.canParse(returnTo, location.href) &&
-      LOOPBACK.test(new URL(returnTo, location.href).hostname))
+    (returnTo !== null && URL.canParse(returnTo, location.href) && isLoopback(new URL(returnTo, location.href)))
   );
+}
+
+/** @param {string | null} name @returns {name is LensType} */
+export const isLensType = (name) => LENS_TYPES.includes(name ?? "");
+
+/** @param {URLSearchParams} query @returns {import("./state.js").Wanted} the camera that the page was opened for */
+export function parseWanted(query) {
+  const [, width, height] = /^(\d{1,5})[x×,](\d{1,5})$/.exec(query.get("img_size") ?? "") ?? [];
+  const model = query.get("distortion_model");
+  return {
+    camera: query.get("camera"),
+    img_size: width ? [Number(width), Number(height)] : null,
+    distortion_model: isLensType(model) ? model : "rectilinear",
+    automatic: !isLensType(model),
+    flipped: query.get("flipped") === "true",
+  };
+}
+
+/** Goal of the session, px, where the address gives one. @param {URLSearchParams} query */
+export function parseTargetError(query) {
+  const value = Number(query.get("target_error"));
+  return value > 0 ? { target_error: value } : {};
 }

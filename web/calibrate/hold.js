@@ -1,7 +1,7 @@
 // Rules for taking a view by itself: is the board at the target, is it held still there, for how long? Pure.
 import { foreshortening } from "../lib/board-outline.js";
 import { isExhausted, viewCount } from "./state.js";
-import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget, lenienceAfter } from "../lib/capture/at-target.js";
+import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget, lenienceAfter } from "../lib/capture/target.js";
 import { motion } from "../lib/capture/stillness.js";
 
 /**

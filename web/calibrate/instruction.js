@@ -1,8 +1,6 @@
 // Choice of the one instruction that is shown: the largest difference first, and steady enough to be read.
 import { isEnough } from "./state.js";
-import { advice, asMirrored } from "../lib/capture/target.js";
-
-export { asMirrored };
+import { advice, asMirrored, settled } from "../lib/capture/target.js";
 
 /** @typedef {import("./state.js").Instruction} Instruction */
 
@@ -27,7 +25,6 @@ export const HINTS = new Set([
 ]);
 
 const MIN_LOOKS = 3; // at a board with markers that is not found: until then it may be another one
-const MIN_CHOSEN_MS = 400; // before a new instruction replaces the one that is shown
 
 /**
  * @param {import("./state.js").State} state
@@ -36,10 +33,7 @@ const MIN_CHOSEN_MS = 400; // before a new instruction replaces the one that is 
  * @returns {Instruction}
  */
 export function instruct(state, holding, time) {
-  const wanted = choose(state, holding);
-  const { code, next, since } = state.ui.instruction;
-  if (wanted !== next) return { code: code || wanted, next: wanted, since: time };
-  return time - since >= MIN_CHOSEN_MS ? { code: wanted, next, since } : state.ui.instruction;
+  return settled(state.ui.instruction, choose(state, holding), time);
 }
 
 /** @param {import("./state.js").State} state @param {boolean} holding */

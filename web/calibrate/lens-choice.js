@@ -1,7 +1,10 @@
 // Type of the lens: chosen on the first sheet, or detected. Then the type that the service suggests is taken by itself.
-import { MIN_DETECTING_VIEWS, isLensType } from "./query.js";
+import { isLensType } from "./history.js";
 
 /** @typedef {import("./state.js").State} State */
+
+/** Views from which a type of lens is detected: with fewer, noise may look like a lens. */
+const MIN_DETECTING_VIEWS = 3;
 
 /**
  * Lets the visitor choose, and keeps the choice in the page's address.

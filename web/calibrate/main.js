@@ -5,7 +5,7 @@ import { Detector, DetectorError } from "../lib/detector.js";
 import { language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
-import { isVirtual } from "../lib/virtual/name.js";
+import { isVirtual } from "../lib/camera-name.js";
 import { cameraKey, platformHere, withDevice } from "../sdk/key.js";
 import { Announcer } from "../lib/capture/announcer.js";
 import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
@@ -13,19 +13,29 @@ import { openCaptureStore } from "../lib/capture/capture-store.js";
 import { nameBoard, takeSuggestion } from "./board-choice.js";
 import { Captures, captureKey } from "./captures.js";
 import { connectControls } from "./controls.js";
-import { giveFeedback } from "./event-feedback.js";
-import { failureOf } from "./failure.js";
 import { Film } from "./film.js";
 import { Feedback } from "../lib/capture/feedback.js";
 import { showFirstSheet } from "./first-sheet.js";
-import { RESUME, captureQuery, resumeAt, showCaptureAddress, showResultAddress } from "./history.js";
+import {
+  RESUME,
+  captureQuery,
+  parseTargetError,
+  parseWanted,
+  resumeAt,
+  showCaptureAddress,
+  showResultAddress,
+} from "./history.js";
 import { isLensDetected, offerLensTypes } from "./lens-choice.js";
-import { parseTargetError, parseWanted } from "./query.js";
 import { initial, reduce } from "./reducer.js";
 import { plainNotice } from "./state.js";
 import { findParts } from "./parts.js";
 import { render } from "./render.js";
 import { Sizes } from "./sizes.js";
+import { explain } from "../lib/faults.js";
+import { OfflineError } from "../lib/network.js";
+import { SettingsError } from "../lib/settings.js";
+import { ApiError } from "../lib/api.js";
+import * as statusText from "./status-text.js";
 
 /**
  * @typedef {import("./state.js").State} State
@@ -82,8 +92,25 @@ function dispatch(event) {
   if (views !== shown?.capture.session || aim !== shown?.capture.aim || stored !== shown?.link.stored)
     film.render(state);
   if (shown?.ui.picture && shown.ui.picture !== state.ui.picture) URL.revokeObjectURL(shown.ui.picture);
-  giveFeedback(event, state, shown, { feedback, announcer });
+  giveFeedback(event, shown);
   shown = state;
+}
+
+/**
+ * Gives feedback on an event: sounds, vibration, speech, and the live region.
+ * @param {import("./state.js").Event} event
+ * @param {State | null} before it, as the page shows it
+ */
+function giveFeedback(event, before) {
+  if (state.phase === "done" && before?.phase !== "done") feedback.give("done");
+  else if (event.type === "stored" || (event.type === "answer" && event.answer.accepted)) feedback.give("taken");
+  else if (event.type === "answer") feedback.give("refused");
+  if (state.phase !== "capturing") return;
+  const hint = statusText.instruction(state);
+  const { mismatchWarning, remedy, statusLine, notice } = statusText;
+  const news = [mismatchWarning(state), statusLine(state), notice(state.ui.notice)];
+  announcer.say([hint, remedy(state)].filter(Boolean).join(". "), ...news);
+  feedback.say(hint, language(), performance.now());
 }
 
 const page = { parts, state: () => state, dispatch, fail, openDetector };
@@ -273,6 +300,21 @@ async function openSession(request, signal) {
   if (answer) dispatch({ type: "session", session: answer, stored: opened.waiting, time });
   else dispatch({ type: "opened-offline", stored: opened.size, time });
   return opened;
+}
+
+/**
+ * Failure of a capture.
+ * @param {unknown} error @returns {{code: string, detail: string}} code: of a message, `capture.fault_<code>`
+ */
+function failureOf(error) {
+  const detail = error instanceof Error ? error.message : String(error);
+  if (error instanceof CameraError) return { code: error.code, detail: error.detail };
+  if (error instanceof DetectorError) return { code: error.code, detail };
+  if (error instanceof OfflineError) return { code: "offline", detail };
+  if (error instanceof SettingsError) return { code: "settings", detail };
+  if (error instanceof ApiError) return { code: "service", detail: explain(error) };
+  console.error(error);
+  return { code: "unforeseen", detail };
 }
 
 /** @param {unknown} error @param {AbortSignal} signal of the capture that failed */

@@ -9,11 +9,11 @@ import { pageTitle } from "../lib/result/card.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
 import { SettingsError, loadSettings } from "../lib/settings.js";
-import { isVirtual } from "../lib/virtual/name.js";
+import { isVirtual } from "../lib/camera-name.js";
 import { isPracticeReturned } from "./history.js";
 
 /** @typedef {import("./state.js").State} State */
-/** @typedef {import("../lib/result/view.js").Result} Result */
+/** @typedef {import("../lib/result/numbers.js").Result} Result */
 
 export class Outcome {
   #view;

@@ -1,9 +1,10 @@
 // The end of a practice run: what the application that sent the visitor gets of it, and the way on to a real camera.
 import { t } from "../lib/i18n.js";
 import { loadSettings } from "../lib/settings.js";
-import { isVirtual } from "../lib/virtual/name.js";
+import { isVirtual } from "../lib/camera-name.js";
 import { isPracticeReturned } from "./history.js";
-import { senderName, senderOf } from "./sender.js";
+import { returnAddress } from "../lib/result/return-address.js";
+import { senderName } from "./sender.js";
 
 /** @typedef {import("./state.js").State} State */
 
@@ -21,7 +22,7 @@ export async function showPracticeEnd(
   practiceKept.hidden = true;
   if (!returnTo || !isVirtual(key?.camera ?? "") || isPracticeReturned(returnTo, wanted.camera)) return;
   const { return_origins = [] } = await loadSettings().catch(() => ({ return_origins: [] }));
-  const sender = senderOf(returnTo, return_origins);
+  const sender = returnAddress(returnTo, location.origin, return_origins);
   if (!sender) return;
   const { host, url, allowed, isHere } = sender;
   practiceKeptText.textContent = t("capture.practice_kept", { host: senderName(sender) });

@@ -2,11 +2,11 @@
 import { observedOutline } from "../lib/board-outline.js";
 import { HEALTHY, diagnose, troubleOf } from "../lib/capture/diagnosis.js";
 import { HOLD_MS, LONG_HOLD_MS, isRepeat, isThere, lenience, requiredHold, timeToRead } from "./hold.js";
-import { HINTS, SILENT, asMirrored, instruct } from "./instruction.js";
+import { HINTS, SILENT, instruct } from "./instruction.js";
 import { jaccard } from "../lib/capture/jaccard.js";
 import { isOfSize, offlineGoal, viewCount } from "./state.js";
 import { MOVING, motion, observe } from "../lib/capture/stillness.js";
-import { difference } from "../lib/capture/target.js";
+import { asMirrored, difference } from "../lib/capture/target.js";
 
 /**
  * @typedef {import("./state.js").State} State

@@ -1,8 +1,8 @@
 // Rendering of the state into the page. Reads nothing back, decides nothing.
 import { propose } from "../lib/camera.js";
-import { sayFailure } from "../lib/dom.js";
+import { sayFailure, write } from "../lib/dom.js";
 import { joinFacts, t } from "../lib/i18n.js";
-import { isVirtual } from "../lib/virtual/name.js";
+import { isVirtual } from "../lib/camera-name.js";
 import { holdProgress, requiredHold } from "./hold.js";
 import { renderDetection, renderTarget } from "./overlay-layer.js";
 import { isFinishable, viewCount, isSharpestOffered } from "./state.js";
@@ -176,9 +176,4 @@ function renderProgress(parts, state) {
 function show(place, text) {
   write(place, text);
   place.hidden = text === "";
-}
-
-/** Writes only changes: a live region speaks on every write. @param {Element} place @param {string} text */
-function write(place, text) {
-  if (place.textContent !== text) place.textContent = text;
 }

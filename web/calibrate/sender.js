@@ -3,10 +3,11 @@ import { Api } from "../lib/api.js";
 import { onLanguage, formatSize, t } from "../lib/i18n.js";
 import { returnAddress } from "../lib/result/return-address.js";
 import { loadSettings } from "../lib/settings.js";
-import { isVirtual } from "../lib/virtual/name.js";
+import { isVirtual } from "../lib/camera-name.js";
 
 /**
  * @typedef {import("./state.js").Wanted} Wanted
+ * @typedef {import("../lib/result/return-address.js").ReturnAddress} ReturnAddress
  *
  * @typedef {object} Known calibrations of the camera that was asked for
  * @property {number} calibrations at the size that was asked for
@@ -18,17 +19,7 @@ import { isVirtual } from "../lib/virtual/name.js";
 
 const MAX_FOUND = 20;
 
-/**
- * Site that the visitor came from.
- * @param {string | null} returnTo from the page's address @param {readonly string[]} allowed origins that get results
- * @returns {{url: URL, allowed: boolean, host: string, isHere: boolean} | null} isHere: a page of this site
- */
-export function senderOf(returnTo, allowed) {
-  const found = returnAddress(returnTo, location.origin, allowed);
-  return found && { ...found, host: found.url.host, isHere: found.url.origin === location.origin };
-}
-
-/** Name of the place that the visitor returns to. @param {{host: string, isHere: boolean}} sender */
+/** Name of the place that the visitor returns to. @param {ReturnAddress} sender */
 export const senderName = ({ host, isHere }) => (isHere ? t("capture.sender_here") : host);
 
 /**
@@ -81,7 +72,7 @@ export async function showSender(
   let isSettled = false;
   const isAsked = wanted.camera !== null && !isVirtual(wanted.camera);
   const write = () => {
-    const from = senderOf(returnTo, allowed);
+    const from = returnAddress(returnTo, location.origin, allowed);
     sender.hidden = !from;
     senderHost.textContent = from ? senderName(from) : "";
     const camera =
@@ -111,7 +102,7 @@ export async function showSender(
 }
 
 /**
- * @param {NonNullable<ReturnType<typeof senderOf>>} sender
+ * @param {ReturnAddress} sender
  * @param {boolean} isSettled it is known which origins get results
  */
 function returnText({ host, isHere, allowed }, isSettled) {

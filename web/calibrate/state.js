@@ -10,11 +10,7 @@
  * @typedef {import("../lib/session.js").ViewAnswer} ViewAnswer
  * @typedef {import("../lib/board-outline.js").Corners} Corners
  * @typedef {import("../lib/detector.js").Detection} Detection
- *
- * @typedef {object} Instruction
- * @property {string} code shown now: a message `capture.say_<code>`
- * @property {string} next to be shown
- * @property {number} since ms, when `next` was first chosen
+ * @typedef {import("../lib/capture/target.js").Instruction} Instruction
  *
  * @typedef {object} Wanted the camera that the page was opened for
  * @property {string | null} camera

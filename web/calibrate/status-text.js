@@ -1,7 +1,7 @@
 // Texts of the capture page, by its state.
 import { hasMessage, number, formatSize, t } from "../lib/i18n.js";
-import { boardWords } from "../lib/board-words.js";
-import { asMirrored } from "./instruction.js";
+import { boardWords } from "../lib/board-text.js";
+import { asMirrored } from "../lib/capture/target.js";
 import { MIN_VIEWS, expectedViews, isAccurate, isEnough, isRestless, offlineGoal, viewCount } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */

@@ -1,5 +1,5 @@
-// Plots of the agreement among the calibrations of one camera: focal lengths one after the other, principal points in
-// the plane.
+// Agreement among the calibrations of one camera: plots of focal lengths and principal points, their spread, and the
+// ring that counts them.
 import { dateText, number, t } from "../lib/i18n.js";
 import { make, short } from "../lib/svg.js";
 
@@ -138,4 +138,49 @@ export function centrePlot(members, agreed) {
     svg.append(make("path", { d: `M${short(x - 9)} ${short(y)}h18M${short(x)} ${short(y - 9)}v18`, class: "agreed" }));
   }
   return svg;
+}
+
+const RING = 7; // units: radius
+const GAP = 0.12; // of a part of the ring that is left out between two
+
+/**
+ * Ring with a part for each calibration that is needed.
+ * @param {{agreeing: number, required: number}} size
+ */
+export function ring({ agreeing, required }) {
+  const parts = Array.from({ length: required }, (_, index) =>
+    make("circle", {
+      cx: 10,
+      cy: 10,
+      r: RING,
+      pathLength: required,
+      class: index < agreeing ? "there" : "",
+      "stroke-dasharray": `${1 - GAP} ${required - 1 + GAP}`,
+      "stroke-dashoffset": String(required / 4 - index - GAP / 2),
+    }),
+  );
+  return make("svg", { viewBox: "0 0 20 20", class: "ring", "aria-hidden": "true" }, parts);
+}
+
+/**
+ * Standard deviations between calibrations by one model; distortion coefficients are not compared: they trade off.
+ * @param {Member[]} members @param {string} model
+ * @returns {{count: number, fx: number, fy: number, cx: number, cy: number, distortion: (number | null)[]} | null} px;
+ *   null: fewer than two
+ */
+export function spreadOf(members, model) {
+  const agreeing = members.filter((member) => member.in_group && member.model === model);
+  if (agreeing.length < 2) return null;
+  const deviation = (/** @type {"fx" | "fy" | "cx" | "cy"} */ name) => {
+    const mean = agreeing.reduce((sum, member) => sum + member[name], 0) / agreeing.length;
+    return Math.sqrt(agreeing.reduce((sum, member) => sum + (member[name] - mean) ** 2, 0) / (agreeing.length - 1));
+  };
+  return {
+    count: agreeing.length,
+    fx: deviation("fx"),
+    fy: deviation("fy"),
+    cx: deviation("cx"),
+    cy: deviation("cy"),
+    distortion: [],
+  };
 }

@@ -1,21 +1,18 @@
 // View of one camera: what is missing, its sizes with their calibrations, the numbers for any model, a badge, and the
 // lookup.
-import { addCopyButton } from "../lib/copy-button.js";
+import { addCopyButton } from "../lib/code-block.js";
 import { el } from "../lib/dom.js";
 import { estimateView } from "../lib/estimate-view.js";
-import { splitLabel, systemName } from "../lib/camera-name.js";
-import { jsonText } from "../lib/json-text.js";
-import { joinFacts, hasMessage, t } from "../lib/i18n.js";
+import { splitLabel, systemName, isVirtual } from "../lib/camera-name.js";
+import { jsonText } from "../lib/result/values.js";
+import { joinFacts, hasMessage, t, formatSize } from "../lib/i18n.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { againAddress } from "../lib/result/card.js";
 import { downloadPart } from "../lib/result/download.js";
 import { numbersPart } from "../lib/result/numbers-part.js";
-import { isVirtual } from "../lib/virtual/name.js";
-import { badgeView } from "./badge.js";
 import { membersView, nameOf } from "./members.js";
-import { ring } from "./ring.js";
+import { ring, spreadOf } from "./agreement.js";
 import { estimateOf, withModel } from "./source.js";
-import { spreadOf } from "./spread.js";
 
 /**
  * @typedef {import("./source.js").CameraPage} CameraPage
@@ -233,5 +230,23 @@ const { calibration } = await lookup(key, { token: "cdb_…" });`;
       el("p", {}, t("cameras.in_code_text")),
       addCopyButton(el("pre", { tabindex: 0, "aria-label": t("cameras.in_code") }, el("code", {}, code))),
     ),
+  );
+}
+
+/**
+ * Badge of a camera at a size, with the Markdown that shows it in a README.
+ * @param {string} key of the camera @param {[number, number]} size px @param {string} name of the camera
+ */
+function badgeView(key, size, name) {
+  const address = `${location.origin}/badge/${encodeURIComponent(key)}/${size.join("x")}.svg`;
+  const page = `${location.origin}/cameras/?${new URLSearchParams({ key })}`;
+  const alt = t("cameras.badge_alt", { camera: name, size: formatSize(size) });
+  const markdown = `[![${alt.replace(/[[\]]/g, "")}](${address})](${page})`;
+  return el(
+    "details",
+    { class: "badge" },
+    el("summary", {}, t("cameras.badge")),
+    el("p", {}, el("img", { src: address, alt, height: 20, loading: "lazy" })),
+    addCopyButton(el("pre", { tabindex: 0, "aria-label": "Markdown" }, el("code", {}, markdown))),
   );
 }

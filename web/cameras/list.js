@@ -1,12 +1,11 @@
 // Rows of the table of cameras.
 import { el } from "../lib/dom.js";
-import { splitLabel } from "../lib/camera-name.js";
+import { splitLabel, isVirtual } from "../lib/camera-name.js";
 import { dateText, language, number, rough, t } from "../lib/i18n.js";
 import { make, short } from "../lib/svg.js";
-import { isVirtual } from "../lib/virtual/name.js";
 import { aboutText, stateText } from "./camera.js";
 import { nameOf } from "./members.js";
-import { ring } from "./ring.js";
+import { ring } from "./agreement.js";
 
 /** @typedef {import("./source.js").Found} Found */
 

@@ -1,11 +1,10 @@
 // Page of the database: /cameras/ searches, /cameras/?key=… shows one camera.
 import { ApiError } from "../lib/api.js";
-import { el, part } from "../lib/dom.js";
+import { el, part, liveRegion } from "../lib/dom.js";
 import { newestFigures } from "../lib/dumps.js";
 import { explain } from "../lib/faults.js";
 import { joinFacts, language, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
-import { liveRegion } from "../lib/live-region.js";
 import { splitLabel } from "../lib/camera-name.js";
 import { cameraView } from "./camera.js";
 import { cameraRow, sortedBy } from "./list.js";

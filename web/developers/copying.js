@@ -1,4 +1,5 @@
 // Copying texts, and saving them as files.
+import { copy } from "../lib/code-block.js";
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 
@@ -40,18 +41,6 @@ export function copyButton(text, what, { id, primary = false, onCopied = () => {
     onCopied();
   });
   return el("span", { class: "copying" }, button, said);
-}
-
-/** @param {string} text @returns {Promise<boolean>} */
-async function copy(text) {
-  try {
-    await navigator.clipboard.writeText(text);
-    return true;
-  } catch (error) {
-    // No clipboard on a page without HTTPS, or none for this page.
-    if (!(error instanceof DOMException) && !(error instanceof TypeError)) throw error;
-    return false;
-  }
 }
 
 /** @param {string} name @param {string} text @param {string} type media type */

@@ -1,7 +1,6 @@
 // Page for developers: makes tokens, keeps them in this browser, and manages the one that is chosen.
-import { el, part } from "../lib/dom.js";
+import { el, part, liveRegion } from "../lib/dom.js";
 import { onLanguage, t } from "../lib/i18n.js";
-import { liveRegion } from "../lib/live-region.js";
 import { OfflineError } from "../lib/network.js";
 import { openPage } from "../lib/page.js";
 import { SettingsError, loadSettings, storedSettings } from "../lib/settings.js";

@@ -7,8 +7,8 @@ import { number, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { lookup, returned } from "../sdk/calibdb.js";
 import { loadSettings } from "../lib/settings.js";
-import { setupFrom } from "../lib/virtual/camera.js";
-import { trueCalibration } from "../lib/virtual/truth.js";
+import { trueCalibration } from "../lib/virtual/camera.js";
+import { setupFrom } from "../lib/virtual/setup.js";
 import { poseAt } from "./board.js";
 
 /**

@@ -1,7 +1,6 @@
 // Recognition of the board and its corners in imported views. Pure.
 //
 // A file names its points by where they lie on the board, in whatever unit; a session by the corners' numbers.
-import { MalformedError } from "./malformed.js";
 
 /**
  * @typedef {object} View
@@ -15,6 +14,17 @@ import { MalformedError } from "./malformed.js";
  * @property {[number, number]} squares columns and rows of a board that has these corners
  * @property {Numbered[]} views
  */
+
+/** Error for a file that cannot be used; its code names a message. */
+export class MalformedError extends Error {
+  /** @param {string} code of a sentence: "import.wrong_…" @param {Record<string, string | number>} [values] in it */
+  constructor(code, values = {}) {
+    super([code, ...Object.entries(values).map(([name, value]) => `${name}=${value}`)].join(" "));
+    this.name = "MalformedError";
+    this.code = code;
+    this.values = values;
+  }
+}
 
 const OFF = 0.02; // squares by which a point may lie off its corner
 const MAX_SIDE_SQUARES = 64; // squares on a side of a board

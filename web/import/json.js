@@ -1,5 +1,5 @@
 // Calibration files that are JSON: PhotonVision's with what was seen, and cameras without. Pure.
-import { MalformedError } from "./malformed.js";
+import { MalformedError } from "./grid.js";
 import { square } from "./text.js";
 
 /** @typedef {import("./grid.js").View} View */

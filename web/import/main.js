@@ -1,11 +1,11 @@
 // Calibration from what another program has measured. The file is read on this device; only where corners are is sent.
 import { Api } from "../lib/api.js";
 import { observedOutline } from "../lib/board-outline.js";
-import { part } from "../lib/dom.js";
+import { part, liveRegion } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
-import { sayChosen } from "../lib/file-input.js";
-import { onLanguage, formatSize, t } from "../lib/i18n.js";
+import { takeFiles } from "../lib/file-input.js";
 import { openPage } from "../lib/page.js";
+import { onLanguage, formatSize, t } from "../lib/i18n.js";
 import { rankByNovelty } from "../lib/rank.js";
 import { MAX_VIEWS, calibrate } from "../lib/series.js";
 import { load } from "../lib/result/source.js";
@@ -13,10 +13,9 @@ import { LaterResultView } from "../lib/result/later.js";
 import { platformHere } from "../sdk/calibdb.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
-import { liveRegion } from "../lib/live-region.js";
 import { Converter } from "./converter.js";
 import { MAX_CHARACTERS, sourceOf, unpackCorners } from "../lib/conversion.js";
-import { MalformedError } from "./malformed.js";
+import { MalformedError } from "./grid.js";
 import { MIN_VIEW_CORNERS, MAX_BYTES, prepare, read } from "./read.js";
 import { table } from "./table.js";
 import { decode } from "./text.js";
@@ -306,18 +305,7 @@ parts.kind.value = query.has("camera") ? "webcam" : "photographs";
 parts.model.append(...[AUTOMATIC, ...Object.keys(COEFFICIENTS)].map((model) => new Option("", model)));
 speak();
 onLanguage(speak);
-sayChosen(parts.file);
-parts.file.addEventListener("change", () => {
-  void take(parts.file.files?.[0]);
-  parts.file.value = "";
-});
-for (const name of ["dragenter", "dragover", "dragleave", "drop"]) {
-  parts.drop.addEventListener(name, (event) => {
-    event.preventDefault();
-    parts.drop.classList.toggle("over", name === "dragenter" || name === "dragover");
-    if (name === "drop") void take(/** @type {DragEvent} */ (event).dataTransfer?.files[0]);
-  });
-}
+takeFiles(parts.file, parts.drop, ([file]) => void take(file));
 parts.kind.addEventListener("change", showKind);
 parts.table.addEventListener("submit", (event) => {
   event.preventDefault();

@@ -1,11 +1,10 @@
 // A calibration file: of which kind it is, and what in it can be used here. Pure.
 import { DEFAULT_BOARD } from "../lib/board.js";
-import { grid } from "./grid.js";
+import { grid, MalformedError } from "./grid.js";
 import { cameraMatrix, isPhotonVision, photonVision } from "./json.js";
-import { MalformedError } from "./malformed.js";
 import { isTable, squaresIn, table } from "./table.js";
 import { cameraIn } from "./text.js";
-import { NAME } from "../lib/virtual/name.js";
+import { NAME } from "../lib/camera-name.js";
 
 /**
  * @typedef {import("./grid.js").Numbered} Numbered

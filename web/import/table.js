@@ -1,5 +1,5 @@
 // A table of corners as mrcal-calibrate-cameras reads it, corners.vnl: a line for every corner of every picture. Pure.
-import { MalformedError } from "./malformed.js";
+import { MalformedError } from "./grid.js";
 
 /** @typedef {import("./grid.js").View} View */
 

@@ -2,7 +2,7 @@
 import { el } from "../lib/dom.js";
 import { number, t } from "../lib/i18n.js";
 import { imagePlot, make, short } from "../lib/svg.js";
-import { viewOutcome } from "../lib/view-outcome.js";
+import { viewOutcome } from "../lib/series.js";
 import { MIN_VIEW_CORNERS } from "./read.js";
 
 /**

@@ -1,7 +1,7 @@
 // Form in which a board is described: presets, and, folded away, every parameter of its kind.
 import { CIRCLES, DEFAULT_TAG_SPACING, DICTIONARIES, boardFrom, isSameBoard, kindOf } from "./board.js";
 import { PRESETS } from "./board-presets.js";
-import { reason } from "./board-problem.js";
+import { reason } from "./board-text.js";
 import { part } from "./dom.js";
 import { onLanguage, t } from "./i18n.js";
 

@@ -34,3 +34,9 @@ export function splitLabel(label) {
   const [, name, usb] = /^(.*\S)\s*\(([0-9a-f]{4}:[0-9a-f]{4})\)\s*$/i.exec(label) ?? [];
   return name ? { name, usb: usb.toLowerCase() } : { name: label, usb: null };
 }
+
+/** Name of the virtual camera: its calibrations can be told from those of real cameras. */
+export const NAME = "calibDB virtual camera";
+
+/** @param {string} label of a camera */
+export const isVirtual = (label) => label.startsWith(NAME);

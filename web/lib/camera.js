@@ -1,6 +1,6 @@
 // Cameras of the device: the list, opening one at its native resolution, and errors that a person can act on.
 import { t } from "./i18n.js";
-import { isVirtual } from "./virtual/name.js";
+import { isVirtual } from "./camera-name.js";
 import { labelOf, setupFrom } from "./virtual/setup.js";
 
 /**

@@ -1,4 +1,5 @@
-// DOM elements: making them and finding them.
+// DOM elements: making them, finding them, and writing texts into them.
+import { onLanguage } from "./i18n.js";
 
 /**
  * @template {keyof HTMLElementTagNameMap} K
@@ -28,6 +29,11 @@ export function part(id, type) {
   return found;
 }
 
+/** Writes a text only where it changed: a live region speaks on every write. @param {Element} place @param {string} text */
+export function write(place, text) {
+  if (place.textContent !== text) place.textContent = text;
+}
+
 /**
  * Says the reason of a failure in the heading of a place, and what to do about it in its paragraph.
  * @param {HTMLElement} place @param {string} text its first sentence is the reason
@@ -35,6 +41,26 @@ export function part(id, type) {
 export function sayFailure(place, text) {
   const [reason = text, remedy = ""] = /^((?:\([^)]*\)|[^(])+?[.!?]) (.+)$/s.exec(text)?.slice(1) ?? [];
   const [heading, paragraph] = place.children;
-  if (heading.textContent !== reason) heading.textContent = reason;
-  if (paragraph.textContent !== remedy) paragraph.textContent = remedy;
+  write(heading, reason);
+  write(paragraph, remedy);
+}
+
+/**
+ * Live region: a text in one place of the page, written again when another language is chosen.
+ * @param {Element} place
+ * @returns {(text?: () => string | (Node | string)[]) => void} writes a text there from now on; without one: nothing
+ */
+export function liveRegion(place) {
+  /** @type {() => string | (Node | string)[]} */
+  let current = () => "";
+  const speak = () => {
+    const text = current();
+    if (typeof text === "string") write(place, text);
+    else place.replaceChildren(...text);
+  };
+  onLanguage(speak);
+  return (text = () => "") => {
+    current = text;
+    speak();
+  };
 }

@@ -1,6 +1,7 @@
 // A calibration from views that are all there already: every view counts that agrees with the others.
 import { consentFields } from "./consent.js";
 import { keepReceipt } from "./receipts.js";
+import { number, t } from "./i18n.js";
 
 /**
  * @typedef {import("./api.js").Api} Api
@@ -89,4 +90,17 @@ async function offer(api, credential, state, views, onJudgement) {
     waiting = contradicting;
   }
   return { state, numbers };
+}
+
+/**
+ * Sentence about one view: whether it was taken, and what it did to the predicted error.
+ * @param {Judgement} judgement
+ */
+export function viewOutcome({ accepted, reason, before, after }) {
+  const px = (/** @type {number} */ value) => number(value, value < 1 ? 2 : 1);
+  if (!accepted) return t(`photos.refused_${reason === "no_information" ? "no_information" : "other"}`);
+  if (after === null) return t("photos.taken");
+  return before === null
+    ? t("photos.first", { after: px(after) })
+    : t("photos.added", { before: px(before), after: px(after) });
 }

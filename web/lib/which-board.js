@@ -1,6 +1,6 @@
 // The form of the board within the page: the files stay while the board changes.
 import { BoardForm } from "./board-form.js";
-import { boardWords } from "./board-words.js";
+import { boardWords } from "./board-text.js";
 import { part } from "./dom.js";
 import { t } from "./i18n.js";
 

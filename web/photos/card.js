@@ -1,7 +1,7 @@
 // Card of one picture of the series: a thumbnail with its corners, and the outcome.
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
-import { viewOutcome } from "../lib/view-outcome.js";
+import { viewOutcome } from "../lib/series.js";
 import { isView } from "./group.js";
 
 /**

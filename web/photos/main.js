@@ -1,19 +1,18 @@
 // Calibration from photographs or a video. Boards are looked for on this device; only where their corners are is sent.
 import { DEFAULT_BOARD, boardFrom, boardQuery, isSameBoard } from "../lib/board.js";
-import { showProblem } from "../lib/board-problem.js";
+import { showProblem } from "../lib/board-text.js";
 import { Api } from "../lib/api.js";
 import { Detector, DetectorError } from "../lib/detector.js";
-import { el, part } from "../lib/dom.js";
+import { el, part, liveRegion } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
-import { sayChosen } from "../lib/file-input.js";
-import { hasMessage, onLanguage, t } from "../lib/i18n.js";
+import { takeFiles } from "../lib/file-input.js";
 import { openPage } from "../lib/page.js";
+import { hasMessage, onLanguage, t } from "../lib/i18n.js";
 import { load } from "../lib/result/source.js";
 import { levelOf } from "../lib/result/numbers.js";
 import { LaterResultView } from "../lib/result/later.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
-import { liveRegion } from "../lib/live-region.js";
 import { card, sizeOf } from "./card.js";
 import { WhichBoard } from "../lib/which-board.js";
 import { cameraOfNames, shots } from "./files.js";
@@ -397,19 +396,7 @@ speak();
 onLanguage(speak);
 showProblem(parts.problem, asked.problem);
 linkBoard();
-sayChosen(parts.files);
-parts.files.addEventListener("change", () => {
-  take([...(parts.files.files ?? [])]);
-  parts.files.value = "";
-});
-for (const name of ["dragenter", "dragover", "dragleave", "drop"]) {
-  parts.drop.addEventListener(name, (event) => {
-    event.preventDefault();
-    parts.drop.classList.toggle("over", name === "dragenter" || name === "dragover");
-    const { dataTransfer } = /** @type {DragEvent} */ (event);
-    if (name === "drop") take([...(dataTransfer?.files ?? [])]);
-  });
-}
+takeFiles(parts.files, parts.drop, take);
 parts.series.addEventListener("change", () => {
   discard();
   tell();

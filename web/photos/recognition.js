@@ -1,9 +1,8 @@
 // The board in files of which nobody said what board they show: a few pictures are looked at, and one question is
 // asked.
 import { isTelling, recognise } from "../lib/board-recognition.js";
-import { boardWords } from "../lib/board-words.js";
-import { el, part } from "../lib/dom.js";
-import { liveRegion } from "../lib/live-region.js";
+import { boardWords } from "../lib/board-text.js";
+import { el, part, liveRegion } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 import { mark, thumbnail } from "./card.js";
 import { UnreadableError, shots } from "./files.js";

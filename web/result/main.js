@@ -1,16 +1,15 @@
 // Page of one stored calibration: /result/?id=…
 import { ApiError } from "../lib/api.js";
-import { el, part } from "../lib/dom.js";
+import { el, part, liveRegion } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
 import { onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { loadSettings } from "../lib/settings.js";
-import { liveRegion } from "../lib/live-region.js";
 import { pageTitle } from "../lib/result/card.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
 
-/** @typedef {import("../lib/result/view.js").Result} Result */
+/** @typedef {import("../lib/result/numbers.js").Result} Result */
 
 openPage();
 const query = new URLSearchParams(location.search);

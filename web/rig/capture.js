@@ -1,13 +1,12 @@
 // Capture of a rig on one device: watches its cameras, opens moments if it leads, takes views for them, and delivers
 // them.
-import { lenienceAfter } from "../lib/capture/at-target.js";
+import { lenienceAfter } from "../lib/capture/target.js";
 import { explain } from "../lib/faults.js";
 import { isUnavailable } from "../lib/session.js";
 import { answer, isReady, isSeen, isThere, remoteHold } from "./moments.js";
 import { RigLink } from "./link.js";
 import { Outbox } from "./outbox.js";
-import { takeView } from "./view.js";
-import { Watch } from "./watch.js";
+import { takeView, Watch } from "./watch.js";
 import { isAlone, isComplete, remotePositions, silentPositions } from "./progress.js";
 
 /**

@@ -1,6 +1,6 @@
 // Picture of one camera of this device: its video, the target's outline and the corners seen, a line of words below.
 import { drawCircles, drawTarget, polygon } from "../lib/capture/marks.js";
-import { el } from "../lib/dom.js";
+import { el, write } from "../lib/dom.js";
 import { make } from "../lib/svg.js";
 
 /** @typedef {import("./moments.js").Sight} Sight */
@@ -64,7 +64,7 @@ export class Figure {
     }
     this.#parts.ghost.style.opacity = String(Math.max(0, 1 - sight.overlap / FADED_FROM));
     [this.#target, this.#corners] = [target, corners];
-    if (this.#caption.textContent !== caption) this.#caption.textContent = caption;
+    write(this.#caption, caption);
   }
 
   /** Shows that a view was taken. */

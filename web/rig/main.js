@@ -2,7 +2,7 @@
 // results.
 import { Api } from "../lib/api.js";
 import { boardFrom, boardQuery } from "../lib/board.js";
-import { showProblem } from "../lib/board-problem.js";
+import { showProblem } from "../lib/board-text.js";
 import { CameraError } from "../lib/camera.js";
 import { Announcer } from "../lib/capture/announcer.js";
 import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
@@ -17,11 +17,10 @@ import { openPage } from "../lib/page.js";
 import { OfflineError } from "../lib/network.js";
 import { showRigPicture } from "../lib/rig-picture.js";
 import { loadSettings, storedSettings } from "../lib/settings.js";
-import { keepAwake } from "./awake.js";
+import { keepAwake, openCameras, openDetector } from "./opening.js";
 import { RigCapture } from "./capture.js";
 import { JoinError, enter, invite, requestOf } from "./membership.js";
 import { ResizeError } from "./model.js";
-import { openCameras, openDetector } from "./opening.js";
 import { findParts } from "./parts.js";
 import { NOTHING_SHOWN, render } from "./render.js";
 import { RigService } from "./service.js";

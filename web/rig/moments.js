@@ -6,11 +6,10 @@
 // then
 // the board was still in all cameras that take one when the moment was opened, and all saw the same pose.
 import { observedOutline } from "../lib/board-outline.js";
-import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget } from "../lib/capture/at-target.js";
+import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget, difference } from "../lib/capture/target.js";
 import { HEALTHY, diagnose } from "../lib/capture/diagnosis.js";
 import { jaccard } from "../lib/capture/jaccard.js";
 import { MOVING, motion, observe } from "../lib/capture/stillness.js";
-import { difference } from "../lib/capture/target.js";
 
 /**
  * @typedef {import("../lib/board-outline.js").Corners} Corners

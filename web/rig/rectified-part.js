@@ -1,7 +1,6 @@
 // Rectified pair of two cameras with epipolar lines: what one camera shows in a row is in the same row of the other.
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
-import { chooser } from "./picture-chooser.js";
 import { rectifyPair } from "../sdk/rig.js";
 import { cameraName } from "./status-text.js";
 
@@ -90,4 +89,27 @@ export function rectifiedPart(rig, pictures) {
 /** Lines over both pictures. */
 function lines() {
   return el("div", { class: "lines", "aria-hidden": "true" }, ...Array.from({ length: LINES }, () => el("span", {})));
+}
+
+/**
+ * Chooser of a picture of one camera: it is read here and stays here.
+ * @param {string} words of the button @param {[number, number]} size that the camera's calibration is for, px
+ * @param {(picture: ImageBitmap) => void} onPicture @param {(words: string) => void} onProblem
+ */
+function chooser(words, [width, height], onPicture, onProblem) {
+  const input = el("input", { type: "file", accept: "image/*", class: "unseen" });
+  input.addEventListener("change", async () => {
+    const [file] = input.files ?? [];
+    if (!file) return;
+    try {
+      const picture = await createImageBitmap(file);
+      if (picture.width * height === picture.height * width) return onPicture(picture);
+      picture.close();
+      onProblem(t("rig.wrong_size", { size: `${width} × ${height}` }));
+    } catch (error) {
+      if (!(error instanceof DOMException)) throw error;
+      onProblem(t("rig.no_image"));
+    }
+  });
+  return el("label", { class: "button" }, words, input);
 }

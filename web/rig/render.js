@@ -1,6 +1,7 @@
 // Rendering of a capture into the page. Reads nothing back, decides nothing.
 import { drawQr } from "../lib/qr.js";
-import { el } from "../lib/dom.js";
+import { el, write } from "../lib/dom.js";
+import { settled } from "../lib/capture/target.js";
 import { t } from "../lib/i18n.js";
 import { holdProgress } from "./moments.js";
 import { freePositions, isFinishable } from "./progress.js";
@@ -12,16 +13,9 @@ import * as text from "./status-text.js";
  * @typedef {import("./model.js").Member} Member
  * @typedef {{code: string, address: string, expires: number} | null} Invitation expires: ms since 1970
  *
- * @typedef {object} Shown
- * @property {string} code of the instruction that is shown
- * @property {string} next to be shown
- * @property {number} since ms, when `next` was first chosen
- * @property {import("./service.js").RigState | null} state
- * @property {Invitation} invitation
- * @property {string} language
+ * @typedef {import("../lib/capture/target.js").Instruction & {state: import("./service.js").RigState | null,
+ *   invitation: Invitation, language: string}} Shown
  */
-
-const MIN_CHOSEN_MS = 400; // before a new instruction replaces the one that is shown
 
 /** @type {Shown} */
 export const NOTHING_SHOWN = { code: "", next: "", since: 0, state: null, invitation: null, language: "" };
@@ -37,12 +31,10 @@ export function render(parts, model, { members, leads, board, invitation, time, 
   const { state, sights, waiting } = model;
   const own = members.map(({ position }) => position);
   const wanted = text.instruct(model, members, leads);
-  const since = wanted === before.next ? before.since : time;
-  // Steady enough to be read; what one must do at once is said at once, and what is done need not be done any more.
-  const code =
-    !before.code || wanted === "hold" || (before.code === "hold" && model.moment?.over) || time - since >= MIN_CHOSEN_MS
-      ? wanted
-      : before.code;
+  // What one must do at once is said at once, and what is done need not be done any more.
+  const urgent = wanted === "hold" || (before.code === "hold" && model.moment?.over === true);
+  const instruction = settled(before, wanted, time, urgent);
+  const { code } = instruction;
   const said = text.instruction(code, model);
   const line = text.detail(model, members, leads, code);
   write(parts.instruction, said);
@@ -62,7 +54,7 @@ export function render(parts, model, { members, leads, board, invitation, time, 
   if (state !== before.state || lang !== before.language) renderState(parts, state, own, leads, undo);
   if (invitation !== before.invitation || state !== before.state || lang !== before.language)
     renderInvitation(parts, state, invitation, leads);
-  return { code, next: wanted, since, state, invitation, language: lang, said, line };
+  return { ...instruction, state, invitation, language: lang, said, line };
 }
 
 /**
@@ -153,9 +145,4 @@ function renderInvitation({ joining, qr, joinAddress, joinCode, joinUntil }, sta
     minute: "2-digit",
   });
   write(joinUntil, t("rig.code_until", { time: until }));
-}
-
-/** Writes only changes: a live region speaks on every write. @param {Element} place @param {string} words */
-function write(place, words) {
-  if (place.textContent !== words) place.textContent = words;
 }

@@ -1,14 +1,14 @@
 // Result of a rig: how good it is, where the cameras are, the rectified pair, files, each camera's calibration, code.
 import { codeBlocks } from "../lib/result/code-part.js";
-import { boardSentence } from "../lib/result/board-sentence.js";
+import { boardSentence } from "../lib/result/meaning.js";
 import { copyButton } from "../lib/result/menu.js";
-import { addCopyButton } from "../lib/copy-button.js";
+import { addCopyButton } from "../lib/code-block.js";
 import { ApiError } from "../lib/api.js";
 import { corners } from "../lib/board.js";
 import { el } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
 import { joinFacts, number, onLanguage, rough, formatSize, t } from "../lib/i18n.js";
-import { isVirtual } from "../lib/virtual/name.js";
+import { isVirtual } from "../lib/camera-name.js";
 import { Rig } from "../sdk/rig.js";
 import { rectifiedPart } from "./rectified-part.js";
 import { sceneOf, scenePlot } from "../lib/scene-plot.js";

@@ -2,13 +2,13 @@
 // state
 // alone, so that browsers that know nothing of each other show the same board. Pure.
 import { composePoses, invertPose, perturbPose, seededRandom } from "../lib/pose.js";
-import { setupFrom } from "../lib/virtual/camera.js";
+import { setupFrom } from "../lib/virtual/setup.js";
 import { matchPose } from "../lib/virtual/match.js";
 
 /**
  * @typedef {import("../lib/pose.js").Pose} Pose
  * @typedef {import("../lib/board.js").Board} Board
- * @typedef {import("../lib/virtual/camera.js").Setup} Setup
+ * @typedef {import("../lib/virtual/setup.js").Setup} Setup
  * @typedef {import("./service.js").Target} Target
  */
 

@@ -1,9 +1,7 @@
 // Texts of the capture: the one instruction, a line below it, and what is said of each camera.
-import { advice, asMirrored } from "../lib/capture/target.js";
-import { isAtTarget } from "../lib/capture/at-target.js";
+import { advice, asMirrored, isAtTarget } from "../lib/capture/target.js";
 import { hasMessage, number, t } from "../lib/i18n.js";
-import { splitLabel } from "../lib/camera-name.js";
-import { isVirtual } from "../lib/virtual/name.js";
+import { splitLabel, isVirtual } from "../lib/camera-name.js";
 import { isSeen, requiredHold } from "./moments.js";
 import { MIN_VIEWS, isAlone, remotePositions, silentPositions } from "./progress.js";
 

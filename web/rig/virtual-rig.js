@@ -1,7 +1,8 @@
 // Simulated rig: several virtual cameras that look at one board, whose hand follows the rig's targets.
 import { facts } from "../lib/camera.js";
 import { composePoses, interpolatePose } from "../lib/pose.js";
-import { VirtualCamera, labelOf } from "../lib/virtual/camera.js";
+import { VirtualCamera } from "../lib/virtual/camera.js";
+import { labelOf } from "../lib/virtual/setup.js";
 import { boardPose, cameraPose, firstPose, setupAt } from "./scene.js";
 import { Stream } from "./streams.js";
 

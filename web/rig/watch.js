@@ -5,10 +5,12 @@ import { DetectorError } from "../lib/detector.js";
 import { nextFrame } from "../lib/frames.js";
 import { ResizeError } from "./model.js";
 import { BLIND, aimAt, isSeen, observeFrame } from "./moments.js";
+import { motion } from "../lib/capture/stillness.js";
 
 /**
  * @typedef {import("./model.js").Member} Member
  * @typedef {import("./moments.js").Sight} Sight
+ * @typedef {import("../lib/board-outline.js").Corners} Corners
  *
  * @typedef {object} Options
  * @property {readonly Member[]} members
@@ -24,7 +26,7 @@ export class Watch {
   #focused = new Set();
   /**
    * Corners seen when a moment was opened, by position.
-   * @type {Map<number, import("../lib/board-outline.js").Corners>}
+   * @type {Map<number, Corners>}
    */
   #marked = new Map();
   /** By position. @type {Map<number, Sight>} */
@@ -115,4 +117,25 @@ export class Watch {
   forget() {
     for (const [position, sight] of this.sights) this.sights.set(position, { ...sight, lastTaken: null });
   }
+}
+
+const MAX_MOTION_PX = 3; // between the last frame and the one that is taken, at 1280 px width
+
+/**
+ * View of a moment in one camera: a fresh frame, searched thoroughly, and refused if the hand has jerked since.
+ * @param {import("./streams.js").Stream} stream @param {number} half index of the camera's picture in the stream
+ * @param {Sight} sight of the board in the last frame
+ * @param {(picture: VideoFrame | ImageBitmap) => Promise<import("../lib/detector.js").Detection | null>} detect takes
+ *   the picture over
+ * @returns {Promise<{corners: Corners, picture: ImageBitmap} | null>} null: this frame will not do
+ */
+export async function takeView(stream, half, sight, detect) {
+  const pictures = await stream.grab();
+  pictures.forEach((each, index) => index !== half && each.close());
+  const picture = await createImageBitmap(pictures[half]);
+  const detection = await detect(pictures[half]);
+  const corners = detection && { ids: detection.ids, points: detection.points };
+  if (corners && motion(sight.corners, corners) <= (MAX_MOTION_PX * sight.width) / 1280) return { corners, picture };
+  picture.close();
+  return null;
 }

@@ -1,7 +1,6 @@
 // Status page: asks every part of the service, again and again while somebody looks.
-import { el, part } from "../lib/dom.js";
+import { el, part, liveRegion } from "../lib/dom.js";
 import { language, number, onLanguage, t } from "../lib/i18n.js";
-import { liveRegion } from "../lib/live-region.js";
 import { openPage } from "../lib/page.js";
 import { hear, stateOf } from "./health.js";
 

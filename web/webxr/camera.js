@@ -8,8 +8,7 @@
 // augmented
 // reality of its own, the session shows the video and projects as its camera does.
 import { watch, lookup } from "../sdk/lookup.js";
-import { extend } from "./extension.js";
-import { isNeeded } from "./support.js";
+import { extend, isNeeded } from "./extension.js";
 
 /**
  * @typedef {import("../sdk/lookup.js").Answer} Answer

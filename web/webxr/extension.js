@@ -238,3 +238,14 @@ function getter(prototype, name) {
 function attribute(prototype, name, get) {
   Object.defineProperty(prototype, name, { get, configurable: true, enumerable: true });
 }
+
+/** True if the browser has nothing of its own that can show augmented reality. */
+export async function isNeeded() {
+  const { xr } = /** @type {any} */ (navigator);
+  try {
+    return !(await xr?.isSessionSupported("immersive-ar"));
+  } catch (error) {
+    if (error instanceof DOMException) return true; // forbidden by a policy
+    throw error;
+  }
+}

@@ -6,7 +6,7 @@
 import { SESSION, classes } from "../vendor/webxr/polyfill.js";
 import { WebcamDevice } from "./device.js";
 
-export { isNeeded } from "./support.js";
+export { isNeeded } from "./extension.js";
 
 /**
  * Puts the webcam in the place of `navigator.xr`, the polyfill's classes in that of the browser's. What is installed

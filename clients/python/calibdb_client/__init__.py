@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         UsageError,
     )
     from .estimate import Estimate
-    from .exported_file import ExportedFile
+    from .files import ExportedFile
     from .key import CameraKey
     from .recording import Recording
     from .rig import Rig
@@ -61,7 +61,7 @@ _MODULES = {
     "ConflictError": "errors",
     "CredentialError": "errors",
     "Estimate": "estimate",
-    "ExportedFile": "exported_file",
+    "ExportedFile": "files",
     "MissingPackageError": "errors",
     "NotFoundError": "errors",
     "ProblemError": "errors",

@@ -19,7 +19,7 @@ from .checks import CheckResult
 from .client import open_cache
 from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Connection, failure
 from .errors import CalibDBError
-from .exported_file import ExportedFile
+from .files import ExportedFile
 from .key import AUTO, DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of, live_model
 from .picture_change import PictureChange
 from .recording import Recording, ignore

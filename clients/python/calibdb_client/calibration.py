@@ -16,8 +16,7 @@ from calibsolver import undistortion
 from calibsolver.arrays import Array
 
 from .errors import MissingPackageError, UsageError
-from .exported_file import ExportedFile
-from .files import read_whole, write_whole
+from .files import ExportedFile, read_whole, write_whole
 from .picture_change import UNCHANGED, PictureChange
 
 if TYPE_CHECKING:

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from calibsolver import CalibrationError, Camera, formats
-from calibsolver.formats.reader_options import ReaderOptions
+from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.reading import read_bytes
 
 from .errors import UsageError
-from .exported_file import ExportedFile
-from .files import read_whole
+from .files import ExportedFile, read_whole
 from .picture_change import UNCHANGED, PictureChange
 
 if TYPE_CHECKING:

@@ -1,8 +1,9 @@
-"""Files that are read and written as a whole."""
+"""Files that are read and written as a whole, and a calibration as a file of another tool."""
 
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from .errors import UsageError
@@ -32,3 +33,27 @@ def read_whole(path: Path) -> bytes:
     if len(content) > MAX_BYTES:
         raise UsageError(f"{path} is larger than {MAX_BYTES >> 20} MB")
     return content
+
+
+@dataclass(frozen=True)
+class ExportedFile:
+    """A calibration as another tool's file.
+
+    Attributes
+    ----------
+    content, filename, media_type
+        Body, file name and media type of a download.
+    error
+        px, largest distance between the projections by the calibration and by the file; 0: exact.
+    coverage
+        Share of the image in which the file's model is valid.
+    warning
+        Note for its reader, or "".
+    """
+
+    content: bytes = field(repr=False)
+    filename: str
+    media_type: str = "application/octet-stream"
+    error: float = 0.0
+    coverage: float = 1.0
+    warning: str = ""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from .answer import Answer
 from .cache import Cache
 from .errors import CalibDBError, NotFoundError, ServiceUnavailableError, UsageError
-from .exported_file import ExportedFile
+from .files import ExportedFile
 from .key import CameraKey
 from .wire import Reply, Request
 

@@ -16,8 +16,7 @@ from calibsolver.arrays import Array
 
 from .calibration import Calibration, Exporter
 from .errors import UsageError
-from .exported_file import ExportedFile
-from .files import read_whole, write_whole
+from .files import ExportedFile, read_whole, write_whole
 
 RigExporter = Callable[[str, str], ExportedFile]
 """Fetches the file of a rig's id in a format."""

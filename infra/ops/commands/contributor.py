@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from infra.console.output import confirm
-from infra.ops.errors import OpsError
+from infra.console import confirm
+from infra.ops import OpsError
 from infra.ops.options import DryRun, Json, Yes
 from infra.ops.session import Run, open_run
 

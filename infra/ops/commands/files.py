@@ -11,8 +11,8 @@ from typing import Annotated
 
 import typer
 
-from infra.console.output import Output
-from infra.ops.errors import OpsError
+from infra.console import Output
+from infra.ops import OpsError
 from infra.ops.options import DryRun, Json, Size, complete_model, parse_size
 from infra.ops.session import data_folder, failure_exit, open_run
 
@@ -167,7 +167,7 @@ def import_files(
     Several files are stored or refused one by one.
     """
     with open_run(as_json=as_json) as run:
-        from calibsolver.formats.reader_options import ReaderOptions
+        from calibsolver.formats.base import ReaderOptions
         from infra.ops.imports import ReportedCamera, import_file, licence_of
 
         reported = ReportedCamera(camera, platform, zoom, licence_of(licence))

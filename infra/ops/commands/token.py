@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from infra.console.output import confirm
+from infra.console import confirm
 from infra.ops.options import DryRun, Json, Yes, complete_plan
 from infra.ops.session import open_run
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from infra.ops.errors import OpsError
+from infra.ops import OpsError
 from infra.ops.options import DryRun, Json
 from infra.ops.session import open_run
 

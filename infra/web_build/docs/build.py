@@ -14,10 +14,9 @@ from pathlib import Path
 from infra.web_build import openapi
 from infra.web_build.docs import catalog, reference
 from infra.web_build.docs.catalog import ENTRIES, FOLDER, GROUPS, ROOT, Entry, address
-from infra.web_build.docs.fill import fill
 from infra.web_build.docs.markdown import Document, Link, Section, render
 from infra.web_build.docs.page import GROUP_NAMES, page
-from infra.web_build.docs.samples import SITE
+from infra.web_build.docs.samples import SITE, fill
 from infra.web_build.sdk import import_map
 
 OVERVIEW = f"{FOLDER}index.html"

@@ -7,10 +7,9 @@ from html import escape
 
 from infra.web_build.docs.catalog import FOLDER, address
 from infra.web_build.docs.fields import Node, Row, kind, rows, table
-from infra.web_build.docs.fill import fill
 from infra.web_build.docs.markdown import Heading, Section, code_block, inline
 from infra.web_build.docs.page import page
-from infra.web_build.docs.samples import SAMPLE_LANGUAGES, SAMPLE_NAMES, format_json, samples
+from infra.web_build.docs.samples import SAMPLE_LANGUAGES, SAMPLE_NAMES, fill, format_json, samples
 from infra.web_build.example_calls import Call, calls
 
 REFERENCE = f"{FOLDER}reference/index.html"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from infra.web_build.example_calls import Call
+from infra.web_build.example_calls import TOKEN, Call
 
 SITE = "http://127.0.0.1:8000"
 """Address in all code; the pages put their own in its place."""
@@ -118,3 +118,27 @@ def _literal(value: Any) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(_literal, value))}]"
     return repr(value) if not isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+_MARKS = {SITE: "origin", TOKEN: "token"}
+
+
+def fill(html: str) -> str:
+    """Mark the places in blocks of code that the page fills in: the site's address and the visitor's token.
+
+    Colours may not lie across them.
+
+    Raises
+    ------
+    ValueError
+        If a block has an address that begins otherwise, which would stay as it is.
+    """
+    parts = html.split("<pre")
+    for index, part in enumerate(parts[1:], 1):
+        block, closing, rest = part.partition("</pre>")
+        if "127.0.0.1" in block.replace(SITE, ""):
+            raise ValueError(f"an address is not {SITE}, or is cut by colours: {block}")
+        for text, name in _MARKS.items():
+            block = block.replace(text, f'<span data-fill="{name}">{text}</span>')
+        parts[index] = block + closing + rest
+    return "<pre".join(parts)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from calibdb.proof.fetch import ProofError
+from calibdb.proof import ProofError
 from infra.server.server import Server
 from tests.helpers.service.client import Client
 from tests.helpers.service.strangers import Time, standing_clock
@@ -41,5 +41,5 @@ def site(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
             raise ProofError("status")
         return files[host]
 
-    monkeypatch.setattr("calibdb.proof.fetch.read_proof", read_proof)
+    monkeypatch.setattr("calibdb.proof.read_proof", read_proof)
     return files

@@ -132,7 +132,7 @@ def test_killed_before_any_write_and_asked_again(
             Client(stack, address=f"198.18.{zlib.crc32((action + method).encode()) % 200}.{number}")
         )
         line = f"calibdb-site-verification={owner.made['id']}"
-        monkeypatch.setattr("calibdb.proof.fetch.read_proof", lambda _, line=line: line)
+        monkeypatch.setattr("calibdb.proof.read_proof", lambda _, line=line: line)
         with killed_at(stack.storage, number) as process:
             status = owner.send(method, action, body)
         assert status >= 500 if process.killed else status < 300

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from infra.console.steps import announce, format_duration
+from infra.console import announce, format_duration
 
 
 class Clock:

@@ -7,8 +7,7 @@ import sys
 import pytest
 import typer
 
-from infra.console.output import Output, confirm
-from infra.console.progress import track
+from infra.console import Output, confirm, track
 
 
 class Terminal(io.StringIO):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from calibdb.camera_key.mode_name import public_mode_name
+from calibdb.camera_key.label import public_mode_name
 
 
 @pytest.mark.parametrize(

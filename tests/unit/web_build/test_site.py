@@ -162,7 +162,7 @@ def test_scripts_of_the_site_keep_their_names_and_lose_their_comments(made: Mapp
 def test_a_changed_source_is_another_site_and_absent_pages_are_left_out(tmp_path: Path) -> None:
     web = tmp_path / "web"
     messages = [f"messages/{language}/common.json" for language in ("en", *site.LANGUAGES)]
-    for name in ("lib/i18n.js", "lib/header.js", "lib/copy-button.js", "lib/highlight.js", *messages):
+    for name in ("lib/i18n.js", "lib/header.js", "lib/code-block.js", *messages):
         (web / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(site.WEB / name, web / name)
     for name in ("trial", "board"):

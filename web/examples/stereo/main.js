@@ -1,8 +1,7 @@
 // Depth from the rectified pair of two cameras.
-import { part } from "../../lib/dom.js";
+import { part, liveRegion } from "../../lib/dom.js";
 import { explain } from "../../lib/faults.js";
 import { number, t } from "../../lib/i18n.js";
-import { liveRegion } from "../../lib/live-region.js";
 import { openPage } from "../../lib/page.js";
 import { rectifyPair } from "../../sdk/rig.js";
 import { disparityOf } from "./matching.js";

@@ -1,7 +1,7 @@
 // Two simulated cameras that look at one board, and the truth about them.
 import { compose, invert, rigidMotion, rotate, rotationVectorOf } from "../../sdk/motion.js";
-import { VirtualCamera, setupFrom } from "../../lib/virtual/camera.js";
-import { trueCalibration } from "../../lib/virtual/truth.js";
+import { VirtualCamera, trueCalibration } from "../../lib/virtual/camera.js";
+import { setupFrom } from "../../lib/virtual/setup.js";
 import { poseAt } from "../board.js";
 
 /** @typedef {import("../../lib/pose.js").Pose} Pose */

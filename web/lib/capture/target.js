@@ -1,4 +1,4 @@
-// Distance of the board from its target, and hints that lead there. Outlines are quadrilaterals in pixels: the
+// Distance of the board from its target, hints that lead there, and when it is there. Outlines are quadrilaterals in pixels: the
 // board's corners, clockwise from its first.
 
 /** @typedef {number[][]} Quadrilateral */
@@ -138,3 +138,48 @@ export function asMirrored(code) {
     .map((part) => MIRROR_IMAGE[part] ?? part)
     .join("_");
 }
+
+/**
+ * @typedef {object} Instruction the one that is shown
+ * @property {string} code shown now: of a message
+ * @property {string} next to be shown
+ * @property {number} since ms, when `next` was first chosen
+ */
+
+const MIN_CHOSEN_MS = 400; // before a new instruction replaces the one that is shown
+
+/**
+ * Instruction that is steady enough to be read.
+ * @param {Instruction} before @param {string} next its code @param {number} time ms
+ * @param {boolean} [urgent] shown at once
+ * @returns {Instruction}
+ */
+export function settled(before, next, time, urgent = false) {
+  const since = next === before.next ? before.since : time;
+  const code = before.code === "" || urgent || time - since >= MIN_CHOSEN_MS ? next : before.code;
+  return { code, next, since };
+}
+
+export const HOLD_MS = 700; // still at the target
+export const LONG_HOLD_MS = 1_500; // still anywhere else: the service judges whether the view helps all the same
+// at 1280 px image width, from the hold that was sent last: the service refuses duplicates within 25.6
+export const MIN_DISPLACEMENT_PX = 26;
+const MIN_OVERLAP = 0.6; // Jaccard index with the target that counts as there,
+const MAX_DIFFERENCE = 0.08; // if the board is also tilted as the target is
+const LENIENT_AFTER_MS = 3_000; // in which a steady hand would have been still: then less is asked of it,
+const MAX_LENIENCE = 4; // at most so many times the motion of a steady hand
+
+/**
+ * True if the board is at its target, and tilted as the target is.
+ * @param {{overlap: number, outline: number[][] | null}} seen overlap: Jaccard index with the target
+ * @param {number[][] | null} aim outline of the target; null where too little of it is in the image
+ */
+export function isAtTarget({ overlap, outline }, aim) {
+  return overlap > MIN_OVERLAP && outline !== null && (aim === null || difference(outline, aim) < MAX_DIFFERENCE);
+}
+
+/**
+ * Factor on the motion that counts as still: not everybody has a steady hand.
+ * @param {number} elapsed ms since the target was set
+ */
+export const lenienceAfter = (elapsed) => Math.min(MAX_LENIENCE, Math.max(1, elapsed / LENIENT_AFTER_MS));

@@ -1,10 +1,8 @@
 // Card at the head of a result: which camera, how good, what to do with it, and what is known of its making.
 import { el } from "../dom.js";
-import { splitLabel } from "../camera-name.js";
+import { splitLabel, isVirtual } from "../camera-name.js";
 import { dateText, joinFacts, language, number, pageUrl, rough, formatSize, t } from "../i18n.js";
-import { isVirtual } from "../virtual/name.js";
-import { boardSentence } from "./board-sentence.js";
-import { meaning } from "./meaning.js";
+import { boardSentence, meaning } from "./meaning.js";
 import { hint, moreMenu, shareButton } from "./menu.js";
 import { isFairInside, levelOf } from "./numbers.js";
 import { downloadPart } from "./download.js";
@@ -17,7 +15,7 @@ import { button, listViews } from "./views.js";
  * @typedef {import("./numbers.js").Calibration} Calibration
  * @typedef {import("./numbers.js").Report} Report
  * @typedef {import("./agreement.js").Agreement} Agreement
- * @typedef {import("./result.js").Result} Result
+ * @typedef {import("./numbers.js").Result} Result
  * @typedef {import("./views.js").Trial} Trial
  */
 
@@ -181,11 +179,7 @@ function arAddress({ camera }, id) {
 function returning({ returnTo, returnOrigins = [] }, id) {
   const found = returnAddress(returnTo ?? null, location.origin, returnOrigins);
   if (!found || !id) return null;
-  const {
-    url: { host },
-    url,
-    allowed,
-  } = found;
+  const { url, host, allowed } = found;
   if (!allowed)
     return { element: el("p", { class: "return problem" }, t("result.back_refused", { host })), link: false };
   return {

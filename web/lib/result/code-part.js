@@ -1,5 +1,5 @@
 // Part of a result with the code that uses it: in Python, and in a web page.
-import { addCopyButton } from "../copy-button.js";
+import { addCopyButton } from "../code-block.js";
 import { el } from "../dom.js";
 import { matrixText } from "./values.js";
 

@@ -2,7 +2,7 @@
 import { ApiError } from "../api.js";
 import { el } from "../dom.js";
 import { number, t } from "../i18n.js";
-import { jsonText } from "../json-text.js";
+import { jsonText } from "./values.js";
 import { FORMATS } from "../../vendor/formats.js";
 import { save } from "./source.js";
 

@@ -4,7 +4,7 @@
 import { pageUrl, t } from "../i18n.js";
 
 /** @typedef {import("./view.js").ResultView} ResultView */
-/** @typedef {import("./result.js").Result} Result */
+/** @typedef {import("./numbers.js").Result} Result */
 
 /** Shows results in an element, as ResultView does. */
 export class LaterResultView {

@@ -1,4 +1,5 @@
-// Meaning of an error in the picture: in words, and as a length and an angle at a distance that one chooses.
+// Meaning of a result: of an error in the picture, in words, and as a length and an angle at a distance that one
+// chooses; of the board's shape that a fit has found.
 import { el } from "../dom.js";
 import { language, rough, t } from "../i18n.js";
 import { focalLengths } from "../../sdk/pinhole.js";
@@ -63,4 +64,28 @@ export function meaning(calibration) {
     el("span", {}, errorInWords(rms)),
     el("span", { class: "at" }, el("label", { for: "distance" }, t("result.at_distance")), select, output),
   );
+}
+
+const MIN_SIGMAS = 2; // of a shape that is certain
+const MAX_STRETCH = 0.01; // share of the length by which a printer may stretch a board
+
+/**
+ * Sentence about the board's shape, if it is certain and a printer may have made it.
+ * @param {import("./numbers.js").BoardShape | null} [board]
+ * @param {number | null} [length] mm, longer extent of the corners; null: the bend is a share of it
+ * @returns {string[]}
+ */
+export function boardSentence(board, length = null) {
+  if (!board || !(board.stretch < MAX_STRETCH)) return [];
+  const deviations = [];
+  if (board.sag > MIN_SIGMAS * board.sag_std)
+    deviations.push(
+      length === null
+        ? t("result.board_bent", { sag: rough(100 * board.sag) })
+        : t("result.board_bent_mm", { sag: rough(length * board.sag) }),
+    );
+  if (board.stretch > MIN_SIGMAS * board.stretch_std)
+    deviations.push(t(`result.board_${board.stretch_kind ?? "stretched"}`, { stretch: rough(100 * board.stretch) }));
+  if (!deviations.length) return [];
+  return [t("result.board", { deviations: new Intl.ListFormat(language()).format(deviations) })];
 }

@@ -1,4 +1,5 @@
 // Parts of a result's card that one operates: copying, and explanations of a word.
+import { copy } from "../code-block.js";
 import { el } from "../dom.js";
 import { t } from "../i18n.js";
 
@@ -33,20 +34,15 @@ export function copyButton(label, text, attributes = {}) {
  * @returns {Promise<boolean>}
  */
 async function copied(text, beside) {
-  try {
-    await navigator.clipboard.writeText(text);
-    return true;
-  } catch (error) {
-    // Not over plain HTTP, and not everywhere allowed: then as one copied before.
-    if (!(error instanceof DOMException) && !(error instanceof TypeError)) throw error;
-    const field = el("textarea", { class: "unseen", "aria-hidden": "true" });
-    field.value = text;
-    beside.append(field);
-    field.select();
-    const done = document.execCommand("copy");
-    field.remove();
-    return done;
-  }
+  if (await copy(text)) return true;
+  // Not over plain HTTP, and not everywhere allowed: then as one copied before.
+  const field = el("textarea", { class: "unseen", "aria-hidden": "true" });
+  field.value = text;
+  beside.append(field);
+  field.select();
+  const done = document.execCommand("copy");
+  field.remove();
+  return done;
 }
 
 /**

@@ -1,19 +1,33 @@
 // Return address: the application that sent somebody here to calibrate a camera.
 
+const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
+
+/** True if an address is of the visitor's own machine. @param {URL} url */
+export const isLoopback = ({ hostname }) => LOOPBACK.test(hostname);
+
+/**
+ * @typedef {object} ReturnAddress
+ * @property {URL} url
+ * @property {string} host
+ * @property {boolean} isHere a page of this site
+ * @property {boolean} allowed results may be handed there
+ */
+
 /**
  * Address to hand a result to: the address that was asked for, if its origin is this site's own, HTTPS, or of the
  * visitor's own machine, or one that the operator of the service allows. Pages never redirect there: they offer a link
  * that names the host, and the link carries nothing but the id of a published calibration.
  * @param {string | null} wanted from this page's own address @param {string} here this page's origin
  * @param {readonly string[]} allowed origins
- * @returns {{url: URL, allowed: boolean} | null} null: nobody asked, or it is no address of a web page
+ * @returns {ReturnAddress | null} null: nobody asked, or it is no address of a web page
  */
 export function returnAddress(wanted, here, allowed) {
   if (!wanted || !URL.canParse(wanted, here)) return null;
   const url = new URL(wanted, here);
   if (!/^https?:$/.test(url.protocol) || url.username || url.password) return null;
-  const secure = url.protocol === "https:" || /^(localhost|127\.0\.0\.1|\[::1\])$/.test(url.hostname);
-  return { url, allowed: url.origin === here || secure || allowed.includes(url.origin) };
+  const secure = url.protocol === "https:" || isLoopback(url);
+  const isHere = url.origin === here;
+  return { url, host: url.host, isHere, allowed: isHere || secure || allowed.includes(url.origin) };
 }
 
 /**

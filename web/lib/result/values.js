@@ -1,4 +1,5 @@
-// Numbers of a calibration as they are written: with as many digits as they are worth, small ones with a power of ten.
+// Values of a calibration as they are written: with as many digits as they are worth, small ones with a power of ten;
+// as code, and as JSON.
 import { number } from "../i18n.js";
 
 const MAX_DIGITS = 10; // of what a program takes: far more than any calibration is worth
@@ -38,4 +39,23 @@ export function matrixText({ camera_matrix: rows, distortion_coefficients: coeff
     `[${values.map((value) => Number(value.toPrecision(MAX_DIGITS))).join(", ")}]`;
   if (form === "json") return { K: `[${rows.map(line).join(", ")}]`, D: line(coefficients) };
   return { K: `K = np.array([${rows.map(line).join(",\n              ")}])`, D: `D = np.array(${line(coefficients)})` };
+}
+
+/**
+ * JSON as people read it: a list of numbers or words on one line, everything else on lines of its own.
+ * @param {unknown} value @returns {string} ends without a line break
+ */
+export function jsonText(value, indent = "") {
+  const inner = `${indent}  `;
+  if (Array.isArray(value)) {
+    if (value.every((each) => each === null || typeof each !== "object"))
+      return `[${value.map((each) => JSON.stringify(each)).join(", ")}]`;
+    return `[\n${value.map((each) => inner + jsonText(each, inner)).join(",\n")}\n${indent}]`;
+  }
+  if (value !== null && typeof value === "object") {
+    const members = Object.entries(value).filter(([, each]) => each !== undefined);
+    const lines = members.map(([name, each]) => `${inner}${JSON.stringify(name)}: ${jsonText(each, inner)}`);
+    return lines.length ? `{\n${lines.join(",\n")}\n${indent}}` : "{}";
+  }
+  return JSON.stringify(value);
 }

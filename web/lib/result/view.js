@@ -4,7 +4,7 @@ import { el } from "../dom.js";
 import { onLanguage, pageUrl, t } from "../i18n.js";
 import { keepOwn, ownOf } from "../own-calibrations.js";
 import { isKnownModel } from "../../sdk/projection.js";
-import { isVirtual } from "../virtual/name.js";
+import { isVirtual } from "../camera-name.js";
 import { againAddress, card, resultAddress, showAgreement, verdictOf } from "./card.js";
 import { codePart } from "./code-part.js";
 import { recordPart } from "./download.js";
@@ -17,7 +17,7 @@ import { tiles } from "./tiles.js";
 import { listViews, viewsPart } from "./views.js";
 
 /**
- * @typedef {import("./result.js").Result} Result
+ * @typedef {import("./numbers.js").Result} Result
  * @typedef {import("./views.js").Trial} Trial
  */
 

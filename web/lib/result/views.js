@@ -29,7 +29,7 @@ export const viewsToRetake = ({ views }) =>
 
 /**
  * Views in one row that scrolls sideways, the worst first.
- * @param {Pick<import("./result.js").Result, "calibration" | "names" | "photo"> & {report: Report}} result
+ * @param {Pick<import("./numbers.js").Result, "calibration" | "names" | "photo"> & {report: Report}} result
  * @param {Trial | null} trial what it is without some views
  * @param {Choices | null} choices
  */

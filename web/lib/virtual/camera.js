@@ -4,9 +4,8 @@ import { Hand } from "./hand.js";
 import { matchPose } from "./match.js";
 import { labelOf } from "./setup.js";
 import { FAULTS } from "./degrade.js";
-
-export { isVirtual } from "./name.js";
-export { labelOf, setupFrom } from "./setup.js";
+import { Calibration } from "../../sdk/calibration.js";
+import { intrinsicsOf } from "./lens.js";
 
 /**
  * @typedef {import("../board.js").Board} Board
@@ -168,4 +167,14 @@ export class VirtualCamera {
     // One pixel in its own colour: enough for the stream to deliver the picture again.
     if (this.#picture && this.#settled) this.#context.putImageData(this.#picture, 0, 0, 0, 0, 1, 1);
   }
+}
+
+/**
+ * Ground truth: the calibration that a virtual camera renders with: practice needs no database.
+ * @param {Setup} setup
+ */
+export function trueCalibration({ size, lens }) {
+  return new Calibration(
+    /** @type {import("../../sdk/calibration.js").CalibrationData} */ ({ img_size: size, ...intrinsicsOf(lens) }),
+  );
 }

@@ -1,5 +1,5 @@
 // Setup of the virtual camera as an address asks for it, and its label. Apart from the camera: few pages need more.
-import { NAME } from "./name.js";
+import { NAME } from "../camera-name.js";
 
 const [MIN_RATE_HZ, USUAL_RATE_HZ, MAX_RATE_HZ] = [2, 30, 60]; // pictures a second
 

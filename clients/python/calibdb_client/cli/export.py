@@ -89,7 +89,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
 
 def run_convert(chosen: argparse.Namespace, output: Output) -> int:
     """Read another tool's file, and write it in another format."""
-    from calibsolver.formats.reader_options import ReaderOptions
+    from calibsolver.formats.base import ReaderOptions
 
     from .. import conversion
 

@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..exported_file import ExportedFile
-from ..files import write_whole
+from ..files import ExportedFile, write_whole
 
 
 class Output:

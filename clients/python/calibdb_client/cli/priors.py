@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import priors
-from ..exported_file import ExportedFile
+from ..files import ExportedFile
 from ..key import DEFAULT_MODEL, MODELS
 from . import options
 from .output import Output

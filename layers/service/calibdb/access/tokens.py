@@ -229,7 +229,7 @@ def source(secret: str, address: str) -> str:
     By it contributors are counted, since tokens are for the asking. Of an IPv6 address only the first 48 bits
     count, the most that one site is given (RFC 6177, 2), enough for 65,536 households.
     An IPv4 address counts whole. The hash of an IPv6 site begins with `IPV6_SOURCE`: one line often has an
-    address of either family, and must not count twice (`calibdb.rules.sources`).
+    address of either family, and must not count twice (`calibdb.rules.votes.count_lines`).
     """
     site = _site(address, 48)
     hashed = hmac.new(secret.encode(), f"source\n{site}".encode(), hashlib.sha256).hexdigest()

@@ -1,4 +1,4 @@
-"""A label as a browser gives it, and what of it names the camera."""
+"""Label as a browser gives it, and what of it names the camera; names that people give to modes."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ import unicodedata
 from dataclasses import dataclass
 
 from calibdb.camera_key.apple import CAMERA_WORDS, in_english
-from calibdb.camera_key.confusable import in_latin
+from calibdb.camera_key.characters import in_latin, visible
 from calibdb.camera_key.names import without_maker
 from calibdb.camera_key.owner import without_owner, without_path, without_telephone
 from calibdb.camera_key.virtual import program, spelling_of
-from calibdb.camera_key.visible import visible
 
 # Chromium appends ` (vid:pid)`; on macOS it cuts it out of an id that need not be one (`(m-de:vice)`).
 _ID = re.compile(r"\(\s*([^\s():]{4}):([^\s():]{4})\s*\)\s*$")
@@ -114,3 +113,21 @@ def _english_camera(text: str) -> str:
     words = [word for word in device if word not in CAMERA_WORDS]
     words = ["desk view" if word == "schreibtischansicht" else word for word in words]
     return " ".join([*words, *(["camera"] if len(words) < len(device) else [])])
+
+
+MAX_MODE_NAME = 32
+# Letters and digits of any script, and the signs of settings: `4K, 16:9`, `78°`, `Linear + Horizon`.
+_ALLOWED = re.compile(r"[^\W_](?:[\w °.,:+×%/-]*[\w°%+])?")
+_LONG_NUMBER = re.compile(r"\d{5}")
+
+
+def public_mode_name(text: str) -> str:
+    """Return the name of a camera's mode, such as `stabilisation on`, as it may be stored and shown.
+
+    Empty if it may not. Names of persons, addresses and telephone numbers are removed.
+    """
+    name = unicodedata.normalize("NFC", visible(text))
+    while (shorter := without_owner(without_telephone(without_path(name)))) != name:
+        name = shorter
+    allowed = len(name) <= MAX_MODE_NAME and _ALLOWED.fullmatch(name) and not _LONG_NUMBER.search(name)
+    return name if allowed else ""

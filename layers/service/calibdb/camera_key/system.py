@@ -6,8 +6,8 @@ import re
 import unicodedata
 from dataclasses import dataclass
 
+from calibdb.camera_key.characters import visible
 from calibdb.camera_key.owner import without_owner, without_telephone
-from calibdb.camera_key.visible import visible
 
 # What systems say of themselves; anything else is reduced to the family that it names, or left out.
 _KNOWN = re.compile(

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
-from calibdb.camera_key.visible import visible
+from calibdb.camera_key.characters import visible
 from calibdb.compute.values import Budget, board_of, camera_of, in_time, views_of
 from calibdb.errors import InvalidError
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery, FitRecord, ReportedCalibration
@@ -91,7 +91,7 @@ def convert_file(request: ConvertRequest) -> ExportedFile:
 
     Raises InvalidError: of the field `file` where no camera can be read, of `format` where it cannot be held.
     """
-    from calibsolver.formats.reader_options import ReaderOptions
+    from calibsolver.formats.base import ReaderOptions
     from calibsolver.formats.reading import read_bytes
 
     options = ReaderOptions(

@@ -10,8 +10,7 @@ from collections.abc import Callable, Sequence
 from calibdb.compute.values import board_of, camera_of, views_of
 from calibdb.rules import quality_gates
 from calibdb.rules.contributed_name import most_contributed_label, most_contributed_platform
-from calibdb.rules.sources import family
-from calibdb.rules.votes import Finding, OwnCamera, decide_vote, tally
+from calibdb.rules.votes import Finding, OwnCamera, decide_vote, family, tally
 from calibdb.schema import (
     Calibration,
     CalibrationDocument,

@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 
 from calibdb.camera_key import public_label, public_platform
-from calibdb.camera_key.mode_name import public_mode_name
+from calibdb.camera_key.label import public_mode_name
 from calibdb.schema import CalibrationDocument
 
 

@@ -22,6 +22,7 @@ from calibdb.errors import MAX_FIELD_ERRORS, ConflictError, FieldError, InvalidE
 from calibdb.rules.corners import corner_errors
 from calibdb.rules.quality_gates import TARGET_ERROR_PER_WIDTH
 from calibdb.schema import (
+    ConsensusDocument,
     EstimateDocument,
     FitRecord,
     SessionDocument,
@@ -340,3 +341,19 @@ def view_fingerprint(view: ViewDocument | ObservedCorners) -> dict[int, tuple[fl
 def already_converged() -> ConflictError:
     """Return the error of a session that has ended."""
     return ConflictError("The session has converged and accepts no more changes.", kind="converged")
+
+
+def find_seed(
+    consensuses: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str
+) -> FitRecord | None:
+    """Find the initial camera of a capture, from what others measured.
+
+    It is the reliable consensus of this camera at this size, zoom and model. It is not part of the capture's
+    result and need not be right. What is not reliable starts nothing: it may be one person's, of another
+    camera.
+    """
+    for consensus in consensuses:
+        same = (consensus.img_size, consensus.zoom, consensus.distortion_model) == (img_size, zoom, model)
+        if same and consensus.reliable and consensus.calibration is not None:
+            return FitRecord.model_validate(consensus.calibration.model_dump())
+    return None

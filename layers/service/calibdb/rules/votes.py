@@ -6,7 +6,7 @@ to the guidance page, so that new calibrations come. Votes can withhold an answe
 
 * who contributed a calibration of this camera has had their say and votes neither for it nor against;
 * contributors are counted by where they are (`calibdb.access.tokens.source`), here as in the consensus, and
-  by one family of addresses (`calibdb.rules.sources`), so that one line of the network has one vote;
+  by one family of addresses (`count_lines`), so that one line of the network has one vote;
 * votes against count from the newest calibration that agrees on, and as many as there are for it must be
   there, and a third as many as contributed to it;
 * a consensus is measured by the checker's own data: the noise of the views, and the camera that they
@@ -19,14 +19,14 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from calibdb.rules.sources import count_lines
 from calibdb.schema.calibration import Basis
 from calibdb.schema.checks import CheckRequest
 from calibdb.schema.documents import ConsensusDocument, Votes
-from calibdb.schema.fields import size_text, zoom_text
+from calibdb.schema.fields import IPV6_SOURCE, size_text, zoom_text
 from calibdb.schema.lookup import Reason
 from calibdb.settings import Thresholds
 
@@ -209,3 +209,17 @@ def with_votes(
     return document.model_copy(
         update={"votes": votes, "basis": basis, "reason": reason, "calibration": answer}
     )
+
+
+def family(source: str) -> str:
+    """Return the address family of a source."""
+    return "ipv6" if source.startswith(IPV6_SOURCE) else "ipv4"
+
+
+def count_lines(sources: Iterable[str]) -> int:
+    """Count different sources, only those of the larger family: at least as many lines of the network.
+
+    One line of the network commonly has an IPv4 and an IPv6 address, and nothing shows which belong
+    together. So no line is counted twice.
+    """
+    return max(Counter(map(family, set(sources))).values(), default=0)

@@ -26,8 +26,10 @@ from calibdb.schema.documents import (
     EstimateDocument,
     Finish,
     GroupsDocument,
+    PriorDocument,
     SessionDocument,
     ShapeDocument,
+    TokenDocument,
     ViewDocument,
     VoteDocument,
     Votes,
@@ -48,7 +50,6 @@ from calibdb.schema.managed_token import (
     TokenRotated,
     UsageAnswer,
 )
-from calibdb.schema.prior import PriorDocument
 from calibdb.schema.problem import FieldProblem, LookupProblem, Problem
 from calibdb.schema.refit import (
     BackfillAnswer,
@@ -80,7 +81,6 @@ from calibdb.schema.session import (
     ViewRequest,
     ViewState,
 )
-from calibdb.schema.token import TokenDocument
 
 __all__ = [
     "DICTIONARIES",

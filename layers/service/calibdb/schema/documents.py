@@ -204,3 +204,39 @@ class GroupsDocument(Open):
     groups: tuple[tuple[str, ...], ...] = ()  # ids of calibrations that agree among themselves, largest first
     errors: dict[str, float] = Field({})  # px; of each calibration's views under a fit without it
     covariance: tuple[tuple[float, ...], ...] | None = None  # of the consensus; None: made before it was kept
+
+
+class PriorDocument(Open):
+    """Calibration without keypoints, from another source: only a first guess for a capture.
+
+    `priors/<camera key>/<w>x<h>~<zoom>~<model>.json`. No lookup ever returns it.
+    """
+
+    layout: Literal[1] = 1
+    camera_key: str
+    camera: str
+    platform: str
+    zoom: float
+    fit: FitRecord
+    source: str
+    measured: int  # how many calibrations of that source it stands for
+
+
+class TokenDocument(Open):
+    """API token: `tokens/<id>.json`. Its secrets are not in it. Times are unix seconds."""
+
+    layout: Literal[1] = 1
+    id: str
+    secret_sha256: str
+    origins: tuple[str, ...] = ()
+    plan: str = "free"
+    created: int = 0
+    former_sha256: str | None = None
+    former_until: int = 0
+    earlier: tuple[tuple[str, int], ...] = ()
+    pending: tuple[str, ...] = ()
+    management_sha256: str | None = None
+    name: str = ""
+    expires: int | None = None
+    version: int = 0
+    revoked: int | None = None

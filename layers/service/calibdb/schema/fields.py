@@ -16,9 +16,9 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from calibdb.camera_key.mode_name import MAX_MODE_NAME, public_mode_name
+from calibdb.camera_key.characters import MAX_TEXT_LENGTH, visible
+from calibdb.camera_key.label import MAX_MODE_NAME, public_mode_name
 from calibdb.camera_key.system import with_device
-from calibdb.camera_key.visible import MAX_TEXT_LENGTH, visible
 from calibdb.schema.deferred import Deferred
 
 MAX_CORNERS = 49 * 49  # of the largest board

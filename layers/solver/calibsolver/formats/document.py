@@ -9,9 +9,8 @@ from typing import Any
 
 from ..errors import CalibrationError
 from . import agisoft, colmap, generic, gyroflow, kalibr, lensfun, meshroom, opensfm, photonvision, text
-from .base import ImportedFile
+from .base import ImportedFile, ReaderOptions
 from .members import Members, image_size, normalise
-from .reader_options import ReaderOptions
 from .spellings import DISTORTION, MATRIX
 
 MAX_DEPTH = 8

@@ -11,12 +11,11 @@ import numpy as np
 
 from ..arrays import Array
 from . import text
-from .base import ImportedFile
+from .base import ImportedFile, ReaderOptions
 from .coefficients import camera_from_opencv, make_camera, pad_coefficients
 from .foreign_models import closest_camera, named_rays
 from .members import Members, image_size
 from .model_names import stated_model
-from .reader_options import ReaderOptions
 from .spellings import (
     CENTRE,
     CENTRE_PAIRS,

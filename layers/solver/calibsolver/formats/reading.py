@@ -16,8 +16,7 @@ from . import (
     storage_xml,
     text,
 )
-from .base import ImportedFile
-from .reader_options import ReaderOptions
+from .base import ImportedFile, ReaderOptions
 
 
 def read(data: object, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: B008 - a value that never changes

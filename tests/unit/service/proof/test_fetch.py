@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from calibdb.proof.addresses import is_public
-from calibdb.proof.fetch import MAX_PROOF_BYTES, ProofError, read_proof
+from calibdb.proof import MAX_PROOF_BYTES, ProofError, is_public, read_proof
 from calibdb.schema.origins import is_loopback, proof_host, requirement
 from tests.helpers.service import proof_host as hosts
 

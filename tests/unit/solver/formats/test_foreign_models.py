@@ -8,7 +8,7 @@ import pytest
 
 from calibsolver import CalibrationError, Camera
 from calibsolver.formats import FORMATS, ExportSource
-from calibsolver.formats.reader_options import ReaderOptions
+from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.reading import read_bytes
 
 DS = {"fx": 158.28, "fy": 158.27, "cx": 254.96, "cy": 256.88, "xi": -0.172, "alpha": 0.593}

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from calibsolver.formats import ImportedFile
-from calibsolver.formats.reader_options import ReaderOptions
-from infra.ops.errors import OpsError
+from calibsolver.formats.base import ReaderOptions
+from infra.ops import OpsError
 from infra.ops.files import read_file
 from tests.helpers.data import data_dir, external_data
 

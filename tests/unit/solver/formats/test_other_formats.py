@@ -18,8 +18,8 @@ import pytest
 from calibsolver import Camera, formats, image_transform, models
 from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import lensfun as lensfun_format
+from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.grid import grid
-from calibsolver.formats.reader_options import ReaderOptions
 from calibsolver.formats.reading import read, read_text
 from calibsolver.formats.web import projection_matrix
 from tests.helpers.solver.export_sources import IMG_SIZE, image_rays, subject

@@ -12,10 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from calibsolver import CalibrationError, View, formats, models
+from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.grid import grid
-from calibsolver.formats.reader_options import ReaderOptions
 from calibsolver.formats.reading import read, read_text
-from infra.ops.errors import OpsError
+from infra.ops import OpsError
 from infra.ops.files import read_file
 from tests.helpers.data import available, corner_set, corner_views
 from tests.helpers.solver.export_sources import IMG_SIZE, subject

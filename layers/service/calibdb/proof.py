@@ -1,4 +1,6 @@
-"""Fetch of a proof: one GET over HTTPS, to an address that was checked, within bounds of time and size.
+"""Proof of an origin: a file on it, fetched by one GET over HTTPS.
+
+The connection goes to an address that was checked, and ends within bounds of time and size.
 
 The name is resolved once. Every address that it has must be public, the connection goes to one of these
 addresses and to no name, and the peer's address is checked again: a name that resolves to something else a
@@ -9,6 +11,7 @@ from __future__ import annotations
 
 import http.client
 import io
+import ipaddress
 import select
 import socket
 import ssl
@@ -18,7 +21,6 @@ from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from typing import Any, cast
 
-from calibdb.proof.addresses import is_public
 from calibdb.schema.managed_token import ProofFailure
 from calibdb.schema.origins import PROOF_PATH
 
@@ -28,6 +30,43 @@ _MAX_ANSWER_BYTES = 16_384  # with its headers
 _MAX_ADDRESSES = 2  # tried one after the other
 _HTTPS_PORT = 443
 _AGENT = "calibDB origin verification"
+
+# IANA IPv4 and IPv6 Special-Purpose Address Registries (RFC 6890). The lists stand here, since those of
+# Python's `ipaddress` differ between its versions.
+_SPECIAL_IPV4 = tuple(
+    map(
+        ipaddress.IPv4Network,
+        (
+            "0.0.0.0/8",
+            "10.0.0.0/8",
+            "100.64.0.0/10",
+            "127.0.0.0/8",
+            "169.254.0.0/16",
+            "172.16.0.0/12",
+            "192.0.0.0/24",
+            "192.0.2.0/24",
+            "192.31.196.0/24",
+            "192.52.193.0/24",
+            "192.88.99.0/24",
+            "192.168.0.0/16",
+            "192.175.48.0/24",
+            "198.18.0.0/15",
+            "198.51.100.0/24",
+            "203.0.113.0/24",
+            "224.0.0.0/4",
+            "240.0.0.0/4",
+        ),
+    )
+)
+_GLOBAL_UNICAST = ipaddress.IPv6Network("2000::/3")
+# Within it: protocol assignments with Teredo, benchmarking and ORCHID; documentation; 6to4, which holds an
+# IPv4 address. IPv4-mapped addresses and NAT64 lie outside.
+_SPECIAL_IPV6 = tuple(
+    map(
+        ipaddress.IPv6Network,
+        ("2001::/23", "2001:db8::/32", "2002::/16", "2620:4f:8000::/48", "3fff::/20"),
+    )
+)
 
 Resolve = Callable[[str], Sequence[str]]
 Connect = Callable[[str, float], socket.socket]
@@ -108,6 +147,21 @@ def _public_addresses(host: str, resolve: Resolve, timeout_s: float) -> Sequence
     if not all(map(is_public, addresses)):
         raise ProofError("address")
     return addresses
+
+
+def is_public(text: str) -> bool:
+    """True if `text` is an address of the public internet, as a resolver or a socket writes it."""
+    try:
+        address = ipaddress.ip_address(text)
+    except ValueError:
+        return False
+    if isinstance(address, ipaddress.IPv4Address):
+        return not any(address in network for network in _SPECIAL_IPV4)
+    return (
+        address.scope_id is None
+        and address in _GLOBAL_UNICAST
+        and not any(address in network for network in _SPECIAL_IPV6)
+    )
 
 
 def _connect_to_any(

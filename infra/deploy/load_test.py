@@ -1,6 +1,6 @@
 """Load test: many captures at once against a running stack, over a failing connection.
 
-`python -m infra.measure.load_test`.
+`python -m infra.deploy.load_test`.
 
 Each client opens sessions, submits views of a camera that does not exist, and looks it up. Some requests are
 cut off half way, sent without waiting for an answer, or sent twice at once; like a page that lost its
@@ -29,7 +29,7 @@ import numpy as np
 
 from calibsolver import Board, Camera
 from calibsolver import rotation as rotations
-from infra.console.progress import track
+from infra.console import track
 
 FAULT_RATE = 0.2  # share of the requests
 _TIMEOUT_S = 60.0  # s for one answer
@@ -251,7 +251,7 @@ def observe_board(seed: int) -> Iterator[tuple[list[int], list[list[float]]]]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Drive the stack that is named; return the exit status."""
     parser = argparse.ArgumentParser(
-        prog="python -m infra.measure.load_test", description="Many captures at once."
+        prog="python -m infra.deploy.load_test", description="Many captures at once."
     )
     parser.add_argument("url", help="of the API, without /v1: http://127.0.0.1:8000")
     parser.add_argument("--token", default="cdb_dev_local")

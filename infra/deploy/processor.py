@@ -1,6 +1,6 @@
 """Processor time of a computation here, relative to the machine on which the limits of requests were set.
 
-`python -m infra.measure.processor` prints the factor for the parameter `ProcessorFactor`; with `--check` it
+`python -m infra.deploy.processor` prints the factor for the parameter `ProcessorFactor`; with `--check` it
 fails if the template's default is less than this processor needs. A virtual processor of Lambda is slower
 than a core of a machine of the same kind: `SHARE_OF_A_CORE` is an assumption, which no run on AWS confirms.
 """
@@ -16,8 +16,8 @@ import numpy as np
 
 from calibsolver import Board, View, fit
 from infra.deploy.intrinsics import parse
+from infra.deploy.load_test import observe_board
 from infra.deploy.package import ROOT
-from infra.measure.load_test import observe_board
 
 REFERENCE_S = 0.066
 """Processor time of `workload` on the machine on which `calibdb.http.call.MAX_COMPUTE_S` was set, s."""
@@ -51,7 +51,7 @@ def factor(seconds: float) -> float:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the factor; with `--check` return 1 if the template's default is less."""
-    parser = argparse.ArgumentParser(prog="python -m infra.measure.processor")
+    parser = argparse.ArgumentParser(prog="python -m infra.deploy.processor")
     parser.add_argument("--check", action="store_true", help="fail if the template's default is less")
     checked = parser.parse_args(arguments).check
     seconds = measure()

@@ -1,4 +1,4 @@
-"""Limits of a deployment under a number of captures per day, on paper: `python -m infra.measure.capacity`.
+"""Limits of a deployment under a number of captures per day, on paper: `python -m infra.deploy.capacity`.
 
 Demand follows from a day of captures, capacity from the template's parameters, the plans and AWS's default
 quotas. Nothing is measured; durations are assumed. `LARGE` are parameters for a million captures per day.
@@ -110,7 +110,7 @@ def report(values: Mapping[str, str], account: int) -> Iterator[str]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the limits by default, and with the parameters for a million captures per day."""
-    argparse.ArgumentParser(prog="python -m infra.measure.capacity").parse_args(arguments)
+    argparse.ArgumentParser(prog="python -m infra.deploy.capacity").parse_args(arguments)
     print(f"{DAILY_CAPTURES:,} captures per day, {PEAK:.0f} times the mean at the peak; demand / capacity:")
     print("\n".join(report(defaults(), ACCOUNT_CONCURRENCY)))
     print(f"with {' '.join(f'{n}={v}' for n, v in LARGE.items())}, {LARGE_ACCOUNT_CONCURRENCY} instances:")

@@ -1,0 +1,194 @@
+"""Terminal: tables, progress with the time left, announced steps, questions."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Protocol, TypeVar
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+from rich.text import Text
+
+ROOT = Path(__file__).resolve().parents[1]
+DURATIONS = ROOT / ".build" / "durations.json"
+
+Step = TypeVar("Step")
+Item = TypeVar("Item")
+Total = int | Callable[[], int] | None
+"""Number of items, or how to count them, which is done only for a terminal; None: unknown."""
+
+
+class Output:
+    """Standard output of one command: for a person a table, for a pipe lines, for a program JSON.
+
+    `as_json`: nothing but one JSON document is written, at the end.
+    """
+
+    def __init__(self, *, as_json: bool) -> None:
+        self._as_json = as_json
+        self._value: object = None
+
+    def line(self, text: str) -> None:
+        """Write a line; none of a JSON document."""
+        if not self._as_json:
+            print(text)
+
+    def value(self, value: object) -> None:
+        """Set what the JSON document holds."""
+        self._value = value
+
+    def table(self, columns: Sequence[str], rows: Iterable[Sequence[object]], lines: Iterable[str]) -> None:
+        """Write a table on a terminal, `lines` into a pipe or a file.
+
+        Programs rely on the lines; a column whose name begins with `#` is aligned to the right.
+        """
+        if self._as_json:
+            return
+        if not sys.stdout.isatty():
+            for line in lines:
+                print(line)
+            return
+        table = Table()
+        for column in columns:
+            table.add_column(column.removeprefix("#"), justify="right" if column[0] == "#" else "left")
+        for row in rows:
+            # As text and not as markup: a label may hold brackets.
+            table.add_row(*(Text(str(cell)) for cell in row))
+        Console().print(table)
+
+    def finish(self) -> None:
+        """Write the JSON document, where one is wanted."""
+        if self._as_json:
+            print(json.dumps(self._value, ensure_ascii=False))
+        sys.stdout.flush()
+
+
+def confirm(question: str, *, yes: bool) -> None:
+    """Ask a person before something that cannot be taken back; ends the command at `no`.
+
+    Programs, whose standard input is not a terminal, are not asked.
+    """
+    if not yes and sys.stdin.isatty():
+        typer.confirm(question, abort=True, err=True)
+
+
+class Track(Protocol):
+    """Function that shows how far a loop has come."""
+
+    def __call__(self, items: Iterable[Item], what: str, total: Total = None) -> Iterator[Item]:
+        """Yield the items; `what` names the work."""
+
+
+def pass_through(items: Iterable[Item], what: str, total: Total = None) -> Iterator[Item]:
+    """Yield the items and show nothing."""
+    del what, total
+    yield from items
+
+
+def track(items: Iterable[Item], what: str, total: Total = None) -> Iterator[Item]:
+    """Yield the items while a bar on standard error tells how many are done and how long the others take."""
+    if not sys.stderr.isatty():
+        yield from items
+        return
+    number = total() if callable(total) else total
+    with _progress(Console(stderr=True)) as bar:
+        task = bar.add_task(what, total=number)
+        for item in items:
+            yield item
+            bar.advance(task)
+
+
+def _progress(console: Console) -> Progress:
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(compact=True, elapsed_when_finished=True),
+        TextColumn("left"),
+        console=console,
+        transient=True,
+        # What a command prints meanwhile stands above the bar; into a file it goes as it is.
+        redirect_stdout=sys.stdout.isatty(),
+        redirect_stderr=True,
+    )
+
+
+def _say(text: str) -> None:
+    # Before what a step prints itself.
+    print(text, flush=True)
+
+
+def announce(
+    work: str,
+    steps: Sequence[Step],
+    text: Callable[[Step], str],
+    *,
+    say: Callable[[str], None] = _say,
+    clock: Callable[[], float] = time.monotonic,
+    path: Path = DURATIONS,
+) -> Iterator[Step]:
+    """Yield the steps, each after a line with its number, its text, and the time left.
+
+    What steps print themselves (compilers, the SAM CLI) would tear a bar apart; a line before each step
+    survives it. The time left is that of the previous run of the same steps, kept in `.build/durations.json`.
+
+    Parameters
+    ----------
+    work
+        Name under which the durations are kept.
+    steps, text
+        The steps, and what is said of each.
+    say, clock, path
+        Output, seconds, and the file of the durations; for tests.
+    """
+    previous = _read_durations(path).get(work, {})
+    texts = [text(step) for step in steps]
+    for number, step in enumerate(steps):
+        expected = [previous.get(each) for each in texts[number:]]
+        say(f"{number + 1}/{len(texts)} {texts[number]}{_describe_time_left(expected)}")
+        begun = clock()
+        yield step
+        previous[texts[number]] = round(clock() - begun, 1)
+        _write_durations(path, work, {each: previous[each] for each in texts if each in previous})
+
+
+def format_duration(seconds: float) -> str:
+    """Format a duration for people: `40 s`, `3 min`, `1 h 5 min`."""
+    if seconds < 90:
+        return f"{max(1, round(seconds))} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
+
+
+def _describe_time_left(expected: Sequence[float | None]) -> str:
+    """Describe the time left, of which a step that never ran makes a lower bound."""
+    durations = [seconds for seconds in expected if seconds is not None]
+    if not durations:
+        return ""
+    return (
+        f" ({'' if len(durations) == len(expected) else 'more than '}{format_duration(sum(durations))} left)"
+    )
+
+
+def _read_durations(path: Path) -> dict[str, dict[str, float]]:
+    """Read the durations; what is absent or damaged is left out."""
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return {
+        work: {text: seconds for text, seconds in steps.items() if isinstance(seconds, int | float)}
+        for work, steps in (record.items() if isinstance(record, dict) else ())
+        if isinstance(steps, dict)
+    }
+
+
+def _write_durations(path: Path, work: str, durations: dict[str, float]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps({**_read_durations(path), work: durations}, indent=1), encoding="utf-8")

@@ -1,1 +1,0 @@
-"""Terminal: tables, progress with the time left, announced steps, questions."""

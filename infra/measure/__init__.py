@@ -1,1 +1,0 @@
-"""Measurements of a stack: its capacity, its processor, and its behaviour under load."""
