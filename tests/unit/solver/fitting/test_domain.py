@@ -14,7 +14,9 @@ def without_prior(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(domain, "covering", lambda *_: None)
 
 
-@pytest.mark.parametrize("name", available(["mint_isaw"]) + thorough(*available(["derlunz", "ocam_fisheye2"])))
+@pytest.mark.parametrize(
+    "name", available(["mint_isaw"]) + thorough(*available(["derlunz", "ocam_fisheye2"]))
+)
 def test_rational_domain_covers_the_image_at_no_cost(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     views, size = corner_views(name)
     found, error = fit(views, size, "rational"), held_out(views, size, "rational").rms
