@@ -34,21 +34,18 @@ def vector(r: Array) -> Array:
     Goes through the unit quaternion of largest component, which keeps full precision at 0 and at pi.
     """
     m = r.reshape(-1, 3, 3)
-    trace = np.trace(m, axis1=1, axis2=2)
     diagonal = np.diagonal(m, axis1=1, axis2=2)
+    trace = diagonal.sum(axis=1)
     # 4 q q^T, rows and columns (w, x, y, z)
     k = np.empty((len(m), 4, 4))
     k[:, 0, 0] = 1 + trace
-    for i in range(3):
-        j, n = (i + 1) % 3, (i + 2) % 3
-        k[:, i + 1, i + 1] = 1 + 2 * diagonal[:, i] - trace
-        k[:, 0, i + 1] = k[:, i + 1, 0] = m[:, n, j] - m[:, j, n]
-        k[:, i + 1, j + 1] = k[:, j + 1, i + 1] = m[:, i, j] + m[:, j, i]
+    k[:, 0, 1:] = k[:, 1:, 0] = m[:, (2, 0, 1), (1, 2, 0)] - m[:, (1, 2, 0), (2, 0, 1)]
+    k[:, 1:, 1:] = m + m.transpose(0, 2, 1)
+    k.reshape(len(m), -1)[:, 5::5] += (1 - trace)[:, None]
     best = np.argmax(np.diagonal(k, axis1=1, axis2=2), axis=1)
     q = k[np.arange(len(m)), best]
-    q /= np.linalg.norm(q, axis=1, keepdims=True)
-    q *= np.where(q[:, :1] < 0, -1.0, 1.0)
-    s = np.linalg.norm(q[:, 1:], axis=1, keepdims=True)
+    q *= np.where(q[:, :1] < 0, -1.0, 1.0) / np.sqrt((q * q).sum(axis=1, keepdims=True))
+    s = np.sqrt((q[:, 1:] ** 2).sum(axis=1, keepdims=True))
     angle = 2 * np.arctan2(s, q[:, :1])
     factor = np.where(s > 1e-12, angle / np.maximum(s, 1e-12), 2.0)
     out: Array = (q[:, 1:] * factor).reshape(*r.shape[:-2], 3)

@@ -145,7 +145,7 @@ def match_picture(board: Board, drawn: Camera, camera: Camera, target: TargetPos
     good = np.isfinite(rays).all(axis=1) & np.isfinite(pixels).all(axis=1)
     if good.sum() < 6:
         return target
-    poses, _ = plane_poses(board.points[good].T[None], rays[good].T[None], np.ones((1, int(good.sum()))))
+    poses = plane_poses(board.points[good].T[None], rays[good].T[None], np.ones((1, int(good.sum()))))
     return TargetPose(
         rvec=rotations.vector(poses.r)[0],
         tvec=poses.t[0],

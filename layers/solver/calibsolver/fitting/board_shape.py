@@ -60,8 +60,7 @@ class BoardShape:
     @classmethod
     def of(cls, obs: Observations) -> "BoardShape":
         """Shape of a board as drawn, of all that was seen of it."""
-        points: Array = obs.points.transpose(0, 2, 1)[obs.mask]
-        return cls.flat(points)
+        return cls.flat(np.concatenate([obs.points.min(axis=2), obs.points.max(axis=2)]))
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "BoardShape":

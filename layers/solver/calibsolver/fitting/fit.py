@@ -172,7 +172,7 @@ class _Fit:
     @cached_property
     def multistart(self) -> MultiStart:
         """Starts of the fit."""
-        return MultiStart(self.problem, self.mask, self.known)
+        return MultiStart(self.problem, self.mask, self.known, rejection_follows=self.robust)
 
     def run(self, near: State | None = None) -> Calibration:
         """Fit, from `near` alone where it is given."""

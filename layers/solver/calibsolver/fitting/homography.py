@@ -10,7 +10,7 @@ from .normal_equations import Poses
 
 SINGULAR = 1e-14
 """Eigenvalue / trace of a matrix that is taken to be its smallest at least."""
-SQUARINGS = 3
+SQUARINGS = 4
 """Squarings of the inverse: each doubles the iterations."""
 
 
@@ -31,10 +31,8 @@ class Homographies:
     spread: Array
 
     @classmethod
-    def fit_dlt(cls, points: Array, rays: Array, weights: Array, approximate: bool = False) -> "Homographies":
+    def fit_dlt(cls, points: Array, rays: Array, weights: Array) -> "Homographies":
         """Direct linear transform of points (v, 3, n) to unit rays (v, 3, n), finite, of weight (v, n).
-
-        Approximate if it only separates good points from bad ones.
 
         |ray x (H X)|^2 summed = h' [sum (1 - ray ray') (x) X X'] h is least for the smallest eigenvector.
         """
@@ -52,8 +50,7 @@ class Homographies:
         shadow = (np.eye(3)[None, :, :, None] - rays[:, :, None, :] * rays[:, None, :, :]).reshape(v, 9, n)
         m = (shadow @ outer.transpose(0, 2, 1)).reshape(v, 3, 3, 3, 3).transpose(0, 1, 3, 2, 4)
         m = m.reshape(v, 9, 9)
-        h = smallest_eigenvectors(m) if approximate else np.linalg.eigh(m)[1][:, :, 0]
-        h = h.reshape(v, 3, 3)
+        h = smallest_eigenvectors(m).reshape(v, 3, 3)
         side = ((h @ x) * rays).sum(axis=1) * weights
         h = h * np.where(side.sum(axis=1) < 0, -1.0, 1.0)[:, None, None]
         return cls(normalize_scale(h), mean, spread)
@@ -103,6 +100,7 @@ def smallest_eigenvectors(m: Array) -> Array:
     shifted = m / (np.trace(m, axis1=1, axis2=2)[:, None, None] + 1e-300)
     shifted.reshape(len(m), -1)[:, :: size + 1] += SINGULAR
     power = np.linalg.inv(shifted)
+    power /= np.trace(power, axis1=1, axis2=2)[:, None, None]  # no power of it overflows
     for _ in range(SQUARINGS):
         power = power @ power
     best = np.argmax(np.diagonal(power, axis1=1, axis2=2), axis=1)

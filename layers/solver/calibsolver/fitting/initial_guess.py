@@ -15,7 +15,7 @@ from ..arrays import Array, IntArray, Mask
 from ..camera import Camera
 from ..models import Model
 from . import robust_homography
-from .homography import Homographies, angular_errors
+from .homography import Homographies
 from .normal_equations import Poses
 from .observations import MIX, Observations
 
@@ -43,8 +43,8 @@ class Start:
     weights: Array | None = None
 
 
-def plane_poses(points: Array, rays: Array, weights: Array) -> tuple[Poses, Array]:
-    """Poses of planes (v) seen along unit rays, and the angular errors (v, n), radians.
+def plane_poses(points: Array, rays: Array, weights: Array) -> Poses:
+    """Poses of planes (v) seen along unit rays.
 
     Parameters
     ----------
@@ -59,8 +59,7 @@ def plane_poses(points: Array, rays: Array, weights: Array) -> tuple[Poses, Arra
     if not usable.all():
         weights = np.where(usable, weights, 0.0)
         rays = np.where(usable[:, None, :], rays, 0.0)
-    poses = Homographies.fit_dlt(points, rays, weights).poses(points[:, 2, 0])
-    return poses, np.where(usable, angular_errors(poses.camera_points(points), rays), 0.0)
+    return Homographies.fit_dlt(points, rays, weights).poses(points[:, 2, 0])
 
 
 def at(model: Model, obs: Observations, k: Array) -> Start:
@@ -73,8 +72,8 @@ def evaluate_starts(model: Model, obs: Observations, many: list[Array]) -> list[
     pixels = obs.pixels.transpose(1, 0, 2)
     rays = np.concatenate([model.unproject(k, pixels).transpose(1, 0, 2) for k in many])
     points, mask = np.tile(obs.points, (len(many), 1, 1)), np.tile(obs.mask, (len(many), 1))
-    poses, _ = plane_poses(points, rays, mask.astype(np.float64))
-    v = obs.view_count
+    poses = plane_poses(points, rays, mask.astype(np.float64))
+    v, middle = obs.view_count, obs.count // 2
     out = []
     for i, k in enumerate(many):
         part = slice(i * v, (i + 1) * v)
@@ -82,7 +81,8 @@ def evaluate_starts(model: Model, obs: Observations, many: list[Array]) -> list[
         p = of_k.camera_points(obs.points).transpose(1, 0, 2)
         with np.errstate(all="ignore"):  # what lies behind the camera is masked out
             away = np.where(model.valid(k[4:], p), model.project(k, p) - pixels, np.inf)
-        out.append(Start(k, of_k, float(np.median(np.hypot(away[0], away[1])[obs.mask]))))
+        distances = np.hypot(away[0], away[1])[obs.mask]
+        out.append(Start(k, of_k, float(np.partition(distances, middle)[middle])))
     return out
 
 

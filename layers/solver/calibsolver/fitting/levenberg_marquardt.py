@@ -7,7 +7,7 @@ or the square, sigma the noise that the residuals themselves show. (Marquardt 19
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -113,6 +113,11 @@ class State:
     def is_finite(self) -> bool:
         """True if every residual is finite."""
         return bool(np.isfinite(self.square).all())
+
+    def ended(self, converged: bool) -> "State":
+        """Return the state as the last of a run."""
+        prior = self.prior_residuals, self.prior_jacobian
+        return State(self.k, self.poses, self.rows, self.square, *prior, converged)
 
     def system(self, weights: Array | None, prior_weight: float) -> System:
         """Build the normal equations for points of weight (v, n), and the prior's weight."""
@@ -268,7 +273,7 @@ class LeastSquares(ABC):
                     return state
                 da, dp, predicted, elimination = system.step(damping)
                 if not predicted > tolerance:
-                    return replace(state, converged=bool(np.isfinite(predicted)))
+                    return state.ended(bool(np.isfinite(predicted)))
                 if predicted > SAME_STEP * uphill and not curved:
                     refused, damping = damping, damping * 10
                     continue
@@ -297,12 +302,12 @@ class LeastSquares(ABC):
                 # The error of the quadratic model bounds what the next step can gain.
                 or (options.one_step and used <= UNDAMPED and abs(actual - step.predicted) < tolerance)
             ):
-                return replace(moved, converged=True)
+                return moved.ended(converged=True)
             last = step if used <= UNDAMPED else None
             state, previous_predicted = moved, predicted
         visible = max(sigma, NOISE_FLOOR * self.width)
         # Where curvature beyond Gauss-Newton's makes it slow, what is left may be nothing that could be seen.
-        return replace(state, converged=bool(predicted < NEGLIGIBLE_DECREASE * visible * visible))
+        return state.ended(bool(predicted < NEGLIGIBLE_DECREASE * visible * visible))
 
     def noise(self, state: State, counted: Mask) -> float:
         """Noise of a coordinate, px, over the points that count (v, n): what weighs the prior."""

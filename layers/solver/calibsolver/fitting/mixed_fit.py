@@ -85,7 +85,7 @@ class ShapedProblem(LeastSquares):
         """Observations of the board as drawn, in a shape (SHAPE_SIZE,)."""
         moved = (shape @ self.displacements.reshape(SHAPE_SIZE, -1)).reshape(obs.points.shape)
         moved += obs.points
-        return replace(obs, points=moved)
+        return Observations(moved, obs.pixels, obs.mask, obs.scale)
 
     def is_feasible(self, k: Array) -> bool:
         """True if the model has a picture at all with k."""
@@ -252,12 +252,13 @@ class MixedFit:
 
     def _learn(self, model: MixedModel) -> "tuple[MixedFit, Variances]":
         """Learn the variances; a stretch that no printer causes is not one, and has next to none."""
-        v = model.learn(self.begun)
-        expected = tuple((model.shape + model.solve(v).x[:SHAPE_SIZE]).tolist())
+        learnt = model.learn(self.begun)
+        expected = tuple((model.shape + learnt.one[:SHAPE_SIZE]).tolist())
         if replace(self.problem.frame, parameters=expected).is_plausible:
-            return self, v
+            return self, learnt.variances
         model.max_stretch = EXPECTED_STRETCH
-        return replace(self, max_stretch=EXPECTED_STRETCH), model.learn(replace(v, stretch=EXPECTED_STRETCH))
+        learnt = model.learn(replace(learnt.variances, stretch=EXPECTED_STRETCH))
+        return replace(self, max_stretch=EXPECTED_STRETCH), learnt.variances
 
     def _at_variances(self, model: MixedModel, v: Variances) -> "MixedFit":
         """Return the fit at learnt variances, without motion: what moves counts as noise."""
@@ -291,16 +292,17 @@ class MixedFit:
         used = None if good.all() else good
         evidence = Evidence.of(state.rows, effects, state.poses, self.labels, metric, used)
         model = self._model(state, good, evidence.gram)
-        v = model.learn(self.begun)
+        learnt = model.learn(self.begun)
         if not np.array_equal(mask, good):
-            u = model.moved(model.solve(v).u)
-            left = state.rows[-1] + np.einsum("vm,mavn->avn", u[self.labels], effects)
+            motion = model.motion(learnt)[self.labels]
+            left = state.rows[-1] + np.einsum("vm,mavn->avn", motion, effects)
             seen = good | (mask & (np.sum(left**2, axis=0) < (outliers.OUTLIER_SIGMAS * sigma) ** 2))
             if not np.array_equal(seen, good):
                 gram = robust_covariance.with_more_points(
                     evidence.gram, state.rows, effects, self.labels, good, seen
                 )
-                v = self._model(state, seen, gram).learn(v)
+                learnt = self._model(state, seen, gram).learn(learnt.variances)
+        v = learnt.variances
         v = replace(v, motion=trusted_motion(v, model.noise2))
         of_camera = np.zeros_like(evidence.metric)  # the shape is not part of the camera
         of_camera[SHAPE_SIZE:, SHAPE_SIZE:] = evidence.metric[SHAPE_SIZE:, SHAPE_SIZE:]
@@ -313,11 +315,11 @@ def _covariance(model: MixedModel, metric: Array, v: Variances, noise2: float) -
     `metric` is that of `Evidence`; `noise2` (px^2) is the variance of the residuals, motion and all.
     """
     size = model.size
-    information = model.total[:size, :size] + v.noise2 * model.belief(v)[0]
+    information = model.information(v)
     basis = whitening(information)
     w = basis.T @ metric @ basis
     b = basis.T @ model.gram[:, :size, :size] @ basis
-    h = model.gram[:, :size, size] @ basis / np.sqrt(v.noise2)
+    h = model.gram[:, :size, -1] @ basis / np.sqrt(v.noise2)
     pull = basis.T @ model.rows[:, :size]
     working = b + v.motion / v.noise2 * pull @ pull.transpose(0, 2, 1)
     inflation = robust_covariance.scatter_inflation(w, b, working, h)

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array, dot, symmetric_inverse, whitening
+from ..arrays import Array, dot, symmetric_inverse
+from .normal_equations import solve_or_nan
 from .systematic_effects import BEND_SIZE, EFFECTS_SIZE
 
 SHAPE_SIZE = 5
@@ -62,16 +63,16 @@ class Solution:
 
     Attributes
     ----------
-    x
-        (g,) step of what the views share.
-    u
-        (c, MOTION_SIZE) motion in the principal directions of each cluster.
+    one
+        (g + 1,) step of what the views share, then 1.
+    weights
+        (c MOTION_SIZE,) variances of motion given the rest, at unit noise.
     variances
         After one more step of the maximization.
     """
 
-    x: Array
-    u: Array
+    one: Array
+    weights: Array
     variances: Variances
 
 
@@ -114,18 +115,22 @@ class MixedModel:
         kept = [*range(size), size + MOTION_SIZE]
         moves = slice(size, size + MOTION_SIZE)
         self.count = count
-        self.prior, self.shape = prior[0], shape
-        self.camera_belief = np.zeros((size, size + 1))
-        self.camera_belief[SHAPE_SIZE:, SHAPE_SIZE:-1], self.camera_belief[SHAPE_SIZE:, -1] = prior
-        self.gram = gram[:, kept][:, :, kept]
-        self.total = self.gram.sum(axis=0)
+        self.shape = shape
+        # Information and half gradient of the priors of camera, heights and stretch, at unit variances.
+        self.beliefs = np.zeros((3, size + 1, size + 1))
+        self.beliefs[0, SHAPE_SIZE:-1, SHAPE_SIZE:-1], self.beliefs[0, SHAPE_SIZE:-1, -1] = prior
+        for i, number in enumerate(shape):
+            part = self.beliefs[1 if i < BEND_SIZE else 2]
+            part[i, i], part[i, -1] = 1, number
+        self.gram = gram
+        self.total = gram.sum(axis=0)[kept][:, kept]
         scale = 1 / np.sqrt(np.maximum(self.total.diagonal()[:-1], 1e-300))
         self.scale = scale[:, None] * scale
         # In the principal directions of each cluster's motion its covariance is diagonal.
         power, self.directions = np.linalg.eigh(gram[:, moves, moves])
         self.power = np.maximum(power.ravel(), 0.0)
-        self.rows = gram[:, kept, moves] @ self.directions
-        self.across = self.rows.transpose(1, 0, 2).reshape(size + 1, -1)
+        self.rows = gram[:, :, moves] @ self.directions
+        self.across = self.rows.transpose(1, 0, 2)[kept].reshape(size + 1, -1)
 
     @property
     def noise2(self) -> float:
@@ -134,63 +139,50 @@ class MixedModel:
         variance: float = max(float(self.total[-1, -1]) / freedom, self.floor)
         return variance
 
-    def belief(self, v: Variances) -> tuple[Array, Array]:
-        """Information (g, g) and half gradient (g,) of the priors of shape and intrinsics."""
-        both = self._belief(1 / v.shape_deviations() ** 2)
-        return both[:, :-1], both[:, -1]
-
-    def _belief(self, certain: Array) -> Array:
-        """Information and half gradient (g, g + 1) of the priors; that of the shape is `certain`."""
-        out = self.camera_belief.copy()
-        out.reshape(-1)[: SHAPE_SIZE * (self.size + 1) : self.size + 2] = certain
-        out[:SHAPE_SIZE, -1] = certain * self.shape
-        return out
-
     def solve(self, v: Variances) -> Solution:
         """Solve at the variances `v`, motion marginalised."""
-        size = self.size
         weights = self._weights(v)
         pull = self.across * weights
-        total, certain = self.total - pull @ self.across.T, 1 / v.shape_deviations() ** 2
-        total[:size] += v.noise2 * self._belief(certain)
-        inverse = self._inverse(total[:size, :size])
-        x = inverse @ total[:size, size]
-        one = np.append(np.negative(x, out=x), 1.0)
-        pulled = one @ self.across
-        u = -pulled * weights
+        left, belief = self.total - pull @ self.across.T, self._belief(v)
+        total = left + belief
+        inverse = self._inverse(total[:-1, :-1])
+        one = np.ones(self.size + 1)
+        x = np.matmul(inverse, -total[:-1, -1], out=one[:-1])
         # One step of the maximization, from the second moments of the posterior.
-        spread = v.noise2 * inverse.diagonal()[:SHAPE_SIZE]
-        rest = dot(one @ self.total, one) + dot(u, 2 * pulled + self.power * u)
-        variance = v.noise2 * (float(weights.sum()) + dot(inverse @ pull[:size], pull[:size]))
-        known = dot(spread, certain) + v.noise2 * dot(inverse[SHAPE_SIZE:, SHAPE_SIZE:], self.prior)
-        known += variance / v.motion if v.motion > 0 else u.size
-        freedom = self.count - (size + u.size - known)
+        rest, known, motion = dot(one @ left, one), dot(inverse, belief[:-1, :-1]), v.motion
+        if motion > 0:
+            pulls = pull @ pull.T
+            moved = dot(one @ pulls, one)
+            variance = v.noise2 * (float(weights.sum()) + dot(inverse, pulls[:-1, :-1]))
+            rest -= v.noise2 / motion * moved
+            known += variance / motion
+            square = moved + variance + MOTION_FREEDOM * self.expected_motion
+            motion = square / (weights.size + MOTION_FREEDOM)
+        else:
+            known += weights.size
+        freedom = self.count - (self.size + weights.size - known)
         noise2 = max(rest / max(freedom, 0.1 * self.count, 1.0), self.floor)
-        motion = v.motion
-        if v.motion > 0:
-            square = dot(u, u) + variance + MOTION_FREEDOM * self.expected_motion
-            motion = square / (u.size + MOTION_FREEDOM)
+        spread = v.noise2 * inverse.diagonal()[:SHAPE_SIZE]
         second = ((self.shape + x[:SHAPE_SIZE]) ** 2 + spread).tolist()
         height = deviation(second[:BEND_SIZE], EXPECTED_HEIGHT)
         stretch = min(deviation(second[BEND_SIZE:], EXPECTED_STRETCH), self.max_stretch)
-        return Solution(x, u.reshape(-1, MOTION_SIZE), Variances(noise2, motion, height, stretch))
+        return Solution(one, weights, Variances(noise2, motion, height, stretch))
 
     def shape_gain(self, v: Variances) -> float:
         """Decrease of the cost, in squares of the noise, by the shape, with motion allowed for."""
-        total, belief, slope = self._total(v, self._weights(v))
-        information, gradient = total[:-1, :-1] / v.noise2 + belief, total[:-1, -1] / v.noise2 + slope
-        both, camera = (
-            whitening(information[part, part]).T @ gradient[part]
-            for part in (slice(None), slice(SHAPE_SIZE, None))
-        )
-        return dot(both, both) - dot(camera, camera)
+        total = self.total - (self.across * self._weights(v)) @ self.across.T + self._belief(v)
+        inverse = self._inverse(total[:-1, :-1])
+        # Wald's statistic: what the shape gains if the rest follows.
+        x = inverse[:SHAPE_SIZE] @ total[:-1, -1]
+        return dot(x, solve_or_nan(inverse[:SHAPE_SIZE, :SHAPE_SIZE], x)) / v.noise2
 
-    def learn(self, v: Variances) -> Variances:
-        """Learn the variances from `v` on."""
+    def learn(self, v: Variances) -> Solution:
+        """Learn the variances from `v` on; the solution is that of the last step."""
         last = v.logarithms()
         previous = [0.0] * len(last)
         for step in range(MAX_LEARNING_STEPS):
-            v = self.solve(v).variances
+            solution = self.solve(v)
+            v = solution.variances
             now = v.logarithms()
             change = [a - b for a, b in zip(now, last, strict=True)]
             if not any(abs(each) > LEARNING_TOLERANCE for each in change):
@@ -200,11 +192,23 @@ class MixedModel:
                 noise2, motion, height, stretch = map(math.exp, now)
                 v = Variances(max(noise2, self.floor), motion if v.motion > 0 else 0.0, height, stretch)
             last, previous = now, change
-        return v
+        return solution
 
-    def moved(self, u: Array) -> Array:
-        """Motion (c, MOTION_SIZE) of a solution's `u`, in the order of the effects."""
-        out: Array = np.einsum("cij,cj->ci", self.directions, u)
+    def motion(self, solution: Solution) -> Array:
+        """Motion (c, MOTION_SIZE) of each cluster, in the order of the effects."""
+        u = -(solution.one @ self.across) * solution.weights
+        out: Array = np.einsum("cij,cj->ci", self.directions, u.reshape(-1, MOTION_SIZE))
+        return out
+
+    def information(self, v: Variances) -> Array:
+        """Information (g, g) of the views without motion and of the priors, at unit noise."""
+        out: Array = (self.total + self._belief(v))[:-1, :-1]
+        return out
+
+    def _belief(self, v: Variances) -> Array:
+        """Information and half gradient (g + 1, g + 1) of the priors, at unit noise."""
+        parts = np.array([v.noise2, v.noise2 / v.height**2, v.noise2 / v.stretch**2])
+        out: Array = (parts @ self.beliefs.reshape(3, -1)).reshape(self.total.shape)
         return out
 
     def _inverse(self, a: Array) -> Array:
@@ -214,11 +218,7 @@ class MixedModel:
         except np.linalg.LinAlgError:
             return symmetric_inverse(a)
         out *= self.scale
-        return out if (out.diagonal() > 0).all() else symmetric_inverse(a)
-
-    def _total(self, v: Variances, weights: Array) -> tuple[Array, Array, Array]:
-        """Gram matrix (g + 1, g + 1), motion marginalised; information and half gradient of the priors."""
-        return self.total - (self.across * weights) @ self.across.T, *self.belief(v)
+        return out if out.diagonal().min() > 0 else symmetric_inverse(a)
 
     def _weights(self, v: Variances) -> Array:
         """Variances (c MOTION_SIZE,) of motion given the rest, at unit noise; 0 if there is none."""

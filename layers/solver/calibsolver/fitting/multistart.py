@@ -42,6 +42,8 @@ class MultiStart:
     """Points (v, n) that may take part."""
     known: Camera | None
     """A camera that may be near."""
+    rejection_follows: bool = False
+    """True if the caller rejects gross outliers: a single optimum is then not refitted without them."""
 
     @property
     def model(self) -> Model:
@@ -93,10 +95,13 @@ class MultiStart:
         """
         found: list[State] = []
         repeats = 2 if self.known is None else 3
+        is_single = self.rejection_follows and trial is self.problem and self.model.start_families == 1
         for first in self.starts(trial):
             state = self.follow(trial, first, weights, mask)
             if state is None:
                 continue
+            if is_single and not found and self.is_clear(trial, state, mask):
+                return [state]
             state = refit_without_gross_outliers(trial, state, mask)
             best = min(found, key=lambda other: outliers.trimmed_rms(other, mask), default=None)
             found.append(state)

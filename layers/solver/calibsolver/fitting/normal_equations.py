@@ -24,6 +24,10 @@ RIDGE = 1e-15
 """Relative ridge of the poses' Gram matrices, which rounding alone may make singular."""
 
 
+MAX_SMALL_PRODUCT = 10**6
+"""Multiplications of a matrix product up to which OpenBLAS does not copy its factors first."""
+
+
 @dataclass(frozen=True, eq=False)
 class Poses:
     """Board to camera: rotations (v, 3, 3) and translations (v, 3), board units."""
@@ -194,17 +198,26 @@ def products_of_rows(a: Array) -> Array:
     return out
 
 
+def products_of_long_rows(a: Array, b: Array) -> Array:
+    """Products (m, p) of the rows of (m, n) and (p, n), n large, in parts that BLAS is fastest with."""
+    step = max(MAX_SMALL_PRODUCT // max(len(a) * len(b), 1), 1)
+    out: Array = a[:, :step] @ b[:, :step].T
+    for begin in range(step, a.shape[1], step):
+        part = slice(begin, begin + step)
+        out += a[:, part] @ b[:, part].T
+    return out
+
+
 def by_views(rows: Sequence[Array], used: Mask | None = None) -> Array:
     """Rows (..., 2, v, n), m together, by views: (v, m, 2n), 0 where points (v, n) are not used."""
     _, _, views, n = rows[0].shape
     flat, begin = np.empty((views, sum(len(part) for part in rows), 2, n)), 0
     for part in rows:
-        out = flat[:, begin : begin + len(part)]
-        if used is None:
-            out[:] = part.transpose(2, 0, 1, 3)
-        else:
-            np.multiply(part.transpose(2, 0, 1, 3), used[:, None, None], out=out)
+        flat[:, begin : begin + len(part)] = part.transpose(2, 0, 1, 3)
         begin += len(part)
+    if used is not None:
+        view, point = np.nonzero(~used)
+        flat[view, :, :, point] = 0
     return flat.reshape(views, begin, 2 * n)
 
 
@@ -314,7 +327,7 @@ class System:
         if weights is not None:
             rows = rows * np.sqrt(weights)
         shared = rows.reshape(len(rows), -1)
-        products = shared[:size] @ shared.T
+        products = products_of_long_rows(shared[:size], shared)
         h_cc, g_c = products[:, :size], products[:, -1]
         if prior is not None:
             h_cc, g_c = h_cc + prior[0], g_c + prior[1]

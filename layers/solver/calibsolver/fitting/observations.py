@@ -111,8 +111,8 @@ class Order:
     def points_back(self, values: npt.NDArray[Kind]) -> npt.NDArray[Kind]:
         """Restore values of the ordered points, (v, n), to the order they came in."""
         found = np.empty_like(values)
-        np.put_along_axis(found, self.points, values, axis=1)
-        return self.back(found)
+        found[self.views[:, None], self.points] = values
+        return found
 
 
 def _scale(views: Sequence[View], n: int) -> Array | None:

@@ -139,4 +139,6 @@ def outliers_concentrate_at_rim(
     inner = math.ceil((radius.size - 1) * (1 - share))
     rim = radius >= np.partition(radius, inner)[inner]
     cut = ~good[among]
-    return bool(np.mean(cut[rim]) > max(MAX_CHANCE_RIM_OUTLIERS, MIN_RIM_EXCESS * np.mean(cut)))
+    share_of_rim = np.count_nonzero(cut & rim) / np.count_nonzero(rim)
+    share_of_all = np.count_nonzero(cut) / cut.size
+    return bool(share_of_rim > max(MAX_CHANCE_RIM_OUTLIERS, MIN_RIM_EXCESS * share_of_all))

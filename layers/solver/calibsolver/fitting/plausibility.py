@@ -21,11 +21,15 @@ MAX_SHARE_CUT_OUTSIDE_DOMAIN = 0.003
 """Share of the points that may be cut beyond that domain: the model has no place for them."""
 
 
+def inside_domain(problem: Problem, state: State) -> Mask:
+    """True for the points (v, n) that lie where the model is one-to-one, in front of the camera."""
+    p = state.poses.camera_points(problem.obs.points).transpose(1, 0, 2)
+    return problem.model.valid(state.k[4:], p)
+
+
 def share_outside_domain(problem: Problem, state: State, mask: Mask) -> float:
     """Share of the points (v, n) that lie where the model is not one-to-one, or behind the camera."""
-    p = state.poses.camera_points(problem.obs.points).transpose(1, 0, 2)
-    inside = problem.model.valid(state.k[4:], p)
-    return 1 - float(np.mean(inside[mask]))
+    return 1 - float(np.mean(inside_domain(problem, state)[mask]))
 
 
 def check_result(problem: Problem, state: State, good: Mask, robust: bool) -> None:
@@ -48,12 +52,12 @@ def check_result(problem: Problem, state: State, good: Mask, robust: bool) -> No
     level = float(np.sqrt(np.mean(state.square[good])))
     if level > (MAX_INLIER_RMS_WIDTHS if robust else MAX_RMS_WIDTHS) * w:
         raise CalibrationError("not_believable", f"what is {format_px_error(level, w)} explains nothing")
+    outside = ~inside_domain(problem, state)
     taken = np.asarray(good.any(axis=1, keepdims=True))
-    lost: Mask = mask & ~good & taken
-    lost_share = share_outside_domain(problem, state, lost) * lost.sum() / mask.sum() if lost.any() else 0.0
+    cut_outside = np.count_nonzero(mask & ~good & taken & outside)
     if (
-        share_outside_domain(problem, state, good) > MAX_SHARE_OUTSIDE_DOMAIN
-        or lost_share > MAX_SHARE_CUT_OUTSIDE_DOMAIN
+        np.count_nonzero(good & outside) > MAX_SHARE_OUTSIDE_DOMAIN * good.sum()
+        or cut_outside > MAX_SHARE_CUT_OUTSIDE_DOMAIN * mask.sum()
     ):
         raise CalibrationError("not_believable", "the distortion folds inside the views")
 

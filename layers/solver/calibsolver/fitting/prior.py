@@ -24,17 +24,19 @@ class Weights:
     def __init__(self, model: Model) -> None:
         c = model.prior.distortion
         self.order = np.array([float(x.order) for x in c])
-        self.plain = np.array([1 / x.sigma for x in c])
-        self.edge = np.array([1 / x.edge if x.order else 0.0 for x in c])
         self.mean = np.array([x.mean for x in c])
         radii, self.sigmas = np.array(STRETCH).T
         self.squares = radii**2
         # d(radial stretch)/d(coefficient) of a term that multiplies the squared radius to the power `order`
-        self.slope = (
+        slope = (
             np.array([x.sign * (2 * x.order + 1) if x.order else 0 for x in c])
             * radii[:, None] ** (2 * self.order)
             / self.sigmas[:, None]
         )
+        # Jacobian of the residuals after the fourth by the coefficients: `plain`, and `grown` by the reach.
+        edge = np.diag([1 / x.edge if x.order else 0.0 for x in c])
+        self.plain = np.concatenate([np.diag([1 / x.sigma for x in c]), np.zeros_like(slope)])
+        self.grown = np.concatenate([edge, slope])
 
 
 @lru_cache(maxsize=16)
@@ -69,12 +71,10 @@ def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array,
     reach = (square / saturation) ** fixed.order
     # d(log reach)/d(log f), the same for both focal lengths
     by_focal = -fixed.order / saturation
-    certain = fixed.edge * reach
-    together = fixed.plain + certain
-    r[4:size] = (d - fixed.mean) * together
-    j.reshape(-1)[4 * size + 4 : size * size : size + 1] = together
-    by_log = d * certain * by_focal
-    j[4:size, 0], j[4:size, 1] = by_log / fx, by_log / fy
+    grown = fixed.grown * reach
+    by_distortion = np.add(fixed.plain, grown, out=j[4:, 4:])
+    r[4:] = by_distortion @ (d - fixed.mean)
+    by_log = grown @ (d * by_focal)
     s = fixed.squares * square / saturation
     exact = model.radial_derivative(d, s)
     if exact is not None:
@@ -84,13 +84,8 @@ def residuals(model: Model, k: Array, img_size: tuple[int, int]) -> tuple[Array,
         certain = 1 / (fixed.sigmas * least)
         r[size:] = np.where(value > 1, np.log(least), value - 1) / fixed.sigmas
         j[size:, 4:] = by_d * certain[:, None]
-        by_log = -by_s * s / saturation * certain
-    else:
-        slope = fixed.slope * reach
-        r[size:] = slope @ d
-        j[size:, 4:] = slope
-        by_log = slope @ (d * by_focal)
-    j[size:, 0], j[size:, 1] = by_log / fx, by_log / fy
+        by_log[size - 4 :] = -by_s * s / saturation * certain
+    j[4:, 0], j[4:, 1] = by_log / fx, by_log / fy
     return r, j
 
 

@@ -279,13 +279,9 @@ def same_pose_labels(poses: Poses, obs: Observations, used: Mask, focal_widths: 
     focal_widths
         px per radian / image width.
     """
-    if used.all():
-        flat = obs.points[:, :2]
-        low, high = flat.min(axis=(0, 2)).tolist(), flat.max(axis=(0, 2)).tolist()
-    else:
-        p = obs.points.transpose(1, 0, 2)[:2, used]
-        low, high = p.min(axis=1).tolist(), p.max(axis=1).tolist()
-    corners = np.array([[low[0], high[0], high[0], low[0]], [low[1], low[1], high[1], high[1]], [0.0] * 4])
+    x, y = (obs.points[:, axis][used] for axis in (0, 1))
+    left, right, low, high = x.min(), x.max(), y.min(), y.max()
+    corners = np.array([[left, right, right, left], [low, low, high, high], [0.0] * 4])
     points = poses.camera_points(corners)
     middle = points.sum(axis=2)
     points *= (2 * focal_widths / np.sqrt((middle * middle).sum(axis=1)))[:, None, None]

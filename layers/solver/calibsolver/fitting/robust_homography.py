@@ -60,7 +60,7 @@ def lmeds_inliers(points: Array, rays: Array, usable: Mask) -> tuple[Mask, float
     index = np.flatnonzero(usable)
     drawn = index[samples_of(len(index))]
     xyz, rays_of_samples = (np.moveaxis(each[:, drawn], 0, 1) for each in (points, rays))
-    tried = Homographies.fit_dlt(xyz, rays_of_samples, np.ones(drawn.shape), approximate=True)
+    tried = Homographies.fit_dlt(xyz, rays_of_samples, np.ones(drawn.shape))
     error = tried.errors(points, rays)
     middle = medians(error, np.broadcast_to(usable, error.shape))
     best = int(np.argmin(middle))

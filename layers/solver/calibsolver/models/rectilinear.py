@@ -15,20 +15,21 @@ from .planar import MAX_RADIUS, MIN_TANGENTIAL_RATIO
 
 
 def _linear_forms() -> Array:
-    """Matrix (42, 6) from (1, k1, k2, p1, p2, k3) to the coefficients of 1, x, y, s, s^2, s^3 in seven forms.
+    """Matrix (48, 6) from (1, k1, k2, p1, p2, k3) to the coefficients of 1, x, y, s, s^2, s^3 in eight forms.
 
-    The forms: g + 2 (p2 x + p1 y); 2 dg/ds; 2 (p1 x + p2 y); p2 s; p1 s; the first form plus 4 p2 x; and
-    the first form plus 4 p1 y.
+    The forms: a = g + 2 (p2 x + p1 y); 2 dg/ds; p2 s and p1 s; then a + 4 p2 x, 2 (p1 x + p2 y), the same
+    again, and a + 4 p1 y.
     """
-    out = np.zeros((7, 6, 6))
-    for form in (0, 5, 6):
+    out = np.zeros((8, 6, 6))
+    for form in (0, 4, 7):
         out[form, 0, 0] = out[form, 3, 1] = out[form, 4, 2] = out[form, 5, 5] = 1
         out[form, 1, 4] = out[form, 2, 3] = 2
-    out[5, 1, 4] = out[6, 2, 3] = 6
+    out[4, 1, 4] = out[7, 2, 3] = 6
     out[1, 0, 1], out[1, 3, 2], out[1, 4, 5] = 2, 4, 6
-    out[2, 1, 3] = out[2, 2, 4] = 2
-    out[3, 3, 4] = out[4, 3, 3] = 1
-    return out.reshape(42, 6)
+    out[2, 3, 4] = out[3, 3, 3] = 1
+    for form in (5, 6):
+        out[form, 1, 3] = out[form, 2, 4] = 2
+    return out.reshape(48, 6)
 
 
 LINEAR_FORMS = _linear_forms()
@@ -64,38 +65,30 @@ class Rectilinear(Pinhole):
         terms[0] = 1
         xy, s = terms[1:3], terms[3]
         np.multiply(p[:2], iz, out=xy)
-        square = xy * xy
-        np.add(square[0], square[1], out=s)
+        products = xy[:, None] * xy  # x^2, xy, xy, y^2
+        np.add(products[0, 0], products[1, 1], out=s)
         np.multiply(s, s, out=terms[4])
         np.multiply(terms[4], s, out=terms[5])
         d = k[3:].copy()
         d[0] = 1
-        forms = ((LINEAR_FORMS @ d).reshape(7, 6) @ terms.reshape(6, -1)).reshape(7, *shape)
-        along, slope, uy, u, straight = forms[0], forms[1], forms[2], forms[3:5], forms[5:]
+        forms = ((LINEAR_FORMS @ d).reshape(8, 6) @ terms.reshape(6, -1)).reshape(8, *shape)
+        along, slope, u, by_xy = forms[0], forms[1], forms[2:4], forms[4:].reshape(2, 2, *shape)
         u += xy * along
-        straight += square * slope  # ux and vy
-        cross = xy[0] * xy[1]
-        uy += cross * slope
+        by_xy += products * slope
         by_k[:4] = 0
         by_k[0, 0], by_k[1, 1] = u
         by_k[2, 0] = by_k[3, 1] = 1
         scaled = xy * f
         np.multiply(scaled, terms[3:5, None], out=by_k[4:6])
         np.multiply(scaled, terms[5], out=by_k[8])
-        cross *= 2
-        square *= 2
-        square += s
-        square *= f
-        np.multiply(cross, f, out=scaled)
-        by_k[6, 0], by_k[7, 1] = scaled
-        by_k[7, 0], by_k[6, 1] = square
+        products *= 2
+        products[0, 0] += s
+        products[1, 1] += s
+        np.multiply(products, f, out=by_k[7:5:-1])
         np.multiply(f, iz, out=scaled)
-        np.multiply(straight[0], scaled[0], out=by_p[0, 0])
-        np.multiply(straight[1], scaled[1], out=by_p[1, 1])
-        np.multiply(uy, scaled[1], out=by_p[0, 1])
-        np.multiply(uy, scaled[0], out=by_p[1, 0])
-        np.multiply(by_p[0], xy[0], out=by_p[2])
-        by_p[2] += by_p[1] * xy[1]
+        np.multiply(by_xy, scaled, out=by_p[:2])
+        along_ray = by_p[:2] * xy[:, None]
+        np.add(along_ray[0], along_ray[1], out=by_p[2])
         np.negative(by_p[2], out=by_p[2])
         u *= f
         u += c

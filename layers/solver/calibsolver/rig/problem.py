@@ -66,6 +66,14 @@ class RigMember:
         """Number of intrinsics that are fitted."""
         return 0 if self.held is not None else self.model.size
 
+    def fill_jacobian(self, k: Array, p: Array, by_k: Array, by_p: Array) -> Array:
+        """Pixels as of `Model.fill_jacobian`; the derivatives that are filled in are weighted."""
+        q = self.model.fill_jacobian(k, p, by_k, by_p)
+        if self.weight != 1:
+            by_k *= self.weight
+            by_p *= self.weight
+        return q
+
 
 @dataclass(frozen=True, eq=False)
 class RigProblem(LeastSquares):
@@ -153,21 +161,20 @@ class RigProblem(LeastSquares):
             if i:
                 r, t = rotation.matrix(vectors[i, :3]), vectors[i, 3:]
                 turned = (r @ points.reshape(3, -1)).reshape(points.shape)
-                q = member.model.fill_jacobian(self.intrinsics(k, i), turned + t[:, None, None], by_k, by_p)
+                q = member.fill_jacobian(self.intrinsics(k, i), turned + t[:, None, None], by_k, by_p)
                 first = before + self.offsets[1][i]
                 by_turn = cross(turned, by_p).reshape(3, -1)
                 mine[first : first + 3] = (left_jacobian(vectors[i, :3]).T @ by_turn).reshape(by_p.shape)
                 mine[first + 3 : first + 6] = by_p
                 by_p = (r.T @ by_p.reshape(3, -1)).reshape(by_p.shape)
             else:  # the frame of the rig is this camera's
-                q = member.model.fill_jacobian(self.intrinsics(k, i), points, by_k, by_p)
+                q = member.fill_jacobian(self.intrinsics(k, i), points, by_k, by_p)
             if member.held is None:
                 mine[before + self.offsets[0][i] :][: member.model.size] = by_k
             mine[size : size + 3] = cross(at_board, by_p)
             mine[size + 3 : size + 6] = by_p
             np.subtract(q, pixels.transpose(1, 0, 2), out=mine[-1])
-            if member.weight != 1:
-                mine[before:] *= member.weight
+            mine[-1] *= member.weight
         if not mask.all():
             rows[before:] = np.where(mask, rows[before:], 0.0)
         return rows, rows[-1, 0] ** 2 + rows[-1, 1] ** 2

@@ -11,6 +11,7 @@ from ..errors import CalibrationError
 from ..fitting.approximation import Approximation, approximate
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit
+from ..fitting.normal_equations import Poses
 from ..fitting.resection import resect
 from ..fitting.validation import MIN_POINTS, check
 from ..view import View
@@ -49,9 +50,10 @@ def fit_alone(
             result = fit(views, size, model, robust=False, start=near)
     except CalibrationError as error:
         raise CalibrationError(error.code, f"camera {position}: {error.message}") from error
+    all_poses = Poses.of_vectors(np.asarray(result.poses))
     poses = {
-        m: RigidMotion.of_vector(pose)
-        for i, (m, pose) in enumerate(zip(numbers, result.poses, strict=True))
+        m: RigidMotion(all_poses.r[i], all_poses.t[i])
+        for i, m in enumerate(numbers)
         if i not in result.cut_views
     }
     reasons = {numbers[i]: reason for i, reason in result.cut_views.items()}
