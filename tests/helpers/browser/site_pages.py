@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import time
-from contextlib import suppress
 from typing import Any
 
-from playwright.sync_api import Page, Route, ViewportSize
-from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
+from playwright.sync_api import Page, ViewportSize
 
+from ...conftest import THOROUGH
 from .pictures import SETTLED
 from .specimens import answer, camera, cameras, result, rig
-from .waiting import TIMEOUT_S
+from .waiting import TIMEOUT_S, at_rest
 
 PAGES = {
     "landing": "",
@@ -37,23 +36,24 @@ PAGES = {
     "terms": "terms/",
     "status": "status/",
     "docs": "docs/",
+    "quickstart": "docs/quickstart/",
+    "call": "docs/reference/lookup/",
     "reference": "docs/api/",
     "problems": "docs/problems/",
     "missing": "nothing-here/",
-}
+} | ({"calls": "docs/reference/", "accuracy": "docs/accuracy/"} if THOROUGH else {})
 #: their content comes from the service, from the visitor's device, or is long
-FILLED_IN = ("landing", "sent", "data", "status", "reference")
+FILLED_IN = ("landing", "sent", "cameras", "result", "data", "status", "reference")
 SIZES: dict[int, ViewportSize] = {
     width: {"width": width, "height": height}
     for width, height in ((320, 640), (390, 844), (768, 1024), (1440, 900), (2560, 1440))
 }
 #: a tenth of the shift that people notice, after web.dev
 MAX_SHIFT = 0.01
-_WAIT_S = 15.0
 
 # Nothing is answered before the page was drawn once: what comes of an answer moves what is seen.
 _LATE_ANSWERS = """
-  const drawn = new Promise((done) => {
+  const drawn = window.drawn = new Promise((done) => {
     new PerformanceObserver((list, observer) => {
       observer.disconnect();
       requestAnimationFrame(() => requestAnimationFrame(done));
@@ -145,10 +145,6 @@ def dump() -> dict[str, Any]:
 
 def prepare(page: Page) -> None:
     """Let a page be answered by specimens, after it was drawn once, and watch what moves."""
-
-    def refuse(route: Route) -> None:
-        route.abort()
-
     answer(page, "**/v1/cameras?*", cameras)
     answer(page, "**/v1/cameras/*", camera)
     answer(page, "**/v1/calibrations/x", result)
@@ -156,16 +152,16 @@ def prepare(page: Page) -> None:
     answer(page, "**/dumps/statistics.json", statistics)
     answer(page, "**/dumps/latest.json", dump)
     # 3 MB that show nothing. The worker itself: what a worker imports in vain is pending for ever.
-    page.route("**/detector.worker.js", refuse)
+    page.route("**/detector.worker.js", lambda route: route.abort())
     page.add_init_script(_LATE_ANSWERS)
     page.add_init_script(_WATCH)
 
 
 def visit(page: Page, name: str, language: str) -> None:
     """Open a page in a language, and wait until all that it asks for is there."""
-    page.goto(f"/{'' if language == 'en' else f'{language}/'}{PAGES[name]}")
-    with suppress(PlaywrightTimeoutError):  # a page may ask again and again
-        page.wait_for_load_state("networkidle", timeout=1000 * _WAIT_S)
+    with at_rest(page):
+        page.goto(f"/{'' if language == 'en' else f'{language}/'}{PAGES[name]}")
+        page.evaluate("window.drawn")
     page.evaluate(SETTLED)
 
 
