@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from tests.helpers.browser.waiting import until
-
 WATCH = """async (frames) => {
   const { DEFAULT_BOARD, corners } = await import("/lib/board.js");
   const { Painter } = await import("/lib/virtual/painter.js");
@@ -57,23 +55,3 @@ def test_detector_is_exact_and_keeps_its_memory(page: Page, frames: int) -> None
     assert (seen["empty"]["ids"], seen["empty"]["markers"]) == ([], 0), "a board that is gone is not seen"
     assert seen["progress"][-1] == 1.0
     assert seen["progress"] == sorted(seen["progress"])
-
-
-def test_a_detector_that_never_answers_is_reported(page: Page) -> None:
-    page.clock.install()
-    page.goto("/board/")
-    page.route("**/detector.worker.js", lambda route: route.fulfill(body="", content_type="text/javascript"))
-    page.evaluate(
-        """async () => {
-          const { Detector } = await import("/lib/detector.js");
-          const { DEFAULT_BOARD } = await import("/lib/board.js");
-          Detector.open(DEFAULT_BOARD).catch((error) => { window.outcome = error.message; });
-        }"""
-    )
-
-    def outcome() -> str | None:
-        page.clock.run_for(5_000)
-        found: str | None = page.evaluate("window.outcome ?? null")
-        return found
-
-    assert until(page, outcome) == "The board detector does not answer."
