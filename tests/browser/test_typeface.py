@@ -5,6 +5,7 @@ import re
 import pytest
 from playwright.sync_api import Page, Route
 
+from tests.helpers.browser.scripts import page_function
 from tests.helpers.marks import thorough
 
 from .conftest import Visitor
@@ -23,20 +24,7 @@ new PerformanceObserver((list) => {
     window.sources.push(`${value.toFixed(4)} ${sources.map(({ node }) => node?.id || node?.nodeName)}`);
   }
 }).observe({ type: "layout-shift", buffered: true });"""
-# Widths of the heading as it is, and in a typeface of the same file under another name, px
-WIDTHS = """async () => {
-  const heading = [...document.querySelectorAll("h1")].find((each) => each.checkVisibility());
-  const range = document.createRange();
-  range.selectNodeContents(heading);
-  const width = () => range.getBoundingClientRect().width;
-  const shown = width();
-  const face = new FontFace("Truth", "url(/vendor/font/geologica-latin.woff2)", { weight: "1 1000" });
-  document.fonts.add(await face.load());
-  heading.style.fontFamily = "Truth";
-  const expected = width();
-  heading.style.fontFamily = "monospace";
-  return [shown, expected, width()];
-}"""
+WIDTHS = page_function("heading_widths")
 
 
 def hold(page: Page, held: list[Route]) -> None:
