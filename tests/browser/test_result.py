@@ -13,9 +13,11 @@ from playwright.sync_api import BrowserContext, Download, Page, expect
 from calibsolver.formats import FORMAT_NAMES
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.pictures import PASSING, SCHEMES, SIZES, picture
-from tests.helpers.browser.specimens import answer, camera, cameras, result, result_of_camera
+from tests.helpers.browser.scripts import page_function
+from tests.helpers.browser.specimens import answer, camera, result, result_of_camera
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
+from tests.helpers.marks import thorough
 
 from .conftest import TOKEN
 
@@ -31,7 +33,7 @@ def state(stack: str) -> dict[str, Any]:
         return capture(api, Truth(), KEY, seed=7)
 
 
-@pytest.mark.parametrize("language", ["en", "de", "uk"])
+@pytest.mark.parametrize("language", ["uk", *thorough("en", "de")])
 def test_a_result_is_short_whichever_tab_is_open(page: Page, language: str) -> None:
     answer(page, "**/v1/calibrations/*", result_of_camera)
     answer(page, "**/v1/cameras/*", camera)
@@ -92,44 +94,7 @@ def test_a_result_with_its_report(page: Page) -> None:
         picture(page, f"result-{scheme}", ["desk", "hand"] if scheme == "light" else ["hand"], full=True)
 
 
-SHIFT = """() => new Promise((done) => new PerformanceObserver((list) => {
-  done(list.getEntries().filter((entry) => !entry.hadRecentInput).reduce((sum, { value }) => sum + value, 0));
-}).observe({ type: "layout-shift", buffered: true }) || setTimeout(() => done(0), 300))"""
-
-
-@pytest.mark.parametrize("width", [pytest.param(390, marks=pytest.mark.thorough), 1440])
-def test_nothing_moves_while_a_result_and_a_list_arrive(page: Page, width: int) -> None:
-    page.set_viewport_size({"width": width, "height": 900})
-    answer(page, "**/v1/calibrations/*", result_of_camera)
-    answer(page, "**/v1/cameras/*", camera)
-    answer(page, "**/v1/cameras?*", cameras)
-    for path, there in {"/result/?id=x": "#agreement a", "/cameras/": "#found tr"}.items():
-        page.goto(path)
-        page.locator(there).first.wait_for()
-        shift = page.evaluate(SHIFT)
-        print(path, width, shift)
-        assert shift < 0.02, path
-
-
-SHOWN_TWICE = """async () => {
-  const { ResultView } = await import("/lib/result/view.js");
-  const { load } = await import("/lib/result/source.js");
-  const { calibration, report } = await load("x");
-  const view = new ResultView(document.getElementById("result"));
-  const result = { calibration, report: null, origin: "practice", explain: String };
-  const parts = ".intrinsics :is(th, td), .card > *, .tile, #result-numbers";
-  const places = () => [...document.querySelectorAll(parts)].map((each) => {
-    const { x, y, width } = each.getBoundingClientRect();
-    return [x, y, width].map(Math.round);
-  });
-  const cells = () => [...document.querySelectorAll(".intrinsics td")];
-  const seen = (cell) => getComputedStyle(cell).color !== "rgba(0, 0, 0, 0)";
-  const read = () => cells().filter(seen).map((each) => each.textContent);
-  view.show({ ...result, pending: true });
-  const before = [places(), read()];
-  view.show({ ...result, report: { ...report, verdict: { ...report.verdict, reasons: [] } } });
-  return [before, [places(), read()]];
-}"""
+SHOWN_TWICE = page_function("show_twice")
 
 
 def test_error_bars_that_arrive_later_move_no_number(page: Page) -> None:
