@@ -88,15 +88,6 @@ def test_augmented_reality_on_a_webcam_in_firefox(stack: str, in_firefox: InFire
     check_immersive(in_firefox(f"{stack}/board/", held("immersive")))
 
 
-def test_raw_camera_access_gives_what_the_browser_knows(page: Page) -> None:
-    page.goto("/board/")
-    seen = page.evaluate(held("raw"))
-    focal = 180 / np.tan(1.25 / 2)
-    assert seen["view"]["matrix"] == pytest.approx([focal, 0, 0, 0, focal, 0, 319.5, 179.5, 1], abs=1e-4)
-    assert (seen["view"]["coefficients"], seen["view"]["model"]) == (None, None)
-    assert seen["asked"] == [[640, 360]]
-
-
 def test_a_camera_that_is_turned_is_asked_for_again(context: BrowserContext, api: httpx.Client) -> None:
     known = calibrated(api)
     page = context.new_page()  # which may complain: what is unknown upright is a 404

@@ -42,20 +42,6 @@ const sessions = {
     const native = /native code/.test(XRSession.toString());
     return { native, nothing: [stranger.none, strange, still, none], first, second, refused };
   },
-  async raw() {
-    // As Chrome on Android has it, where raw camera access was granted; the projection is the browser's own.
-    Object.defineProperty(XRView.prototype, "camera", { value: { width: 640, height: 360 } });
-    const { extend } = await import("/webxr/extension.js");
-    const asked = [];
-    extend(async (session, model, size) => void asked.push(size));
-    const session = await navigator.xr.requestSession("inline");
-    await layered(session);
-    session.updateRenderState({ inlineVerticalFieldOfView: 1.25 });
-    const space = await session.requestReferenceSpace("viewer");
-    const view = await until(session, space, () => true);
-    void session.end();
-    return { view, asked };
-  },
   async changing() {
     const { useCamera } = await import("/webxr/camera.js");
     const { video, track, resize } = await webcam([1280, 720], label);

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-from typing import Any
 
 from playwright.sync_api import Page, ViewportSize
 
 from ...conftest import THOROUGH
 from .pictures import SETTLED
 from .scripts import page_function
-from .specimens import answer, camera, cameras, result, rig
+from .specimens import answer, camera, cameras, dump, result, rig, statistics
 from .waiting import TIMEOUT_S, at_rest
 
 PAGES = {
@@ -78,35 +77,6 @@ _WATCH = """
   window.shifting.observe({ type: "layout-shift", buffered: true });
 """
 _AMISS = page_function("page_faults")
-
-
-def statistics() -> dict[str, Any]:
-    """Figures of a database that is some weeks old."""
-    history = [
-        {"date": f"2026-{month:02}-02", "cameras": 40 * month, "known": 9 * month}
-        | {"calibrations": 190 * month, "contributors": 77 * month}
-        for month in range(1, 8)
-    ]
-    wanted = [
-        {
-            "key": f"c4.{n}",
-            "camera": f"Webcam {n} (046d:08{n:02})",
-            "asked": 90 - 3 * n,
-            "calibrations": n % 4,
-        }
-        for n in range(12)
-    ]
-    return {"created": 1_782_000_000, "history": history, "wanted": wanted, "bundle": None}
-
-
-def dump() -> dict[str, Any]:
-    """List of the files of a dump."""
-    counts = {"calibrations": 1330, "votes": 12, "cameras": 280, "contributors": 539}
-    files = [
-        {"name": f"{name}-2026-07-02.jsonl.gz", "count": 640, "size": 5_400_000, "sha256": "0f" * 32}
-        for name in ("calibrations-1", "calibrations-2", "votes")
-    ]
-    return {"created": 1_782_000_000, "counts": counts, "files": files}
 
 
 def prepare(page: Page) -> None:
