@@ -134,20 +134,6 @@ def test_who_is_quicker_than_the_list_of_cameras_gets_the_one_that_was_asked_for
     assert page.evaluate("window.asked.deviceId") == {"exact": "c920"}
 
 
-def test_a_camera_without_a_picture_is_said_to_be_one(page: Page) -> None:
-    page.clock.install()
-    page.add_init_script(
-        PLUGGED + "navigator.mediaDevices.getUserMedia = async () => "
-        "Object.assign(document.createElement('canvas'), { width: 1280, height: 720 }).captureStream(0);"
-    )
-    page.goto("/calibrate/")
-    page.locator("#start").click()
-    page.locator("#opening:not([hidden])").wait_for()
-    page.clock.run_for(16_000)
-    page.locator("#failure", has_text="The camera is open but sends no picture.").wait_for()
-    expect(page.locator("#again")).to_be_visible()
-
-
 def test_a_camera_that_is_refused_is_explained_in_one_sentence(page: Page) -> None:
     page.add_init_script(PLUGGED)
     page.goto("/calibrate/")
