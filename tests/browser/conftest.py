@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import httpx
@@ -39,7 +39,10 @@ CHROMIUM = [
     "--disable-component-update",
     "--disable-sync",
 ]
+FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
 
+#: context of a visitor of some kind: options of `Browser.new_context`
+Visitor = Callable[..., BrowserContext]
 
 expect.set_options(timeout=1000 * TIMEOUT_S)
 
@@ -110,12 +113,38 @@ def close(context: BrowserContext) -> None:
 
 
 @pytest.fixture
-def context(chromium: Browser, stack: str) -> Iterator[BrowserContext]:
-    # Without the service worker, which has tests of its own: what it answers, routes do not see.
-    context = chromium.new_context(base_url=stack, viewport=WINDOW, service_workers="block")
-    context.set_default_timeout(1000 * TIMEOUT_S)
-    yield context
-    close(context)
+def visitor(chromium: Browser, stack: str) -> Iterator[Visitor]:
+    """Opener of contexts that end with the test."""
+    contexts: list[BrowserContext] = []
+
+    def opened(**kind: object) -> BrowserContext:
+        # Without the service worker, which has tests of its own: what it answers, routes do not see.
+        options = {"base_url": stack, "viewport": WINDOW, "service_workers": "block"} | kind
+        contexts.append(chromium.new_context(**options))  # type: ignore[arg-type]
+        contexts[-1].set_default_timeout(1000 * TIMEOUT_S)
+        return contexts[-1]
+
+    yield opened
+    for context in contexts:
+        close(context)
+
+
+@pytest.fixture
+def context(visitor: Visitor) -> BrowserContext:
+    return visitor()
+
+
+@pytest.fixture
+def camera_page(playwright: Playwright) -> Iterator[Page]:
+    """A page in a Chromium with a made-up camera; uncaught errors fail the test."""
+    browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA])
+    page = browser.new_page(service_workers="block", locale="en-GB")
+    page.set_default_timeout(1000 * TIMEOUT_S)
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    yield page
+    browser.close()
+    assert errors == []
 
 
 @pytest.fixture

@@ -1,79 +1,36 @@
-"""Pictures of every page in every state, left in tests/browser/output/ for people to look at.
+"""Pictures of every page and of a capture, left in tests/browser/output/ for people to look at.
 
-Not a test by its name, so that `make test` passes over it; the tests hold the same states to what must hold.
+Not a test by its name: `make test` passes over it. `make thorough` leaves pictures of all other states.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 
 import cv2
 import numpy as np
 import pytest
-from playwright.sync_api import BrowserContext, FilePayload, Page
+from playwright.sync_api import BrowserContext, Page
 
-from tests.helpers.browser.interruptions import SHOWN_TARGET, TURN, UNPLUG, done
+from tests.helpers.browser.interruptions import SHOWN_TARGET, TURN, done
 from tests.helpers.browser.pictures import SIZES, picture
-from tests.helpers.browser.scenes import CAMERA, UNANSWERED, no_network, unreadable
-from tests.helpers.browser.specimens import CAMERAS, answer, camera, cameras, result
+from tests.helpers.browser.scenes import CAMERA, UNANSWERED
+from tests.helpers.browser.site_pages import PAGES, prepare, visit
+from tests.helpers.browser.specimens import VIRTUAL, answer, result
 from tests.helpers.browser.truth import Truth
-from tests.helpers.data import data_dir, external_data
 
 from .conftest import OUTPUT
 
-READ = {
-    "landing": ("/", "#lens path"),
-    "board": ("/board/", "#papers a"),
-    "photos": ("/photos/", "#board:not(:empty)"),
-    "import": ("/import/", "#model option"),
-    "cameras": ("/cameras/", "#found tr"),
-    "camera": ("/cameras/?key=c2.specimen", "#camera-name"),
-    "result": ("/result/?id=x", "#verdict"),
-    "ar": ("/ar/", "h1:not(:empty)"),
-    "example": ("/examples/three/", "h1:not(:empty)"),
-}
 HELD = f"/calibrate/?{Truth().query(seed=3)}&target_error=0.01&error=0"
 
 
-def specimens(page: Page) -> None:
-    answer(page, "**/v1/cameras?*", cameras)
-    answer(page, "**/v1/cameras/*", camera)
-    answer(page, "**/v1/calibrations/x", result)
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("name", READ)
-def test_pages_one_reads(page: Page, name: str, scheme: str) -> None:
-    path, ready = READ[name]
-    page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
-    specimens(page)
-    page.goto(path)
-    page.locator(ready).first.wait_for(state="attached")
-    picture(page, f"shot-{name}-{scheme}", SIZES, full=True)
-
-
-@pytest.mark.parametrize("language", ["de", "uk"])
-@pytest.mark.parametrize("name", READ)
-def test_other_languages(page: Page, name: str, language: str) -> None:
-    path, ready = READ[name]
-    specimens(page)
-    page.goto(f"{path}{'&' if '?' in path else '?'}lang={language}")
-    page.locator(ready).first.wait_for(state="attached")
-    picture(page, f"shot-{name}-{language}", ["hand"], full=True)
-
-
-@external_data
-def test_photographs(page: Page) -> None:
-    board = "squares=8x8&marker_ratio=0.75&dictionary=DICT_4X4_1000"
-    page.goto(f"/photos/?{board}")
-    page.locator("#files").set_input_files(sorted((data_dir() / "photos" / "charuco_640x480").glob("*.jpg")))
-    page.locator("#status", has_text="The board was found in").wait_for()
-    picture(page, "shot-photos-found", SIZES, full=True)
-    page.locator("#camera").fill("LifeCam HD-3000")
-    page.locator("#start").click()
-    page.locator("#verdict").wait_for()
-    picture(page, "shot-photos-done", SIZES, full=True)
+@pytest.mark.parametrize("kind", ["light", "dark", "de", "uk"])
+@pytest.mark.parametrize("name", PAGES)
+def test_pages_one_reads(page: Page, name: str, kind: str) -> None:
+    page.emulate_media(color_scheme="dark" if kind == "dark" else "light")
+    prepare(page)
+    visit(page, name, kind if kind in {"de", "uk"} else "en")
+    picture(page, f"shot-{name}-{kind}", SIZES, full=True, check=False)
 
 
 def test_capture(page: Page) -> None:
@@ -111,18 +68,6 @@ def test_capture_in_other_languages(page: Page, language: str) -> None:
     picture(page, f"shot-capture-during-{language}", ["hand"])
 
 
-def test_what_goes_wrong(context: BrowserContext) -> None:
-    page = context.new_page()
-    problem = {"title": "Forbidden", "status": 403, "detail": "The API token is not valid."}
-    page.route(
-        "**/v1/auth",
-        lambda route: route.fulfill(status=403, json=problem, content_type="application/problem+json"),
-    )
-    page.goto(f"/calibrate/?{Truth().query()}")
-    page.locator("#failed:not([hidden])").wait_for()
-    picture(page, "shot-capture-failed", SIZES)
-
-
 def picture_outcome(page: Page, name: str, sizes: Iterable[str]) -> None:
     for size in sizes:
         page.set_viewport_size(SIZES[size])
@@ -149,22 +94,6 @@ def test_how_a_lookup_ends(context: BrowserContext) -> None:
         picture_outcome(page, f"shot-lookup-no-camera-{language}", SIZES if language == "en" else ["hand"])
 
 
-def test_what_the_capture_says_of_what_happens(page: Page) -> None:
-    page.goto(f"/calibrate/?{Truth().query(seed=3, error=0, fault='dark')}")
-    page.locator("#instruction", has_text="Too dark").wait_for()
-    picture(page, "shot-capture-diagnosis", SIZES)
-    page.goto(HELD)
-    page.locator("#undo:enabled").wait_for()
-    page.locator("#stop").click()
-    picture(page, "shot-capture-stop", SIZES)
-    page.evaluate(UNPLUG)
-    page.locator("#failed:not([hidden])").wait_for()
-    picture(page, "shot-capture-kept", SIZES)
-    page.goto("/calibrate/")
-    page.locator("#interrupted:not([hidden])").wait_for()
-    picture(page, "shot-capture-interrupted", SIZES)
-
-
 def test_the_camera_is_not_there_yet(page: Page) -> None:
     page.add_init_script(UNANSWERED)
     page.goto("/calibrate/")
@@ -187,72 +116,11 @@ def test_a_device_that_is_turned(page: Page) -> None:
     picture(page, "shot-capture-resized", SIZES)
 
 
-def test_a_result_without_some_views(page: Page) -> None:
-    specimens(page)
-    less = result()
-    less["report"]["views"] = [view for view in less["report"]["views"] if view["index"] not in {4, 5}]
-    answer(page, "**/v1/calibrations/*?without=*", lambda: less | {"id": None})
-    page.goto("/result/?id=x")
-    page.locator("#tab-views").click()
-    page.locator("#leave-these").click()
-    page.locator(".trial").wait_for()
-    picture(page, "shot-result-without", SIZES, full=True)
-    page.locator("#result-views").scroll_into_view_if_needed()
-    picture(page, "shot-result-without-views", SIZES)
-
-
 def test_a_practice_is_said_to_be_one(page: Page) -> None:
-    answer(page, "**/v1/calibrations/x", lambda: result() | {"camera": CAMERAS[-1][0]})
+    answer(page, "**/v1/calibrations/x", lambda: result() | {"camera": VIRTUAL})
     page.goto("/result/?id=x")
     page.locator(".practice").wait_for()
     picture(page, "shot-result-practice", SIZES)
-
-
-def test_without_the_network(context: BrowserContext) -> None:
-    page = context.new_page()
-    page.goto(HELD)
-    page.locator("#undo:enabled").wait_for()
-    no_network(page)
-    page.locator("#counts", has_text=re.compile("[2-9] of [3-8] saved here")).wait_for()
-    picture(page, "shot-capture-away", SIZES)
-
-
-def test_the_board_alone(page: Page) -> None:
-    page.goto("/board/?fill=1")
-    page.locator("#frame.filling").wait_for()
-    picture(page, "shot-board-filling", SIZES)
-    page.goto("/board/?squares=12x12")
-    page.locator("#columns").fill("40")
-    page.locator("#board-problem:not(:empty)").wait_for()
-    picture(page, "shot-board-impossible", SIZES, full=True)
-
-
-@external_data
-def test_what_photographs_lack(page: Page) -> None:
-    page.goto("/photos/?squares=8x8&marker_ratio=0.75&dictionary=DICT_4X4_1000")
-    some = sorted((data_dir() / "photos" / "charuco_640x480").glob("*.jpg"))[0]
-    page.locator("#files").set_input_files(
-        [
-            FilePayload(name="1.jpg", mimeType="image/jpeg", buffer=some.read_bytes()),
-            unreadable("IMG_0001.HEIC"),
-        ]
-    )
-    page.locator("#status", has_text="The board was found in 1 of 1").wait_for()
-    page.locator("#camera").fill("LifeCam HD-3000")
-    page.locator("#start").click()
-    page.locator("#wanted figure").wait_for()
-    picture(page, "shot-photos-advice", SIZES, full=True)
-
-
-def test_what_is_not_there(context: BrowserContext) -> None:
-    page = context.new_page()
-    for language in ("en", "de", "uk"):
-        page.goto(f"/cameras/?key=c2.none&lang={language}")
-        page.locator("#waiting .actions").wait_for()
-        picture(page, f"shot-camera-none-{language}", ["hand"])
-        page.goto(f"/result/?id=there-is-none&lang={language}")
-        page.locator("#waiting .actions").wait_for()
-        picture(page, f"shot-result-none-{language}", ["hand"])
 
 
 def test_the_overlays_of_the_readme(page: Page) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import re
-from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -19,7 +18,7 @@ from playwright.sync_api import BrowserContext, Page, Request, expect
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.specimens import answer, result
+from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
 
@@ -55,7 +54,8 @@ WEBCAM = """
   };
 """
 ADDRESS = "/ar/?virtual=1&k1=-0.3&error=0&rate=10&hand=quick"
-READ = Path(__file__).with_name("ar.js").read_text()
+ESTIMATED = re.compile(r"up to ([\d.]+)\spx\. Estimated \d+° \((\d+)° to (\d+)°\), calibrated (\d+)°")
+READ = page_function("ar")
 DICTIONARY = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
 PARAMETERS = cv2.aruco.CharucoParameters()
 PARAMETERS.minMarkers = 1  # at the picture's corner there is no second one
@@ -157,7 +157,9 @@ def sent(page: Page) -> list[Request]:
     return requests
 
 
-def test_overlays_fit_in_a_practice_which_needs_no_database(page: Page, sent: list[Request]) -> None:
+def test_overlays_fit_in_a_practice_which_asks_the_database_for_an_estimate_only(
+    page: Page, sent: list[Request]
+) -> None:
     page.add_init_script(SILENCED)
     page.goto("/ar/?k1=-0.3&error=0&rate=10&hand=quick")
     page.locator("#camera option").first.wait_for(state="attached")
@@ -171,28 +173,18 @@ def test_overlays_fit_in_a_practice_which_needs_no_database(page: Page, sent: li
         page.locator(f"#stage[data-shown={name}]").wait_for()
     picture(page, "ar-distorted", ["hand"])
     page.keyboard.press("m")
-    page.locator("#outermost", has_text="outermost corner").wait_for()
+    said = page.locator("#outermost")
+    expect(said).to_contain_text("outermost corner")
     page.evaluate("[window.made, window.isSilent] = [0, true]")
     until(page, lambda: page.evaluate("window.made") == 1)  # it begins anew with another detector
-    page.locator("#outermost", has_text="outermost corner").wait_for()
-    page.get_by_role("button", name="Stop").click()
-    page.locator("#welcome-title:focus").wait_for()
+    expect(said).to_contain_text("outermost corner")
     assert sent == []
-    expect(page.locator(".virtual-camera:not(video)"), "the camera is let go").to_have_count(0)
-
-
-def test_estimate_is_drawn_against_the_calibration(page: Page, sent: list[Request]) -> None:
-    page.goto(ADDRESS)
-    page.locator("#rms:not(:empty)").wait_for()
     page.get_by_role("button", name="Use the estimate").click()
     page.locator("#stage[data-shown=estimate]").wait_for()
-    said = page.locator("#outermost")
-    expect(said).to_contain_text(
-        re.compile(r"up to [\d.]+\spx\. Estimated \d+° \(\d+° to \d+°\), calibrated \d+°")
-    )
+    expect(said).to_contain_text(ESTIMATED)
     assert [urlsplit(request.url).path for request in sent] == ["/v1/lookup"]
     off = float((page.locator("#rms").text_content() or "").split()[0])
-    numbers = re.search(r"up to ([\d.]+)\spx.*\((\d+)° to (\d+)°\), calibrated (\d+)°", said.inner_text())
+    numbers = ESTIMATED.search(said.inner_text())
     assert numbers
     largest, low, high, calibrated = map(float, numbers.groups())
     print(f"estimate: {off} px rms, {largest} at most; {low} to {high}°, calibrated {calibrated}°")
@@ -202,6 +194,9 @@ def test_estimate_is_drawn_against_the_calibration(page: Page, sent: list[Reques
     page.keyboard.press("3")
     page.locator("#stage[data-shown=distorted]").wait_for()
     expect(said).to_contain_text("at the outermost corner")
+    page.get_by_role("button", name="Stop").click()
+    page.locator("#welcome-title:focus").wait_for()
+    expect(page.locator(".virtual-camera:not(video)"), "the camera is let go").to_have_count(0)
 
 
 @pytest.mark.thorough
@@ -255,14 +250,3 @@ def test_a_camera_that_nobody_knows_is_sent_to_be_calibrated(context: BrowserCon
     assert set(json.loads(request.post_data or "")) <= {
         "camera", "platform", "img_size", "zoom", "distortion_model", "redirect", "miss",
     }  # fmt: skip
-
-
-def test_a_known_camera_waits_for_the_board(page: Page) -> None:
-    page.add_init_script(WEBCAM)
-    answer(page, "**/v1/lookup", lambda: result() | {"calibrations": 7, "reliable": True, "exact_size": True})
-    page.goto("/ar/?lang=uk")
-    page.locator("#start").click()
-    page.locator("#instruction:not(:empty)").wait_for()
-    expect(page.locator("#facts")).to_contain_text("з calibDB")
-    expect(page.locator("#move")).to_be_hidden()
-    picture(page, "ar-waiting", ["hand"])

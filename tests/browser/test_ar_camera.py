@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-import pytest
-from playwright.sync_api import BrowserContext, Page
+from typing import Any
 
+import pytest
+from playwright.sync_api import BrowserContext, Page, expect
+
+from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.specimens import answer, result
 from tests.helpers.browser.waiting import until
 
@@ -42,34 +45,33 @@ PLUG = """() => {
 }"""
 
 
-@pytest.fixture
-def known(page: Page) -> Page:
-    answer(page, "**/v1/lookup", lambda: result() | {"calibrations": 7, "reliable": True, "exact_size": True})
-    return page
+def known() -> dict[str, Any]:
+    return result() | {"calibrations": 7, "reliable": True, "exact_size": True}
 
 
-def test_it_is_found_again_as_the_page_says(known: Page) -> None:
-    known.add_init_script(PLUGGED)
-    known.goto("/ar/")
-    known.locator("#start").click()
-    known.locator("#instruction:not(:empty)").wait_for()
-    known.evaluate(PULL)
-    known.locator("#failure", has_text="this page continues automatically").wait_for()
-    known.evaluate(PLUG)
-    known.locator("#instruction:not(:empty)").wait_for()
-    assert known.evaluate("window.asked.deviceId") == {"exact": "c920"}
+def test_camera_asked_for_is_opened_though_the_list_is_late_and_again_once_it_is_back(page: Page) -> None:
+    answer(page, "**/v1/lookup", known)
+    page.add_init_script(PLUGGED + LATE)
+    page.goto("/ar/?camera=Overlay+Test+Camera+(1234:0a12)&lang=en")
+    page.locator("#start").click()
+    page.evaluate("window.answer()")
+    page.locator("#instruction:not(:empty)").wait_for()
+    assert page.evaluate("window.asked.deviceId") == {"exact": "c920"}
+    expect(page.locator("#facts")).to_contain_text("from calibDB")
+    expect(page.locator("#move")).to_be_hidden()
+    picture(page, "ar-waiting", ["hand"])
+    page.evaluate(PULL)
+    page.locator("#failure", has_text="this page continues automatically").wait_for()
+    page.evaluate("window.asked = null")
+    page.evaluate(PLUG)
+    page.locator("#instruction:not(:empty)").wait_for()
+    assert page.evaluate("window.asked.deviceId") == {"exact": "c920"}
 
 
-def test_who_is_quicker_than_the_list_gets_the_one_that_was_asked_for(known: Page) -> None:
-    known.add_init_script(PLUGGED + LATE)
-    known.goto("/ar/?camera=Overlay+Test+Camera+(1234:0a12)")
-    known.locator("#start").click()
-    known.evaluate("window.answer()")
-    known.locator("#instruction:not(:empty)").wait_for()
-    assert known.evaluate("window.asked.deviceId") == {"exact": "c920"}
-
-
-@pytest.mark.parametrize(("address", "where"), [("/ar/", "#failure"), ("/examples/three/", "#problem")])
+@pytest.mark.parametrize(
+    ("address", "where"),
+    [("/ar/", "#failure"), ("/calibrate/", "#failure"), ("/examples/three/", "#problem")],
+)
 def test_without_a_picture_it_is_said_to_send_none(page: Page, address: str, where: str) -> None:
     page.clock.install()
     page.add_init_script(WEBCAM + NO_PICTURE)
@@ -87,6 +89,6 @@ def test_a_link_to_a_result_that_is_gone_asks_calibdb(context: BrowserContext) -
     page = context.new_page()  # "gone" is an error in the console
     page.add_init_script(WEBCAM)
     page.route("**/v1/calibrations/**", lambda route: route.fulfill(status=410, json={"detail": "withdrawn"}))
-    answer(page, "**/v1/lookup", lambda: result() | {"calibrations": 7, "reliable": True, "exact_size": True})
+    answer(page, "**/v1/lookup", known)
     page.goto("/ar/#calibration=gone")
     page.locator("#facts", has_text="from calibDB").wait_for()

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, ViewportSize, expect
 
-from tests.helpers.browser.pictures import SCHEMES, SIZES, picture
+from tests.helpers.browser.pictures import SIZES, picture
 from tests.helpers.browser.scenes import BLIND_DETECTOR
+from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.waiting import address, until
+from tests.helpers.marks import thorough
 
 # A phone before permission: cameras without names; what was asked of them.
 PHONE = """
@@ -20,56 +22,21 @@ PHONE = """
     throw new DOMException("", "NotAllowedError");
   };
 """
-FOUND = """async (dictionaries) => {
-  const { Detector } = await import("/lib/detector.js");
-  const { raster } = await import("/lib/board-drawing.js");
-  const { DEFAULT_BOARD } = await import("/lib/board.js");
-  const detector = await Detector.open(DEFAULT_BOARD);
-  const found = {};
-  for (const dictionary of dictionaries) {
-    const board = { squares: [9, 6], marker_ratio: 0.65, dictionary, legacy: false };
-    const { width, height, data } = raster(board, 50, 30);
-    const context = new OffscreenCanvas(width, height).getContext("2d");
-    const picture = context.createImageData(width, height);
-    data.forEach((grey, pixel) => picture.data.set([grey, grey, grey, 255], 4 * pixel));
-    context.putImageData(picture, 0, 0);
-    await detector.change(board);
-    const bitmap = context.canvas.transferToImageBitmap();
-    const { ids, points } = await detector.detect(bitmap, { full: true, timeout: 120_000 });
-    found[dictionary] = ids.map((id, at) => [id, ...points[at]]);
-  }
-  detector.close();
-  return found;
-}"""
-
-
-def test_the_board_is_shown(page: Page) -> None:
-    page.goto("/board/")
-    page.locator("#papers a").first.wait_for()
-    for scheme in SCHEMES:
-        page.emulate_media(color_scheme=scheme)
-        picture(page, f"board-{scheme}", ["desk", "hand"] if scheme == "light" else ["hand"], full=True)
-
-
-def test_the_board_as_a_file(page: Page) -> None:
-    page.goto("/board/")
-    expect(page.locator("#papers a"), "the paper that is usual here").to_contain_text("Letter")
-    page.locator("#more-papers summary").click()
-    with page.expect_download() as download:
-        page.locator(".papers a", has_text="A4").click()
-    assert download.value.suggested_filename == "calibdb-board-a4.pdf"
-    content = Path(download.value.path()).read_bytes()
-    assert content.startswith(b"%PDF-1.4")
-    assert b"100\xa0mm when printed" in content
+FOUND = page_function("find_drawn_boards")
 
 
 def test_a_board_is_printed_with_words_of_the_page(page: Page) -> None:
-    for language, pictures in (("de", 0), ("uk", 3)):
+    page.goto("/board/?lang=en")
+    expect(page.locator("#papers a"), "the paper that is usual here").to_contain_text("Letter")
+    for language, pictures in (("en", 0), ("de", 0), ("uk", 3)):
         page.goto(f"/board/?lang={language}")
         page.locator("#more-papers summary").click()
         with page.expect_download() as download:
             page.locator(".papers a", has_text="A4").click()
+        assert download.value.suggested_filename == "calibdb-board-a4.pdf"
         content = Path(download.value.path()).read_bytes()
+        assert content.startswith(b"%PDF-1.4")
+        assert (b"100\xa0mm when printed" in content) == (language == "en")
         assert (b"Kleben" in content or b"kleben" in content) == (language == "de")
         # Letters that the font of every viewer lacks are pictures, with black in each.
         masks = re.findall(rb"/ImageMask true .*? stream", content.replace(b"\n", b" "))
@@ -185,7 +152,10 @@ def test_a_board_of_another_kind_stays_of_its_kind(page: Page) -> None:
 
 @pytest.mark.parametrize(
     ("kind", "flag"),
-    [("circles", cv2.CALIB_CB_SYMMETRIC_GRID), ("asymmetric_circles", cv2.CALIB_CB_ASYMMETRIC_GRID)],
+    [
+        ("asymmetric_circles", cv2.CALIB_CB_ASYMMETRIC_GRID),
+        *thorough(("circles", cv2.CALIB_CB_SYMMETRIC_GRID)),
+    ],
 )
 def test_circles_are_drawn_and_the_command_is_named(page: Page, kind: str, flag: int) -> None:
     page.goto("/board/")
@@ -241,7 +211,7 @@ def test_another_device_is_shown_the_way_by_a_qr_code(page: Page) -> None:
 def test_a_phone_is_calibrated_with_this_screen(page: Page) -> None:
     page.add_init_script("delete Element.prototype.requestFullscreen")
     page.goto("/board/?squares=8x5")
-    for width, height in ((1280, 720), (1024, 768), (768, 1024)):
+    for width, height in ((1280, 720), (768, 1024)):
         page.set_viewport_size(ViewportSize(width=width, height=height))
         page.locator("#full-screen-code").click()
         page.locator("#code path").wait_for(state="attached")
@@ -267,17 +237,3 @@ def test_a_phone_is_calibrated_with_this_screen(page: Page) -> None:
     picture(page, "capture-phone", ["hand"])
     page.locator("#start").click()
     until(page, lambda: page.evaluate("window.asked?.facingMode") == {"ideal": "environment"})
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("language", ["de", "uk"])
-def test_the_pages_speak_other_languages(page: Page, language: str) -> None:
-    words = {
-        "de": ("Kalibriertafel", "Kameras", "Aus Fotos"),
-        "uk": ("Калібрувальна дошка", "Камери", "Калібрування за фото"),
-    }[language]
-    for path, heading in zip(("/board/", "/cameras/", "/photos/"), words, strict=True):
-        page.goto(f"{path}?lang={language}")
-        page.locator("h1:visible", has_text=heading).wait_for()
-        assert page.locator("html").get_attribute("lang") == language
-        picture(page, f"language-{language}{path.replace('/', '-')}page", ["hand"])

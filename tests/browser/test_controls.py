@@ -10,7 +10,6 @@ from tests.helpers.browser.interruptions import (
     PATIENT,
     UNPLUG,
     UNSIZED,
-    done,
     views,
     wait_for_views,
 )
@@ -69,8 +68,9 @@ def test_language_sizes_keys_and_popovers_in_the_middle_of_a_capture(page: Page)
     expect(page.locator("#counts")).to_contain_text("Ansicht")
     hear(page, "said", HINTS)
     page.evaluate(HIDE, True)  # as if nobody saw it, so that no view is the last one
-    for language in ("de", "uk", "en"):
+    for language in ("de", "uk"):  # whose words are longer than English ones
         expect_all_in_reach(page, language)
+    page.locator("#language").select_option("en")
 
     popover = page.locator("#senses")
     popover.locator("summary").click()
@@ -134,20 +134,6 @@ def test_who_is_quicker_than_the_list_of_cameras_gets_the_one_that_was_asked_for
     assert page.evaluate("window.asked.deviceId") == {"exact": "c920"}
 
 
-def test_a_camera_without_a_picture_is_said_to_be_one(page: Page) -> None:
-    page.clock.install()
-    page.add_init_script(
-        PLUGGED + "navigator.mediaDevices.getUserMedia = async () => "
-        "Object.assign(document.createElement('canvas'), { width: 1280, height: 720 }).captureStream(0);"
-    )
-    page.goto("/calibrate/")
-    page.locator("#start").click()
-    page.locator("#opening:not([hidden])").wait_for()
-    page.clock.run_for(16_000)
-    page.locator("#failure", has_text="The camera is open but sends no picture.").wait_for()
-    expect(page.locator("#again")).to_be_visible()
-
-
 def test_a_camera_that_is_refused_is_explained_in_one_sentence(page: Page) -> None:
     page.add_init_script(PLUGGED)
     page.goto("/calibrate/")
@@ -200,48 +186,3 @@ def test_a_view_is_heard_and_felt_and_hints_are_spoken_once_that_is_wanted(page:
     page.evaluate("() => { window.notes = 0; window.felt.length = 0; window.spoken.length = 0; }")
     wait_for_views(page, views(page) + 1)
     assert page.evaluate("[window.notes, window.felt, window.spoken]") == [0, [], []]
-
-
-def press_at(page: Page, selector: str) -> None:
-    """Go to an element by the tabulator, and press it."""
-    focused = "(selector) => document.activeElement.matches(selector)"
-    for _ in range(40):
-        page.keyboard.press("Tab")
-        if page.evaluate(focused, selector):
-            break
-    assert page.evaluate(focused, selector), selector
-    page.keyboard.press("Enter")
-
-
-MAX_SHIFT = 0.02
-# [ms, shift] of what moves while views are taken, but for what follows a key
-SHIFTS = """window.shifts = [];
-new PerformanceObserver((list) => {
-  if (document.getElementById("reticle").hidden) return;
-  for (const { startTime, value, hadRecentInput } of list.getEntries())
-    if (!hadRecentInput) window.shifts.push([startTime, value]);
-}).observe({ type: "layout-shift", buffered: true });"""
-
-
-def test_whole_capture_is_done_by_the_keyboard_and_nothing_jumps(page: Page) -> None:
-    page.add_init_script(SHIFTS)
-    page.goto(f"/calibrate/?{ENDLESS.partition('?')[2].replace('virtual=1&', '')}")
-    page.locator("#start-virtual:visible").wait_for()
-    press_at(page, "#start-virtual")
-    wait_for_views(page, 4)
-    page.locator("#finish:visible").wait_for()
-    press_at(page, "#finish")
-    done(page)
-    shifts = page.evaluate("window.shifts")
-    assert shifts
-    within_5_s = [sum(value for at, value in shifts if 0 <= at - start <= 5000) for start, _ in shifts]
-    print(f"layout shift within 5 s: at most {max(within_5_s):.4f}")
-    assert max(within_5_s) < MAX_SHIFT
-    expect(page.locator("#result-name")).to_be_focused()
-    board = page.locator("#done .scene .board path").first
-    seen = board.get_attribute("d")
-    slider = page.locator("#done .scene-view input").first
-    slider.focus()
-    page.keyboard.press("ArrowRight")
-    assert board.get_attribute("d") != seen, "the 3D view turns"
-    expect(page.locator("#done .scene-view .fields"), "what turns it is seen").to_have_css("opacity", "1")

@@ -4,39 +4,9 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from tests.helpers.browser.waiting import until
+from tests.helpers.browser.scripts import page_function
 
-WATCH = """async (frames) => {
-  const { DEFAULT_BOARD, corners } = await import("/lib/board.js");
-  const { Painter } = await import("/lib/virtual/painter.js");
-  const { projectionOf } = await import("/lib/virtual/lens.js");
-  const { transformPoint } = await import("/lib/pose.js");
-  const { Detector } = await import("/lib/detector.js");
-  const size = [1280, 720];
-  const lens = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
-  const pose = { rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, 9] };
-  const picture = new ImageData(...size);
-  new Painter(DEFAULT_BOARD, lens, size).paint(pose, picture.data);
-  const projection = projectionOf(lens);
-  const truth = corners(DEFAULT_BOARD).map(([x, y]) => projection.project(transformPoint(pose, [x, y, 0])));
-
-  const progress = [];
-  const detector = await Detector.open(DEFAULT_BOARD, (part) => progress.push(part));
-  const patient = { timeout: 120_000 };
-  const one = async (full, image = picture) =>
-    detector.detect(await createImageBitmap(image), { full, ...patient });
-  const full = await one(true);
-  const memory = [];
-  const elapsed = [];
-  for (let index = 0; index < frames; index++) {
-    const seen = await one(false);
-    memory.push(seen.memory);
-    elapsed.push(seen.elapsed);
-  }
-  const empty = await one(false, new ImageData(...size));
-  detector.close();
-  return { truth, full, progress, memory, elapsed, empty };
-}"""
+WATCH = page_function("watch_detector")
 
 
 @pytest.mark.parametrize("frames", [50, pytest.param(2_000, marks=pytest.mark.thorough)])
@@ -57,23 +27,3 @@ def test_detector_is_exact_and_keeps_its_memory(page: Page, frames: int) -> None
     assert (seen["empty"]["ids"], seen["empty"]["markers"]) == ([], 0), "a board that is gone is not seen"
     assert seen["progress"][-1] == 1.0
     assert seen["progress"] == sorted(seen["progress"])
-
-
-def test_a_detector_that_never_answers_is_reported(page: Page) -> None:
-    page.clock.install()
-    page.goto("/board/")
-    page.route("**/detector.worker.js", lambda route: route.fulfill(body="", content_type="text/javascript"))
-    page.evaluate(
-        """async () => {
-          const { Detector } = await import("/lib/detector.js");
-          const { DEFAULT_BOARD } = await import("/lib/board.js");
-          Detector.open(DEFAULT_BOARD).catch((error) => { window.outcome = error.message; });
-        }"""
-    )
-
-    def outcome() -> str | None:
-        page.clock.run_for(5_000)
-        found: str | None = page.evaluate("window.outcome ?? null")
-        return found
-
-    assert until(page, outcome) == "The board detector does not answer."

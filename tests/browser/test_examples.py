@@ -119,8 +119,10 @@ def test_a_scene_lies_on_the_picture(page: Page, engine: str) -> None:
     picture(page, f"example-{engine}", ["hand"], full=True)
 
 
-def test_a_camera_that_is_of_no_use_is_let_go(context: BrowserContext) -> None:
-    page = context.new_page()  # "not found" is an error in the console
+def test_a_refused_camera_is_let_go_and_an_unknown_one_drawn_over_with_its_estimate(
+    context: BrowserContext,
+) -> None:
+    page = context.new_page()  # a refusal is an error in the console
     page.add_init_script(GIVEN)
     page.route("**/v1/lookup", lambda route: route.fulfill(status=403, json={"detail": "no"}), times=1)
     page.goto("/examples/three/")
@@ -128,18 +130,13 @@ def test_a_camera_that_is_of_no_use_is_let_go(context: BrowserContext) -> None:
     page.locator("#problem:not(:empty)").wait_for()
     assert page.evaluate("window.given.map((track) => track.readyState)") == ["ended"], "opened but once"
     expect(page.locator("#stage")).to_be_hidden()
-
-
-def test_an_unknown_camera_is_drawn_over_with_its_estimate(page: Page) -> None:
-    page.add_init_script(GIVEN)
-    page.goto("/examples/three/")
     page.locator("#start").click()
     link = page.locator("#problem a", has_text="Calibrate")
     link.wait_for()
     expect(page.locator("#problem")).to_contain_text("drawn with an estimate, ±")
     assert "return_to=" in (link.get_attribute("href") or "")
     expect(page.locator("#stage")).to_be_visible()
-    assert page.evaluate("window.given.map((track) => track.readyState)") == ["live"]
+    assert page.evaluate("window.given.map((track) => track.readyState)") == ["ended", "live"]
 
 
 def offset(page: Page) -> float:

@@ -1,35 +1,14 @@
 """Header of all pages: language by the address, menus by keyboard and without scripts, code that copies."""
 
-from collections.abc import Callable, Iterator
+from playwright.sync_api import Page, expect
 
-import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect
+from tests.helpers.browser.waiting import address, passing
 
-from tests.helpers.browser.waiting import TIMEOUT_S, address, passing
-
-from .conftest import close
-
-Visit = Callable[..., Page]
+from .conftest import Visitor
 
 
-@pytest.fixture
-def visit(chromium: Browser, stack: str) -> Iterator[Visit]:
-    """Open a page as a visitor of some kind."""
-    contexts: list[BrowserContext] = []
-
-    def opened(**kind: object) -> Page:
-        context = chromium.new_context(base_url=stack, service_workers="block", **kind)  # type: ignore[arg-type]
-        context.set_default_timeout(1000 * TIMEOUT_S)
-        contexts.append(context)
-        return context.new_page()
-
-    yield opened
-    for context in contexts:
-        close(context)
-
-
-def test_a_german_visitor_is_led_to_german_and_keeps_query_and_choice(visit: Visit) -> None:
-    page = visit(locale="de-DE")
+def test_a_german_visitor_is_led_to_german_and_keeps_query_and_choice(visitor: Visitor) -> None:
+    page = visitor(locale="de-DE").new_page()
     page.goto("/cameras/?query=c920#top")
     page.locator("h1", has_text="Kameras").first.wait_for()
     assert address(page).endswith("/de/cameras/?query=c920#top")
@@ -47,8 +26,8 @@ def test_a_german_visitor_is_led_to_german_and_keeps_query_and_choice(visit: Vis
     page.locator("h1", has_text="Камери").first.wait_for()
 
 
-def test_pages_read_and_lead_on_in_their_language_without_scripts(visit: Visit) -> None:
-    page = visit(java_script_enabled=False, viewport={"width": 320, "height": 640})
+def test_pages_read_and_lead_on_in_their_language_without_scripts(visitor: Visitor) -> None:
+    page = visitor(java_script_enabled=False, viewport={"width": 320, "height": 640}).new_page()
     page.goto("/de/cameras/")
     expect(page.locator("h1").first).to_have_text("Kameras")
     page.locator("summary", has_text="Kalibrieren").click()

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import gzip
 import hashlib
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, Response, Route, expect
+from playwright.sync_api import BrowserContext, Page, Response, Route, expect
 
-from tests.helpers.browser.waiting import TIMEOUT_S, until
+from tests.helpers.browser.waiting import at_rest, until
 
-from .conftest import ROOT, WINDOW, close
+from .conftest import ROOT, Visitor
 
 # Not localhost by name, where the network would come first; browsers take it to this machine all the same.
 HOST = "pages.localhost"
@@ -23,15 +22,6 @@ CACHED_FILES = """async () => {
 }"""
 
 VERSION = "async () => (await (await caches.match('/shell.json')).json()).version"
-
-
-@pytest.fixture
-def visitor(chromium: Browser, stack: str) -> Iterator[BrowserContext]:
-    address = stack.replace("127.0.0.1", HOST)
-    context = chromium.new_context(base_url=address, viewport=WINDOW)
-    context.set_default_timeout(1000 * TIMEOUT_S)
-    yield context
-    close(context)
 
 
 def kept(page: Page, *, enough: int = 20, name: str = "") -> list[str]:
@@ -47,15 +37,18 @@ def kept(page: Page, *, enough: int = 20, name: str = "") -> list[str]:
     return names
 
 
-def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(visitor: BrowserContext) -> None:
-    page = visitor.new_page()
+def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(
+    visitor: Visitor, stack: str
+) -> None:
+    context = visitor(base_url=stack.replace("127.0.0.1", HOST), service_workers="allow")
+    page = context.new_page()
     page.goto("/")
     found = kept(page)
     assert any(each.startswith("/calibrate/main.js?sha256=") for each in found), (
         "also what was not yet visited"
     )
     assert not [each for each in found if "/v1/" in each or "config.json" in each or "openapi" in each]
-    visitor.set_offline(True)
+    context.set_offline(True)
     page.goto("/board/?squares=8x5")
     page.locator("#description", has_text="8 × 5").wait_for()
     page.goto("/cameras/")
@@ -63,7 +56,7 @@ def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(visitor
     page.goto("/docs/quickstart/")
     expect(page.locator("h1")).to_have_text("No connection")
     page.goto("/cameras/")
-    visitor.set_offline(False)
+    context.set_offline(False)
     page.reload()
     page.locator("#status", has_text="cannot be reached").wait_for(state="hidden")
     assert not [each for each in page.evaluate(CACHED_FILES) if "/v1/" in each]
@@ -77,7 +70,7 @@ def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(visitor
     listed["files"]["board/board.css"] = digest
     deployed = False
     logged: list[str] = []  # by the worker
-    visitor.service_workers[0].on("console", lambda message: logged.append(message.text))
+    context.service_workers[0].on("console", lambda message: logged.append(message.text))
 
     def styles(route: Route) -> None:
         if deployed:
@@ -85,8 +78,8 @@ def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(visitor
         else:
             route.continue_()
 
-    visitor.route("**/shell.json", lambda route: route.fulfill(json=listed))
-    visitor.route("**/board/board.css", styles)
+    context.route("**/shell.json", lambda route: route.fulfill(json=listed))
+    context.route("**/board/board.css", styles)
     # The list is there before its file: nothing of it is taken up.
     page.goto("/board/")
     until(page, lambda: any("kept files stay as they are: board/board.css" in text for text in logged))
@@ -110,7 +103,8 @@ def test_pages_are_light(context: BrowserContext, path: str) -> None:
     page = context.new_page()
     responses: list[Response] = []
     page.on("response", lambda response: responses.append(response))
-    page.goto(path, wait_until="networkidle")
+    with at_rest(page):
+        page.goto(path)
     sizes: dict[str, int] = {}
     for response in responses:
         name = response.url.split("?")[0]

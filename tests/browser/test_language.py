@@ -3,13 +3,14 @@
 import re
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect
+from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.scenes import no_network, unreadable
-from tests.helpers.browser.waiting import TIMEOUT_S, until
+from tests.helpers.browser.waiting import at_rest, until
 
-from .conftest import close
+from .conftest import Visitor
 
+REFUSED = {"title": "Forbidden", "status": 403, "detail": "The API token is not valid."}
 LINE = {"offline": False, "latency": 150, "downloadThroughput": 1.6e6 / 8, "uploadThroughput": 0.75e6 / 8}
 # Each text that is in a frame, and the language of each document of which something was painted.
 EVERY_FRAME = """
@@ -44,6 +45,7 @@ def test_what_the_pages_have_said_is_said_again_in_another_language(page: Page) 
     page.goto("/?lang=en")
     page.locator("#look").click()
     page.locator("#outcome", has_text="No camera was found").wait_for()
+    assert (page.locator("#outcome a").get_attribute("href") or "").endswith("/cameras/")
     speak(page, "de")
     page.locator("#outcome", has_text="keine Kamera").wait_for()
 
@@ -69,10 +71,11 @@ def test_a_service_that_is_away_is_asked_again_and_what_it_refuses_is_said_in_ev
         page.goto(f"{path}&lang=en")
         page.locator("[role=status]", has_text="calibDB cannot be reached just now. Trying again.").wait_for()
         # The later route is asked first: at no moment does a repeated request reach the service itself.
-        page.route("**/v1/**", lambda route: route.fulfill(status=403, json={}))
+        page.route("**/v1/**", lambda route: route.fulfill(status=403, json=REFUSED))
         page.locator("[role=status]", has_text="does not accept this page's token").wait_for()
         speak(page, "de")
         page.locator("[role=status]", has_text="erkennt diese Seite nicht an").wait_for()
+        expect(page.locator("main")).not_to_contain_text(REFUSED["detail"])
         page.unroute("**/v1/**")
 
 
@@ -85,11 +88,10 @@ def test_a_service_that_is_away_is_asked_again_and_what_it_refuses_is_said_in_ev
     ],
 )
 def test_no_frame_of_english_is_painted_for_who_reads_another_language(
-    chromium: Browser, stack: str, language: str, path: str
+    visitor: Visitor, language: str, path: str
 ) -> None:
     """Over a slow line, from an English address: no text of the English page, no name of a text."""
-    context = chromium.new_context(base_url=stack, locale=f"{language}-XX", service_workers="block")
-    context.set_default_timeout(1000 * TIMEOUT_S)
+    context = visitor(locale=f"{language}-XX")
     shown: list[str] = []
     painted: list[str] = []
     page = context.new_page()
@@ -104,12 +106,11 @@ def test_no_frame_of_english_is_painted_for_who_reads_another_language(
     session = context.new_cdp_session(page)
     session.send("Network.enable")
     session.send("Network.emulateNetworkConditions", LINE)
-    page.goto(path)
-    page.wait_for_url(f"**/{language}{there}**")
-    page.wait_for_load_state("networkidle")
-    page.locator("#language[data-in-place]").wait_for()
+    with at_rest(page):
+        page.goto(path)
+        page.wait_for_url(f"**/{language}{there}**")
+        page.locator("#language[data-in-place]").wait_for()
     until(page, lambda: painted and len(set(shown) & own) > 3)
-    close(context)
     assert painted == [language], f"{path}: documents of which something was painted"
     assert len(set(shown) & own) > 3, "the frames were looked at"
     foreign = {text for text in shown if text in english - own or re.fullmatch(r"[a-z_]+\.[a-z_]+", text)}

@@ -5,6 +5,7 @@ import json
 from playwright.sync_api import Page, expect
 
 from tests.helpers.browser.pictures import violations
+from tests.helpers.browser.specimens import dump, statistics
 
 OPERATOR = {
     "name": "Lens Society",
@@ -12,37 +13,6 @@ OPERATOR = {
     "imprint": "Lens Society|1 Optics Road",
 }
 MINE = "c4-x-0123456789ab-0123456789abcdef0123"
-DIGEST = "5f" * 32
-STATISTICS = {
-    "created": 1_795_312_800,
-    "history": [
-        {"date": "2026-11-15", "cameras": 9, "known": 2, "calibrations": 40, "contributors": 12, "given": 3},
-        {
-            "date": "2026-11-22",
-            "cameras": 412,
-            "known": 96,
-            "calibrations": 1904,
-            "contributors": 700,
-            "given": 9,
-        },
-    ],
-    "wanted": [
-        {"key": "c4-x-0123456789ab", "camera": "<b>Doubted</b>", "asked": 1234, "calibrations": 4},
-        {"key": None, "camera": "Logitech, Inc. (046d:0825)", "asked": 7, "calibrations": 0},
-    ],
-}
-DUMP = {
-    "created": 1_795_312_800,
-    "counts": {"calibrations": 9, "votes": 1, "cameras": 3, "contributors": 8},
-    "files": [
-        {
-            "name": "2026-11-22T012000Z/calibrations-00001-5f5f5f5f.jsonl.gz",
-            "count": 9,
-            "size": 123456,
-            "sha256": DIGEST,
-        }
-    ],
-}
 
 
 def answer(page: Page, path: str, content: object) -> None:
@@ -88,16 +58,18 @@ def test_data_page_shows_figures_and_files(page: Page) -> None:
     page.goto("/data/")
     expect(page.locator("#status")).to_contain_text("Statistics appear after the first weekly run")
     expect(page.locator("#no-dump")).to_be_visible()
-    answer(page, "/dumps/statistics.json", STATISTICS)
-    answer(page, "/dumps/latest.json", DUMP)
+    answer(page, "/dumps/statistics.json", statistics())
+    answer(page, "/dumps/latest.json", dump())
     page.set_viewport_size({"width": 360, "height": 800})
     page.goto("/de/data/")
-    expect(page.locator("#calibrations")).to_have_text("1.904")
-    expect(page.locator("#wanted-rows a")).to_have_text("<b>Doubted</b>")
-    expect(page.locator("#wanted-rows tr")).to_have_count(2)
-    expect(page.locator(".digest")).to_have_text(DIGEST)
-    link = page.locator("#files a")
-    expect(link).to_have_attribute("href", page.url.replace("de/data/", "dumps/") + DUMP["files"][0]["name"])
+    expect(page.locator("#calibrations")).to_have_text("1.330")
+    expect(page.locator("#wanted-rows a").first).to_have_text("<b>Doubted</b> (046d:0800)")
+    expect(page.locator("#wanted-rows a")).to_have_count(11)  # one camera has no page
+    expect(page.locator("#wanted-rows tr")).to_have_count(12)
+    first = dump()["files"][0]
+    expect(page.locator(".digest").first).to_have_text(first["sha256"])
+    href = page.url.replace("de/data/", "dumps/") + first["name"]
+    expect(page.locator("#files a").first).to_have_attribute("href", href)
     expect(page.locator(".chart polyline")).to_have_count(2)
     assert page.evaluate("document.documentElement.scrollWidth") <= 360
     assert violations(page) == []

@@ -6,14 +6,11 @@ from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
 
 import pytest
-from playwright.sync_api import Playwright
+from playwright.sync_api import Page
 
 from tests.helpers.browser.elsewhere import serving
-from tests.helpers.browser.waiting import TIMEOUT_S
 
-from .conftest import CHROMIUM, ROOT, chromium_path
-
-FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
+from .conftest import ROOT
 
 
 @pytest.fixture
@@ -27,18 +24,9 @@ def elsewhere(tmp_path: Path, stack: str) -> Iterator[str]:
         yield address
 
 
-def test_the_readmes_example_runs_on_another_origin(
-    playwright: Playwright, elsewhere: str, stack: str
-) -> None:
-    browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA])
-    page = browser.new_page(service_workers="block")
-    page.set_default_timeout(1000 * TIMEOUT_S)
-    errors: list[str] = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    page.goto(elsewhere)
-    page.wait_for_url(f"{stack}/calibrate/?**")
-    asked = parse_qs(urlsplit(page.url).query)
+def test_the_readmes_example_runs_on_another_origin(camera_page: Page, elsewhere: str, stack: str) -> None:
+    camera_page.goto(elsewhere)
+    camera_page.wait_for_url(f"{stack}/calibrate/?**")
+    asked = parse_qs(urlsplit(camera_page.url).query)
     assert asked["camera"][0].startswith("fake_device")
     assert asked["img_size"] == ["640x480"]
-    assert errors == []
-    browser.close()

@@ -16,7 +16,8 @@ from tests.helpers.browser.interruptions import (
     views,
     wait_for_views,
 )
-from tests.helpers.browser.waiting import hear, listen, until
+from tests.helpers.browser.waiting import until
+from tests.helpers.marks import thorough
 
 from ..conftest import THOROUGH
 
@@ -44,13 +45,7 @@ COLD += """
 """
 
 
-@pytest.mark.parametrize(
-    "outage",
-    [
-        "silent",
-        *(pytest.param(each, marks=pytest.mark.thorough) for each in ("refused", "busy", "asks to wait")),
-    ],
-)
+@pytest.mark.parametrize("outage", ["silent", *thorough("refused", "busy", "asks to wait")])
 def test_two_seconds_timeout_for_every_outage(context: BrowserContext, outage: str) -> None:
     page = context.new_page()
     page.add_init_script(WRITTEN + (ENDURING + COLD if outage == "silent" else ""))
@@ -105,25 +100,3 @@ def test_two_seconds_timeout_for_every_outage(context: BrowserContext, outage: s
     assert [view["points"] in sent for view in kept] == [True] * len(kept), "what was kept is sent"
     if outage == "silent":
         assert [sent.count(view) for view in sent] == [1] * len(sent), "a late answer is one"
-
-
-@pytest.mark.thorough
-def test_views_captured_during_an_outage_are_sent_on_return(context: BrowserContext) -> None:
-    page = context.new_page()  # refused requests are errors in the console
-    sent = sent_views(page)
-    listen(page)
-    page.goto(ENDLESS)
-    page.locator("#undo:enabled").wait_for()
-    there = views(page)
-    page.route("**/v1/**", lambda route: route.abort())
-    page.locator("#away", has_text="No connection. Continue").wait_for()
-    until(page, lambda: len(page.evaluate(STORED_VIEWS)) >= there + 3)  # the capture goes on meanwhile
-    kept = page.evaluate(STORED_VIEWS)
-    before = len(sent)
-    page.unroute("**/v1/**")
-    page.locator("#away").wait_for(state="hidden")
-    hear(page, "notice", "calibDB is back")
-    waiting = [view["points"] for view in kept if not view["taken"]]
-    assert len(waiting) >= 3
-    assert [view in sent[before:] for view in waiting] == [True] * len(waiting), "what was kept is sent"
-    wait_for_views(page, there + 1)

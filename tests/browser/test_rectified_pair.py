@@ -2,7 +2,6 @@
 
 import base64
 import json
-from typing import Any
 
 import cv2
 import numpy as np
@@ -14,41 +13,14 @@ from calibsolver.rig.rectification import rectify
 from calibsolver.rig.start import RigidMotion
 from infra.web_build.rig_vectors import RIGS_PATH
 from tests.helpers.browser.photographs import textured_board
+from tests.helpers.browser.scripts import page_function
 
-from .test_rectifier import decoded
+from .test_rectifier import camera, decoded
 
 SIZE = (1280, 720)
 HALF = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]])  # px of a picture to those of its half
 MIXED = ("fisheye", "rational")
-DRAWN = """async ([{ left, right, pose }, png, packing]) => {
-  const { Rig, rectifyPair } = await import("/sdk/calibdb.js");
-  const blob = new Blob([Uint8Array.from(atob(png), (each) => each.charCodeAt(0))], { type: "image/png" });
-  const [width, height] = left.img_size;
-  const part = (x, y) => createImageBitmap(blob, x, y, width, height);
-  const whole = await createImageBitmap(blob);
-  const still = { position: 0, rvec: [0, 0, 0], tvec: [0, 0, 0] };
-  const rig = new Rig({ calibrations: [left, right], extrinsics: [still, { position: 1, ...pose }] });
-  const sources = packing ? [whole, whole] : [await part(0, 0), await part(width, 0)];
-  const pair = await rectifyPair(...sources, rig, { packing, scale: 0.5 });
-  const shown = [pair.left, pair.right].map((drawn) => {
-    const canvas = document.createElement("canvas");
-    [canvas.width, canvas.height] = [drawn.width, drawn.height];
-    canvas.getContext("2d").drawImage(drawn, 0, 0);
-    return { png: canvas.toDataURL("image/png") };
-  });
-  const [eye] = pair.views();
-  const found = { shown, matrix: pair.camera_matrix, point: pair.point([350, 150], 6), eye: eye.eye };
-  const video = document.createElement("video");
-  found.early = pair.draw(video, video);
-  pair.dispose();
-  return found;
-}"""
-
-
-def camera(record: dict[str, Any]) -> Camera:
-    matrix, distortion = np.array(record["camera_matrix"]), np.array(record["distortion_coefficients"])
-    w, h = record["img_size"]
-    return Camera(model=record["distortion_model"], matrix=matrix, distortion=distortion, img_size=(w, h))
+DRAWN = page_function("draw_pair")
 
 
 def expected(

@@ -15,6 +15,7 @@ from playwright.sync_api import Page
 from calibsolver import Camera
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.photographs import textured_board
+from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.waiting import TIMEOUT_S
 
 from .conftest import CHROMIUM, chromium_path
@@ -32,24 +33,7 @@ FULL, HALF = (1280, 720), (640, 360)
 SIZES = [pytest.param(HALF, id="640"), pytest.param(FULL, id="1280", marks=pytest.mark.thorough)]
 WINDOWS, COUNT = 3, 60  # rectifiers that are made and disposed of
 BALANCED = {"balance": 0.3, "zoom": 1.1, "scale": 0.5}
-WARPED = """async ([asked, png]) => {
-  const { Calibration } = await import("/sdk/calibdb.js");
-  const { widePinhole } = await import("/sdk/rectification.js");
-  const bytes = Uint8Array.from(atob(png), (letter) => letter.charCodeAt(0));
-  const blob = new Blob([bytes], { type: "image/png" });
-  const made = [];
-  for (const [kind, calibration, options] of asked) {
-    const warp = await new Calibration(calibration)[kind](options);
-    const { img_size: size } = kind === "distorter" ? widePinhole(calibration) : calibration;
-    warp.draw(await createImageBitmap(blob, 0, 0, ...size));
-    const canvas = document.createElement("canvas");
-    [canvas.width, canvas.height] = [warp.canvas.width, warp.canvas.height];
-    canvas.getContext("2d").drawImage(warp.canvas, 0, 0);
-    made.push({ matrix: warp.camera_matrix, size: warp.img_size, png: canvas.toDataURL("image/png") });
-    warp.dispose();
-  }
-  return made;
-}"""
+WARPED = page_function("warp")
 MADE_AND_GONE = """async ([calibration, scale, count]) => {
   const { Rectifier } = await import("/sdk/rectifier.js");
   const picture = new OffscreenCanvas(1280, 720);
@@ -76,10 +60,10 @@ def calibration(model: str, size: Size = FULL) -> dict[str, Any]:
     }
 
 
-def camera(model: str, size: Size) -> Camera:
-    known = calibration(model, size)
-    matrix, distortion = np.array(known["camera_matrix"]), np.array(known["distortion_coefficients"])
-    return Camera(model=model, matrix=matrix, distortion=distortion, img_size=size)
+def camera(record: dict[str, Any]) -> Camera:
+    matrix, distortion = np.array(record["camera_matrix"]), np.array(record["distortion_coefficients"])
+    w, h = record["img_size"]
+    return Camera(model=record["distortion_model"], matrix=matrix, distortion=distortion, img_size=(w, h))
 
 
 @functools.cache
@@ -121,7 +105,7 @@ def check_straightened(made: dict[str, Any], model: str, size: Size) -> None:
     assert made["size"] == [w // 2, h // 2] == [ours.shape[1], ours.shape[0]]
     u, v = np.meshgrid(np.arange(w / 2), np.arange(h / 2))
     rays = np.stack([u.ravel(), v.ravel(), np.ones(u.size)], axis=1) @ np.linalg.inv(made["matrix"]).T
-    assert compare(ours, soft_picture(size)[:h, :w], camera(model, size).project(rays)) <= 1
+    assert compare(ours, soft_picture(size)[:h, :w], camera(calibration(model, size)).project(rays)) <= 1
 
 
 def check_distorted(made: dict[str, Any], model: str, size: Size) -> None:
@@ -131,7 +115,7 @@ def check_distorted(made: dict[str, Any], model: str, size: Size) -> None:
     assert width <= picture.shape[1]
     assert height <= picture.shape[0]
     u, v = np.meshgrid(np.arange(float(size[0])), np.arange(float(size[1])))
-    rays = camera(model, size).unproject(np.stack([u.ravel(), v.ravel()], axis=1))
+    rays = camera(calibration(model, size)).unproject(np.stack([u.ravel(), v.ravel()], axis=1))
     seen = (rays[:, 2:] > 0) & np.isfinite(rays).all(axis=1, keepdims=True)
     with np.errstate(divide="ignore", invalid="ignore"):
         q = np.where(seen, (rays / rays[:, 2:]) @ np.array(made["matrix"]).T, -1e6)[:, :2]

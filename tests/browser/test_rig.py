@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page, Route, expect
 
-from tests.helpers.browser.executables import executable
+from tests.helpers.browser.firefox import executable
 from tests.helpers.browser.interruptions import HIDE
 from tests.helpers.browser.pictures import SIZES, WIDE, picture
 from tests.helpers.browser.specimens import answer, rig

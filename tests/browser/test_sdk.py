@@ -9,18 +9,17 @@ from urllib.parse import parse_qs, urlsplit
 
 import httpx
 import pytest
-from playwright.sync_api import Page, Playwright
+from playwright.sync_api import Page
 
 from tests.helpers.browser.captures import agreed, capture
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.truth import Truth
-from tests.helpers.browser.waiting import TIMEOUT_S
 
-from .conftest import CHROMIUM, ROOT, TOKEN, chromium_path
+from .conftest import ROOT, TOKEN
 from .test_ar import WEBCAM
 
-FAKE_CAMERA = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
 KEY = {"camera": "SDK Test Camera (1234:0007)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 WORKER = """import { lookup } from "/sdk/calibdb.js";
 onmessage = async ({ data }) => {
@@ -55,17 +54,10 @@ def project(tmp_path: Path, stack: str) -> Iterator[str]:
         yield address
 
 
-def test_the_packages_example_runs(playwright: Playwright, project: str, stack: str) -> None:
-    browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA])
-    page = browser.new_page(service_workers="block")
-    page.set_default_timeout(1000 * TIMEOUT_S)
-    errors: list[str] = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    page.goto(project)
-    page.wait_for_url(f"{stack}/calibrate/?**")
-    assert parse_qs(urlsplit(page.url).query)["camera"][0].startswith("fake_device")
-    assert errors == []
-    browser.close()
+def test_the_packages_example_runs(camera_page: Page, project: str, stack: str) -> None:
+    camera_page.goto(project)
+    camera_page.wait_for_url(f"{stack}/calibrate/?**")
+    assert parse_qs(urlsplit(camera_page.url).query)["camera"][0].startswith("fake_device")
 
 
 def test_a_worker_asks_with_what_it_was_told(page: Page) -> None:
@@ -100,27 +92,7 @@ def test_the_result_comes_back_to_the_application(page: Page, api: httpx.Client,
 
 
 LABEL = "SDK Test Camera (1234:0008)"
-REFITTED = """async (key) => {
-  const { lookup } = await import("/sdk/calibdb.js");
-  const { cameraParameters } = await import("/sdk/adapters/artoolkit.js");
-  const options = { token: "cdb_dev_local", cache: null };
-  const ask = (model) => lookup(key, { ...options, model });
-  const answers = await Promise.all(["rectilinear", "fisheye"].map(ask));
-  const [stored, refitted] = answers.map(({ calibration }) => calibration);
-  const { url, file, error } = await cameraParameters(stored, options);
-  const bytes = (await file.arrayBuffer()).byteLength;
-  URL.revokeObjectURL(url);
-  const rays = [[0, 0, 1], [0.3, 0.1, 1], [-0.4, 0.25, 1], [0.5, -0.28, 1]];
-  const apart = rays.map((ray) => {
-    const [[u, v], [x, y]] = [stored, refitted].map((each) => each.project(ray));
-    return Math.hypot(u - x, v - y);
-  });
-  return {
-    models: answers.map(({ calibration }) => calibration.distortion_model),
-    module: refitted.toOpenCV().module, coefficients: refitted.distortion_coefficients.length,
-    reliable: refitted.reliable, apart, bytes, error,
-  };
-}"""
+REFITTED = page_function("refit")
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,5 @@
 """The application that sent somebody to calibrate, and the ways to get a board, on the first sheet."""
 
-import pytest
 from playwright.sync_api import Page, expect
 
 from tests.helpers.browser.pictures import picture
@@ -50,19 +49,3 @@ def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None
     page.goto(f"/calibrate/?{ASKED}&return_to=javascript:alert(1)")
     expect(page.locator("#wanted")).to_contain_text("This page was opened for HD Pro Webcam C920")
     expect(sender).to_be_hidden()
-
-
-@pytest.mark.parametrize(("calibrations", "said"), [(0, "new here"), (6, "do not agree yet")])
-def test_what_is_known_of_the_camera_is_said(page: Page, calibrations: int, said: str) -> None:
-    size = {
-        "img_size": [640, 480],
-        "calibrations": calibrations,
-        "agreeing": calibrations,
-        "required": 5,
-        "reliable": False,
-    }
-    found = {"cameras": [{"camera": "HD Pro Webcam C920", "sizes": [size]}], "next": None}
-    page.add_init_script(BLIND_DETECTOR)
-    answer(page, "**/v1/cameras?*", lambda: found)
-    page.goto(f"/calibrate/?{ASKED}&return_to=/examples/")
-    expect(page.locator("#sender-known")).to_contain_text(said)

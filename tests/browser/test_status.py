@@ -4,7 +4,7 @@ import json
 
 from playwright.sync_api import BrowserContext, Page, Route, expect
 
-from tests.helpers.browser.pictures import SCHEMES, WIDE, picture
+from tests.helpers.browser.pictures import picture
 
 
 def test_every_part_is_shown_with_its_latency(page: Page) -> None:
@@ -12,11 +12,6 @@ def test_every_part_is_shown_with_its_latency(page: Page) -> None:
     expect(page.locator("#verdict")).to_have_text("Everything works.")
     expect(page.locator(".state.ok")).to_have_count(6)
     expect(page.locator("#part-solver td").last).to_contain_text("ms")
-    for scheme in SCHEMES:
-        page.emulate_media(color_scheme=scheme)
-        picture(page, f"status-{scheme}", ["hand"], full=True)
-    page.set_viewport_size({"width": 320, "height": 700})
-    assert page.evaluate(WIDE) == 0
 
 
 def test_what_is_down_is_said(context: BrowserContext) -> None:

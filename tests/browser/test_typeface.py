@@ -3,9 +3,12 @@
 import re
 
 import pytest
-from playwright.sync_api import Browser, Page, Route
+from playwright.sync_api import Page, Route
 
-from tests.helpers.browser.waiting import TIMEOUT_S
+from tests.helpers.browser.scripts import page_function
+from tests.helpers.marks import thorough
+
+from .conftest import Visitor
 
 PATHS = ("/", "/calibrate/", "/ar/", "/rig/", "/cameras/", "/photos/")
 MAX_SHIFT = 0.01
@@ -21,20 +24,7 @@ new PerformanceObserver((list) => {
     window.sources.push(`${value.toFixed(4)} ${sources.map(({ node }) => node?.id || node?.nodeName)}`);
   }
 }).observe({ type: "layout-shift", buffered: true });"""
-# Widths of the heading as it is, and in a typeface of the same file under another name, px
-WIDTHS = """async () => {
-  const heading = [...document.querySelectorAll("h1")].find((each) => each.checkVisibility());
-  const range = document.createRange();
-  range.selectNodeContents(heading);
-  const width = () => range.getBoundingClientRect().width;
-  const shown = width();
-  const face = new FontFace("Truth", "url(/vendor/font/geologica-latin.woff2)", { weight: "1 1000" });
-  document.fonts.add(await face.load());
-  heading.style.fontFamily = "Truth";
-  const expected = width();
-  heading.style.fontFamily = "monospace";
-  return [shown, expected, width()];
-}"""
+WIDTHS = page_function("heading_widths")
 
 
 def hold(page: Page, held: list[Route]) -> None:
@@ -42,27 +32,11 @@ def hold(page: Page, held: list[Route]) -> None:
     page.route(re.compile("geologica-latin"), lambda route: held.append(route))
 
 
-@pytest.mark.parametrize(
-    "size",
-    [
-        (390, 844),
-        pytest.param((1440, 900), marks=pytest.mark.thorough),
-    ],
-    ids=["phone", "laptop"],
-)
-def test_first_visits_show_the_typeface_without_a_shift(
-    chromium: Browser, stack: str, size: tuple[int, int]
-) -> None:
+@pytest.mark.parametrize("size", [(390, 844), *thorough(((1440, 900),))], ids=["phone", "laptop"])
+def test_first_visits_show_the_typeface_without_a_shift(visitor: Visitor, size: tuple[int, int]) -> None:
     """The font arrives after everything else: text is shown in the stand-in first."""
     for path in PATHS:
-        context = chromium.new_context(
-            base_url=stack,
-            viewport={"width": size[0], "height": size[1]},
-            service_workers="block",
-            locale="en",
-        )
-        context.set_default_timeout(1000 * TIMEOUT_S)
-        page = context.new_page()
+        page = visitor(viewport={"width": size[0], "height": size[1]}, locale="en").new_page()
         page.add_init_script(SHIFTS)
         held: list[Route] = []
         hold(page, held)
@@ -81,4 +55,3 @@ def test_first_visits_show_the_typeface_without_a_shift(
         assert abs(other - expected) > 1, path
         print(f"{path} at {size[0]} px: layout shift {shift:.4f}")
         assert shift < MAX_SHIFT, (path, sources)
-        context.close()

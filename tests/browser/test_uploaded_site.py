@@ -6,10 +6,13 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Browser, Response
+from playwright.sync_api import Response
 
 from infra.deploy.site import Upload, uploads
+from tests.helpers.browser.waiting import at_rest
 from tests.helpers.data import ROOT
+
+from .conftest import Visitor
 
 PATHS = (
     "/",
@@ -55,24 +58,17 @@ def site() -> Iterator[str]:
         server.shutdown()
 
 
-def test_pages_find_their_files_and_raise_nothing(chromium: Browser, site: str) -> None:
+def test_pages_find_their_files_and_raise_nothing(visitor: Visitor, site: str) -> None:
+    page = visitor(base_url=site).new_page()
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    responses: list[Response] = []
+    page.on("response", lambda response: responses.append(response))
     for path in PATHS:
-        context = chromium.new_context(service_workers="block")
-        page = context.new_page()
-        missing: list[str] = []
-        errors: list[str] = []
-        scripts: list[str] = []
-
-        def note(response: Response, missing: list[str] = missing, scripts: list[str] = scripts) -> None:
-            there = urlsplit(response.url).path
-            if response.status >= 400 and not there.startswith(OF_FUNCTIONS):
-                missing.append(there)
-            if there.endswith(".js"):
-                scripts.append(there)
-
-        page.on("response", note)
-        page.on("pageerror", lambda error, errors=errors: errors.append(str(error)))
-        page.goto(site + path, wait_until="networkidle")
-        context.close()
+        responses.clear()
+        with at_rest(page):
+            page.goto(path)
+        asked = [(urlsplit(response.url).path, response.status) for response in responses]
+        missing = [there for there, status in asked if status >= 400 and not there.startswith(OF_FUNCTIONS)]
         assert (missing, errors) == ([], []), path
-        assert scripts, path
+        assert [there for there, _ in asked if there.endswith(".js")], path

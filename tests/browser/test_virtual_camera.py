@@ -1,7 +1,6 @@
 """The whole guided capture, hands-free: a camera that is known, a board in hands that are not perfect."""
 
 import json
-from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -10,16 +9,14 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request
 
-from tests.helpers.browser.firefox import driven
+from calibdb.store.aliases import alias_digest
+from tests.helpers.browser.captures import agreed, capture
+from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.frame_rate import WATCH
 from tests.helpers.browser.interruptions import views
 from tests.helpers.browser.truth import SMALL, Truth, projection_errors
-from tests.helpers.browser.waiting import address
+from tests.helpers.browser.waiting import address, until
 from tests.helpers.marks import thorough
-
-from .test_lookup import expect_known_after_five
-
-ROOT = Path(__file__).resolve().parents[2]
 
 RATE = 15  # frames/s, of a webcam in poor light
 KEYPOINTS = {"index", "ids", "points"}
@@ -67,6 +64,41 @@ def assert_only_keypoints(sent: list[Request]) -> None:
     assert views >= 4
 
 
+LOOKUP = """async (key) =>
+  (await import("/sdk/calibdb.js")).lookup(key, { token: "cdb_dev_local" })"""
+DURING_AN_OUTAGE = """async (key) => {
+  const { lookup } = await import("/sdk/calibdb.js");
+  const options = { token: "cdb_dev_local", cache: null, retries: 0 };
+  const error = await lookup({ ...key, camera: "Nobody's X9" }, options).catch(({ message }) => message);
+  return [(await lookup(key, options)).calibration, error];
+}"""
+
+
+def expect_known_after_five(
+    page: Page, api: httpx.Client, stack: str, first: dict[str, Any], truth: Truth
+) -> None:
+    """Capture with a page's key until its camera is known, and look it up with the SDK."""
+    key = {name: first[name] for name in ("camera", "platform", "img_size", "zoom")}
+    for seed in range(4):
+        capture(api, truth, key, seed)
+    known = agreed(api, key)
+    assert known["reliable"] is True
+    assert (known["calibrations"], known["exact_size"]) == (5, True)
+    assert abs(known["camera_matrix"][0][0] / truth.fx - 1) < 0.005
+    found = page.evaluate(LOOKUP, key)
+    assert (found["calibration"], found["guidanceUrl"]) == (known, None)
+
+    # While the service fails, the cached lookup answers for this camera, and says of others that it cannot.
+    w, h = truth.size
+    path = f"known/v1/{alias_digest(key['camera'], key['platform'])}/{w}x{h}/0/rectilinear.json"
+    until(page, lambda: httpx.get(f"{stack}/{path}").status_code == 200)
+    down = {"status": 503, "json": {"detail": "Service Unavailable"}}
+    page.route("**/v1/lookup", lambda route: route.fulfill(**down))
+    calibration, error = page.evaluate(DURING_AN_OUTAGE, key)
+    assert calibration == known
+    assert "cannot be asked now" in error
+
+
 @pytest.mark.parametrize("truth", [SMALL, *thorough(Truth())], ids=["640", "1280"])
 def test_chromium_hands_free_with_nothing_but_keypoints_until_the_camera_is_known(
     page: Page, api: httpx.Client, stack: str, truth: Truth
@@ -85,14 +117,29 @@ def test_chromium_hands_free_with_nothing_but_keypoints_until_the_camera_is_know
     expect_known_after_five(page, api, stack, stored, truth)
 
 
+LOOKS = """
+  window.looks = 0;
+  const post = Worker.prototype.postMessage;
+  Worker.prototype.postMessage = function (message, ...more) {
+    if (message.frame) window.looks += 1;
+    return post.call(this, message, ...more);
+  };
+"""
+ENDED = """async () => {
+  const [done, failed] = ["done", "failed"].map((id) => document.getElementById(id));
+  while (done.hidden && failed.hidden) await new Promise((next) => setTimeout(next, 50));
+  const taken = [performance.now() / 1000, window.looks];
+  const [failure, json] = ["failure", "json"].map((id) => document.getElementById(id).textContent.trim());
+  return { taken, failure, json, count: Number(document.getElementById("counts").dataset.taken) };
+}"""
+
+
 @pytest.mark.alone
-def test_firefox_hands_free(stack: str) -> None:
+def test_hands_free_in_firefox(stack: str, in_firefox: InFirefox) -> None:
     there = f"{stack}/calibrate/?{SMALL.query(seed=5, hand='person', rate=RATE)}"
-    script = ROOT / "tests/helpers/browser/firefox.mjs"
-    outcome = driven(script, there)
+    outcome = in_firefox(there, ENDED, LOOKS)
     assert outcome["failure"] == ""
-    count = int(outcome["counts"])
-    assert_true(outcome["calibration"], count, *outcome["taken"], "Firefox")
+    assert_true(json.loads(outcome["json"]), outcome["count"], *outcome["taken"], "Firefox")
 
 
 @pytest.mark.thorough

@@ -8,132 +8,18 @@ import pytest
 from playwright.sync_api import BrowserContext, Page
 
 from tests.helpers.browser.firefox import InFirefox
+from tests.helpers.browser.scripts import FOLDER
 from tests.helpers.browser.webxr import LABEL, TRUTH, calibrated, script
 
-NATIVE = """
-  const { extend } = await import("/webxr/extension.js");
-  const { lookup } = await import("/sdk/calibdb.js");
-  const token = "cdb_dev_local";
-  const run = async (track) => {
-    let look;
-    const seen = new Promise((done) => look = done); // a quick service might answer before the first frame
-    const answered = new Promise((done) => {
-      extend(async (session, model) => {
-        await seen;
-        const { calibration } = await lookup(track, { token, model });
-        done();
-        return calibration;
-      });
-    });
-    const session = await navigator.xr.requestSession("inline");
-    await layered(session);
-    const space = await session.requestReferenceSpace("viewer");
-    const none = await until(session, space, () => true);
-    look();
-    await answered;
-    return { session, space, none };
-  };
-  const stranger = await run((await webcam([1280, 720])).track);
-  const strange = await until(stranger.session, stranger.space, () => true);
-  stranger.session.updateRenderState({ distortionModel: "fisheye" });
-  const still = await until(stranger.session, stranger.space, () => true);
-  void stranger.session.end(); // which a browser without a screen does not confirm
-  const { session, space, none } = await run((await webcam([1280, 720], label)).track);
-  const first = await until(session, space, (view) => view.distortionModel === "rectilinear");
-  let refused = null;
-  try {
-    session.updateRenderState({ distortionModel: "brown" });
-  } catch (error) {
-    refused = error.name;
-  }
-  session.updateRenderState({ distortionModel: "fisheye" });
-  const second = await until(session, space, (view) => view.distortionModel === "fisheye");
-  void session.end();
-  const native = /native code/.test(XRSession.toString());
-  return { native, nothing: [stranger.none, strange, still, none], first, second, refused };
-"""
-RAW = """
-  // As Chrome on Android has it, where raw camera access was granted; the projection is the browser's own.
-  Object.defineProperty(XRView.prototype, "camera", { value: { width: 640, height: 360 } });
-  const { extend } = await import("/webxr/extension.js");
-  const asked = [];
-  extend(async (session, model, size) => void asked.push(size));
-  const session = await navigator.xr.requestSession("inline");
-  await layered(session);
-  session.updateRenderState({ inlineVerticalFieldOfView: 1.25 });
-  const space = await session.requestReferenceSpace("viewer");
-  const view = await until(session, space, () => true);
-  void session.end();
-  return { view, asked };
-"""
-CHANGING = """
-  const { useCamera } = await import("/webxr/camera.js");
-  const { video, track, resize } = await webcam([1280, 720], label);
-  const answers = [];
-  const onAnswer = ({ calibration, reason }) => answers.push(reason ?? calibration.img_size);
-  const stop = await useCamera(video, { token: "cdb_dev_local", onAnswer });
-  const session = await navigator.xr.requestSession("immersive-ar", { optionalFeatures: ["local-floor"] });
-  await layered(session);
-  const space = await session.requestReferenceSpace("local-floor");
-  const seen = [await until(session, space, (view) => view.distortionModel)];
-  for (const [size, known] of [[[720, 1280], false], [[1280, 720], true]]) {
-    resize(...size);
-    track.dispatchEvent(new Event("configurationchange"));
-    seen.push(await until(session, space, (view) => (view.distortionModel !== null) === known));
-    while (answers.length < seen.length) await new Promise(requestAnimationFrame);
-  }
-  stop();
-  await session.end();
-  return { seen, answers };
-"""
-#: what views say from the frame on in which the video shows another picture, while nobody answers
-TURNED = """
-  const { useCamera } = await import("/webxr/camera.js");
-  const { video, resize } = await webcam([1280, 720], label);
-  let silent = false;
-  const slowly = (...request) => (silent ? new Promise(() => {}) : fetch(...request));
-  const stop = await useCamera(video, { token: "cdb_dev_local", cache: null, fetch: slowly });
-  const session = await navigator.xr.requestSession("immersive-ar");
-  await layered(session);
-  const space = await session.requestReferenceSpace("local");
-  const before = await until(session, space, (view) => view.distortionModel);
-  silent = true;
-  resize(720, 1280);
-  const after = await until(session, space, () => video.videoWidth === 720);
-  stop();
-  await session.end();
-  return { before, after };
-"""
-IMMERSIVE = """
-  const { extend } = await import("/webxr/extension.js");
-  const { install, isNeeded } = await import("/webxr/install.js");
-  const needed = await isNeeded();
-  const { video } = await webcam();
-  let calibration = null;
-  install({ video, pinhole: () => calibration });
-  const again = extend(async (_, model) => calibration && known[model]);
-  const supported = await navigator.xr.isSessionSupported("immersive-ar");
-  const session = await navigator.xr.requestSession("immersive-ar");
-  const twice = await navigator.xr.requestSession("immersive-ar").catch(({ name }) => name);
-  const canvas = await layered(session);
-  const space = await session.requestReferenceSpace("local");
-  const none = await until(session, space, () => true);
-  calibration = known.rectilinear;
-  await again();
-  const first = await until(session, space, (view) => view.distortionModel === "rectilinear");
-  session.updateRenderState({ distortionModel: "fisheye" });
-  const second = await until(session, space, (view) => view.distortionModel === "fisheye");
-  const over = canvas.parentNode === video.parentNode && canvas.parentNode !== document.body;
-  const { width, height } = canvas.getBoundingClientRect();
-  const ended = new Promise((done) => session.addEventListener("end", done));
-  window.dispatchEvent(new KeyboardEvent("keydown", { key: "Escape" }));
-  await ended;
-  const back = video.parentNode === document.body && !canvas.getAttribute("style");
-  return { needed, supported, twice, none, first, second, over, back, window: [width, height] };
-"""
+SESSIONS = (FOLDER / "webxr_sessions.js").read_text()
 #: matrix and distortion of `known` in webxr.js
 MATRIX = [500, 0, 0, 0, 505, 0, 325, 178, 1]
 COEFFICIENTS = [-0.25, 0.0625, 0, 0, 0]
+
+
+def held(name: str) -> str:
+    """Function that holds one of the sessions."""
+    return script(f"{SESSIONS} return sessions.{name}();", label=LABEL)
 
 
 def check_nothing(said: dict[str, Any]) -> None:
@@ -180,7 +66,7 @@ def test_the_browsers_own_inline_session(context: BrowserContext, api: httpx.Cli
     calibrated(api)
     page = context.new_page()  # which may complain: an unknown camera is a 404
     page.goto("/board/")
-    seen = page.evaluate(script(NATIVE, label=LABEL))
+    seen = page.evaluate(held("native"))
     assert seen["native"] is True
     for nothing in seen["nothing"]:
         check_nothing(nothing)
@@ -195,27 +81,18 @@ def test_the_browsers_own_inline_session(context: BrowserContext, api: httpx.Cli
 def test_augmented_reality_on_a_webcam(page: Page) -> None:
     page.set_viewport_size({"width": 1440, "height": 900})
     page.goto("/board/")
-    check_immersive(page.evaluate(script(IMMERSIVE)))
+    check_immersive(page.evaluate(held("immersive")))
 
 
 def test_augmented_reality_on_a_webcam_in_firefox(stack: str, in_firefox: InFirefox) -> None:
-    check_immersive(in_firefox(f"{stack}/board/", script(IMMERSIVE)))
-
-
-def test_raw_camera_access_gives_what_the_browser_knows(page: Page) -> None:
-    page.goto("/board/")
-    seen = page.evaluate(script(RAW))
-    focal = 180 / np.tan(1.25 / 2)
-    assert seen["view"]["matrix"] == pytest.approx([focal, 0, 0, 0, focal, 0, 319.5, 179.5, 1], abs=1e-4)
-    assert (seen["view"]["coefficients"], seen["view"]["model"]) == (None, None)
-    assert seen["asked"] == [[640, 360]]
+    check_immersive(in_firefox(f"{stack}/board/", held("immersive")))
 
 
 def test_a_camera_that_is_turned_is_asked_for_again(context: BrowserContext, api: httpx.Client) -> None:
     known = calibrated(api)
     page = context.new_page()  # which may complain: what is unknown upright is a 404
     page.goto("/board/")
-    found = page.evaluate(script(CHANGING, label=LABEL))
+    found = page.evaluate(held("changing"))
     first, turned, again = found["seen"]
     check_answered(first, known)
     check_nothing(turned)
@@ -230,6 +107,6 @@ def test_a_camera_that_is_turned_is_asked_for_again(context: BrowserContext, api
 def test_a_picture_that_is_turned_never_has_the_former_ones_matrix(page: Page, api: httpx.Client) -> None:
     known = calibrated(api)
     page.goto("/board/")
-    seen = page.evaluate(script(TURNED, label=LABEL))
+    seen = page.evaluate(held("turned"))
     check_answered(seen["before"], known)
     check_nothing(seen["after"])

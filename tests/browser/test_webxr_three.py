@@ -1,6 +1,5 @@
 """An application of three.js, written for phones, on a webcam: unchanged, and in the right place."""
 
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -11,6 +10,7 @@ import pytest
 from playwright.sync_api import Page, Route, ViewportSize
 
 from tests.helpers.browser.firefox import InFirefox
+from tests.helpers.browser.scripts import FOLDER
 from tests.helpers.browser.waiting import until
 from tests.helpers.browser.webxr import LABEL, calibrated, script
 
@@ -21,67 +21,11 @@ Array = npt.NDArray[np.float64]
 THREE = ROOT / "node_modules/three"
 FOLDERS = ("build", "examples/jsm/webxr")
 FILES = {file.name: file for folder in FOLDERS for file in THREE.glob(f"{folder}/*.js")}
-APPLICATION = Path(__file__).with_name("webxr_three.js").read_text()
+APPLICATION = (FOLDER / "webxr_three.js").read_text()
 #: camera frame, x right, y down, z forward; the second is near a corner of the picture
 POINTS = np.array([[0.0, 0.0, 4.0], [-2.2, 0.85, 4.0], [1.2, -0.6, 3.0]])
 WINDOW = (1440, 900)
 BLUE, GREEN, RED = range(3)  # as OpenCV reads pictures
-
-RUN = """
-  // The page's owner knows of calibDB.
-  const { useCamera } = await import("/webxr/camera.js");
-  const { video } = await webcam([1280, 720], label, (context) => {
-    context.fillStyle = "#00ff00";
-    for (const [x, y] of marks) {
-      context.beginPath();
-      context.arc(x + 0.5, y + 0.5, 12, 0, 7);
-      context.fill();
-    }
-    context.fillStyle = "#000000";
-  });
-  await new Promise((onAnswer) => useCamera(video, { token: "cdb_dev_local", rectify, onAnswer }));
-  const renderer = await application(points);
-  const button = document.getElementById("ARButton");
-  while (button.textContent !== "START AR") await new Promise(requestAnimationFrame);
-  const begun = new Promise((done) => renderer.xr.addEventListener("sessionstart", done));
-  window.over = new Promise((done) => renderer.xr.addEventListener("sessionend", done));
-  button.click();
-  await begun;
-  for (let frame = 0; frame < 10; frame++) {
-    await new Promise((done) => renderer.xr.getSession().requestAnimationFrame(done));
-  }
-"""
-#: three.js' own manager of WebXR, on a webcam that is known from the start
-MANAGED = """
-  const { extend } = await import("/webxr/extension.js");
-  const { install } = await import("/webxr/install.js");
-  const { BoxGeometry, Mesh, MeshBasicMaterial, PerspectiveCamera, Scene, WebGLRenderer } =
-    await import("/vendor/engines/three.js");
-  const { video } = await webcam();
-  install({ video, pinhole: () => known.rectilinear });
-  extend(async (_, model) => known[model]);
-  const renderer = new WebGLRenderer({ alpha: true });
-  document.body.append(renderer.domElement);
-  renderer.xr.enabled = true;
-  renderer.xr.setReferenceSpaceType("local");
-  const session = await navigator.xr.requestSession("immersive-ar");
-  await renderer.xr.setSession(session);
-  const [scene, camera] = [new Scene(), new PerspectiveCamera()];
-  const box = new Mesh(new BoxGeometry(), new MeshBasicMaterial());
-  box.position.z = -4;
-  scene.add(box);
-  const seen = await new Promise((done) => renderer.setAnimationLoop((_, frame) => {
-    renderer.render(scene, camera);
-    const [view] = frame?.getViewerPose(renderer.xr.getReferenceSpace())?.views ?? [];
-    if (!view?.distortionModel) return;
-    const { projectionMatrix } = renderer.xr.getCamera().cameras[0];
-    const eyes = renderer.xr.getCamera().cameras.length;
-    done({ ...look(view), eyes, p: [...view.projectionMatrix], three: projectionMatrix.elements });
-  }));
-  renderer.setAnimationLoop(null);
-  await session.end();
-  return { ...seen, drawn: renderer.info.render.triangles, presenting: renderer.xr.isPresenting };
-"""
 
 
 def serve(route: Route) -> None:
@@ -111,7 +55,7 @@ def shown(page: Page, marks: Array, *, rectify: bool) -> tuple[Array, Array]:
     page.route("**/three/*.js", serve)
     page.goto("/board/")
     constants = {"label": LABEL, "points": POINTS.tolist(), "marks": marks.tolist(), "rectify": rectify}
-    page.evaluate(script(f"{APPLICATION} {RUN}", **constants))
+    page.evaluate(script(f"{APPLICATION} await run();", **constants))
 
     def seen() -> tuple[Array, Array] | None:
         taken = page.screenshot(path=OUTPUT / f"webxr_three_{rectify}.png")
@@ -158,7 +102,7 @@ def test_a_scene_lies_on_the_straightened_picture(page: Page, known: dict[str, A
 
 @pytest.mark.thorough
 def test_its_manager_runs_in_firefox_too(stack: str, in_firefox: InFirefox) -> None:
-    seen = in_firefox(f"{stack}/board/", script(MANAGED))
+    seen = in_firefox(f"{stack}/board/", script(f"{APPLICATION} return managed();"))
     assert (seen["matrix"], seen["model"]) == ([500, 0, 0, 0, 505, 0, 325, 178, 1], "rectilinear")
     assert seen["three"] == pytest.approx(seen["p"], abs=1e-6)
     assert (seen["eyes"], seen["drawn"], seen["presenting"]) == (1, 12, False)

@@ -46,3 +46,11 @@ test("a worker that answers no frame is reported after four seconds", async () =
   mock.timers.tick(2);
   await outcome;
 });
+
+test("a worker that never opens is reported after twenty seconds", async (t) => {
+  t.mock.method(globalThis, "fetch", async () => Response.json({ bytes: 1 }));
+  const outcome = assert.rejects(Detector.open({}), /does not answer/);
+  while (asked.length === 0) await new Promise(setImmediate);
+  mock.timers.tick(20_001);
+  await outcome;
+});

@@ -44,25 +44,6 @@ test("pages share code through web/lib, which knows no page, and the SDK stands 
   assert.deepEqual(wrong, []);
 });
 
-test("messages take types alone from elsewhere", () => {
-  for (const name of modules.filter((each) => folder(each) === "messages")) {
-    const targets = [...source(name).matchAll(/^import .*"(\.[^"]+)";/gm)].map(([, specifier]) => specifier);
-    assert.ok(
-      targets.every((target) => target.startsWith("./")),
-      `${name}: ${targets}`,
-    );
-  }
-});
-
-test("every module that is imported is there", () => {
-  for (const [name, targets] of imports) {
-    for (const target of targets) {
-      const types = target.startsWith("vendor/") && existsSync(new URL(target.replace(/js$/, "d.ts"), WEB));
-      assert.ok(types || existsSync(new URL(target, WEB)), `${name} -> ${target}`);
-    }
-  }
-});
-
 test("no modules import each other in a circle, nor take types so", () => {
   const done = new Set();
   const cycles = [];

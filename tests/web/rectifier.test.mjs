@@ -35,13 +35,6 @@ function filled(calibration, balance) {
   return count / (map.length / 2);
 }
 
-test("without distortion the picture stays as it is", () => {
-  const plain = { ...barrel, distortion_coefficients: [0, 0, 0, 0, 0] };
-  const map = rectifyingMap(plain, matrix);
-  assert.ok(Math.abs(map[0]) < 1e-4 && Math.abs(map[1]) < 1e-4);
-  assert.ok(Math.abs(map.at(-2) - (SIZE[0] - 1)) < 1e-3 && Math.abs(map.at(-1) - (SIZE[1] - 1)) < 1e-3);
-});
-
 test("balance 0 shows no black edge, balance 1 loses nothing of the picture", () => {
   assert.ok(filled(barrel, 0) > 0.999, `${filled(barrel, 0)}`);
   assert.ok(filled(barrel, 1) < 0.97);

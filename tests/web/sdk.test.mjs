@@ -86,11 +86,6 @@ test("a known camera is answered with its calibration", async () => {
   assert.deepEqual(body, { ...KEY, distortion_model: "fisheye", redirect: false, miss: "ok" });
 });
 
-test("a miss that is no error is answered as one is", async () => {
-  const { options } = service(json(200, { calibration: null, ...MISS }));
-  assert.deepEqual(await lookup(KEY, options), { ...NOTHING, guidanceUrl: MISS.guidance_url, reason: "too_few" });
-});
-
 test("an unknown camera has an estimate, which is the camera to draw with only if that is accepted", async () => {
   const miss = json(200, { calibration: null, ...MISS, estimate: LIKELY });
   const cautious = await lookup(KEY, service(miss).options);
@@ -148,13 +143,15 @@ test("an estimate is never cached", async () => {
   );
 });
 
-test("an unknown camera is answered with where to calibrate it, and whoever asked is told", async () => {
-  const { asked, options } = service(json(404, MISS));
-  const told = [];
-  const answer = await lookup(KEY, { ...options, api: `${API}/`, onNeedCalibration: (each) => told.push(each) });
-  assert.deepEqual(answer, { ...NOTHING, guidanceUrl: MISS.guidance_url, reason: "too_few" });
-  assert.deepEqual(told, [answer]);
-  assert.equal(asked[0].address, `${API}/lookup`);
+test("an unknown camera, an error or not, is answered with where to calibrate it, and whoever asked is told", async () => {
+  for (const miss of [json(404, MISS), json(200, { calibration: null, ...MISS })]) {
+    const { asked, options } = service(miss);
+    const told = [];
+    const answer = await lookup(KEY, { ...options, api: `${API}/`, onNeedCalibration: (each) => told.push(each) });
+    assert.deepEqual(answer, { ...NOTHING, guidanceUrl: MISS.guidance_url, reason: "too_few" });
+    assert.deepEqual(told, [answer]);
+    assert.equal(asked[0].address, `${API}/lookup`);
+  }
 });
 
 test("anything else is an error with its status and the service's words", async () => {

@@ -54,5 +54,7 @@ test("what a camera still needs is told for the size that was asked for", () => 
   assert.match(said("hd pro webcam c920", [1280, 720]), /knows this camera already/);
   assert.match(said("HD Pro Webcam C920", [1920, 1080]), /new here/);
   assert.match(said("Another", null), /new here/);
+  const apart = { cameras: [{ camera: "C920", sizes: [size([640, 480], 6)] }] };
+  assert.match(knownText(knownOf(apart, "C920", [640, 480])), /do not agree yet/);
   assert.equal(knownText(null), "");
 });

@@ -6,21 +6,6 @@ import { labelOf, setupFrom } from "../../web/lib/virtual/setup.js";
 
 const LENS = { fx: 1000, fy: 990, cx: 664.5, cy: 345, k1: -0.25, k2: 0.05, p1: 0.002, p2: -0.001, k3: 0.01 };
 
-test("unproject undoes project over the whole image, to 1e-9 px", () => {
-  const { project, unproject } = projectionOf(LENS);
-  for (let x = 0; x < 1280; x += 97) {
-    for (let y = 0; y < 720; y += 71) {
-      const [u, v] = project(unproject([x, y]));
-      assert.ok(Math.hypot(u - x, v - y) < 1e-9, `${x}, ${y}`);
-    }
-  }
-});
-
-test("where the lens folds the image over there is no ray", () => {
-  const folding = { ...LENS, k1: -0.6, k2: 0, k3: 0, p1: 0, p2: 0 };
-  assert.equal(projectionOf(folding).unproject([664.5 + 1000, 345]), null);
-});
-
 test("distortion is OpenCV's, by numbers from cv2.projectPoints", () => {
   // cv2.projectPoints([[0.31, -0.22, 1]], 0, 0, I, [-0.25, 0.05, 0.002, -0.001, 0.01])
   const [x, y] = projectionOf({ ...LENS, fx: 1, fy: 1, cx: 0, cy: 0 }).project([0.31, -0.22, 1]);

@@ -7,52 +7,41 @@ from contextlib import contextmanager
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from typing import Any
 
 
 class Quiet(SimpleHTTPRequestHandler):
-    """Keeps its requests to itself."""
+    """Files of a folder, and the client's settings if they are others than the stack gives it."""
+
+    def __init__(self, *request: Any, settings: dict[str, str] | None, directory: str):
+        self._settings = settings
+        super().__init__(*request, directory=directory)
 
     def log_message(self, *_: object) -> None:
         """Print nothing."""
 
+    def do_GET(self) -> None:
+        """Answer the settings, or a file."""
+        if self._settings is None or self.path.partition("?")[0] != "/config.json":
+            return super().do_GET()
+        content = json.dumps(self._settings).encode()
+        self.send_response(200)
+        self.send_header("content-type", "application/json")
+        self.send_header("content-length", str(len(content)))
+        self.end_headers()
+        self.wfile.write(content)
+        return None
+
 
 @contextmanager
-def serving(folder: Path) -> Iterator[str]:
+def serving(folder: Path, settings: dict[str, str] | None = None) -> Iterator[str]:
     """Give the address of a folder, as long as it lasts."""
-    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(folder))) as server:
+    handler = partial(Quiet, settings=settings, directory=str(folder))
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
         try:
             yield f"http://127.0.0.1:{server.server_address[1]}/"
-        finally:
-            server.shutdown()
-            thread.join()
-
-
-@contextmanager
-def serving_client(web: Path, settings: dict[str, str]) -> Iterator[str]:
-    """Give the address of the client on an origin of its own, with other settings than the stack gives it."""
-
-    class Client(Quiet):
-        """The client, and its settings."""
-
-        def do_GET(self) -> None:
-            """Answer the settings, or a file."""
-            if self.path.partition("?")[0] != "/config.json":
-                super().do_GET()
-                return
-            content = json.dumps(settings).encode()
-            self.send_response(200)
-            self.send_header("content-type", "application/json")
-            self.send_header("content-length", str(len(content)))
-            self.end_headers()
-            self.wfile.write(content)
-
-    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Client, directory=str(web))) as server:
-        thread = threading.Thread(target=server.serve_forever)
-        thread.start()
-        try:
-            yield f"http://127.0.0.1:{server.server_address[1]}"
         finally:
             server.shutdown()
             thread.join()

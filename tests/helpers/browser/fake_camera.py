@@ -38,17 +38,7 @@ def board_seen() -> tuple[np.ndarray, np.ndarray]:
     return cv2.GaussianBlur(picture, (0, 0), 0.7), points
 
 
-def video(path: Path, grey: np.ndarray, rate: int) -> Path:
-    """Write one picture as a YUV4MPEG2 file, which Chromium shows over and over."""
-    luma = (16 + grey.astype(np.float64) * (219 / 255)).round().astype(np.uint8).tobytes()
-    chroma = bytes([128]) * (WIDTH * HEIGHT // 2)
-    with path.open("wb") as file:
-        file.write(f"YUV4MPEG2 W{WIDTH} H{HEIGHT} F{rate}:1 Ip A1:1 C420mpeg2\n".encode())
-        for _ in range(4):
-            file.write(b"FRAME\n" + luma + chroma)
-    return path
-
-
 def camera(playwright: Playwright, url: str, folder: Path, rate: int = 20) -> AbstractContextManager[Page]:
     """Give a page in a Chromium whose camera shows a board."""
-    return stop_and_go.camera(playwright, url, video(folder / "board.y4m", board_seen()[0], rate))
+    picture = cv2.cvtColor(board_seen()[0], cv2.COLOR_GRAY2BGR)
+    return stop_and_go.camera(playwright, url, stop_and_go.write(folder / "board.y4m", [picture] * 4, rate))

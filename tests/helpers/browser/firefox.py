@@ -5,20 +5,34 @@ from __future__ import annotations
 import json
 import os
 import select
+import shutil
 import subprocess
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
-from .executables import executable
+import pytest
+
 from .waiting import TIMEOUT_S
 
 SCRIPT = Path(__file__).with_name("firefox_pages.mjs")
 
-#: result of an asynchronous JavaScript function in the page at an address; fails if the page complains
-InFirefox = Callable[[str, str], Any]
+
+class InFirefox(Protocol):
+    """Evaluator of asynchronous JavaScript functions in pages; fails if the page complains."""
+
+    def __call__(self, address: str, function: str, before: str = "") -> Any:
+        """Result of a function in the page at an address, before whose scripts another script has run."""
+
+
+def executable(name: str) -> str:
+    """Path of a program; the test is skipped where it is not installed."""
+    path = shutil.which(name)
+    if path is None:
+        pytest.skip(f"{name} is not installed")
+    return path
 
 
 @contextmanager
@@ -48,22 +62,6 @@ def screen() -> Iterator[str]:
         server.wait()
 
 
-def driven(script: Path, address: str) -> Any:
-    """Output of a script that drives a page in Firefox; fails if the page complains."""
-    command = ["node", str(script), executable("firefox-esr"), address]
-    run = subprocess.run(
-        command,
-        capture_output=True,
-        text=True,
-        timeout=3 * TIMEOUT_S,
-        check=False,
-    )
-    assert run.returncode == 0, run.stderr
-    outcome = json.loads(run.stdout)
-    assert outcome["complaints"] == [], outcome["complaints"]
-    return outcome
-
-
 @contextmanager
 def firefox() -> Iterator[InFirefox]:
     """Evaluate functions in one Firefox, which starts with the first of them."""
@@ -79,13 +77,13 @@ def firefox() -> Iterator[InFirefox]:
             stack.enter_context(process)  # closes its input, and waits for its end
             return process
 
-        def evaluate(address: str, function: str) -> Any:
+        def evaluate(address: str, function: str, before: str = "") -> Any:
             if not started:
                 started.append(start())
             (process,) = started
             assert process.stdin
             assert process.stdout
-            process.stdin.write(json.dumps({"address": address, "source": function}) + "\n")
+            process.stdin.write(json.dumps({"address": address, "source": function, "before": before}) + "\n")
             process.stdin.flush()
             watchdog = threading.Timer(3 * TIMEOUT_S, process.kill)
             watchdog.start()

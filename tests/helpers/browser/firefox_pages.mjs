@@ -1,24 +1,36 @@
 // Firefox for the tests of one process: pages one after the other, each by itself, and what they make of a function.
 // Without a screen Firefox has no WebGL: DISPLAY names one.
 //     DISPLAY=:99 node firefox_pages.mjs <executable>
-// Reads a line of JSON for each page, {address, source}, and prints one, {result, complaints} or {error}, until its
-// input ends.
+// Reads a line of JSON for each page, {address, source, before}, and prints one, {result, complaints} or {error}, until
+// its input ends.
 import { createInterface } from "node:readline";
-import { openFirefox, watch } from "./firefox_page.mjs";
+import puppeteer from "puppeteer-core";
+
+const TIMEOUT_MS = 120_000; // only what fails is waited for so long
 
 const [, , executablePath] = process.argv;
-const browser = await openFirefox(executablePath, false);
+const limits = { timeout: TIMEOUT_MS, protocolTimeout: 2 * TIMEOUT_MS };
+const browser = await puppeteer.launch({ browser: "firefox", executablePath, headless: false, ...limits });
+
+/** Result of a function in a page, and what the page complains of meanwhile. */
+async function evaluate(page, { address, source, before }) {
+  const complaints = [];
+  page.setDefaultTimeout(TIMEOUT_MS);
+  page.on("console", (message) => {
+    if (["error", "warn"].includes(message.type())) complaints.push(`${message.type()}: ${message.text()}`);
+  });
+  page.on("pageerror", (error) => complaints.push(`uncaught: ${error.message}`));
+  await page.setViewport({ width: 1440, height: 900 });
+  if (before) await page.evaluateOnNewDocument(before);
+  await page.goto(address);
+  return { result: await page.evaluate(`(${source})()`), complaints };
+}
+
 try {
   for await (const line of createInterface({ input: process.stdin })) {
-    const { address, source } = JSON.parse(line);
     const visitor = await browser.createBrowserContext(); // storage and service workers of its own
     try {
-      const outcome = await watch(await visitor.newPage(), async (page) => {
-        await page.setViewport({ width: 1440, height: 900 });
-        await page.goto(address);
-        return { result: await page.evaluate(`(${source})()`) };
-      });
-      console.log(JSON.stringify(outcome));
+      console.log(JSON.stringify(await evaluate(await visitor.newPage(), JSON.parse(line))));
     } catch (error) {
       console.log(JSON.stringify({ error: String(error?.stack ?? error) }));
     } finally {

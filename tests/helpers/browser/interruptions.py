@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Callable
 from typing import Any
 
 from playwright.sync_api import Page, Request, expect
@@ -112,17 +113,17 @@ WRITTEN = """
 """
 
 
+def _posted(page: Page, path: str, add: Callable[[Request], None]) -> None:
+    page.on(
+        "request",
+        lambda request: add(request) if request.method == "POST" and request.url.endswith(path) else None,
+    )
+
+
 def sessions(page: Page) -> list[Request]:
     """Sessions begun by a page, as they are begun."""
     begun: list[Request] = []
-    page.on(
-        "request",
-        lambda request: (
-            begun.append(request)
-            if request.method == "POST" and request.url.endswith("/v1/session")
-            else None
-        ),
-    )
+    _posted(page, "/v1/session", begun.append)
     return begun
 
 
@@ -153,12 +154,5 @@ def done(page: Page) -> None:
 def sent_views(page: Page) -> list[Any]:
     """Corner positions of the views that a page sends, as they are sent."""
     sent: list[Any] = []
-    page.on(
-        "request",
-        lambda request: (
-            sent.append(json.loads(request.post_data or "")["points"])
-            if request.method == "POST" and request.url.endswith("/session/views")
-            else None
-        ),
-    )
+    _posted(page, "/session/views", lambda view: sent.append(json.loads(view.post_data or "")["points"]))
     return sent

@@ -81,25 +81,31 @@ def _rays() -> npt.NDArray[np.float64]:
     return np.column_stack([xy, np.ones(len(xy))])
 
 
-def photograph(
+def _photograph(
+    texture: Grey,
+    origin: npt.NDArray[np.float64],
     rotation: npt.NDArray[np.float64],
     translation: npt.NDArray[np.float64],
-    seed: int = 0,
+    seed: int,
 ) -> Grey:
-    """Draw the board as the camera sees it, blurred and with noise."""
+    """Draw a board, of a texture with a margin of a square, as the camera sees it, blurred and with noise."""
     w, h = CAMERA.size
-    rays = _rays()
-    plane = np.column_stack([rotation[:, :2], translation])
-    board = rays @ np.linalg.inv(plane).T
+    board = _rays() @ np.linalg.inv(np.column_stack([rotation[:, :2], translation])).T
     # Texture pixels: the origin of the board is the edge of its first square.
-    place = SQUARE * (board[:, :2] / board[:, 2:]) + SQUARE - 0.5
+    place = SQUARE * (board[:, :2] / board[:, 2:] - origin) + SQUARE - 0.5
     maps = np.float32(place).reshape(SAMPLES * h, SAMPLES * w, 2)
-    texture = board_texture(SQUARES, SQUARE, SQUARE)
     fine = cv2.remap(texture, maps, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=90)
     grey = fine.astype(float).reshape(h, SAMPLES, w, SAMPLES).mean(axis=(1, 3))
     blurred = cv2.GaussianBlur(30 + 0.75 * grey, (0, 0), BLUR)
     noise = np.random.default_rng(seed).normal(0, NOISE, blurred.shape)
     return np.asarray(np.clip(blurred + noise, 0, 255).round(), dtype=np.uint8)
+
+
+def photograph(
+    rotation: npt.NDArray[np.float64], translation: npt.NDArray[np.float64], seed: int = 0
+) -> Grey:
+    """Draw the board of the photographs."""
+    return _photograph(board_texture(SQUARES, SQUARE, SQUARE), np.zeros(2), rotation, translation, seed)
 
 
 def board_photographs(board: Board, count: int) -> Iterator[Grey]:
@@ -118,16 +124,7 @@ def board_photographs(board: Board, count: int) -> Iterator[Grey]:
         depth = rng.uniform(1.35, 1.8) * CAMERA.fx * max(board.size[0] / w, board.size[1] / h)
         aside = 0.1 * depth * np.array([np.cos(1.1 * index), 0.7 * np.sin(1.1 * index), 0])
         translation = np.array([0, 0, depth]) + aside - rotation @ middle
-        on_board = _rays() @ np.linalg.inv(np.column_stack([rotation[:, :2], translation])).T
-        place = SQUARE * (on_board[:, :2] / on_board[:, 2:] - origin) + SQUARE - 0.5
-        maps = np.float32(place).reshape(SAMPLES * h, SAMPLES * w, 2)
-        fine = cv2.remap(
-            texture, maps, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=90
-        )
-        grey = fine.astype(float).reshape(h, SAMPLES, w, SAMPLES).mean(axis=(1, 3))
-        blurred = cv2.GaussianBlur(30 + 0.75 * grey, (0, 0), BLUR)
-        noise = np.random.default_rng(index).normal(0, NOISE, blurred.shape)
-        yield np.asarray(np.clip(blurred + noise, 0, 255).round(), dtype=np.uint8)
+        yield _photograph(texture, origin, rotation, translation, index)
 
 
 def jpeg(picture: Grey, orientation: int = 1) -> bytes:
@@ -171,3 +168,11 @@ def sent_views(sent: list[Request]) -> list[dict[str, Any]]:
     posted = [r.post_data or "" for r in sent if r.url.endswith("/session/batch") and r.method == "POST"]
     views = [view for each in posted for view in json.loads(each)["views"]]
     return list({json.dumps(view["points"]): view for view in views}.values())
+
+
+def opencv_fx(board: Board, views: list[dict[str, Any]], size: tuple[int, int]) -> tuple[float, float]:
+    """Focal length and its standard deviation, px, that OpenCV finds with views of a board."""
+    objects = [board.points[view["ids"]].astype(np.float32) for view in views]
+    points = [np.array(view["points"], dtype=np.float32)[:, None] for view in views]
+    extended = cv2.calibrateCameraExtended(objects, points, size, None, None)
+    return float(extended[1][0, 0]), float(extended[5][0][0])

@@ -38,7 +38,7 @@ T = TypeVar("T")
 SMALL = """([finger, inline]) => {
   const touched = document.querySelectorAll("a[href], button, select, input, summary");
   return [...touched].flatMap((element) => {
-    const target = element.closest("label") ?? element;
+    const target = element.closest("label") ?? (element.type === "radio" ? element.labels[0] : element);
     const { width, height } = target.getBoundingClientRect();
     if (width === 0 || !element.checkVisibility({ visibilityProperty: true })) return [];
     const least = getComputedStyle(target).display === "inline" ? inline : finger;

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import time
-from contextlib import suppress
-from typing import Any
 
-from playwright.sync_api import Page, Route, ViewportSize
-from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
+from playwright.sync_api import Page, ViewportSize
 
+from ...conftest import THOROUGH
 from .pictures import SETTLED
-from .specimens import answer, camera, cameras, result, rig
-from .waiting import TIMEOUT_S
+from .scripts import page_function
+from .specimens import answer, camera, cameras, dump, result, rig, statistics
+from .waiting import TIMEOUT_S, at_rest
 
 PAGES = {
     "landing": "",
@@ -37,23 +36,24 @@ PAGES = {
     "terms": "terms/",
     "status": "status/",
     "docs": "docs/",
+    "quickstart": "docs/quickstart/",
+    "call": "docs/reference/lookup/",
     "reference": "docs/api/",
     "problems": "docs/problems/",
     "missing": "nothing-here/",
-}
+} | ({"calls": "docs/reference/", "accuracy": "docs/accuracy/"} if THOROUGH else {})
 #: their content comes from the service, from the visitor's device, or is long
-FILLED_IN = ("landing", "sent", "data", "status", "reference")
+FILLED_IN = ("landing", "sent", "cameras", "result", "data", "status", "reference")
 SIZES: dict[int, ViewportSize] = {
     width: {"width": width, "height": height}
     for width, height in ((320, 640), (390, 844), (768, 1024), (1440, 900), (2560, 1440))
 }
 #: a tenth of the shift that people notice, after web.dev
 MAX_SHIFT = 0.01
-_WAIT_S = 15.0
 
 # Nothing is answered before the page was drawn once: what comes of an answer moves what is seen.
 _LATE_ANSWERS = """
-  const drawn = new Promise((done) => {
+  const drawn = window.drawn = new Promise((done) => {
     new PerformanceObserver((list, observer) => {
       observer.disconnect();
       requestAnimationFrame(() => requestAnimationFrame(done));
@@ -76,79 +76,11 @@ _WATCH = """
   });
   window.shifting.observe({ type: "layout-shift", buffered: true });
 """
-# Text that is wider than its element, hangs out of the page, or is cut; of selects the text shown.
-_AMISS = """() => {
-  const width = document.documentElement.clientWidth;
-  const faults = document.documentElement.scrollWidth > width ? ["the page scrolls sideways"] : [];
-  const pen = document.createElement("canvas").getContext("2d");
-  const room = (each, style) =>
-    each.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight) + 1;
-  const words = (each) => (each.textContent ?? "").trim().slice(0, 40);
-  const skipped = ".unseen, .skip, pre, svg, .wide, .scroll, .tiles, ol.views, .stage > :not(.sheet)";
-  for (const each of document.querySelectorAll("body *")) {
-    if (!each.checkVisibility({ visibilityProperty: true }) || each.closest(skipped)) continue;
-    const style = getComputedStyle(each);
-    const box = each.getBoundingClientRect();
-    const name = `${each.nodeName}#${each.id}.${each.className}`;
-    if (box.width && (box.right > width + 1 || box.left < -1)) faults.push(`${name} leaves the page`);
-    const shown = each.matches("select") ? each.selectedOptions[0]?.textContent.trim()
-      : each.matches("input[placeholder]") ? each.placeholder : "";
-    if (shown) {
-      pen.font = style.font;
-      if (pen.measureText(shown).width > room(each, style)) faults.push(`${name} cuts "${shown}"`);
-    }
-    const texts = "h1,h2,h3,p,li,td,th,dt,dd,a,button,summary,label,span,strong,code,figcaption";
-    if (!each.matches(texts)) continue;
-    if (style.display !== "inline" && each.scrollWidth > each.clientWidth + 1) {
-      faults.push(`${name} is too narrow for "${words(each)}"`);
-    }
-    if (style.overflowY === "hidden" && each.scrollHeight > each.clientHeight + 2) {
-      faults.push(`${name} cuts "${words(each)}"`);
-    }
-  }
-  const actions = document.querySelectorAll("main :is(a[href]:not([href^='#']), button, input, select)");
-  if (![...actions].some((each) => each.checkVisibility({ visibilityProperty: true }))) {
-    faults.push("there is nothing to do next");
-  }
-  return faults;
-}"""
-
-
-def statistics() -> dict[str, Any]:
-    """Figures of a database that is some weeks old."""
-    history = [
-        {"date": f"2026-{month:02}-02", "cameras": 40 * month, "known": 9 * month}
-        | {"calibrations": 190 * month, "contributors": 77 * month}
-        for month in range(1, 8)
-    ]
-    wanted = [
-        {
-            "key": f"c4.{n}",
-            "camera": f"Webcam {n} (046d:08{n:02})",
-            "asked": 90 - 3 * n,
-            "calibrations": n % 4,
-        }
-        for n in range(12)
-    ]
-    return {"created": 1_782_000_000, "history": history, "wanted": wanted, "bundle": None}
-
-
-def dump() -> dict[str, Any]:
-    """List of the files of a dump."""
-    counts = {"calibrations": 1330, "votes": 12, "cameras": 280, "contributors": 539}
-    files = [
-        {"name": f"{name}-2026-07-02.jsonl.gz", "count": 640, "size": 5_400_000, "sha256": "0f" * 32}
-        for name in ("calibrations-1", "calibrations-2", "votes")
-    ]
-    return {"created": 1_782_000_000, "counts": counts, "files": files}
+_AMISS = page_function("page_faults")
 
 
 def prepare(page: Page) -> None:
     """Let a page be answered by specimens, after it was drawn once, and watch what moves."""
-
-    def refuse(route: Route) -> None:
-        route.abort()
-
     answer(page, "**/v1/cameras?*", cameras)
     answer(page, "**/v1/cameras/*", camera)
     answer(page, "**/v1/calibrations/x", result)
@@ -156,16 +88,16 @@ def prepare(page: Page) -> None:
     answer(page, "**/dumps/statistics.json", statistics)
     answer(page, "**/dumps/latest.json", dump)
     # 3 MB that show nothing. The worker itself: what a worker imports in vain is pending for ever.
-    page.route("**/detector.worker.js", refuse)
+    page.route("**/detector.worker.js", lambda route: route.abort())
     page.add_init_script(_LATE_ANSWERS)
     page.add_init_script(_WATCH)
 
 
 def visit(page: Page, name: str, language: str) -> None:
     """Open a page in a language, and wait until all that it asks for is there."""
-    page.goto(f"/{'' if language == 'en' else f'{language}/'}{PAGES[name]}")
-    with suppress(PlaywrightTimeoutError):  # a page may ask again and again
-        page.wait_for_load_state("networkidle", timeout=1000 * _WAIT_S)
+    with at_rest(page):
+        page.goto(f"/{'' if language == 'en' else f'{language}/'}{PAGES[name]}")
+        page.evaluate("window.drawn")
     page.evaluate(SETTLED)
 
 

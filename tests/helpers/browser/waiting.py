@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import TypeVar
 
-from playwright.sync_api import Page
+from playwright.sync_api import Page, Request
 from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
 #: seconds; only what fails is waited for so long: a machine may be slow, or busy with something else
@@ -37,6 +37,10 @@ _PASSING = """([places, text]) => {
   }).observe(document.body, { subtree: true, childList: true, characterData: true });
 }"""
 
+# Two frames, and what they brought about.
+_DRAWN = """() => new Promise((done) =>
+  requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done))))"""
+
 T = TypeVar("T")
 
 
@@ -62,10 +66,30 @@ def requests_within(page: Page, seconds: float) -> list[str]:
         return []
 
 
-def wait_until_quiet(page: Page, seconds: float = 4.0) -> None:
-    """Wait until a page makes no request for so many seconds: what was on its way has arrived."""
-    while requests_within(page, seconds):
-        pass
+@contextmanager
+def at_rest(page: Page, seconds: float = 15.0) -> Iterator[None]:
+    """Wait until all that a page asks for in the block has arrived and is drawn, or for so many seconds.
+
+    `networkidle` takes half a second more for each page, and never comes if a worker's import fails.
+    """
+    pending: set[Request] = set()
+
+    def begin(request: Request) -> None:
+        pending.add(request)
+
+    def end(request: Request) -> None:
+        pending.discard(request)
+
+    listeners = {"request": begin, "requestfinished": end, "requestfailed": end}
+    for event, listener in listeners.items():
+        page.on(event, listener)  # type: ignore[call-overload]
+    yield
+    limit, quiet = time.monotonic() + seconds, 0
+    while quiet < 3 and time.monotonic() < limit:
+        page.evaluate(_DRAWN)
+        quiet = 0 if pending else quiet + 1
+    for event, listener in listeners.items():
+        page.remove_listener(event, listener)
 
 
 def address(page: Page) -> str:

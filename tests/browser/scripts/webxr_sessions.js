@@ -1,0 +1,113 @@
+// Sessions of WebXR as tests hold them; put behind webxr.js.
+const sessions = {
+  async native() {
+    const { extend } = await import("/webxr/extension.js");
+    const { lookup } = await import("/sdk/calibdb.js");
+    const token = "cdb_dev_local";
+    const run = async (track) => {
+      let look;
+      const seen = new Promise((done) => (look = done)); // a quick service might answer before the first frame
+      const answered = new Promise((done) => {
+        extend(async (session, model) => {
+          await seen;
+          const { calibration } = await lookup(track, { token, model });
+          done();
+          return calibration;
+        });
+      });
+      const session = await navigator.xr.requestSession("inline");
+      await layered(session);
+      const space = await session.requestReferenceSpace("viewer");
+      const none = await until(session, space, () => true);
+      look();
+      await answered;
+      return { session, space, none };
+    };
+    const stranger = await run((await webcam([1280, 720])).track);
+    const strange = await until(stranger.session, stranger.space, () => true);
+    stranger.session.updateRenderState({ distortionModel: "fisheye" });
+    const still = await until(stranger.session, stranger.space, () => true);
+    void stranger.session.end(); // which a browser without a screen does not confirm
+    const { session, space, none } = await run((await webcam([1280, 720], label)).track);
+    const first = await until(session, space, (view) => view.distortionModel === "rectilinear");
+    let refused = null;
+    try {
+      session.updateRenderState({ distortionModel: "brown" });
+    } catch (error) {
+      refused = error.name;
+    }
+    session.updateRenderState({ distortionModel: "fisheye" });
+    const second = await until(session, space, (view) => view.distortionModel === "fisheye");
+    void session.end();
+    const native = /native code/.test(XRSession.toString());
+    return { native, nothing: [stranger.none, strange, still, none], first, second, refused };
+  },
+  async changing() {
+    const { useCamera } = await import("/webxr/camera.js");
+    const { video, track, resize } = await webcam([1280, 720], label);
+    const answers = [];
+    const onAnswer = ({ calibration, reason }) => answers.push(reason ?? calibration.img_size);
+    const stop = await useCamera(video, { token: "cdb_dev_local", onAnswer });
+    const session = await navigator.xr.requestSession("immersive-ar", { optionalFeatures: ["local-floor"] });
+    await layered(session);
+    const space = await session.requestReferenceSpace("local-floor");
+    const seen = [await until(session, space, (view) => view.distortionModel)];
+    for (const [size, known] of [
+      [[720, 1280], false],
+      [[1280, 720], true],
+    ]) {
+      resize(...size);
+      track.dispatchEvent(new Event("configurationchange"));
+      seen.push(await until(session, space, (view) => (view.distortionModel !== null) === known));
+      while (answers.length < seen.length) await new Promise(requestAnimationFrame);
+    }
+    stop();
+    await session.end();
+    return { seen, answers };
+  },
+  // what views say from the frame on in which the video shows another picture, while nobody answers
+  async turned() {
+    const { useCamera } = await import("/webxr/camera.js");
+    const { video, resize } = await webcam([1280, 720], label);
+    let silent = false;
+    const slowly = (...request) => (silent ? new Promise(() => {}) : fetch(...request));
+    const stop = await useCamera(video, { token: "cdb_dev_local", cache: null, fetch: slowly });
+    const session = await navigator.xr.requestSession("immersive-ar");
+    await layered(session);
+    const space = await session.requestReferenceSpace("local");
+    const before = await until(session, space, (view) => view.distortionModel);
+    silent = true;
+    resize(720, 1280);
+    const after = await until(session, space, () => video.videoWidth === 720);
+    stop();
+    await session.end();
+    return { before, after };
+  },
+  async immersive() {
+    const { extend } = await import("/webxr/extension.js");
+    const { install, isNeeded } = await import("/webxr/install.js");
+    const needed = await isNeeded();
+    const { video } = await webcam();
+    let calibration = null;
+    install({ video, pinhole: () => calibration });
+    const again = extend(async (_, model) => calibration && known[model]);
+    const supported = await navigator.xr.isSessionSupported("immersive-ar");
+    const session = await navigator.xr.requestSession("immersive-ar");
+    const twice = await navigator.xr.requestSession("immersive-ar").catch(({ name }) => name);
+    const canvas = await layered(session);
+    const space = await session.requestReferenceSpace("local");
+    const none = await until(session, space, () => true);
+    calibration = known.rectilinear;
+    await again();
+    const first = await until(session, space, (view) => view.distortionModel === "rectilinear");
+    session.updateRenderState({ distortionModel: "fisheye" });
+    const second = await until(session, space, (view) => view.distortionModel === "fisheye");
+    const over = canvas.parentNode === video.parentNode && canvas.parentNode !== document.body;
+    const { width, height } = canvas.getBoundingClientRect();
+    const ended = new Promise((done) => session.addEventListener("end", done));
+    window.dispatchEvent(new KeyboardEvent("keydown", { key: "Escape" }));
+    await ended;
+    const back = video.parentNode === document.body && !canvas.getAttribute("style");
+    return { needed, supported, twice, none, first, second, over, back, window: [width, height] };
+  },
+};
