@@ -71,6 +71,11 @@ def test_runtime_architecture_and_payload(transformed: dict) -> None:
     assert {integration["payloadFormatVersion"] for integration in integrations} == {"2.0"}
 
 
+def test_functions_compute_on_one_thread_each(source: dict) -> None:
+    """With more, two seconds became half a minute where other programs wanted the processors, too."""
+    assert str(source["Globals"]["Function"]["Environment"]["Variables"]["OPENBLAS_NUM_THREADS"]) == "1"
+
+
 def test_light_functions_carry_no_solver(source: dict) -> None:
     light = {name for name, properties in functions(source).items() if "Layers" not in properties}
     assert {"AuthFunction", "LookupFunction"} <= light
