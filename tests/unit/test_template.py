@@ -242,14 +242,6 @@ def test_every_alarm_has_the_topic(source: dict) -> None:
     assert sorted(missing) == ["breaching", "breaching", *["notBreaching"] * (len(alarms) - 2)]
 
 
-def test_throttles_of_any_number_of_functions_raise_one_alarm(source: dict) -> None:
-    """A sum of metrics holds ten of them; the metric without a dimension is of all functions."""
-    alarm = source["Resources"]["ThrottleAlarm"]["Properties"]
-    assert (alarm["Namespace"], alarm["MetricName"]) == ("AWS/Lambda", "Throttles")
-    assert "Dimensions" not in alarm
-    assert "Metrics" not in alarm
-
-
 def test_no_alarm_sums_more_metrics_than_it_can(source: dict) -> None:
     alarms = [r["Properties"] for r in source["Resources"].values() if r["Type"] == "AWS::CloudWatch::Alarm"]
     sums = [sum("MetricStat" in metric for metric in alarm.get("Metrics", [])) for alarm in alarms]
