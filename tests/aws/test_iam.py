@@ -23,7 +23,7 @@ from calibdb.store.rigs import Rigs
 from calibdb.store.sessions import Sessions
 from calibdb.store.storage import storage_of
 from tests.aws.emulator import LocalStack
-from tests.helpers.service.client import CAMERA, Client, Truth
+from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
 from tests.helpers.service.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
 from tests.helpers.service.rigs import RigTruth
@@ -112,7 +112,7 @@ def use(stack: LocalStack) -> None:
     assert client.call("DELETE", "/v1/session").status == 204
     started_anew = {**CAMERA, "camera": "Well known", "platform": PLATFORM}
     assert client.call("POST", "/v1/session", started_anew).status == 201
-    state = Truth(seed=12).calibrate(client, camera="Captured here", platform=PLATFORM)
+    state = Truth(seed=12).calibrate(client, camera="Captured here", platform=PLATFORM, **BRIEF)
     consent = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
     assert client.call("POST", "/v1/session/licence", consent).status == 200
     stack.wait_until_idle(60)
@@ -126,7 +126,7 @@ def use(stack: LocalStack) -> None:
     assert client.lookup(camera="Unknown (046d:0825)", redirect=False).status == 404
     views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=30), 3)]
     checker = Client(stack, api_token="cdb_other_secret")
-    checker.session_id = checker.call("POST", "/v1/auth", token=checker.api_token).json["session_id"]
+    checker.authenticate()
     body = {**CAMERA, "camera": "Well known", "platform": PLATFORM, "views": views}
     assert checker.call("POST", "/v1/checks", body).json["counted"]
     assert checker.call("POST", "/v1/checks", body).status == 200

@@ -1,19 +1,18 @@
-"""Functions that call functions: at once, later, and again after a failure."""
+"""The emulator's asynchronous calls, repeated after a failure, and its place in the environment."""
 
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import boto3
 import pytest
-from botocore.exceptions import ClientError
 
 from tests.aws.emulator import LocalStack
-from tests.helpers.service.client import until
 from tests.helpers.stack.toy_stack import deploy
 
-#: appends every call to a file; fails as often as the event says, and asks others
+#: appends every call to a file; fails as often as the event says
 RECORD = """
     import json, os, time
     from pathlib import Path
@@ -23,23 +22,15 @@ RECORD = """
         seen = Path(os.environ["CALLS"]).read_text().count(json.dumps(event))
         if seen <= event.get("fail", 0):
             raise ValueError("not yet")
-        time.sleep(event.get("sleep", 0))
         while "after" in event and not Path(event["after"]).exists():
             time.sleep(0.005)
-        return {"seen": seen, "tuple": (1, 2)}
-"""
-
-CALLER = """
-    import boto3, json
-    def handler(event, context):
-        answer = boto3.client("lambda").invoke(FunctionName="Record", Payload=json.dumps({"from": "caller"}))
-        return {"status": answer["StatusCode"], "answer": json.load(answer["Payload"])}
+        return seen
 """
 
 
 @pytest.fixture
 def template(tmp_path: Path) -> Path:
-    return deploy(tmp_path, {"Record": (RECORD, ()), "Caller": (CALLER, ("GET /v1/call",))})
+    return deploy(tmp_path, {"Record": (RECORD, ())})
 
 
 @pytest.fixture(autouse=True)
@@ -50,55 +41,11 @@ def calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[
     return lambda: [json.loads(line) for line in path.read_text().splitlines()]
 
 
-def invoke(event: Any, kind: str = "RequestResponse", name: str = "Record") -> Any:
-    return boto3.client("lambda").invoke(
-        FunctionName=name, InvocationType=kind, Payload=json.dumps(event).encode()
+def invoke_later(event: Any) -> None:
+    answer = boto3.client("lambda").invoke(
+        FunctionName="Record", InvocationType="Event", Payload=json.dumps(event).encode()
     )
-
-
-def test_a_call_is_answered_through_json(template: Path) -> None:
-    with LocalStack(template=template):
-        answer = invoke({"n": 1})
-        assert answer["StatusCode"] == 200
-        assert "FunctionError" not in answer
-        assert json.load(answer["Payload"]) == {"seen": 1, "tuple": [1, 2]}
-        by_arn = invoke({"n": 2}, name="arn:aws:lambda:us-east-1:123456789012:function:Record")
-        assert by_arn["StatusCode"] == 200
-
-
-def test_a_function_may_call_another_within_a_request(template: Path) -> None:
-    with LocalStack(template=template) as stack:
-        response = stack.request("GET", "/v1/call")
-        assert response.json() == {"status": 200, "answer": {"seen": 1, "tuple": [1, 2]}}
-
-
-def test_a_failure_is_the_functions(template: Path) -> None:
-    with LocalStack(template=template):
-        answer = invoke({"fail": 9})
-        assert (answer["StatusCode"], answer["FunctionError"]) == (200, "Unhandled")
-        assert json.load(answer["Payload"]) == {"errorMessage": "not yet", "errorType": "ValueError"}
-        with pytest.raises(ClientError, match="ResourceNotFoundException"):
-            invoke({}, name="Nobody")
-
-
-def test_a_later_call_is_accepted_at_once_and_done_before_the_end(
-    template: Path, tmp_path: Path, calls: Callable[[], list[Any]]
-) -> None:
-    accepted = tmp_path / "accepted"
-    with LocalStack(template=template):
-        for number in range(5):  # none of them comes to its end before all were accepted
-            answer = invoke({"n": number, "after": str(accepted)}, "Event")
-            assert (answer["StatusCode"], answer["Payload"].read()) == (202, b"")
-        accepted.touch()
-    assert sorted(event["n"] for event, _ in calls()) == [0, 1, 2, 3, 4]
-
-
-def test_failed_event_is_retried_twice(template: Path, calls: Callable[[], list[Any]]) -> None:
-    with LocalStack(template=template, retry_pauses=(0.0, 0.0)):
-        invoke({"fail": 2}, "Event")
-        until(lambda: len(calls()) == 3)
-    assert len({request for _, request in calls()}) == 1, "a retry has the id of the call"
-    assert len(calls()) == 3
+    assert (answer["StatusCode"], answer["Payload"].read()) == (202, b"")
 
 
 def test_given_up_event_is_in_the_dead_letter_queue(template: Path, calls: Callable[[], list[Any]]) -> None:
@@ -112,15 +59,17 @@ def test_given_up_event_is_in_the_dead_letter_queue(template: Path, calls: Calla
     code = "      CodeUri: functions/Record/"
     template.write_text(template.read_text().replace(code, code + queue.rstrip()))
     with LocalStack(template=template, retry_pauses=(0.0,)) as stack:
-        invoke({"fail": 99, "n": 7}, "Event")
-        invoke({"n": 8}, "Event")
+        invoke_later({"fail": 99, "n": 7})
+        invoke_later({"n": 8})
         stack.wait_until_idle(30)
         (record,) = stack.failures()
     assert record["requestPayload"] == {"fail": 99, "n": 7}
     assert record["responsePayload"] == {"errorMessage": "not yet", "errorType": "ValueError"}
     assert record["requestContext"]["condition"] == "RetriesExhausted"
     assert record["requestContext"]["approximateInvokeCount"] == 2
-    assert len(calls()) == 3
+    failed = [request for event, request in calls() if event["n"] == 7]
+    assert len(failed) == 2
+    assert len(set(failed)) == 1, "a retry has the id of the call"
 
 
 def test_idle_stack_has_no_queued_running_or_retried_events(
@@ -130,19 +79,23 @@ def test_idle_stack_has_no_queued_running_or_retried_events(
     with LocalStack(template=template, retry_pauses=(0.0, 0.3)) as stack:
         stack.wait_until_idle(0)
         for number in range(4):  # two run, two are queued
-            invoke({"n": number, "after": str(gate)}, "Event")
+            invoke_later({"n": number, "after": str(gate)})
         with pytest.raises(TimeoutError, match="4 asynchronous calls unfinished"):
             stack.wait_until_idle(0.05)
         gate.touch()
         stack.wait_until_idle(30)
         assert sorted(event["n"] for event, _ in calls()) == [0, 1, 2, 3]
-        invoke({"fail": 99}, "Event")
+        invoke_later({"fail": 99})
         stack.wait_until_idle(30)
         assert len(calls()) == 4 + 3
 
 
-def test_one_stack_at_a_time(template: Path) -> None:
+def test_a_developers_own_aws_settings_do_not_matter(template: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("AWS_PROFILE", "no-such-profile")
+    monkeypatch.setenv("AWS_ENDPOINT_URL_S3", "http://127.0.0.1:1")
+    monkeypatch.setenv("AWS_SESSION_TOKEN", "expired")
+    monkeypatch.setenv("AWS_REGION", "eu-central-1")
+    before = dict(os.environ)
     with LocalStack(template=template):
-        with pytest.raises(RuntimeError, match="running in this process already"):
-            LocalStack(template=template).__enter__()
-        assert invoke({"still": "there"})["StatusCode"] == 200
+        assert boto3.client("s3").list_objects_v2(Bucket="calibdb-files")["KeyCount"] == 0
+    assert dict(os.environ) == before

@@ -71,6 +71,11 @@ def test_runtime_architecture_and_payload(transformed: dict) -> None:
     assert {integration["payloadFormatVersion"] for integration in integrations} == {"2.0"}
 
 
+def test_functions_compute_on_one_thread_each(source: dict) -> None:
+    """With more, two seconds became half a minute where other programs wanted the processors, too."""
+    assert str(source["Globals"]["Function"]["Environment"]["Variables"]["OPENBLAS_NUM_THREADS"]) == "1"
+
+
 def test_light_functions_carry_no_solver(source: dict) -> None:
     light = {name for name, properties in functions(source).items() if "Layers" not in properties}
     assert {"AuthFunction", "LookupFunction"} <= light
@@ -235,14 +240,6 @@ def test_every_alarm_has_the_topic(source: dict) -> None:
     # A probe or a canary that does not run is a failure; anything else without data is at rest.
     missing = [alarm["Properties"]["TreatMissingData"] for alarm in alarms]
     assert sorted(missing) == ["breaching", "breaching", *["notBreaching"] * (len(alarms) - 2)]
-
-
-def test_throttles_of_any_number_of_functions_raise_one_alarm(source: dict) -> None:
-    """A sum of metrics holds ten of them; the metric without a dimension is of all functions."""
-    alarm = source["Resources"]["ThrottleAlarm"]["Properties"]
-    assert (alarm["Namespace"], alarm["MetricName"]) == ("AWS/Lambda", "Throttles")
-    assert "Dimensions" not in alarm
-    assert "Metrics" not in alarm
 
 
 def test_no_alarm_sums_more_metrics_than_it_can(source: dict) -> None:

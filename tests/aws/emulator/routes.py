@@ -30,12 +30,12 @@ class Match:
 class Routes:
     """A template's routes: the most specific path that has the method wins, and there the method before ANY.
 
-    A literal segment is more specific than a `{parameter}`, that more than a greedy `{parameter+}`.
+    A literal segment is more specific than a `{parameter}`.
     """
 
     def __init__(self, routes: Iterable[RouteSpec]):
         self._routes = sorted(
-            ((_pattern(route.path), route) for route in routes),
+            ((re.compile(re.sub(r"\{(\w+)\}", r"(?P<\1>[^/]+)", route.path)), route) for route in routes),
             key=lambda entry: (_rank(entry[1].path), entry[1].method == "ANY"),
         )
 
@@ -55,26 +55,6 @@ class Routes:
                 return Match(route, found.groupdict())
         return None
 
-    def owns(self, path: str) -> bool:
-        """Tell whether the path starts with the first segment of some route; files of the site do not."""
-        return _first(unquote(path)) in {
-            _first(route.path) for _, route in self._routes if not route.path.endswith(".html")
-        }
 
-
-def _first(path: str) -> str:
-    return path.removeprefix("/").partition("/")[0]
-
-
-def _pattern(path: str) -> re.Pattern[str]:
-    parts = re.split(r"\{(\w+)(\+?)\}", path)
-    pattern = re.escape(parts[0])
-    for name, greedy, literal in zip(parts[1::3], parts[2::3], parts[3::3], strict=True):
-        pattern += f"(?P<{name}>{'.+' if greedy else '[^/]+'})" + re.escape(literal)
-    return re.compile(pattern, re.DOTALL)
-
-
-def _rank(path: str) -> tuple[int, ...]:
-    return tuple(
-        2 if segment.endswith("+}") else 1 if segment.startswith("{") else 0 for segment in path.split("/")
-    )
+def _rank(path: str) -> list[bool]:
+    return [segment.startswith("{") for segment in path.split("/")]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import sys
 import time
@@ -13,24 +14,23 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from starlette.requests import Request as WebRequest
+from starlette.responses import Response as WebResponse
+from starlette.types import Receive, Scope, Send
+
 from infra.server import secrets
 from infra.server.app import ORIGINS
-from infra.server.server import DEVELOPMENT_TOKEN, OPERATOR_PARAMETERS, bind, serving
-from infra.web_build.root_files import contacts, public_settings
-from infra.web_build.site import Options
+from infra.server.server import DEVELOPMENT_TOKEN, bind, serving
 from tests.aws.emulator import environment as env
 from tests.aws.emulator.events import Request, Response, message
-from tests.aws.emulator.functions import Function, FunctionError
+from tests.aws.emulator.functions import Function
 from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S, Gateway
 from tests.aws.emulator.intercept import intercepting
 from tests.aws.emulator.invokes import Invokes
-from tests.aws.emulator.server import GatewayApp
 from tests.aws.emulator.storage import Storage
 from tests.aws.emulator.template import Template, load
 
 ROOT = Path(__file__).resolve().parents[3]
-# Variables of this process, and the parameters of the template that they set.
-_PARAMETERS = {**OPERATOR_PARAMETERS, "NEW_TOKENS": "NewTokens"}
 # A few more than can compute at once, for those that wait for the disk. More only make everyone wait longer.
 _THREADS = max(4, 2 * (os.cpu_count() or 1))
 
@@ -42,8 +42,8 @@ class LocalStack:
     ----------
     environment
         Variables of the functions, over the template's.
-    template, web
-        The template and the static client; by default the repository's.
+    template
+        By default the repository's.
     retry_pauses
         Seconds before the retries of an asynchronous invocation that failed; see `Invokes`.
     answers_preflights
@@ -59,14 +59,12 @@ class LocalStack:
         self,
         environment: Mapping[str, str] | None = None,
         template: Path = ROOT / "template.yaml",
-        web: Path = ROOT / "web",
         retry_pauses: Sequence[float] = (1.0, 2.0),
         answers_preflights: bool = False,
     ):
         self._answers_preflights = answers_preflights
         self._environment = environment or {}
         self._template_path = template
-        self._web = web
         self._retry_pauses = retry_pauses
         self._stack = ExitStack()
 
@@ -125,10 +123,6 @@ class LocalStack:
             "GuidanceUrl": f"{self.url}/calibrate/",
             "Thresholds": "MIN_CONTRIBUTORS=1,CONTRIBUTOR_PERIOD=0",
         }
-        for variable, name in _PARAMETERS.items():
-            if variable in os.environ:
-                parameters[name] = os.environ[variable]
-        self._parameters = parameters
         return load(self._template_path, parameters)
 
     def _admit_development_token(self) -> None:
@@ -143,16 +137,6 @@ class LocalStack:
         created = int(time.time())
         token = ApiToken(token_id, secret_hash(secret), ORIGINS, plan="development", created=created)
         Store.of(Settings.from_environment(self.environment)).tokens.change(token)
-
-    def warm(self) -> tuple[str, ...]:
-        """Load all functions now; return the names of those that could not be, and that will answer 500."""
-        failed = []
-        for name, function in self.functions.items():
-            try:
-                function.warm()
-            except FunctionError:  # logged where it happened
-                failed.append(name)
-        return tuple(failed)
 
     def request(
         self,
@@ -175,16 +159,21 @@ class LocalStack:
 
     @contextmanager
     def serve(self) -> Iterator[str]:
-        """Serve API and client on the loopback interface until the end of the block; yield the address."""
+        """Serve the API on the loopback interface until the end of the block; yield the address."""
+
+        async def answer(scope: Scope, receive: Receive, send: Send) -> None:
+            request = Request(
+                scope["method"],
+                scope["raw_path"].decode("latin-1"),
+                scope["query_string"].decode("latin-1"),
+                tuple((name.decode("latin-1"), value.decode("latin-1")) for name, value in scope["headers"]),
+                await WebRequest(scope, receive).body(),
+            )
+            loop = asyncio.get_running_loop()
+            response = await loop.run_in_executor(self.workers, self.gateway.handle, request)
+            await WebResponse(response.body, response.status, dict(response.headers))(scope, receive, send)
+
         if self._listener.fileno() == -1:  # an earlier block has closed it
             self._listener = bind("127.0.0.1", self._port)
-        settings = public_settings("/v1", DEVELOPMENT_TOKEN, self._parameters)
-        app = GatewayApp(
-            self.gateway,
-            self.workers,
-            self._web,
-            settings,
-            options=Options(self.url, contacts(self._parameters)),
-        )
-        with serving(app, self._listener):
+        with serving(answer, self._listener):
             yield self.url

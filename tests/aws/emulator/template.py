@@ -54,7 +54,6 @@ class CorsSpec:
     allow_headers: tuple[str, ...] = ()
     expose_headers: tuple[str, ...] = ()
     max_age: int | None = None
-    allow_credentials: bool = False
 
 
 @dataclass(frozen=True)
@@ -185,7 +184,6 @@ def _cors(configuration: Any) -> CorsSpec | None:
         allow_headers=tuple(configuration.get("AllowHeaders", ())),
         expose_headers=tuple(configuration.get("ExposeHeaders", ())),
         max_age=configuration.get("MaxAge"),
-        allow_credentials=bool(configuration.get("AllowCredentials", False)),
     )
 
 

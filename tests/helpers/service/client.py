@@ -28,6 +28,17 @@ class Answer:
     def json(self) -> Any:
         return json.loads(self.body)
 
+    @property
+    def kind(self) -> str:
+        """The name of a problem's type."""
+        return str(self.json["type"]).rpartition("#")[2]
+
+    @property
+    def fields(self) -> list[str]:
+        """Names of the fields that a 422 refuses."""
+        assert self.status == 422, self
+        return [error["field"] for error in self.json["errors"]]
+
 
 def until(holds: Callable[[], Any], seconds: float = 120.0) -> Any:
     """Wait for what is computed asynchronously; only what fails is waited for so long."""
@@ -95,11 +106,15 @@ class Client:
             assert answer.json["status"] == answer.status
         return answer
 
-    def open(self, **start: object) -> Answer:
-        """Get a session id, and start a session unless told not to."""
-        opened = self.call("POST", "/v1/auth", token=self.api_token)
+    def authenticate(self, token: str | None = None) -> None:
+        """Get a session id."""
+        opened = self.call("POST", "/v1/auth", token=token or self.api_token)
         assert opened.status == 201, opened.body
         self.session_id = opened.json["session_id"]
+
+    def open(self, **start: object) -> Answer:
+        """Start a session under an id of its own."""
+        self.authenticate()
         return self.call("POST", "/v1/session", {**CAMERA, **start})
 
     def pose(self, query: str = "") -> Answer:
@@ -110,6 +125,11 @@ class Client:
 
     def state(self) -> Any:
         return self.call("GET", "/v1/session").json
+
+    def check(self, views: object, **asked: object) -> Answer:
+        """Check views, in a session of its own."""
+        self.authenticate()
+        return self.call("POST", "/v1/checks", {**CAMERA, "views": views, **asked})
 
     def lookup(self, **asked: object) -> Answer:
         return self.call("POST", "/v1/lookup", {**CAMERA, **asked}, token=self.api_token)

@@ -19,11 +19,15 @@ PLATFORM = "X11; Linux x86_64"
 TILTS = ((0.5, 0.1, 0.1), (-0.4, 0.5, 0.0), (0.1, -0.6, 0.2), (0.0, 0.5, -0.3), (0.4, -0.4, 0.0))
 BOARD = Board()
 Vector = tuple[float, float, float]
-Seen = tuple[list[int], list[list[float]]]
 
 
 def store(stack: Server) -> Store:
     return Store.of(Settings.from_environment(stack.environment))
+
+
+def put(store: Store, *documents: schema.ConsensusDocument) -> None:
+    for document in documents:
+        assert store.consensuses.put(document, schema.GroupsDocument(pooled=document.pooled), None)
 
 
 def held(
@@ -35,6 +39,11 @@ def held(
         tvec = [-4.5 + truth.rng.normal(0, 0.7), -3 + truth.rng.normal(0, 0.5), 8 + 0.7 * n]
         seen.append(truth.see({"rvec": tilts[n % len(tilts)], "tvec": tvec}))
     return seen
+
+
+def views(truth: Truth, count: int = 3, tilts: Sequence[Vector] = TILTS) -> list[dict[str, Any]]:
+    """Views of a board held by hand, as requests have them."""
+    return [{"ids": ids, "points": points} for ids, points in held(truth, count, tilts)]
 
 
 @functools.lru_cache(maxsize=256)

@@ -82,22 +82,6 @@ def faulty(
 
 
 @contextmanager
-def watched() -> Iterator[list[str]]:
-    """Nothing goes wrong; yields the operations that storage is asked for."""
-    met: list[str] = []
-
-    def around(service: Service) -> Service:
-        def handle(operation: str, request: AWSPreparedRequest) -> Answer:
-            met.append(operation)
-            return service(operation, request)
-
-        return handle
-
-    with wrapped_without_pauses(lambda _, service: around(service)):
-        yield met
-
-
-@contextmanager
 def stale() -> Iterator[list[str]]:
     """Reads that may be eventually consistent answer as they first did within the block."""
     first: dict[tuple[str, bytes], Answer] = {}

@@ -14,7 +14,6 @@ Globals:
     Timeout: 10
     Environment:
       Variables:
-        TABLE: !Ref Things
         BUCKET: !Ref Files
 Resources:
   Api:
@@ -26,23 +25,8 @@ Resources:
         AllowHeaders: [authorization, content-type]
         ExposeHeaders: [location]
         MaxAge: 600
-  Things:
-    Type: AWS::DynamoDB::Table
-    Properties:
-      BillingMode: PAY_PER_REQUEST
-      AttributeDefinitions:
-        - {AttributeName: pk, AttributeType: S}
-        - {AttributeName: sk, AttributeType: S}
-      KeySchema:
-        - {AttributeName: pk, KeyType: HASH}
-        - {AttributeName: sk, KeyType: RANGE}
-      TimeToLiveSpecification: {AttributeName: ttl, Enabled: true}
   Files:
     Type: AWS::S3::Bucket
-    Properties:
-      LifecycleConfiguration:
-        Rules:
-          - {Id: Short, Status: Enabled, Prefix: short/, ExpirationInDays: 2}
 """
 
 FUNCTION = """

@@ -9,19 +9,16 @@ import numpy as np
 import pytest
 import yaml
 
-from calibdb_client import Board, Calibration, Rig, UsageError, offline
+from calibdb_client import Board, Calibration, CaptureResult, Rig, UsageError
 from calibdb_client.cli import main
 from calibdb_client.conversion import FORMATS, RIG_FORMATS, format_of
 from tests.helpers import board_pictures
-from tests.helpers.recordings import recording_of
 
 
 @pytest.fixture(scope="module")
-def calibrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """File that `calibdb submit --offline` wrote of the photographs opencv_left."""
+def calibrated(left_file: bytes, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("files") / "left.json"
-    recording_of("opencv_left").save(path)
-    assert main(["submit", str(path), "--offline", "--model", "rectilinear", "--json"]) == 0
+    path.write_bytes(left_file)
     return path
 
 
@@ -130,6 +127,5 @@ def test_rig_on_disk_is_exported_in_every_format(name: str, tmp_path: Path) -> N
     assert Rig.load(tmp_path / "rig.json").save(tmp_path / "rig.yaml").content.count(b"T_cn_cnm1") == 1
 
 
-def test_calibration_in_memory_is_saved_with_its_corners(tmp_path: Path) -> None:
-    result = offline.calibrate_recording(recording_of("opencv_left"), "rectilinear")
-    assert result.calibration.save(tmp_path / "corners.vnl").content.count(b"\n") > 13 * 54
+def test_calibration_in_memory_is_saved_with_its_corners(left: CaptureResult, tmp_path: Path) -> None:
+    assert left.calibration.save(tmp_path / "corners.vnl").content.count(b"\n") > 13 * 54

@@ -1,5 +1,6 @@
 """Parameters that the command holds: `--fix` and `--start`."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +11,14 @@ from calibdb_client.cli import main
 from calibdb_client.report import fit_again
 from tests.helpers.recordings import recording_of
 
+FEW = replace(recording_of("opencv_left"), views=recording_of("opencv_left").views[::2])
+
 
 @pytest.fixture
 def corners(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     path = Path("corners.json")
-    path.write_bytes(recording_of("opencv_left").content())
+    path.write_bytes(FEW.content())
     return path
 
 
@@ -36,7 +39,7 @@ def test_submit_fixes_values_and_keeps_their_names(corners: Path) -> None:
 
 
 def test_start_gives_model_and_values(corners: Path) -> None:
-    first = offline.calibrate_recording(recording_of("opencv_left"), "fisheye").calibration
+    first = offline.calibrate_recording(FEW, "fisheye").calibration
     first.save("first.json")
     assert main(["submit", str(corners), "--offline", "--start", "first.json", "--fix", "fx,fy"]) == 0
     found = Calibration.load(corners)
@@ -65,9 +68,8 @@ def test_live_captures_are_refused_with_the_way_to_go() -> None:
 
 
 def test_python_takes_the_same() -> None:
-    recording = recording_of("opencv_left")
-    result = offline.calibrate_recording(recording, "rectilinear", fix="aspect")
+    result = offline.calibrate_recording(FEW, "rectilinear", fix="aspect")
     matrix = result.calibration.camera_matrix
     assert matrix[0, 0] == pytest.approx(matrix[1, 1], rel=1e-12)
     with pytest.raises(UsageError, match="only fx"):
-        offline.calibrate_recording(recording, "rectilinear", fix="k9")
+        offline.calibrate_recording(FEW, "rectilinear", fix="k9")

@@ -37,19 +37,6 @@ def working(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_corners_are_where_they_were_drawn() -> None:
-    board, tilt = Board(), (0.3, -0.4, 0.1)
-    found = Detector(board).find(board_pictures.picture(board, tilt))
-    assert found is not None
-    assert len(found.ids) == board.corner_count
-    row, column = np.divmod(np.array(found.ids), 8)
-    points = np.stack([column + 1.0, row + 1.0, np.zeros(len(row))], axis=1)
-    rotation = cv2.Rodrigues(np.array(tilt))[0]
-    tvec = np.array([0, 0, 11.0]) - rotation @ np.array([4.5, 3, 0])
-    expected = cv2.projectPoints(points, np.array(tilt), tvec, board_pictures.MATRIX, None)[0][:, 0]
-    assert np.sqrt(np.mean(np.sum((found.points - expected) ** 2, axis=1))) < 0.1
-
-
 def test_picture_without_the_board_has_no_corners() -> None:
     assert Detector(Board()).find(np.full((480, 640), 128, dtype=np.uint8)) is None
     assert (
@@ -67,7 +54,7 @@ def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest
     sigma = calibration.uncertainty["rms"]
     assert np.abs(calibration.camera_matrix - board_pictures.MATRIX).max() < 3 * sigma + 1
     assert len(Recording.load(path).views) == 6
-    assert main(["submit", str(path), "--offline", "--json"]) == 0
+    assert main(["submit", str(path), "--offline", "--model", "rectilinear", "--json"]) == 0
     assert np.allclose(json.loads(capfd.readouterr().out)["camera_matrix"], calibration.camera_matrix)
     assert main(["submit", str(path)]) == 2, "nobody said which camera it is"
     assert main(["calibrate", str(folder), "--offline", "--model", "rectilinear", "--squares", "9x6"]) == 0
@@ -139,16 +126,16 @@ def test_too_few_pictures_and_another_board_are_said(
     assert list(working.iterdir()) == []
 
 
-def test_ten_thousand_files_are_sampled_evenly(tmp_path: Path) -> None:
-    for n in range(10_000):
+def test_two_thousand_files_are_sampled_evenly(tmp_path: Path) -> None:
+    for n in range(2_000):
         (tmp_path / f"{n:05}.jpg").touch()
     paths = picture_paths([tmp_path])
-    assert len(paths) == 10_000
+    assert len(paths) == 2_000
     done: list[tuple[int, int]] = []
     found = FoundViews()
     read(paths, Board(), found, lambda *each: done.append(each))
     assert done[-1] == (pictures.MAX_PICTURES, pictures.MAX_PICTURES)
-    assert found.unreadable[1] == "00025.jpg"
+    assert found.unreadable[1] == "00005.jpg"
     with pytest.raises(CaptureError, match="none of the files can be read"):
         found.of_one_size()
 
@@ -196,10 +183,10 @@ def test_real_photographs_give_opencvs_focal_length(working: Path) -> None:
 
 def test_failure_names_the_model_that_fits(working: Path, capfd: pytest.CaptureFixture[str]) -> None:
     left = recording_of("jy_left")
-    replace(left, views=left.views[::2]).save(working / "left.json")
+    replace(left, views=left.views[::4]).save(working / "left.json")
     assert main(["submit", "left.json", "--offline", "--model", "rectilinear"]) == 0
     assert "--model omnidirectional explains these pictures better" in capfd.readouterr().err
     wide = recording_of("babel_ov_plane")
-    replace(wide, views=wide.views[::2]).save(working / "wide.json")
+    replace(wide, views=wide.views[::4]).save(working / "wide.json")
     assert main(["submit", "wide.json", "--offline", "--model", "rectilinear"]) == 7
     assert "--model fisheye fits them" in capfd.readouterr().err

@@ -1,7 +1,5 @@
 """Captures in pictures end in time, with an error that is stated, whatever the hand does."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -69,38 +67,3 @@ def test_capture_without_another_view_for_30_s_ends(monkeypatch: pytest.MonkeyPa
     result = offline.calibrate(camera, board=Board(), show=listener, clock=camera.clock)
     assert len(taken_at) == result.used >= 4
     assert 30 < camera.clock() - taken_at[-1] < 31
-
-
-def test_picture_shows_the_bend_and_a_rolling_shutter() -> None:
-    """Corners of a flat board held still are in place to a tenth of a pixel; in motion rows are late."""
-    steady = Habits(tremor_mm=0, tremor_degrees=0, drift_mm_s=0, drift_degrees_s=0, bend_mm=0)
-    camera = RealCamera(habits=steady)
-    assert np.abs(found(camera) - projected(camera)).mean() < 0.1
-    bent = RealCamera(habits=replace(steady, bend_mm=3))
-    assert np.abs(found(bent) - projected(bent)).mean() > 0.3
-    camera.leave(camera.held(0).moved(np.zeros(3), np.array([1.0, 0, 0])))
-    camera.frames = 5
-    late = found(camera) - projected(camera)
-    rows = projected(camera)[:, 1]
-    slope = np.polyfit(rows, late[:, 0], 1)[0]
-    speed = projected(camera, 0.01)[:, 0] - projected(camera, -0.01)[:, 0]  # px in 20 ms, a readout
-    assert slope * camera.size[1] == pytest.approx(speed.mean(), rel=0.25)
-
-
-def found(camera: RealCamera) -> np.ndarray:
-    """Corners (n, 2) that the detector finds in a picture that shows all of them."""
-    from calibdb_client.detection import Detector
-
-    corners = Detector(camera.board).find(camera.picture())
-    assert corners is not None
-    assert len(corners.ids) == 40
-    return np.asarray(corners.points, dtype=np.float64)
-
-
-def projected(camera: RealCamera, after: float = 0.0) -> np.ndarray:
-    """Corners (n, 2) where a flat board shows them at the camera's time, or a moment `after`."""
-    row, column = np.divmod(np.arange(40), 8)
-    points = np.stack([column + 1.0, row + 1.0, np.zeros(40)], axis=1)
-    pose = camera.held(camera.clock() + after)
-    truth = Camera("rectilinear", camera.matrix, camera.distortion, camera.size)
-    return truth.project((points - camera.middle) @ pose.rotation.T + pose.place)

@@ -1,6 +1,5 @@
-"""Rigs of the Python client: poses against OpenCV, units, files, and what is refused; both twins."""
+"""Rigs of the Python client: poses against OpenCV, units, files, and what is refused."""
 
-import asyncio
 import json
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ import httpx
 import numpy as np
 import pytest
 
-from calibdb_client import AsyncClient, Client, NotFoundError, Rig, UsageError
+from calibdb_client import Client, NotFoundError, Rig, UsageError
 from tests.unit.client.test_calibration import RECORD
 
 SITE = "https://calibdb.test"
@@ -44,32 +43,22 @@ def answer(request: httpx.Request) -> httpx.Response:
     return httpx.Response(200, content=b"cam0:\n", headers=headers)
 
 
-def read(twin: bool, identifier: str, name: str = "kalibr") -> tuple[Rig, Any]:
-    """Read a rig, and its file, with the client or with its twin."""
-    transport = httpx.MockTransport(answer)
-    if not twin:
-        with Client(SITE, TOKEN, transport=transport, cache=False) as client:
-            return client.rig(identifier), client.rig_file(identifier, name)
-
-    async def ask() -> tuple[Rig, Any]:
-        async with AsyncClient(SITE, TOKEN, transport=transport, cache=False) as client:
-            return await client.rig(identifier), await client.rig_file(identifier, name)
-
-    return asyncio.run(ask())
+def read(identifier: str) -> tuple[Rig, Any]:
+    with Client(SITE, TOKEN, transport=httpx.MockTransport(answer), cache=False) as client:
+        return client.rig(identifier), client.rig_file(identifier, "kalibr")
 
 
-@pytest.mark.parametrize("twin", [False, True])
-def test_both_clients_read_a_rig_and_its_files(twin: bool) -> None:
-    rig, file = read(twin, RIG)
+def test_client_reads_a_rig_and_its_files() -> None:
+    rig, file = read(RIG)
     assert (rig.id, rig.unit, rig.verdict, rig.rms) == (RIG, "squares", ("fair", "held_out"), 0.27)
     assert rig.uncertainty["rms"] == 0.25
     assert [each.camera for each in rig.calibrations] == [RECORD["camera"]] * 3
     assert np.isfinite(rig.calibrations[1].project([[0.0, 0, 1]])).all()
     assert (file.filename, file.content, file.error) == ("camchain.yaml", b"cam0:\n", 0.25)
     with pytest.raises(NotFoundError, match="no such rig"):
-        read(twin, "0" * 32)
+        read("0" * 32)
     with pytest.raises(UsageError, match="not an id"):
-        read(twin, "../tokens")
+        read("../tokens")
 
 
 def test_poses_are_opencvs() -> None:
@@ -100,7 +89,7 @@ def test_a_rig_in_squares_becomes_one_in_metres() -> None:
 
 
 def test_files_are_written_and_read_again(tmp_path: Path) -> None:
-    rig, _ = read(False, RIG)
+    rig, _ = read(RIG)
     rig.save(tmp_path / "rig.json")
     again = Rig.load(tmp_path / "rig.json")
     assert again.pose(1) == pytest.approx(rig.pose(1))

@@ -33,8 +33,6 @@ def test_pair_of_real_cameras_has_the_baseline_of_opencvs_calibration(pair: list
     assert baseline(result.rig) == pytest.approx(3.314, abs=0.01)
     assert result.rig.rms < 0.35
     assert result.moments == 13
-    metres = fit_rig(pair, moments_of(pair), pair[0].board, "rectilinear", 0.025, []).rig
-    assert baseline(metres) == pytest.approx(3.314 * 0.025, abs=0.0003)
     sentence = result.board_sentence(square_mm=25)
     assert sentence == "Your board is bent by 0.2 mm; that was taken into account."
 
@@ -42,11 +40,11 @@ def test_pair_of_real_cameras_has_the_baseline_of_opencvs_calibration(pair: list
 def test_pictures_of_two_moments_are_set_aside_and_named(pair: list[Recording]) -> None:
     moments = moments_of(pair)
     moments[3], moments[9] = {0: moments[3][0], 1: moments[9][1]}, {0: moments[9][0], 1: moments[3][1]}
-    result = fit_rig(pair, moments, pair[0].board, "rectilinear", None, [])
+    result = fit_rig(pair, moments, pair[0].board, "rectilinear", 0.025, [])
     names = {name.split("/")[1] for name, why in result.left_out if "not of one moment" in why}
     assert names
     assert names <= {"03.jpg", "09.jpg"}
-    assert baseline(result.rig) == pytest.approx(3.314, abs=0.02)
+    assert baseline(result.rig) == pytest.approx(3.314 * 0.025, abs=0.0005)
 
 
 def test_pictures_are_paired_by_name_or_by_order() -> None:
@@ -77,7 +75,7 @@ def test_rig_of_fisheyes_is_calibrated_from_two_folders(
     monkeypatch.chdir(tmp_path)
     for side in ("left", "right"):
         Path(side).mkdir()
-        for path in sorted((data_dir() / "photos" / f"chessboard_omnidir_{side}").iterdir())[::2]:
+        for path in sorted((data_dir() / "photos" / f"chessboard_omnidir_{side}").iterdir())[::3]:
             (Path(side) / path.name).symlink_to(path)
     assert main(["rig", "left", "right", "-o", "rig.yaml"]) == 0
     rig = Rig.load("rig.calibdb.json")

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from calibdb_client import Calibration, offline
+from calibdb_client import Calibration, CaptureResult, offline
 from calibdb_client.cli import main
 from tests.helpers.recordings import recording_of
 
@@ -80,10 +80,9 @@ def test_calibration_at_hand_is_checked_on_fresh_views() -> None:
 
 
 @pytest.mark.usefixtures("folder")
-def test_check_says_errors_and_drift(capfd: pytest.CaptureFixture[str]) -> None:
-    recording = recording_of("opencv_left")
-    recording.save("views.json")
-    offline.calibrate_recording(recording, "rectilinear").calibration.save("same.json")
+def test_check_says_errors_and_drift(left: CaptureResult, capfd: pytest.CaptureFixture[str]) -> None:
+    recording_of("opencv_left").save("views.json")
+    left.calibration.save("same.json")
     assert main(["check", "views.json", "--against", "same.json", "--json"]) == 0
     result = json.loads(capfd.readouterr().out)
     assert result["fits"]

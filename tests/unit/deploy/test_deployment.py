@@ -116,14 +116,15 @@ def test_stack_without_resources_is_not_there(cloud: Cloudformation) -> None:
 
 
 def test_release_is_read_at_the_alias_that_the_api_calls() -> None:
+    """The probe belongs to no release."""
     cloudformation = Cloudformation()
-    cloudformation.functions = ("lookup", "refit")
+    cloudformation.functions = ("lookup", "refit", "Probe")
 
     class Lambda:
         def get_function_configuration(self, **asked: str) -> Any:
-            release = {"lookup": "old", "refit": "new"}[asked["FunctionName"]]
+            release = {"lookup": "old", "refit": "new"}.get(asked["FunctionName"])
             assert asked.get("Qualifier") == ("live" if asked["FunctionName"] == "lookup" else None)
-            return {"Environment": {"Variables": {"RELEASE": release}}}
+            return {"Environment": {"Variables": {"RELEASE": release} if release else {}}}
 
     assert aws.releases(cloudformation, Lambda(), "mine") == {"lookup": "old", "refit": "new"}
 

@@ -11,7 +11,6 @@ import pytest
 from calibdb.errors import UnavailableError
 from calibdb.store import Cameras
 from infra.deploy import __main__ as command
-from infra.deploy import aws
 from infra.deploy.intrinsics import parse, parse_text
 from infra.deploy.package import complete_template
 from infra.deploy.site import uploads
@@ -103,63 +102,6 @@ def test_probe_fails_where_lookups_are_not_answered(
         run_probe(complete, served, monkeypatch)
     with pytest.raises(OSError, match="refused"):
         run_probe(complete, "http://127.0.0.1:9", monkeypatch)
-
-
-class Account:
-    """Clients of CloudFormation and Lambda: a stack with a function of a release, and the probe."""
-
-    def get_paginator(self, _: str) -> "Account":
-        return self
-
-    def paginate(self, **_: str) -> list[dict[str, Any]]:
-        kind = "AWS::Lambda::Function"
-        return [
-            {
-                "StackResourceSummaries": [
-                    {"LogicalResourceId": name, "PhysicalResourceId": f"calibdb-{name}", "ResourceType": kind}
-                    for name in ("RefitFunction", "Probe")
-                ]
-            }
-        ]
-
-    def get_function_configuration(self, FunctionName: str) -> dict[str, Any]:  # noqa: N803
-        release = {} if FunctionName.endswith("Probe") else {"RELEASE": "abc"}
-        return {"Environment": {"Variables": release}}
-
-
-def test_probe_belongs_to_no_release() -> None:
-    account = Account()
-    assert aws.releases(account, account, "calibdb") == {"calibdb-RefitFunction": "abc"}
-
-
-def test_probe_that_does_not_run_is_an_alarm(complete: dict[str, Any]) -> None:
-    alarm = complete["Resources"]["ProbeAlarm"]["Properties"]
-    assert alarm["TreatMissingData"] == "breaching"
-    assert alarm["Period"] * alarm["EvaluationPeriods"] == 300
-    assert complete["Resources"]["ProbeSchedule"]["Properties"]["ScheduleExpression"] == "rate(1 minute)"
-
-
-@pytest.mark.parametrize(
-    ("alarm", "metric"),
-    [
-        ("SlowFunctionAlarm", "AWS/ApiGateway IntegrationLatency"),
-        ("SlowRefitAlarm", "AWS/Lambda Duration"),
-        ("BackfillFailureAlarm", "AWS/States ExecutionsFailed"),
-        ("TableThrottleAlarm", "AWS/DynamoDB ReadThrottleEvents AWS/DynamoDB WriteThrottleEvents"),
-        ("SecretsThrottleAlarm", "AWS/Usage ThrottleCount"),
-        ("EdgeErrorAlarm", "AWS/CloudFront 5xxErrorRate"),
-        ("ProbeAlarm", "AWS/Lambda Errors"),
-    ],
-)
-def test_failure_has_an_alarm_that_operations_explain(
-    alarm: str, metric: str, complete: dict[str, Any]
-) -> None:
-    properties = complete["Resources"][alarm]["Properties"]
-    watched = [m["MetricStat"]["Metric"] for m in properties.get("Metrics", ()) if "MetricStat" in m]
-    found = " ".join(f"{m['Namespace']} {m['MetricName']}" for m in watched or [properties])
-    assert found == metric
-    assert properties["AlarmActions"] == [{"Ref": "AlarmTopic"}]
-    assert f"| `{alarm}` |" in (ROOT / "docs/operations.md").read_text()
 
 
 def test_every_alarm_is_explained(complete: dict[str, Any]) -> None:

@@ -8,22 +8,22 @@ from pathlib import Path
 import pytest
 
 from infra.deploy import page_token, smoke, smoke_capture
+from infra.server.server import Server
 from infra.web_build.site import made_files
-from tests.aws.emulator import LocalStack
-from tests.helpers.service.client import TOKEN, Client
+from tests.helpers.service.client import Client
 from tests.helpers.service.published import store
 
 Change = Callable[[str, str, smoke.Response], smoke.Response]
 
 
 @pytest.fixture(scope="module")
-def stack() -> Iterator[LocalStack]:
-    with LocalStack() as stack:
+def stack() -> Iterator[Server]:
+    with Server() as stack:
         yield stack
 
 
 @pytest.fixture(scope="module")
-def address(stack: LocalStack) -> Iterator[str]:
+def address(stack: Server) -> Iterator[str]:
     made_files()  # else the first request waits for them, on a busy machine for longer than it may
     with stack.serve() as url:
         yield url
@@ -110,37 +110,13 @@ def test_function_of_another_release_is_named() -> None:
     ]
 
 
-def test_one_capture_is_made_shown_and_removed(stack: LocalStack, address: str) -> None:
-    made = {
-        "TableName": stack.environment["TABLE_NAME"],
-        "KeypointBucketName": stack.environment["BUCKET_NAME"],
-    }
-    removed: list[str] = []
-
-    def remove(identity: str) -> None:
-        assert store(stack).calibrations.get(identity) is not None
-        removed.append(identity)
-        stack.wait_until_idle(60)
-        smoke_capture.remove(made, "us-east-1", "RefitFunction", identity)
-
-    assert list(smoke_capture.problems(smoke.Site(address), TOKEN, remove)) == []
-    (identity,) = removed
-    stack.wait_until_idle(60)
-    assert store(stack).calibrations.get(identity) is None
-    key = identity.rpartition("-")[0]
-    assert store(stack).calibrations.modes(key) == []
-    assert store(stack).consensuses.of(key) == []
-    cameras = Client(stack).call("GET", "/v1/cameras", token=TOKEN, query="query=smoke").json["cameras"]
-    assert cameras == []
-
-
 def test_capture_that_fails_is_a_problem(address: str, tmp_path: Path) -> None:
     (problem,) = smoke_capture.problems(smoke.Site(address), "cdb_x_y", lambda _: tmp_path.rmdir())
     assert problem.startswith("a capture: POST /v1/auth: 403")
     assert tmp_path.exists()
 
 
-def test_page_token_follows_the_domain(stack: LocalStack) -> None:
+def test_page_token_follows_the_domain(stack: Server) -> None:
     tokens = store(stack).tokens
     first = page_token.admit(tokens, "", ["https://d1.cloudfront.net"])
     assert first.startswith("cdb_")

@@ -13,6 +13,7 @@ from botocore.exceptions import ClientError, EndpointConnectionError
 
 from calibdb.errors import UnavailableError
 from calibdb.store.secrets import MAX_ATTEMPTS, NAMES, SECRETS_TTL_S, Secrets, with_secrets
+from tests.helpers.marks import thorough
 
 
 class Ssm:
@@ -122,7 +123,7 @@ class Limited(Ssm):
             return super().get_parameters(**asked)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
 def test_crowd_of_cold_starts_outlasts_the_quota_of_ssm(seed: int) -> None:
     simulation = Simulation(CROWD)
     ssm, rng = Limited(simulation), random.Random(seed)

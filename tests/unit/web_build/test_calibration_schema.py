@@ -1,7 +1,6 @@
 """The JSON Schema of a calibration document accepts every kind of them."""
 
 import json
-from pathlib import Path
 from typing import Any
 
 import jsonschema
@@ -18,8 +17,10 @@ SERVED = json.loads(site.made_files()["docs/schema/calibration-1.json"])
 VALIDATOR = jsonschema.Draft202012Validator(SERVED)
 
 
-def kinds(folder: Path) -> dict[str, Any]:
-    """Return a document of every kind, by name."""
+@pytest.fixture(scope="module")
+def kinds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """A document of every kind, by name."""
+    folder = tmp_path_factory.mktemp("kinds")
     result = offline.calibrate_recording(recording_of("opencv_left"), "rectilinear").calibration
     result.save(folder / "offline.json")
     document = calibration("Camera of a schema", 0)
@@ -39,16 +40,16 @@ def kinds(folder: Path) -> dict[str, Any]:
     }
 
 
-def test_every_kind_of_document_is_valid(tmp_path: Path) -> None:
+def test_every_kind_of_document_is_valid(kinds: dict[str, Any]) -> None:
     jsonschema.Draft202012Validator.check_schema(SERVED)
-    for name, document in kinds(tmp_path).items():
+    for name, document in kinds.items():
         errors = [f"{error.json_path}: {error.message}" for error in VALIDATOR.iter_errors(document)]
         assert errors == [], name
 
 
-def test_members_of_every_kind_are_described(tmp_path: Path) -> None:
+def test_members_of_every_kind_are_described(kinds: dict[str, Any]) -> None:
     told = SERVED["properties"].keys() | {"recording"}
-    for name, document in kinds(tmp_path).items():
+    for name, document in kinds.items():
         assert document.keys() <= told, name
 
 

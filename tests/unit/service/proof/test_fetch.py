@@ -214,7 +214,3 @@ def test_resolver_that_hangs_ends_in_time() -> None:
     with pytest.raises(ProofError, match="timeout"):
         read_proof("example.org", resolve=hang, connect=never, max_s=MAX_S)
     release.set()
-
-
-def test_evasions_are_forty_and_more() -> None:
-    assert len(INNER_ADDRESSES) + len(EVASIVE_ORIGINS) >= 40

@@ -1,94 +1,49 @@
-"""Over real sockets: the API and the pages on one origin, with the headers and the log of a deployment."""
+"""Over real sockets: the API and the pages on one origin, with the headers of a deployment."""
 
 import socket
-import time
+import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
-from typing import Any
 
 import httpx
 import pytest
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
-from infra.server.server import bind, serving
-from tests.aws.emulator import LocalStack
-from tests.aws.emulator.server import GatewayApp
+from calibdb.errors import UnavailableError
+from calibdb.http.part_checks import PartChecks
+from infra.server import app
+from infra.server.server import Server, bind, serving
 from tests.helpers.service.client import until
-from tests.helpers.stack.toy_stack import deploy
-
-ECHO = """
-    import json
-
-    def handler(event, context):
-        body = json.dumps({"event": event})
-        return {"statusCode": 200, "headers": {"content-type": "application/json"}, "body": body,
-                "cookies": ["a=1; Secure", "b=2"]}
-"""
-
-SLOW = """
-    import time
-    from pathlib import Path
-
-    def handler(event, context):
-        Path(event["queryStringParameters"]["begun"]).touch()
-        time.sleep(0.3)
-        return "done"
-"""
 
 
 @pytest.fixture(scope="module")
-def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LocalStack]:
+def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     place = tmp_path_factory.mktemp("pages")
-    template = deploy(place, {"Echo": (ECHO, ("GET /v1/echo",)), "Slow": (SLOW, ("GET /v1/slow",))})
     web = place / "web"
-    (web / "calibrate").mkdir(parents=True)
-    (web / "lib").mkdir()
+    for folder in ("calibrate", "lib", "sdk"):
+        (web / folder).mkdir(parents=True)
     (web / "index.html").write_text("<!doctype html>home")
     (web / "calibrate" / "index.html").write_text("<!doctype html>calibrate")
     (web / "lib" / "detector.worker.js").write_text("self.x = 1")
-    (web / "sdk").mkdir()
-    for name in (
-        "sdk/calibdb.js",
-        "openapi.json",
-        "app.js",
-        "sdk.mjs",
-        "opencv.wasm",
-        "icon.svg",
-        "app.webmanifest",
-        "font.woff2",
-        "data.json",
-    ):
+    names = ("sdk/calibdb.js", "openapi.json", "app.js", "sdk.mjs", "opencv.wasm", "icon.svg")
+    for name in (*names, "app.webmanifest", "font.woff2", "data.json"):
         (web / name).write_bytes(b"\0asm" * 1000)
     (place / "outside.txt").write_text("secret")
-    with LocalStack(template=template, web=web) as running:
+    with Server(web=web) as running:
         yield running
 
 
 @pytest.fixture(scope="module")
-def client(stack: LocalStack) -> Iterator[httpx.Client]:
+def client(stack: Server) -> Iterator[httpx.Client]:
     with stack.serve() as url, httpx.Client(base_url=url, timeout=60) as connected:
         yield connected
 
 
-def test_api_and_pages_share_an_origin(client: httpx.Client, stack: LocalStack) -> None:
-    assert client.get("/v1/echo").json()["event"]["headers"]["host"] == stack.url.removeprefix("http://")
+def test_api_and_pages_share_an_origin(client: httpx.Client) -> None:
+    assert client.get("/healthz").json() == {"status": "ok"}
     assert client.get("/").text == "<!doctype html>home"
-    settings = client.get("/config.json")
-    assert settings.json() == {"api": "/v1", "token": "cdb_dev_local"}
-    assert client.get("/v1/nothing").json() == {"message": "Not Found"}
-
-
-def test_repeated_headers_and_cookies_arrive_as_on_aws(client: httpx.Client) -> None:
-    event = client.get(
-        "/v1/echo", headers=[("x-many", "1"), ("x-many", "2"), ("cookie", "a=1"), ("cookie", "b=2")]
-    ).json()["event"]
-    assert event["headers"]["x-many"] == "1,2"
-    assert event["cookies"] == ["a=1", "b=2"]
-    assert event["requestContext"]["http"]["sourceIp"] == "127.0.0.1"
-    cookies = client.get("/v1/echo").headers.get_list("set-cookie")
-    assert cookies == ["a=1; Secure", "b=2"]
-    client.cookies.clear()
+    settings = client.get("/config.json").json()
+    assert (settings["api"], settings["token"]) == ("/v1", "cdb_dev_local")
 
 
 @pytest.mark.parametrize(
@@ -162,61 +117,90 @@ def test_pages_are_read_only(client: httpx.Client) -> None:
 def test_the_log_has_neither_tokens_nor_people(
     client: httpx.Client, caplog: pytest.LogCaptureFixture
 ) -> None:
-    caplog.set_level("INFO", "tests.aws.emulator.access")
-    client.get("/v1/echo?key=cdb_dev_local", headers={"authorization": "Bearer cdb_dev_local"})
-
-    def ours() -> list[str]:
-        lines = [
-            record.getMessage() for record in caplog.records if record.name == "tests.aws.emulator.access"
-        ]
-        return [line for line in lines if " /v1/echo" in line]
-
-    # The line is written once the answer is sent, so another request's may come late, and ours too.
-    (line,) = until(ours)
-    assert line.startswith("GET /v1/echo 200 ")
+    caplog.set_level("INFO", "infra.server.access")
+    client.get("/v1/lookup?key=cdb_dev_local", headers={"authorization": "Bearer cdb_dev_local"})
+    # The line is written once the answer is sent.
+    until(lambda: "/v1/lookup" in caplog.text)
+    (line,) = (record.getMessage() for record in caplog.records if "/v1/lookup" in record.getMessage())
+    assert line.startswith("GET /v1/lookup 422 ")
     assert line.endswith(" ms")
-    assert "cdb_" not in caplog.text.replace("cdb_function", "")
+    assert "cdb_" not in caplog.text
     assert "127.0.0.1" not in line
 
 
-def test_answers_are_not_held_back_by_nagle(stack: LocalStack, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_answers_are_not_held_back_by_nagle(stack: Server, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[int] = []
     made = HttpToolsProtocol.connection_made
 
-    def watch(self: HttpToolsProtocol, transport: Any) -> None:
+    def watch(self: HttpToolsProtocol, transport: socket.socket) -> None:
         made(self, transport)
         accepted = transport.get_extra_info("socket")
         seen.append(accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
 
     monkeypatch.setattr(HttpToolsProtocol, "connection_made", watch)
     listener = bind("127.0.0.1", 0)
-    with serving(GatewayApp(stack.gateway, stack.workers, Path(), {}), listener):
-        assert (
-            httpx.get(f"http://127.0.0.1:{listener.getsockname()[1]}/v1/echo", timeout=60).status_code == 200
-        )
+    with serving(stack.app, listener):
+        url = f"http://127.0.0.1:{listener.getsockname()[1]}/healthz"
+        assert httpx.get(url, timeout=60).status_code == 200
     assert seen == [1]
 
 
-def test_a_request_under_way_is_finished_at_the_end(stack: LocalStack, tmp_path: Path) -> None:
-    begun = tmp_path / "begun"
+@pytest.fixture
+def held(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[threading.Event, threading.Event]]:
+    """Deep health checks that begin, and wait until they are let go on."""
+    begun, released = threading.Event(), threading.Event()
+
+    def wait(_: PartChecks) -> None:
+        begun.set()
+        assert released.wait(60)
+        raise UnavailableError("done")
+
+    monkeypatch.setattr(PartChecks, "__call__", wait)
+    yield begun, released
+    released.set()
+
+
+def test_a_request_under_way_is_finished_at_the_end(
+    stack: Server, held: tuple[threading.Event, threading.Event]
+) -> None:
+    begun, released = held
     listener = bind("127.0.0.1", 0)
-    url = f"http://127.0.0.1:{listener.getsockname()[1]}"
+    url = f"http://127.0.0.1:{listener.getsockname()[1]}/healthz?deep=1"
     with ThreadPoolExecutor(1) as pool:
-        with serving(GatewayApp(stack.gateway, stack.workers, Path(), {}), listener):
-            under_way = pool.submit(httpx.get, f"{url}/v1/slow", params={"begun": str(begun)}, timeout=60)
-            until(begun.exists)
-        assert under_way.result().text == "done"
+        with serving(stack.app, listener):
+            under_way = pool.submit(httpx.get, url, timeout=60)
+            assert begun.wait(60)
+            threading.Timer(0.2, released.set).start()
+        assert under_way.result().json()["detail"] == "done"
     with pytest.raises(httpx.ConnectError):
-        httpx.get(f"{url}/v1/slow")
+        httpx.get(url)
 
 
-def test_disconnecting_client_is_no_error(stack: LocalStack, caplog: pytest.LogCaptureFixture) -> None:
-    caplog.set_level("INFO", "tests.aws.emulator.access")
+@pytest.mark.usefixtures("held")
+def test_server_gives_up_on_a_slow_call(client: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(app, "RESPONSE_TIMEOUT_S", 0.05)
+    answer = client.get("/healthz?deep=1", headers={"origin": "https://page.example"})
+    assert (answer.status_code, answer.json()) == (503, {"message": "Service Unavailable"})
+    assert answer.headers["access-control-allow-origin"] == "*", "or the page could not read it"
+
+
+def test_endless_body_is_refused(client: httpx.Client) -> None:
+    def chunks() -> Iterator[bytes]:
+        for _ in range(200):
+            yield b"x" * 100_000
+
+    origin = {"origin": "https://page.example"}
+    answer = client.post("/v1/lookup", content=chunks(), headers=origin)
+    assert (answer.status_code, answer.json()) == (413, {"message": "Request Entity Too Large"})
+    assert answer.headers["access-control-allow-origin"] == "*"
+
+
+def test_disconnecting_client_is_no_error(stack: Server, caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("INFO", "infra.server")
     listener = bind("127.0.0.1", 0)
-    with serving(GatewayApp(stack.gateway, stack.workers, Path(), {}), listener):
+    with serving(stack.app, listener):
         with socket.create_connection(listener.getsockname()) as gone:
-            gone.sendall(b"POST /v1/echo HTTP/1.1\r\nhost: localhost\r\ncontent-length: 100\r\n\r\nhalf")
-        while not caplog.records:
-            time.sleep(0.005)
-    assert [record.levelname for record in caplog.records] == ["INFO"]
-    assert caplog.records[0].getMessage().startswith("POST /v1/echo aborted ")
+            gone.sendall(b"POST /v1/lookup HTTP/1.1\r\nhost: localhost\r\ncontent-length: 100\r\n\r\nhalf")
+        until(lambda: caplog.records)
+    (record,) = caplog.records
+    assert (record.levelname, record.getMessage().split(" aborted ")[0]) == ("INFO", "POST /v1/lookup")

@@ -1,0 +1,17 @@
+"""Fit of real photographs that tests of several modules begin with."""
+
+import pytest
+
+from calibdb_client import CaptureResult, offline
+from tests.helpers.recordings import recording_of
+
+
+@pytest.fixture(scope="session")
+def left() -> CaptureResult:
+    return offline.calibrate_recording(recording_of("opencv_left"), "rectilinear")
+
+
+@pytest.fixture(scope="session")
+def left_file(left: CaptureResult) -> bytes:
+    """Content of the file that `calibdb submit` writes: the calibration with its corners."""
+    return recording_of("opencv_left").content(left.calibration.record)
