@@ -178,6 +178,8 @@ class Step:
 
     def correct(self, after: "Step", system: System) -> "Step | None":
         """Correct the Gauss-Newton step `after` this one; None if it does not go along this one."""
+        if not self.curvature > 0:
+            return None
         slope = system.slope(self.da, self.dp)
         share, ratio = -slope / self.curvature, (slope - self.slope) / self.curvature
         if not (
