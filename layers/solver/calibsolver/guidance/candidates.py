@@ -13,8 +13,6 @@ from ..fitting.normal_equations import Poses
 from ..rotation import rotation_to_ray
 
 DIMENSIONS = 6
-SUPPORT_BORDER_WIDTHS = 0.005
-"""Border / image width in which a marker counts as cut off."""
 MAX_OUTSIDE_VIEW_DEG = 15.0
 """Angle by which a part of the board may lie outside the field of view."""
 
@@ -32,13 +30,13 @@ class PoseLimits:
     max_roll_deg
         Rotation in the picture, degrees.
     min_visible
-        Share of the corners that are visible.
+        Share of the corners that a detector is expected to find.
     max_incidence_deg
         Angle between a ray and the board's normal, degrees: beyond it corners blur.
     min_spacing
         Distance of neighbouring corners / image width.
     border
-        Border / image width within which corners do not count as visible: a hand misses a pose by some.
+        Distance / image width by which a hand misses a pose, at most.
     """
 
     width: tuple[float, float] = (0.30, 1.4)
@@ -211,10 +209,12 @@ def concentrate_centre(u: Array) -> Array:
 
 def check_visibility(
     p: Array, q: Array, axes: Array, corners: CornerGrid, camera: Camera, limits: PoseLimits
-) -> tuple[Mask, Mask]:
-    """Test which corners (c, n) of poses are visible, and which of the poses (c,) respect the limits.
+) -> tuple[Array, Mask]:
+    """Predict how probably corners (c, n) of poses are found, and test which poses (c,) respect the limits.
 
-    A detector has to find the visible corners, too: enough of a pose's markers must be whole.
+    A detector finds a corner if the image contains it and what identifies it, as a marker beside it
+    (`Board.support`). A hand misses the pose: what lies on the border of the image is seen in half of the
+    cases, and at `limits.border` from it always, or never.
 
     Parameters
     ----------
@@ -224,18 +224,16 @@ def check_visibility(
         (c, 2, n) their projections, px.
     axes
         (c, 3, 3) rotations of the boards, board -> camera.
+
+    Probabilities are 0 for poses that do not respect the other limits.
     """
-    w, h = camera.img_size
-
-    def is_inside(x: Array, y: Array, border: float) -> Mask:
-        inside: Mask = (x >= border) & (y >= border) & (x <= w - 1 - border) & (y <= h - 1 - border)
-        return inside
-
-    model = models.get(camera.model)
-    visible = model.valid(np.asarray(camera.distortion), p.transpose(1, 0, 2))
-    visible &= is_inside(q[:, 0], q[:, 1], limits.border * w)
+    model, w = models.get(camera.model), camera.img_size[0]
+    border = limits.border * w
+    inside = distance_to_border(q.transpose(0, 2, 1), camera.img_size)
+    inside[~model.valid(np.asarray(camera.distortion), p.transpose(1, 0, 2))] = -np.inf
+    possible = inside > -border
     pixels = q.reshape(-1, 2, corners.rows, corners.columns)
-    shown = visible.reshape(-1, corners.rows, corners.columns)
+    shown = possible.reshape(-1, corners.rows, corners.columns)
     # The spacing of corners that are not visible does not count: outside the domain they lie anywhere.
     beside, below = shown[:, :, 1:] & shown[:, :, :-1], shown[:, 1:] & shown[:, :-1]
     across, down = np.diff(pixels, axis=3), np.diff(pixels, axis=2)
@@ -246,17 +244,26 @@ def check_visibility(
     cos_incidence = np.einsum("ci,cin->cn", axes[:, :, 2], p) / np.sqrt(np.einsum("cin,cin->cn", p, p))
     feasible = spacing >= limits.min_spacing * w
     max_incidence = np.radians(limits.max_incidence_deg)
-    feasible &= np.where(visible, cos_incidence, 1.0).min(axis=1) >= np.cos(max_incidence)
-    feasible &= visible.mean(axis=1) >= limits.min_visible
+    feasible &= np.where(possible, cos_incidence, 1.0).min(axis=1) >= np.cos(max_incidence)
+    feasible &= possible.mean(axis=1) >= limits.min_visible
     use = np.flatnonzero(feasible)
-    # What a detector needs around the corners, (3, u, g, m, n) and projected (2, u, g, m, n).
+    # What a detector needs around the corners, (3, u, g, m, n) and projected (2, u * g * m * n).
     offsets = np.einsum("cij,gmjn->icgmn", axes[use, :, :2], corners.support)
     around = p[use].transpose(1, 0, 2)[:, :, None, None] + offsets
-    x, y = model.project(camera.intrinsics, around.reshape(3, len(use), corners.support[:, :, 0].size))
-    whole: Mask = is_inside(x, y, SUPPORT_BORDER_WIDTHS * w).reshape(offsets.shape[1:])
-    found = visible[use] & np.any(np.all(whole, axis=2), axis=1)
-    feasible[use] = found.mean(axis=1) >= limits.min_visible
-    return visible, feasible
+    needed = model.project(camera.intrinsics, around.reshape(3, -1))
+    needed_inside = distance_to_border(needed.T, camera.img_size).reshape(offsets.shape[1:])
+    least = np.minimum(inside[use], needed_inside.min(axis=2).max(axis=1))
+    found = np.zeros(inside.shape)
+    found[use] = np.clip(0.5 + least / (2 * border), 0, 1)
+    return found, feasible & (found.mean(axis=1) >= limits.min_visible)
+
+
+def distance_to_border(q: Array, img_size: tuple[int, int]) -> Array:
+    """Distance (...) of pixels (..., 2) from the border of the image, px; negative outside of it."""
+    w, h = img_size
+    x, y = q[..., 0], q[..., 1]
+    distance = np.minimum(np.minimum(x, w - 1 - x), np.minimum(y, h - 1 - y))
+    return np.where(np.isfinite(distance), distance, -np.inf)
 
 
 def is_in_front(poses: Poses, board: Board, rays: RayGrid) -> Mask:

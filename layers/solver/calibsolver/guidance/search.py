@@ -15,6 +15,8 @@ from .posterior import IntrinsicsPosterior
 from .systematic_errors import limited_information
 from .target import TargetPose
 
+SEARCH_COLUMNS = 8
+"""Columns of corners with which candidates are evaluated, at most: those of the default board."""
 CANDIDATE_COUNT = 128
 ELITE_COUNT, SAMPLES_PER_ELITE = 4, 16
 """Candidates that are refined in a round, and samples around each of them."""
@@ -98,7 +100,7 @@ class Search:
         self.limits = limits
         self.skipped = skipped
         self.history = history
-        self.corners = CornerGrid.of(board, 5)
+        self.corners = CornerGrid.of(board, SEARCH_COLUMNS)
         self._whiten = cholesky_whitening(posterior.information)
         self._metric = self._whiten @ posterior.error_metric @ self._whiten.T
         self._offsets = candidates.r_sequence(SAMPLES_PER_ELITE * ELITE_COUNT, 1) - 0.5
@@ -182,12 +184,12 @@ def fisher_information(
 ) -> tuple[Array, Mask]:
     """Fisher information (c, p, p) of the intrinsics from views at poses (c), at noise of 1 px.
 
-    The poses, and what hands and boards add, are marginalised (`systematic_errors`). Also returned is which
-    poses (c,) respect the limits; others have 0.
+    A corner counts by how probably it is found. The poses, and what hands and boards add, are marginalised
+    (`systematic_errors`). Also returned is which poses (c,) respect the limits; others have 0.
     """
     p = poses.r @ corners.points + poses.t[:, :, None]
     q = posterior.model.project(posterior.k, p.transpose(1, 0, 2)).transpose(1, 0, 2)
-    visible, feasible = candidates.check_visibility(p, q, poses.r, corners, posterior.camera, limits)
+    found, feasible = candidates.check_visibility(p, q, poses.r, corners, posterior.camera, limits)
     use = np.flatnonzero(feasible)
     s = np.zeros((len(feasible), posterior.model.size, posterior.model.size))
     if use.size:
@@ -196,7 +198,7 @@ def fisher_information(
             posterior.k,
             Poses(poses.r[use], poses.t[use]),
             corners.points,
-            visible[use].astype(np.float64) * corners.multiplicity,
+            found[use] * corners.multiplicity,
             posterior.noise,
             posterior.img_size[1],
             posterior.systematic,

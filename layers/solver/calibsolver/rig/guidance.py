@@ -240,12 +240,12 @@ class _Search:
             there = Poses(motion.r @ poses.r, poses.t @ motion.r.T + motion.t)
             p = there.camera_points(self.corners.points)
             q = self.members[i].model.project(camera.intrinsics, p.transpose(1, 0, 2)).transpose(1, 0, 2)
-            shown, within = candidates.check_visibility(p, q, there.r, self.corners, camera, OTHER_LIMITS)
+            found, within = candidates.check_visibility(p, q, there.r, self.corners, camera, OTHER_LIMITS)
             _, as_leader = candidates.check_visibility(p, q, there.r, self.corners, camera, LIMITS)
             within = np.where(lead == i, as_leader, within)
             within &= candidates.is_in_front(there, self.board, self.rays[i])
             seen[:, i] = within
-            visible[:, self.members[i].slots] = shown & within[:, None]
+            visible[:, self.members[i].slots] = (found == 1) & within[:, None]
         return visible, seen
 
     def _is_near(self, poses: Poses, skipped: RigidMotion) -> Mask:

@@ -264,21 +264,20 @@ def test_exclusions_are_read_from_records_of_views() -> None:
 
 @pytest.mark.parametrize("focal_widths", [0.05, 50.0, *thorough(0.3, 2.0, 4.0)])
 def test_wrong_seed_harms_no_capture(focal_widths: float) -> None:
-    """As many views as without, one more at most (median of three), and none refused."""
+    """As many views as without, one more at most, and none refused."""
     k = CAMERA.intrinsics
     k[:2] = focal_widths * CAMERA.img_size[0]
     wrong = Camera.from_intrinsics(CAMERA.model, k, CAMERA.img_size)
-    ended: list[list[int]] = []
-    for seed in (None, wrong):
-        ended.append([])
-        for draw in (3, 4, 5):
+    for draw in (3, 4, 5):
+        ended: list[int] = []
+        for seed in (None, wrong):
             capture = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=seed)
             run = synthetic.run(CAMERA, np.random.default_rng(draw), views=4, max_views=15, capture=capture)
             assert run.stopped is not None
-            ended[-1].append(run.stopped)
+            ended.append(run.stopped)
             assert run.rms[-1] < 0.6
             assert "outlier" not in run.reasons
-    assert np.median(ended[1]) <= np.median(ended[0]) + 1
+        assert ended[1] <= ended[0] + 1
     # Views all over the image, near no target.
     misled = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=wrong)
     target = misled.next_target([], misled.estimate([]))

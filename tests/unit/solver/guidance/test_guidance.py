@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from calibsolver import Board, Calibration, Camera, guidance, models, rotation
-from calibsolver.guidance import ProjectionUncertainty, TargetPose
+from calibsolver.guidance import ProjectionUncertainty, TargetPose, candidates
+from calibsolver.guidance.candidates import PoseLimits
 from calibsolver.guidance.hints import TEXTS, Placement, largest_difference
 from tests.helpers.marks import thorough
 from tests.helpers.solver import populations, synthetic
@@ -136,6 +137,33 @@ def test_poses_show_enough_whole_markers(board: Board, family: str) -> None:
         assert len(session.views) == 15 or session.stopped
         for target in guide.targets:
             assert len(target.ids) >= needed
+
+
+@pytest.mark.parametrize(
+    "board",
+    [Board(), Board((3, 2), kind="aprilgrid", dictionary="DICT_APRILTAG_36h11")],
+    ids=lambda b: b.kind,
+)
+def test_corners_count_as_a_detector_finds_them(board: Board) -> None:
+    """Of poses that the image cuts, held exactly."""
+    camera, rng = synthetic.rectilinear_cameras()[6], np.random.default_rng(0)
+    posterior = guidance.IntrinsicsPosterior.of(camera.model, camera.img_size, None, camera)
+    limits = PoseLimits(min_visible=0, max_incidence_deg=90, min_spacing=0, border=1e-6)
+    unit = rng.uniform(size=(40, 6))
+    poses = candidates.poses_from_unit_cube(unit, board, posterior.rays, limits)
+    p = poses.camera_points(board.points.T)
+    q = camera.project(p.transpose(0, 2, 1).reshape(-1, 3)).reshape(len(unit), -1, 2).transpose(0, 2, 1)
+    grid = candidates.CornerGrid.of(board, None)
+    order = board.lattice.ravel()
+    found, _ = candidates.check_visibility(p[:, :, order], q[:, :, order], poses.r, grid, camera, limits)
+    different, cut = 0, 0
+    for pose in range(len(unit)):
+        view = synthetic.detect(board, camera, rotation.vector(poses.r[pose]), poses.t[pose], rng, noise=0)
+        seen = (board.points[order][:, None] == view.object_points).all(axis=2).any(axis=1)
+        different += np.count_nonzero(seen != (found[pose] == 1))
+        cut += np.count_nonzero(~seen)
+    assert cut > 0.1 * found.size
+    assert different <= 0.02 * found.size
 
 
 class Recorder(ProjectionUncertainty):
