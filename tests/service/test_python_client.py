@@ -18,7 +18,7 @@ from infra.server.server import Server
 from tests.helpers import board_pictures
 from tests.helpers.service.client import Client as Raw
 from tests.helpers.service.client import Truth
-from tests.helpers.service.published import asked, calibration, mode_of, store
+from tests.helpers.service.published import calibration, publish
 
 LABEL, PLATFORM, SIZE = "HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64", (1280, 720)
 KEY = CameraKey(LABEL, PLATFORM, SIZE)
@@ -30,10 +30,7 @@ EXAMPLES = Path(__file__).parents[2] / "clients/python/examples"
 @pytest.fixture(scope="module")
 def known(stack: Server) -> dict[str, Any]:
     """The lookup of a camera that five contributors calibrated."""
-    documents = [calibration(LABEL, n) for n in range(5)]
-    for document in documents:
-        store(stack).calibrations.publish(document)
-    store(stack).refit.now(asked(mode_of(documents[0])))
+    publish(stack, *(calibration(LABEL, n) for n in range(5)))
     record: dict[str, Any] = Raw(stack).lookup(camera=LABEL, redirect=False).json
     return record
 
