@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import yaml
 
-from calibdb_client import AsyncClient, Board, Calibration, Client, CredentialError, NotFoundError, Recording
+from calibdb_client import AsyncClient, Board, Client, CredentialError, NotFoundError, Recording
 from calibdb_client.cli import main
 from calibdb_client.key import CameraKey
 from infra.server.server import Server
@@ -156,12 +156,6 @@ def test_wrong_token_and_absent_service_have_their_statuses(
     assert "no connection" in line
     monkeypatch.delenv("CALIBDB_URL")
     assert main(LOOKUP) == 2
-
-
-def test_calibration_of_a_lookup_is_of_use(known: dict[str, Any]) -> None:
-    calibration = Calibration(known)
-    pixel = [[200.0, 100.0]]
-    assert np.abs(calibration.project(calibration.unproject(pixel)) - pixel).max() < 1e-9
 
 
 @pytest.mark.usefixtures("served")
