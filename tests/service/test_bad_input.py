@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from infra.server.server import Server
-from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
+from tests.helpers.service.client import CAMERA, TOKEN, Answer, Client, Truth
 from tests.helpers.service.in_process import request
 
 MISSING = object()
@@ -23,65 +23,42 @@ MALFORMED = [
     b'{"a":' * 5_000 + b"1" + b"}" * 5_000,
 ]
 # field changed, its value, and the field that the answer must name
-IN_A_CAMERA: list[tuple[str, Any, str]] = [
+IN_A_SESSION: list[tuple[str, Any, str]] = [
     ("camera", MISSING, "camera"),
     ("camera", 5, "camera"),
-    ("camera", None, "camera"),
-    ("camera", "", "camera"),
     ("camera", "   ", "camera"),
     ("camera", "x" * 257, "camera"),
     ("platform", MISSING, "platform"),
     ("platform", "x" * 257, "platform"),
-    ("platform", ["X11"], "platform"),
     ("img_size", MISSING, "img_size"),
     ("img_size", [0, 720], "img_size.0"),
-    ("img_size", [1280, 0], "img_size.1"),
     ("img_size", [100_000, 720], "img_size.0"),
     ("img_size", [16384, 16384], "img_size"),  # more than a picture of the pose could show
     ("img_size", [64, 4096], "img_size"),  # no camera's
-    ("img_size", [-1280, 720], "img_size.0"),
     ("img_size", [1280.5, 720], "img_size.0"),
     ("img_size", [True, 720], "img_size.0"),
     ("img_size", ["1280", "720"], "img_size.0"),
     ("img_size", [1280], "img_size.1"),
-    ("img_size", [1280, 720, 3], "img_size"),
     ("img_size", "1280by720", "img_size"),
-    ("img_size", {"w": 1280}, "img_size"),
     ("img_size", [10**400, 720], "img_size.0"),
     ("zoom", -1, "zoom"),
-    ("zoom", 1e7, "zoom"),
     ("zoom", float("nan"), "zoom"),
-    ("zoom", float("inf"), "zoom"),
     ("zoom", "wide", "zoom"),
-    ("zoom", None, "zoom"),
     ("distortion_model", "pinhole", "distortion_model"),
-    ("distortion_model", "", "distortion_model"),
-    ("distortion_model", 1, "distortion_model"),
     ("distortion_model", None, "distortion_model"),
-]
-IN_A_SESSION: list[tuple[str, Any, str]] = [
-    *IN_A_CAMERA,
     ("board", "9x6", "board"),
     ("board", {"squares": [9, 2]}, "board.squares.1"),  # one row of corners
-    ("board", {"squares": [2, 6]}, "board.squares.0"),
     ("board", {"squares": [3, 3]}, "board.squares"),  # four corners, too few for any view
     ("board", {"squares": [51, 6]}, "board.squares.0"),
-    ("board", {"squares": [9]}, "board.squares.1"),
     ("board", {"squares": [9, 6.5]}, "board.squares.1"),
-    ("board", {"marker_ratio": 0}, "board.marker_ratio"),
     ("board", {"marker_ratio": 1}, "board.marker_ratio"),
     ("board", {"marker_ratio": float("nan")}, "board.marker_ratio"),
     ("board", {"dictionary": "DICT_4X4_51"}, "board.dictionary"),
     ("board", {"squares": [12, 9]}, "board.dictionary"),  # 54 markers of a dictionary of 50
     ("board", {"legacy": "no"}, "board.legacy"),
-    ("board", {"size": [9, 6]}, "board.size"),
     ("guidance", "random", "guidance"),
     ("target_error", 0, "target_error"),
-    ("target_error", -0.3, "target_error"),
-    ("target_error", 1e9, "target_error"),
     ("target_error", float("inf"), "target_error"),
-    ("target_error", "0.3", "target_error"),
-    ("track", [], "track"),
     ("track", {"frameRate": float("nan")}, "track.frameRate"),
     ("track", {"facingMode": "x" * 65}, "track.facingMode"),
     ("target_eror", 0.3, "target_eror"),
@@ -90,33 +67,23 @@ GRID = [[100.0 + 90 * (i % 8), 100.0 + 90 * (i // 8)] for i in range(40)]
 IN_A_VIEW: list[tuple[str, Any, str]] = [
     ("index", MISSING, "index"),
     ("index", -1, "index"),
-    ("index", 1.5, "index"),
     ("index", True, "index"),
-    ("index", "0", "index"),
     ("index", 10**30, "index"),
     ("ids", MISSING, "ids"),
-    ("ids", [], "ids"),
-    ("ids", "all", "ids"),
     ("ids", [*range(39), 40], "ids.39"),  # the board has 0 to 39
     ("ids", [*range(39), -1], "ids.39"),
     ("ids", [*range(39), 38], "ids"),
-    ("ids", [*range(39), 38.5], "ids.39"),
     ("ids", list(range(39)), "points"),
     ("ids", list(range(10_000)), "ids"),
     ("points", MISSING, "points"),
-    ("points", [], "points"),
     ("points", [[1.0, 1.0]] * 10_000, "points"),
     ("points", [*GRID[:39], [float("nan"), 1]], "points.39.0"),
-    ("points", [*GRID[:39], [1, float("inf")]], "points.39.1"),
     ("points", [*GRID[:39], [1, float("-inf")]], "points.39.1"),
     ("points", [*GRID[:39], [1279.6, 1]], "points.39"),
-    ("points", [*GRID[:39], [1, 719.6]], "points.39"),
     ("points", [*GRID[:39], [-0.6, 1]], "points.39"),
     ("points", [*GRID[:39], [1e300, 1]], "points.39.0"),
     ("points", [*GRID[:39], [1]], "points.39"),
-    ("points", [*GRID[:39], [1, 2, 3]], "points.39"),
     ("points", [*GRID[:39], ["1", "2"]], "points.39.0"),
-    ("points", [*GRID[:39], None], "points.39"),
     ("view", 0, "view"),
 ]
 
@@ -124,16 +91,6 @@ IN_A_VIEW: list[tuple[str, Any, str]] = [
 def changed(body: dict[str, Any], field: str, value: Any) -> dict[str, Any]:
     rest = {name: content for name, content in body.items() if name != field}
     return rest if value is MISSING else {**rest, field: value}
-
-
-def names(answer: Any) -> list[str]:
-    assert answer.status == 422, answer
-    return [error["field"] for error in answer.json["errors"]]
-
-
-def named(field: str, found: list[str]) -> bool:
-    """The field itself, or a place inside it."""
-    return any(name == field or name.startswith(field + ".") for name in found)
 
 
 @pytest.fixture(scope="module")
@@ -148,29 +105,34 @@ def guided(stack: Server) -> Iterator[Client]:
     assert client.view(1, *Truth(seed=1).see(client.pose().json)).json["accepted"]
 
 
+PATHS = ("/v1/session", "/v1/session/views", "/v1/lookup")
+
+
+def send(client: Client, path: str, body: bytes) -> Answer:
+    return client.call("POST", path, body, token=TOKEN if path == "/v1/lookup" else None)
+
+
 @pytest.mark.parametrize("body", MALFORMED, ids=range(len(MALFORMED)))
-@pytest.mark.parametrize("path", ["/v1/session", "/v1/session/views", "/v1/lookup"])
-def test_malformed_json(guided: Client, path: str, body: bytes) -> None:
-    token = TOKEN if path == "/v1/lookup" else None
-    assert guided.call("POST", path, body, token=token, headers={"x-empty": "1"}).status == 400
+def test_malformed_json(guided: Client, body: bytes) -> None:
+    assert send(guided, "/v1/session/views", body).status == 400
 
 
-@pytest.mark.parametrize("body", [b"[]", b'"text"', b"0", b"null", b"true"])
-@pytest.mark.parametrize("path", ["/v1/session", "/v1/session/views", "/v1/lookup"])
-def test_json_other_than_an_object(guided: Client, path: str, body: bytes) -> None:
-    assert names(guided.call("POST", path, body, token=TOKEN if path == "/v1/lookup" else None)) == ["body"]
+@pytest.mark.parametrize("path", PATHS)
+def test_json_other_than_an_object(guided: Client, path: str) -> None:
+    assert send(guided, path, b"{").status == 400
+    for body in (b"[]", b'"text"', b"null"):
+        assert send(guided, path, body).fields == ["body"]
 
 
-@pytest.mark.parametrize("path", ["/v1/session", "/v1/session/views", "/v1/lookup"])
+@pytest.mark.parametrize("path", PATHS)
 def test_a_body_too_large(guided: Client, path: str) -> None:
-    body = b'{"camera": "' + b"x" * 1_000_000 + b'"}'
-    assert guided.call("POST", path, body, token=TOKEN if path == "/v1/lookup" else None).status == 413
+    assert send(guided, path, b'{"camera": "' + b"x" * 1_000_000 + b'"}').status == 413
 
 
 @pytest.mark.parametrize(("field", "value", "name"), IN_A_SESSION)
 def test_session(client: Client, field: str, value: Any, name: str) -> None:
-    client.session_id = client.call("POST", "/v1/auth", token=TOKEN).json["session_id"]
-    assert name in names(client.call("POST", "/v1/session", changed(CAMERA, field, value)))
+    client.authenticate()
+    assert name in client.call("POST", "/v1/session", changed(CAMERA, field, value)).fields
     assert client.call("GET", "/v1/session").status == 404
     assert client.call("POST", "/v1/session", CAMERA).status == 201
 
@@ -178,13 +140,8 @@ def test_session(client: Client, field: str, value: Any, name: str) -> None:
 @pytest.mark.parametrize(("field", "value", "name"), IN_A_VIEW)
 def test_view(guided: Client, field: str, value: Any, name: str) -> None:
     view = {"index": 1, "ids": list(range(40)), "points": GRID}
-    assert named(name, names(guided.call("POST", "/v1/session/views", changed(view, field, value))))
-
-
-@pytest.mark.parametrize(("field", "value", "name"), IN_A_CAMERA)
-def test_lookup_by_post(client: Client, field: str, value: Any, name: str) -> None:
-    answer = client.call("POST", "/v1/lookup", changed(CAMERA, field, value), token=TOKEN)
-    assert named(name.partition(".")[0], names(answer))
+    refused = guided.call("POST", "/v1/session/views", changed(view, field, value)).fields
+    assert any(found == name or found.startswith(f"{name}.") for found in refused)
 
 
 @pytest.mark.parametrize(
@@ -192,32 +149,27 @@ def test_lookup_by_post(client: Client, field: str, value: Any, name: str) -> No
     [
         ("", "camera"),
         ("platform=X11&img_size=1280x720", "camera"),
-        ("camera=&platform=X11&img_size=1280x720", "camera"),
         ("camera=a&img_size=1280x720", "platform"),
         ("camera=a&platform=X11", "img_size"),
         ("camera=a&platform=X11&img_size=0x720", "img_size.0"),
-        ("camera=a&platform=X11&img_size=1280x100000", "img_size.1"),
-        ("camera=a&platform=X11&img_size=nan", "img_size"),
-        ("camera=a&platform=X11&img_size=1280x720&zoom=nan", "zoom"),
         ("camera=a&platform=X11&img_size=1280x720&zoom=1e999", "zoom"),
-        ("camera=a&platform=X11&img_size=1280x720&zoom=-1", "zoom"),
         ("camera=a&platform=X11&img_size=1280x720&distortion_model=x", "distortion_model"),
         ("camera=a&platform=X11&img_size=1280x720&redirect=maybe", "redirect"),
         ("camera=%00%ff&platform=X11&img_size=", "img_size"),
     ],
 )
 def test_lookup_by_get(client: Client, query: str, name: str) -> None:
-    assert name in names(client.call("GET", "/v1/lookup", token=TOKEN, query=query))
+    assert name in client.call("GET", "/v1/lookup", token=TOKEN, query=query).fields
 
 
-@pytest.mark.parametrize("skip", ["2", "yes", "", "-1"])
+@pytest.mark.parametrize("skip", ["2", ""])
 def test_pose(guided: Client, skip: str) -> None:
-    assert names(guided.pose(f"skip={skip}")) == ["skip"]
+    assert guided.pose(f"skip={skip}").fields == ["skip"]
 
 
-@pytest.mark.parametrize("index", ["-1", "x", "1.5", "1e3", "9999999999", "%00", "٣"])
+@pytest.mark.parametrize("index", ["-1", "x", "9999999999", "٣"])
 def test_undo(guided: Client, index: str) -> None:
-    assert names(guided.call("DELETE", f"/v1/session/views/{index}")) == ["index"]
+    assert guided.call("DELETE", f"/v1/session/views/{index}").fields == ["index"]
 
 
 def test_undo_of_an_unknown_view(guided: Client) -> None:
@@ -225,18 +177,18 @@ def test_undo_of_an_unknown_view(guided: Client) -> None:
     assert guided.call("DELETE", "/v1/session/views/77").status == 404
 
 
-@pytest.mark.parametrize("calibration", ["x", "..", "c1-a-0123456789ab-0123456789abcdef0123", "%00", "a~b"])
+@pytest.mark.parametrize("calibration", ["..", "c1-a-0123456789ab-0123456789abcdef0123", "%00"])
 def test_unknown_calibration(client: Client, calibration: str) -> None:
     assert client.call("GET", f"/v1/calibrations/{calibration}", token=TOKEN).status == 404
 
 
 def test_unknown_export_format(client: Client) -> None:
     path = "/v1/calibrations/c1-a-0123456789ab-0123456789abcdef0123"
-    assert names(client.call("GET", path, token=TOKEN, query="format=matlab")) == ["format"]
+    assert client.call("GET", path, token=TOKEN, query="format=matlab").fields == ["format"]
 
 
 def test_calls_before_the_start_of_the_session(client: Client) -> None:
-    client.session_id = client.call("POST", "/v1/auth", token=TOKEN).json["session_id"]
+    client.authenticate()
     assert client.call("GET", "/v1/session").status == 404
     assert client.call("DELETE", "/v1/session").status == 404
     assert client.pose().status == 404
@@ -261,14 +213,14 @@ def test_whole_numbers_may_be_written_with_a_point(client: Client) -> None:
 
 def test_wrong_field_is_not_reported_missing(guided: Client) -> None:
     view = {"index": 1, "ids": [0.5], "points": [[1.0, 2.0]]}
-    assert names(guided.call("POST", "/v1/session/views", view)) == ["ids.0"]
+    assert guided.call("POST", "/v1/session/views", view).fields == ["ids.0"]
     view = {"index": 1, "ids": [], "points": [[1.0, 2.0]]}
-    assert names(guided.call("POST", "/v1/session/views", view)) == ["ids"]
+    assert guided.call("POST", "/v1/session/views", view).fields == ["ids"]
 
 
 def test_problem_names_the_first_wrong_fields(guided: Client) -> None:
     answer = guided.view(1, list(range(40)), [[5000.0, 5000.0]] * 40)
-    assert len(names(answer)) == 20
+    assert len(answer.fields) == 20
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,7 @@ def send(client: Client, views: list[Corners], index: int = 0) -> Answer:
 
 
 def kind(answer: Answer) -> tuple[int, str]:
-    return answer.status, answer.json["type"].rpartition("#")[2]
+    return answer.status, answer.kind
 
 
 def fields(answer: Answer) -> list[str]:

@@ -80,8 +80,12 @@ def test_real_corners_of_a_chessboard_calibrate(client: Client, stack: Server) -
     opened = client.open(board=board, img_size=list(size), capture="recorded")
     assert opened.status == 201, opened.body
     assert opened.json["board"]["kind"] == "chessboard"
-    for index, (ids, view) in enumerate(zip(found.ids, views, strict=True)):
-        assert client.view(index, list(ids), view.image_points.tolist()).json["accepted"]
+    sent = [
+        {"ids": list(ids), "points": view.image_points.tolist()}
+        for ids, view in zip(found.ids, views, strict=True)
+    ]
+    answer = client.call("POST", "/v1/session/batch", {"index": 0, "views": sent}).json
+    assert [result["accepted"] for result in answer["results"]] == [True] * len(views)
     state = client.call("POST", "/v1/session/finish").json
     points = [view.image_points.astype(np.float32)[:, None] for view in views]
     objects = [view.object_points.astype(np.float32) for view in views]

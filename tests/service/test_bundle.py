@@ -12,16 +12,15 @@ import numpy as np
 import pytest
 
 from calibdb.lookup import well_known_ids
-from calibdb.settings import Settings, Thresholds
-from calibdb.store import Store
+from calibdb.settings import Thresholds
 from infra.ops.bundle import BundleResult, bundle
 from infra.ops.context import OpsContext
 from infra.server.server import Server
 from tests.helpers.data import ROOT
-from tests.helpers.service import labels
+from tests.helpers.service import labels, published
 from tests.helpers.service.client import Client
 from tests.helpers.service.known import LENS, LINUX, calibration, consensus, fit
-from tests.service.test_lookup import put
+from tests.helpers.service.published import put
 
 PLATFORMS = {
     "Linux": LINUX,
@@ -65,7 +64,7 @@ def reported(source: str) -> list[Label]:
 
 def fill(stack: Server, known: list[Label]) -> None:
     """Every camera whose label says which it is, at several sizes, some with another model or a zoom."""
-    store = Store.of(Settings.from_environment(stack.environment))
+    store = published.store(stack)
     seen: set[str] = set()
     for number, (label, platform) in enumerate(known):
         if platform == PLATFORMS["iOS"] and number % 4:

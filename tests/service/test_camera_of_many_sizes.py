@@ -7,9 +7,8 @@ from calibdb.camera_key import camera_key
 from infra.server.server import Server
 from tests.helpers.service.client import TOKEN, Client
 from tests.helpers.service.known import LINUX, calibration, consensus, fit
-from tests.helpers.service.published import store
+from tests.helpers.service.published import put, store
 from tests.helpers.service.storage_calls import storage_calls
-from tests.service.test_lookup import put
 
 CAMERA = "Many sizes Z77 (1111:0077)"
 

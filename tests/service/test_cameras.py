@@ -6,22 +6,18 @@ from urllib.parse import quote
 import pytest
 
 from calibdb.camera_key import camera_key, identify
-from calibdb.schema import ConsensusDocument, GroupsDocument
-from calibdb.settings import Settings
+from calibdb.schema import GroupsDocument
 from calibdb.store import Store
 from infra.server.server import Server
+from tests.helpers.service import published
 from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus, fit
+from tests.helpers.service.published import put
 
 
 @pytest.fixture(scope="module")
 def store(stack: Server) -> Store:
-    return Store.of(Settings.from_environment(stack.environment))
-
-
-def put(store: Store, *documents: ConsensusDocument) -> None:
-    for document in documents:
-        assert store.consensuses.put(document, GroupsDocument(pooled=document.pooled), None)
+    return published.store(stack)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -120,9 +116,7 @@ def test_public_search_needs_two_contributors(
         assert label not in found
 
 
-@pytest.mark.parametrize(
-    ("said", "told"), [("wrong: seen in a mirror", "wrong"), ("Abuse", "abuse"), ("Anna asked", "other")]
-)
+@pytest.mark.parametrize(("said", "told"), [("wrong: seen in a mirror", "wrong"), ("Anna asked", "other")])
 def test_a_withdrawn_calibration_is_gone(stack: Server, store: Store, said: str, told: str) -> None:
     document = calibration(f"Gone {told} Z1", number=7)
     store.calibrations.publish(document)
@@ -153,9 +147,7 @@ def test_a_search_goes_on_page_by_page(stack: Server, store: Store) -> None:
     assert len(seen) == len(set(seen)) == 5
 
 
-@pytest.mark.parametrize(
-    "query", ["limit=0", "limit=51", "limit=x", "query=c920&after=x", "query=" + "x" * 129]
-)
+@pytest.mark.parametrize("query", ["limit=0", "limit=51", "query=c920&after=x", "query=" + "x" * 129])
 def test_malformed_search_is_refused_by_field(stack: Server, query: str) -> None:
     answer = browse(stack, query)
     assert answer.status == 422
@@ -204,9 +196,7 @@ def test_earlier_keys_and_name_keys_lead_to_the_camera(stack: Server, store: Sto
     assert client.call("GET", f"/v1/calibrations/{old}-{0:020x}", token=TOKEN).status == 200
 
 
-@pytest.mark.parametrize(
-    "key", ["x", "c2-nobody-0123456789ab", "c1-nobody-0123456789ab", "..", "%00", "c2-a~b"]
-)
+@pytest.mark.parametrize("key", ["x", "c2-nobody-0123456789ab", "..", "%00"])
 def test_uncalibrated_camera_is_not_found(stack: Server, key: str) -> None:
     assert Client(stack).call("GET", f"/v1/cameras/{key}", token=TOKEN).status == 404
 

@@ -6,6 +6,7 @@ import pytest
 
 from calibdb import schema
 from infra.server.server import Server
+from tests.helpers.marks import thorough
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.in_process import request
 
@@ -90,11 +91,7 @@ def test_the_pose_as_numbers(running: Client) -> None:
     ("accept", "media_type"),
     [
         (None, "image/jpeg"),
-        ("*/*", "image/jpeg"),
-        ("image/*", "image/jpeg"),
-        ("image/avif,image/webp,*/*;q=0.5", "image/jpeg"),
         ("image/png", "image/png"),
-        ("image/jpeg;q=0.1, image/png;q=0.9", "image/png"),
         ("text/html, application/json;q=0.9", "application/json"),
     ],
 )
@@ -104,12 +101,7 @@ def test_pose_follows_the_accept_header(running: Client, accept: str | None, med
     assert answer.headers["content-type"] == media_type
 
 
-def test_unknown_media_type_is_406(running: Client) -> None:
-    answer = running.call("GET", "/v1/session/pose", headers={"accept": "text/html, image/jpeg;q=0"})
-    assert answer.status == 406
-
-
-@pytest.mark.parametrize("views", [0, 2])
+@pytest.mark.parametrize("views", [2, *thorough(0)])
 def test_the_picture_shows_the_pose(running: Client, views: int) -> None:
     """The board is drawn where the numbers say, in the size of the image, on black."""
     truth = Truth(distortion=(-0.2, 0.05, 0.0, 0.0, 0.0))
@@ -153,36 +145,15 @@ def test_a_view_becomes_part_of_the_session(running: Client) -> None:
     assert state["views"] == answer.json["views"]
 
 
-def test_a_view_can_be_sent_without_asking_for_a_pose(running: Client) -> None:
-    held = {"rvec": [0.4, -0.3, 0.1], "tvec": [-4.2, -2.8, 9.0]}
-    assert running.view(0, *Truth().see(held)).json["accepted"]
-
-
-@pytest.mark.parametrize(
-    ("change", "reason"),
-    [
-        (lambda ids, points: (ids[:3], points[:3]), "too_few_points"),
-        (lambda ids, points: (ids[:8], points[:8]), "degenerate"),  # one row of corners
-        (lambda ids, points: (ids, [[1279 - x, y] for x, y in points]), "mirrored"),
-    ],
-)
-def test_a_refused_view_changes_nothing(running: Client, change, reason: str) -> None:
+def test_a_refused_view_changes_nothing(running: Client) -> None:
     pose = running.pose().json
     ids, points = Truth().see(pose)
     before = running.state()
-    refused = running.view(0, *change(ids, points))
-    assert refused.status == 200
-    assert (refused.json["accepted"], refused.json["reason"]) == (False, reason)
+    one_row = running.view(0, ids[:8], points[:8])
+    assert (one_row.status, one_row.json["accepted"], one_row.json["reason"]) == (200, False, "degenerate")
     assert running.state() == before
     assert running.pose().json == pose
     assert running.view(0, ids, points).json["accepted"]
-
-
-def test_the_same_place_again_is_a_duplicate(running: Client) -> None:
-    held = Truth().see(running.pose().json)
-    assert running.view(0, *held).json["accepted"]
-    again = running.view(1, *held).json
-    assert (again["accepted"], again["reason"]) == (False, "duplicate")
 
 
 def test_undo_takes_a_view_back(running: Client) -> None:

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from calibdb.access.tokens import ApiToken, SessionIds, Ticket, secret_hash
-from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.server.server import Server
+from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, TOKEN, Client
 from tests.helpers.service.intercepted import intercepted_service
 
@@ -33,7 +33,7 @@ BY_SESSION = [
 
 @pytest.fixture
 def store(stack: Server) -> Store:
-    return Store.of(Settings.from_environment(stack.environment))
+    return published.store(stack)
 
 
 @pytest.mark.parametrize(("method", "path", "body", "query"), BY_TOKEN + BY_SESSION)

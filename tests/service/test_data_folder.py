@@ -28,7 +28,7 @@ from infra.server.secrets import SecretsError
 from infra.server.server import Server
 from infra.server.write_ahead_log import lost_commits
 from tests.helpers.service.client import Client
-from tests.helpers.service.published import asked, calibration, mode_of, store
+from tests.helpers.service.published import calibration, publish
 
 ROWS = 120
 #: random damages; all 100 with `DAMAGES=100`
@@ -209,9 +209,7 @@ def test_backup_of_a_running_server_answers_alike(tmp_path: Path, capsys: pytest
     backup, restored = tmp_path / "backup.tar", tmp_path / "restored"
     with Server(tmp_path / "data") as server:
         for camera in ("Backed up one", "Backed up two"):
-            for n in range(5):
-                store(server).calibrations.publish(document := calibration(camera, n, views=3))
-            store(server).refit.now(asked(mode_of(document)))
+            publish(server, *(calibration(camera, n, views=3) for n in range(5)))
         before = answers(server)
         assert len(before) == 2
         write_backup(tmp_path / "data", backup)

@@ -7,14 +7,12 @@ from typing import Any
 
 import pytest
 
-from calibdb.schema import ConsensusDocument, GroupsDocument
-from calibdb.settings import Settings
-from calibdb.store import Store
 from calibdb_client import Client as PythonClient
 from calibdb_client.cli import main
 from infra.server.server import Server
 from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.helpers.service.known import C920, LINUX, consensus, fit
+from tests.helpers.service.published import put, store
 from tests.helpers.service.storage_calls import storage_calls
 from tests.unit.client.test_exif import IMG_SIZE, block, jpeg
 
@@ -22,12 +20,6 @@ WINDOWS = "Windows NT 10.0; Win64; x64"
 IPHONE = "iPhone; CPU iPhone OS 17_5 like Mac OS X"
 STARTED = "Started Cam S1 (1111:0002)"
 ELSEWHERE = "Elsewhere Cam E1 (1111:0003)"
-
-
-def put(stack: Server, *documents: ConsensusDocument) -> None:
-    store = Store.of(Settings.from_environment(stack.environment))
-    for document in documents:
-        assert store.consensuses.put(document, GroupsDocument(pooled=document.pooled), None)
 
 
 def ask(stack: Server, camera: str, platform: str = LINUX, **asked: Any) -> Answer:
@@ -127,7 +119,7 @@ def test_a_photographs_zoom_is_its_focal_length(stack: Server) -> None:
     assert phone["basis"] == "published"
     assert phone["hfov_deg"] == pytest.approx(67.0, abs=2)
     put(
-        stack,
+        store(stack),
         consensus(
             fit((6000, 4000), 4000.0),
             camera="Canon EOS R6",
@@ -142,7 +134,7 @@ def test_a_photographs_zoom_is_its_focal_length(stack: Server) -> None:
 
 
 def test_too_few_calibrations_lead(stack: Server) -> None:
-    put(stack, consensus(fit((1280, 720), 700.0), camera=STARTED, reason="too_few"))
+    put(store(stack), consensus(fit((1280, 720), 700.0), camera=STARTED, reason="too_few"))
     likely = estimate(stack, STARTED)
     assert likely["basis"] == "calibrations"
     own = 2 * math.degrees(math.atan(640 / 700))
@@ -152,20 +144,20 @@ def test_too_few_calibrations_lead(stack: Server) -> None:
 
 
 def test_another_size_is_evidence(stack: Server) -> None:
-    put(stack, consensus(fit((1280, 720), 700.0), camera=ELSEWHERE, reason="too_few"))
+    put(store(stack), consensus(fit((1280, 720), 700.0), camera=ELSEWHERE, reason="too_few"))
     likely = estimate(stack, ELSEWHERE, img_size=(640, 360))
     assert likely["basis"] == "other_size"
     assert likely["hfov_deg"] == pytest.approx(2 * math.degrees(math.atan(640 / 700)), rel=0.06)
 
 
 def test_a_wrong_calibration_does_not_win_over_published_ones(stack: Server) -> None:
-    put(stack, consensus(fit((640, 480), 2000.0), camera=C920, reason="too_few"))
+    put(store(stack), consensus(fit((640, 480), 2000.0), camera=C920, reason="too_few"))
     low, high = estimate(stack, C920, img_size=(640, 480))["interval_90"]["hfov_deg"]
     assert low < 53 < high
 
 
 def test_a_hit_has_none_and_a_miss_reads_no_more_and_writes_nothing(stack: Server) -> None:
-    put(stack, consensus(fit((1920, 1080), 1400.0, uncertainty=0.1), camera="Hit Cam H1 (1111:0004)"))
+    put(store(stack), consensus(fit((1920, 1080), 1400.0, uncertainty=0.1), camera="Hit Cam H1 (1111:0004)"))
     hit = ask(stack, "Hit Cam H1 (1111:0004)", img_size=(1920, 1080))
     assert hit.status == 200
     assert "estimate" not in hit.json
@@ -177,7 +169,7 @@ def test_a_hit_has_none_and_a_miss_reads_no_more_and_writes_nothing(stack: Serve
 def test_a_hit_has_the_estimate_without_it_if_asked(stack: Server) -> None:
     camera = "Compared Cam K1 (1111:0005)"
     before = estimate(stack, camera, img_size=(1920, 1080))
-    put(stack, consensus(fit((1920, 1080), 1400.0, uncertainty=0.1), camera=camera))
+    put(store(stack), consensus(fit((1920, 1080), 1400.0, uncertainty=0.1), camera=camera))
     with storage_calls(stack) as calls:
         hit = ask(stack, camera, img_size=(1920, 1080), estimate="always")
     assert hit.json["camera_matrix"][0][0] == 1400.0

@@ -8,11 +8,10 @@ import pytest
 from calibdb.store.keys import vote_object
 from infra.ops import withdrawal
 from infra.ops.__main__ import main
-from infra.ops.context import OpsContext
 from infra.server.server import Server
-from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth, until
-from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
-from tests.helpers.service.strangers import standing_clock
+from tests.helpers.service.client import BRIEF, TOKEN, Client, Truth, until
+from tests.helpers.service.published import PLATFORM, calibration, mode_of, publish, store, views
+from tests.helpers.service.strangers import context, standing_clock
 
 
 def stored(stack: Server) -> tuple[set[str], set[tuple[str, str]]]:
@@ -31,17 +30,14 @@ def test_forgetting_covers_revoked_tokens(
     token = capsys.readouterr().out.strip()
     others = calibration("Another's camera Z77", 0)
     with standing_clock(), Server(folder) as stack:  # uses are counted by the hour
-        store(stack).calibrations.publish(others)
-        store(stack).refit.now(asked(mode_of(others)))
+        publish(stack, others)
         before = stored(stack)
         client = Client(stack, api_token=token)
         Truth().calibrate(client, **BRIEF)
         until(lambda: client.lookup(redirect=False).json["reason"] == "too_few")
         assert client.open(camera="Never finished").status == 201
         assert client.view(client.pose().json["index"], *Truth().see(client.pose().json)).json["accepted"]
-        views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=1), 3)]
-        body = {**CAMERA, "camera": others.camera, "views": views}
-        answer = client.call("POST", "/v1/checks", body)
+        answer = client.check(views(Truth(seed=1)), camera=others.camera)
         assert (answer.json["counted"], answer.json["votes"]["agree"]) == (True, 1)
     assert main(["token", "revoke", token.split("_")[1]]) == 0
     capsys.readouterr()
@@ -67,18 +63,14 @@ def test_forgotten_vote_under_an_earlier_key_recomputes_the_consensus() -> None:
     document = calibration("Voted on Z77", 0)
     earlier = f"c1-{document.camera_key[3:]}"
     with Server() as stack:
-        store(stack).calibrations.publish(document)
-        store(stack).refit.now(asked(mode_of(document)))
-        client = Client(stack)
-        client.session_id = client.call("POST", "/v1/auth", token=client.api_token).json["session_id"]
-        views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=1), 3)]
-        body = {**CAMERA, "camera": document.camera, "platform": PLATFORM, "views": views}
-        assert client.call("POST", "/v1/checks", body).json["votes"]["agree"] == 1
+        publish(stack, document)
+        voted = Client(stack).check(views(Truth(seed=1)), camera=document.camera, platform=PLATFORM)
+        assert voted.json["votes"]["agree"] == 1
         (vote,) = store(stack).votes.all()
-        context = OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
-        context.objects.purge_all_versions([vote_object(vote.camera_key, vote.id)])
+        operator = context(stack)
+        operator.objects.purge_all_versions([vote_object(vote.camera_key, vote.id)])
         store(stack).votes.cast(vote.model_copy(update={"camera_key": earlier}))
-        assert withdrawal.forget(context, {vote.contributor}).votes == 1
+        assert withdrawal.forget(operator, {vote.contributor}).votes == 1
         (left,) = (
             c for c in store(stack).consensuses.at(mode_of(document)) if c.distortion_model == "rectilinear"
         )

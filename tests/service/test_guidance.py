@@ -6,16 +6,10 @@ from typing import Any
 import numpy as np
 
 from calibdb.schema import SessionDocument
-from calibdb.settings import Settings
-from calibdb.store import Store
 from infra.server.server import Server
 from tests.helpers.service.client import Client, Truth, until
 from tests.helpers.service.known import consensus, fit
-from tests.helpers.service.published import PLATFORM, held
-
-
-def store(stack: Server) -> Store:
-    return Store.of(Settings.from_environment(stack.environment))
+from tests.helpers.service.published import PLATFORM, held, store
 
 
 def latest(stack: Server, camera: str) -> SessionDocument:
@@ -223,10 +217,9 @@ def test_seed_that_does_not_pose_the_first_view_is_dropped(stack: Server, client
 
 def test_the_published_method_can_be_chosen(client: Client) -> None:
     client.open(guidance="pose-selection")
-    truth = Truth(seed=1)
     pose = client.pose().json
     assert abs(np.linalg.norm(pose["rvec"]) - 0.87) < 0.05  # 45 degrees, rolled by 22.5
-    state = client.state()
+    truth = Truth(seed=1)
     for _ in range(40):
         pose = client.pose().json
         state = client.view(pose["index"], *truth.see(pose)).json

@@ -21,7 +21,7 @@ from infra.server.server import Server
 from tests.helpers.service.client import Client
 from tests.helpers.service.in_process import Response, request
 from tests.helpers.service.intercepted import intercepted_service
-from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
+from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, publish, store
 
 CAMERA = "Known by all (046d:0825)"
 DIGEST = alias_digest(CAMERA, PLATFORM)
@@ -33,15 +33,8 @@ DAY_S = 86_400
 @pytest.fixture(scope="module")
 def stack() -> Iterator[Server]:
     with Server() as stack:
-        for n in range(5):
-            store(stack).calibrations.publish(document := calibration(CAMERA, n, views=3))
-        store(stack).refit.now(asked(mode_of(document)))
+        publish(stack, *(calibration(CAMERA, n, views=3) for n in range(5)))
         yield stack
-
-
-@pytest.fixture(autouse=True)
-def fresh(stack: Server) -> None:
-    """Forget what the server remembers for a minute."""
 
 
 def get(stack: Server, path: str = PATH, **headers: str) -> Response:
@@ -109,9 +102,7 @@ def test_lookup_reads_twice_and_writes_nothing(stack: Server) -> None:
 def test_withdrawn_camera_is_gone(stack: Server) -> None:
     label = "To be withdrawn (046d:0826)"
     documents = [calibration(label, n, views=3) for n in range(5)]
-    for document in documents:
-        store(stack).calibrations.publish(document)
-    store(stack).refit.now(asked(mode_of(documents[0])))
+    publish(stack, *documents)
     posted(stack, label)
     path = f"/known/v1/{alias_digest(label, PLATFORM)}/1280x720/0/rectilinear.json"
     assert get(stack, path).status == 200

@@ -6,12 +6,13 @@ import pytest
 
 from calibdb.camera_key import camera_key
 from calibdb.lookup import camera_lookup, well_known_ids
-from calibdb.schema import ConsensusDocument, GroupsDocument
-from calibdb.settings import Settings, Thresholds
+from calibdb.settings import Thresholds
 from calibdb.store import Store
 from infra.server.server import Server
+from tests.helpers.service import published
 from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus, fit
+from tests.helpers.service.published import put
 from tests.helpers.service.storage_calls import storage_calls
 
 WINDOWS = "Windows NT 10.0; Win64; x64"
@@ -19,12 +20,7 @@ WINDOWS = "Windows NT 10.0; Win64; x64"
 
 @pytest.fixture(scope="module")
 def store(stack: Server) -> Store:
-    return Store.of(Settings.from_environment(stack.environment))
-
-
-def put(store: Store, *documents: ConsensusDocument) -> None:
-    for document in documents:
-        assert store.consensuses.put(document, GroupsDocument(pooled=document.pooled), None)
+    return published.store(stack)
 
 
 def ask(stack: Server, camera: str, platform: str = LINUX, **asked: Any) -> Answer:

@@ -5,15 +5,12 @@ from collections.abc import Iterator
 import pytest
 
 from calibdb.lookup.reports import MAX_CAMERAS, REPORT_S, MissCounter
-from calibdb.service import Service
-from calibdb.settings import Settings
-from calibdb.store import Store
 from infra.server.server import Server
 from tests.helpers.service.client import Client
 from tests.helpers.service.index_items import items
 from tests.helpers.service.known import C920, LINUX, calibration, consensus
-from tests.helpers.service.published import store
-from tests.service.test_lookup import put
+from tests.helpers.service.published import put, store
+from tests.helpers.service.stores import override_service
 
 
 class Clock:
@@ -26,12 +23,8 @@ class Clock:
 @pytest.fixture
 def clock() -> Iterator[Clock]:
     """The service's clock; its parts outlast a request, as in an instance of a function."""
-    clock, services = Clock(), {}
-
-    def of(settings: Settings) -> Service:
-        return services.setdefault(settings, Service.build(settings, Store.of(settings), clock))
-
-    with Service.override(of):
+    clock = Clock()
+    with override_service(clock=clock):
         yield clock
 
 

@@ -25,7 +25,7 @@ from calibdb.store.aliases import alias_digest
 from infra.server.server import Server
 from infra.web_build import openapi
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
-from tests.helpers.service.published import asked, calibration, mode_of, store
+from tests.helpers.service.published import calibration, publish
 from tests.helpers.service.rigs import RigTruth
 
 CASES = int(os.environ.get("CASES", "100"))
@@ -55,9 +55,7 @@ def known(stack: Server) -> dict[str, list[str]]:
     """Ids that there are: of a calibration, a consensus, a camera."""
     client = Client(stack)
     documents = [calibration(str(CAMERA["camera"]), n, views=3) for n in range(5)]
-    for document in documents:
-        store(stack).calibrations.publish(document)
-    store(stack).refit.now(asked(mode_of(documents[0])))
+    publish(stack, *documents)
     consensus = client.lookup().json["id"]
     key = consensus.split("~")[0]
     return {

@@ -11,15 +11,14 @@ from pyarrow import parquet
 
 from calibdb.camera_key import camera_key
 from calibdb.schema import DISTORTION_MODELS, VoteDocument
-from calibdb.settings import Settings
-from calibdb.store import Store
 from calibsolver import models
 from calibsolver.models.rectilinear import Rectilinear
 from infra.ops.__main__ import main
 from infra.server.server import Server
 from tests.helpers.data import data_dir as external_dir
 from tests.helpers.data import external_data
-from tests.helpers.service.client import BRIEF, Client, Truth
+from tests.helpers.service import published
+from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
 from tests.helpers.service.published import calibration
 
 LABEL = "Anna's iPhone Camera"
@@ -32,9 +31,9 @@ def data_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("files") / "data"
     with Server(folder) as stack:
         client = Client(stack)
-        for seed in range(5):
-            Truth(seed=seed).calibrate(client, licence="CC0-1.0", **BRIEF)
         Truth(seed=9).calibrate(client, camera=LABEL, platform=PLATFORM, licence="CC0-1.0", **BRIEF)
+        given = (calibration(str(CAMERA["camera"]), n) for n in range(5))
+        published.publish(stack, *(one.model_copy(update={"licence": "CC0-1.0"}) for one in given))
         stack.wait_until_idle(60)
         assert client.lookup().status == 200
     return folder
@@ -99,7 +98,7 @@ def test_loaded_dump_answers_alike(
 
 def test_a_dump_names_nobody(data_dir: Path, dumped: Path, tmp_path: Path) -> None:
     with Server(data_dir) as stack:
-        store = Store.of(Settings.from_environment(stack.environment))
+        store = published.store(stack)
         known = {document.contributor for document in store.calibrations.all()}
     documents = list(lines(dumped / "calibrations.jsonl"))
     everything = b"".join(path.read_bytes() for path in dumped.iterdir())
@@ -120,7 +119,7 @@ def test_dumped_labels_follow_the_current_rules(tmp_path: Path, monkeypatch: pyt
     stored = calibration("webcam Z77", 0).model_copy(update=named)
     vote = VoteDocument(**stored.model_dump(exclude={"layout", "fits", "time"}), noise=0.1, time=0)
     with Server(tmp_path / "data") as stack:
-        store = Store.of(Settings.from_environment(stack.environment))
+        store = published.store(stack)
         store.calibrations.publish(stored)
         store.votes.cast(vote)
     assert main(["dump", str(tmp_path / "dump")]) == 0
@@ -206,7 +205,7 @@ def test_seeded_cameras_are_no_answers(
     assert found
     assert int(found[1]) > 60
     with Server(tmp_path / "data") as stack:
-        store = Store.of(Settings.from_environment(stack.environment))
+        store = published.store(stack)
         priors = list(store.priors.all())
         assert len(priors) == int(found[1])
         for prior in priors:
@@ -222,7 +221,7 @@ def test_seeded_cameras_are_no_answers(
     assert before.json["cameras"] == []  # nor are they shown as known
     assert main(["reindex"]) == 0
     with Server(tmp_path / "data") as stack:
-        store = Store.of(Settings.from_environment(stack.environment))
+        store = published.store(stack)
         assert store.priors.find(*key_of(priors[0])) == priors[0].fit
 
 
@@ -255,7 +254,7 @@ def test_contradictory_rows_seed_nothing(
     assert "3 skipped: no camera is like that" in said
     assert "1 skipped: a number is missing" in said
     with Server(tmp_path / "data") as stack:
-        store = Store.of(Settings.from_environment(stack.environment))
+        store = published.store(stack)
         fit = store.priors.find(camera_key("A One camera", "photograph"), (1280, 720), 0, "fisheye")
         assert fit is not None
         assert fit.camera_matrix[0][0] == 910

@@ -11,7 +11,7 @@ from calibsolver import formats
 from infra.ops.__main__ import main
 from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth, until
-from tests.helpers.service.published import held, store
+from tests.helpers.service.published import calibration, publish, store, views
 from tests.helpers.solver.export_sources import subject
 
 CONSENT = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
@@ -28,17 +28,17 @@ def test_what_was_given_without_counts_and_stays_out_of_dumps(
     monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
     with Server(tmp_path / "data") as stack:
         client = Client(stack)
-        given = [
-            Truth(seed=seed).calibrate(client, **BRIEF, **(CONSENT if seed < 2 else {}))["calibration_id"]
-            for seed in range(5)
-        ]
+        given = [Truth(seed=9).calibrate(client, **BRIEF, **CONSENT)["calibration_id"]]
+        others = [calibration(str(CAMERA["camera"]), n) for n in range(4)]
+        others[0] = others[0].model_copy(update=CONSENT)
+        publish(stack, *others)
+        given += [one.id for one in others]
         found = until(lambda: (a := client.lookup(redirect=False)).status == 200 and a)
         assert found.json["calibrations"] == 5, "they count alike"
         for seed, consent in ((7, CONSENT), (8, {})):
-            client.call("POST", "/v1/auth", token=client.api_token)
+            client.authenticate()
             assert client.open(camera=f"opened {seed}").status == 201
-            views = [{"ids": ids, "points": points} for ids, points in held(Truth(seed=seed), 3)]
-            checked = client.call("POST", "/v1/checks", {**CAMERA, "views": views, **consent})
+            checked = client.check(views(Truth(seed=seed)), **consent)
             assert checked.json["counted"], checked.body
     assert main(["dump", str(tmp_path / "dump")]) == 0
     assert "2 calibrations and 1 votes" in capsys.readouterr().out

@@ -15,7 +15,7 @@ from infra.ops.__main__ import main
 from infra.server.server import Server
 from tests.helpers.data import ROOT
 from tests.helpers.service.index_items import items
-from tests.helpers.service.published import asked, calibration, mode_of, store
+from tests.helpers.service.published import calibration, publish
 from tests.helpers.solver.export_sources import subject
 
 WHOSE = ["--camera", "Microsoft LifeCam HD-3000 (045e:0779)", "--platform", "X11; Linux x86_64"]
@@ -35,9 +35,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, str]:
     documents = [calibration("Plotted 1234", n) for n in range(5)]
     documents.append(calibration("Plotted 1234", 5, fx=1040.0, fy=1038.0))
     with Server(folder) as stack:
-        for document in documents:
-            store(stack).calibrations.publish(document)
-        store(stack).refit.now(asked(mode_of(documents[0])))
+        publish(stack, *documents)
     with pytest.MonkeyPatch.context() as patch, io.StringIO() as screen:
         patch.setenv("DATA_DIR", str(folder))
         patch.setattr(sys, "stdout", screen)

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 import yaml
 
-from calibdb_client import AsyncClient, Board, Calibration, Client, CredentialError, NotFoundError, Recording
+from calibdb_client import AsyncClient, Board, Client, CredentialError, NotFoundError, Recording
 from calibdb_client.cli import main
 from calibdb_client.key import CameraKey
 from infra.server.server import Server
 from tests.helpers import board_pictures
 from tests.helpers.service.client import Client as Raw
 from tests.helpers.service.client import Truth
-from tests.helpers.service.published import asked, calibration, mode_of, store
+from tests.helpers.service.published import calibration, publish
 
 LABEL, PLATFORM, SIZE = "HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64", (1280, 720)
 KEY = CameraKey(LABEL, PLATFORM, SIZE)
@@ -30,10 +30,7 @@ EXAMPLES = Path(__file__).parents[2] / "clients/python/examples"
 @pytest.fixture(scope="module")
 def known(stack: Server) -> dict[str, Any]:
     """The lookup of a camera that five contributors calibrated."""
-    documents = [calibration(LABEL, n) for n in range(5)]
-    for document in documents:
-        store(stack).calibrations.publish(document)
-    store(stack).refit.now(asked(mode_of(documents[0])))
+    publish(stack, *(calibration(LABEL, n) for n in range(5)))
     record: dict[str, Any] = Raw(stack).lookup(camera=LABEL, redirect=False).json
     return record
 
@@ -159,12 +156,6 @@ def test_wrong_token_and_absent_service_have_their_statuses(
     assert "no connection" in line
     monkeypatch.delenv("CALIBDB_URL")
     assert main(LOOKUP) == 2
-
-
-def test_calibration_of_a_lookup_is_of_use(known: dict[str, Any]) -> None:
-    calibration = Calibration(known)
-    pixel = [[200.0, 100.0]]
-    assert np.abs(calibration.project(calibration.unproject(pixel)) - pixel).max() < 1e-9
 
 
 @pytest.mark.usefixtures("served")

@@ -7,12 +7,12 @@ import pytest
 
 from calibdb.access.plans import PLANS, Allowance, Plan
 from calibdb.access.tokens import ApiToken, secret_hash
-from calibdb.service import Service
-from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb.store.quotas import SHARDS
 from infra.server.server import Server
+from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, Answer, Client
+from tests.helpers.service.stores import override_service
 from tests.helpers.service.strangers import standing_clock
 
 SMALL = Plan(Allowance(3, 4, 5, 6), Allowance(3, 4, 5, 6))
@@ -28,7 +28,7 @@ def small_plan() -> Iterator[None]:
 
 @pytest.fixture
 def store(stack: Server) -> Store:
-    return Store.of(Settings.from_environment(stack.environment))
+    return published.store(stack)
 
 
 @pytest.fixture
@@ -55,7 +55,7 @@ def test_sessions(client: Client, token: str) -> None:
 
 
 def test_views_refused_ones_and_undone_ones_count(client: Client, token: str) -> None:
-    client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
+    client.authenticate(token)
     client.call("POST", "/v1/session", CAMERA)
     assert [client.view(0, [0], [[1, 1]]).json["reason"] for _ in range(3)] == ["too_few_points"] * 3
     assert client.call("DELETE", "/v1/session/views/0").status == 404
@@ -66,7 +66,7 @@ def test_views_refused_ones_and_undone_ones_count(client: Client, token: str) ->
 
 
 def test_poses_in_numbers_and_as_pictures_count(client: Client, token: str) -> None:
-    client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
+    client.authenticate(token)
     client.call("POST", "/v1/session", CAMERA)
     path, accept = "/v1/session/pose", {"accept": "image/jpeg"}
     answers = [client.call("GET", path, headers=accept) for _ in range(3)]
@@ -78,7 +78,7 @@ def test_poses_in_numbers_and_as_pictures_count(client: Client, token: str) -> N
 
 
 def test_starting_and_forgetting_again_and_again_counts(client: Client, token: str) -> None:
-    client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
+    client.authenticate(token)
     for method, body in [("POST", CAMERA), ("DELETE", None)] * 3:
         assert client.call(method, "/v1/session", body).status in {201, 204}
     for method, body in [("POST", CAMERA), ("GET", None), ("DELETE", None)]:
@@ -86,7 +86,7 @@ def test_starting_and_forgetting_again_and_again_counts(client: Client, token: s
 
 
 def test_starting_anew_under_one_session_id_counts_as_a_session(client: Client, token: str) -> None:
-    client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
+    client.authenticate(token)
     statuses = []
     for n in range(3):  # the first start is what was counted when the session was opened
         statuses.append(client.call("POST", "/v1/session", {**CAMERA, "camera": f"Camera {n}"}).status)
@@ -98,7 +98,7 @@ def test_starting_anew_under_one_session_id_counts_as_a_session(client: Client, 
 
 def test_start_beyond_the_sessions_of_the_plan_is_refused(client: Client, token: str) -> None:
     for _ in range(3):
-        client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
+        client.authenticate(token)
     assert client.call("POST", "/v1/session", CAMERA).status == 201
     assert client.call("DELETE", "/v1/session").status == 204
     assert_used_up(client.call("POST", "/v1/session", CAMERA))
@@ -129,17 +129,13 @@ def test_a_wrong_secret_counts_for_nothing(client: Client, token: str) -> None:
 @pytest.fixture
 def forgetful() -> Iterator[None]:
     """A service that reads tokens for every call, as if each came a minute later."""
-
-    def make(settings: Settings) -> Service:
-        return Service.build(settings, Store.of(settings), token_ttl_s=0, plans=PLANS | {"small": SMALL})
-
-    with Service.override(make):
+    with override_service(token_ttl_s=0, plans=PLANS | {"small": SMALL}):
         yield
 
 
 @pytest.mark.usefixtures("forgetful")
 def test_a_revoked_token_ends_its_sessions(client: Client, store: Store, token: str) -> None:
-    client.session_id = client.call("POST", "/v1/auth", token=token).json["session_id"]
+    client.authenticate(token)
     assert client.call("POST", "/v1/session", CAMERA).status == 201
     assert client.pose().status == 200
     known = store.tokens.get(token.split("_")[1])

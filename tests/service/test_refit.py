@@ -22,7 +22,7 @@ from infra.server.server import Server
 from tests.helpers.service.client import Client, Truth, until
 from tests.helpers.service.published import asked, calibration, mode_of, store
 from tests.helpers.service.storage_calls import storage_calls
-from tests.helpers.service.stores import override_store, with_methods
+from tests.helpers.service.stores import override_service, with_methods
 
 MODELS = len(schema.DISTORTION_MODELS)
 
@@ -103,7 +103,7 @@ def test_overtaken_result_is_not_written(stack: Server, at_rest: Store) -> None:
             assert stack.storage.jobs.now("refit", queued.model_dump_json().encode()) is not None
         return found
 
-    with override_store(
+    with override_service(
         lambda store: replace(store, calibrations=with_methods(store.calibrations, read=slow))
     ):
         (found,) = at_rest.refit.now(asked(mode, "rectilinear")).models.values()
@@ -137,7 +137,7 @@ def test_failed_refit_is_retried(at_rest: Store) -> None:
             raise UnavailableError("Storage did not answer.")
         return at_rest.calibrations.read(ids)
 
-    with override_store(
+    with override_service(
         lambda store: replace(store, calibrations=with_methods(store.calibrations, read=breaking))
     ):
         at_rest.refit.later(asked(mode_of(document)))
@@ -156,6 +156,19 @@ def test_model_of_a_later_version_is_skipped(at_rest: Store, stack: Server) -> N
     stack.storage.table.put({"pk": pk, "sk": sk, "document": later})
     assert Client(stack).lookup(camera="Asked by a later version").status == 307
     assert list(at_rest.refit.now(asked(mode_of(document))).models) == list(schema.DISTORTION_MODELS)
+
+
+def test_calibrations_of_an_earlier_version_are_pooled(stack: Server, at_rest: Store) -> None:
+    """As they were stored before reports and priors were known."""
+    documents = [calibration("Of old", n, views=3) for n in range(2)]
+    for document in documents:
+        at_rest.calibrations.publish(document)
+        name = f"calibrations/{document.camera_key}/{document.id}.json"
+        content = json.loads(stack.storage.objects.get(name) or b"")
+        for later in ("report", "prior", "set_aside"):
+            content.pop(later, None)
+        stack.storage.objects.put(name, json.dumps(content).encode())
+    assert totals_now(at_rest, documents[0]) == {2}
 
 
 def test_withdrawn_calibrations_do_not_count(stack: Server, at_rest: Store) -> None:
@@ -187,16 +200,6 @@ def test_calibration_off_its_board_is_skipped(at_rest: Store) -> None:
     assert found is not None
     assert found.calibration is not None
     assert (found.total, found.calibration.calibrations) == (2, 1)
-
-
-def test_cropped_streams_are_not_pooled_with_native_ones(at_rest: Store) -> None:
-    cropped = schema.Track(resizeMode="crop-and-scale")
-    native = calibration("Cropped", 0)
-    at_rest.calibrations.publish(native)
-    at_rest.calibrations.publish(
-        calibration("Cropped", 1, fx=1300.0, fy=1298.0).model_copy(update={"track": cropped})
-    )
-    assert totals_now(at_rest, native) == {1}
 
 
 def test_concurrent_last_view_ends_the_session_once(stack: Server, at_rest: Store) -> None:
@@ -268,7 +271,7 @@ def test_what_many_wait_for_is_computed_once(at_rest: Store, monkeypatch: pytest
         return at_rest.refit.now(asked(mode, "rectilinear"))
 
     with (
-        override_store(
+        override_service(
             lambda store: replace(store, calibrations=with_methods(store.calibrations, read=read))
         ),
         ThreadPoolExecutor(4) as pool,

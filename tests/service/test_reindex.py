@@ -20,10 +20,11 @@ from infra.ops.dump import dump
 from infra.ops.reindex import reindex
 from infra.ops.restore import load
 from infra.server.server import Server
-from tests.helpers.service.client import CAMERA, EDGE, Client, Truth
+from tests.helpers.service.client import BRIEF, EDGE, Client, Truth
 from tests.helpers.service.index_items import Key, items, remove
 from tests.helpers.service.known import fit
-from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
+from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, publish, store, views
+from tests.helpers.service.strangers import context
 from tests.helpers.solver.export_sources import subject
 
 RULES = {
@@ -50,68 +51,55 @@ def history(tmp_path_factory: pytest.TempPathFactory) -> History:
     """A database to which everything has happened, where contributors are told apart."""
     folder = tmp_path_factory.mktemp("history")
     with Server(environment=RULES) as stack:
-        context = context_of(stack)
+        operator = context(stack)
         calibrated(stack)
         checked(stack)
         captured(stack)
-        withdrawn(context)
-        from_elsewhere(context, folder)
-        context.store.tokens.create(ApiToken("page", secret_hash("secret"), ("https://a.example",), "free"))
-        tokens.rotate(context, "page", 24)
-        tokens.revoke(context, tokens.create(context, (), "free").split("_")[1])
+        withdrawn(operator)
+        from_elsewhere(operator, folder)
+        operator.store.tokens.create(ApiToken("page", secret_hash("secret"), ("https://a.example",), "free"))
+        tokens.rotate(operator, "page", 24)
+        tokens.revoke(operator, tokens.create(operator, (), "free").split("_")[1])
         before = items(stack)
         remove(stack, *before)
         assert items(stack) == {}
-        assert reindex(context).failed == 0
+        assert reindex(operator).failed == 0
         anew = items(stack)
-        dump(context, folder / "dump", private=True)
+        dump(operator, folder / "dump", private=True)
         return History(before, anew, answers(stack), folder / "dump")
-
-
-def context_of(stack: Server) -> OpsContext:
-    return OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
-
-
-def published(stack: Server, *documents: schema.CalibrationDocument) -> None:
-    for document in documents:
-        store(stack).calibrations.publish(document)
-    for mode in dict.fromkeys(map(mode_of, documents)):
-        store(stack).refit.now(asked(mode))
 
 
 def calibrated(stack: Server) -> None:
     """Reliably, once more under the name alone; members that disagree; a cropped stream; a key of old."""
-    published(stack, *(calibration(KNOWN, n) for n in range(4)))
-    published(stack, calibration(KNOWN.partition(" (")[0], 0))
-    published(
+    publish(stack, *(calibration(KNOWN, n) for n in range(4)))
+    publish(stack, calibration(KNOWN.partition(" (")[0], 0))
+    publish(
         stack, *(calibration("Zoom lens Z77", n, fx=f, fy=f) for n, f in enumerate((850.0, 950.0, 1050.0)))
     )
     cropped = calibration("Cropped Z77", 0)
     track = schema.Track(resizeMode="crop-and-scale")
-    published(stack, cropped.model_copy(update={"track": track}), calibration("Cropped Z77", 1))
+    publish(stack, cropped.model_copy(update={"track": track}), calibration("Cropped Z77", 1))
     old = "c1-of-earlier-rules-0123456789ab"
     former = calibration("Of earlier rules Z77", 0)
     named = {"camera_key": old, "id": former.id.replace(former.camera_key, old)}
-    published(stack, former, former.model_copy(update=named))
+    publish(stack, former, former.model_copy(update=named))
 
 
 def checked(stack: Server) -> None:
     """Votes for a calibration that they confirm, and against a consensus that they withdraw."""
-    published(stack, calibration("Confirmed Z77", 0), *(calibration("Doubted Z77", n) for n in range(3)))
+    publish(stack, calibration("Confirmed Z77", 0), *(calibration("Doubted Z77", n) for n in range(3)))
     for n in range(3):
         for camera, fx in (("Confirmed Z77", 950.0), ("Doubted Z77", 700.0)):
             client = Client(stack, address=f"192.0.2.{n}")
-            client.session_id = client.call("POST", "/v1/auth", token=client.api_token).json["session_id"]
-            seen = held(Truth(seed=50 + n, fx=fx, fy=fx - 2), 3)
-            views = [{"ids": ids, "points": points} for ids, points in seen]
-            body = {**CAMERA, "camera": camera, "platform": PLATFORM, "views": views}
-            assert client.call("POST", "/v1/checks", body).json["counted"]
+            client.authenticate()
+            seen = views(Truth(seed=50 + n, fx=fx, fy=fx - 2))
+            assert client.check(seen, camera=camera, platform=PLATFORM).json["counted"]
 
 
 def captured(stack: Server) -> None:
     """A capture that ended, one that is under way, one that was undone, one that was forgotten."""
     client = Client(stack, address="198.51.100.1")
-    ended = Truth(seed=3).calibrate(client, camera="Captured Z77", zoom=1.5)
+    ended = Truth(seed=3).calibrate(client, camera="Captured Z77", zoom=1.5, **BRIEF)
     store(stack).refit.now(asked(mode_of(store(stack).calibrations.read([ended["calibration_id"]])[0])))
     for end in (None, "/v1/session/views/0", "/v1/session"):
         client.open(camera="Under way Z77")
@@ -196,10 +184,10 @@ def test_history_covers_every_kind_of_item(history: History) -> None:
 
 def test_loaded_dump_is_dumped_alike(history: History, tmp_path: Path) -> None:
     with Server(environment=RULES) as stack:
-        context = context_of(stack)
-        assert load(context, history.dumped) == (20, 6)
+        operator = context(stack)
+        assert load(operator, history.dumped) == (20, 6)
         assert answers(stack) == history.answers
-        dump(context, tmp_path / "again", private=True)
+        dump(operator, tmp_path / "again", private=True)
     for name in ("calibrations.jsonl", "votes.jsonl"):
         one, other = (list(unnamed(folder / name)) for folder in (history.dumped, tmp_path / "again"))
         assert one == other

@@ -6,12 +6,12 @@ import random
 from calibdb import schema
 from calibdb.store.names import with_current_key
 from infra.ops import withdrawal
-from infra.ops.context import OpsContext
 from infra.ops.reindex import reindex
 from infra.server.server import Server
 from tests.helpers.service.client import Truth
 from tests.helpers.service.index_items import items
 from tests.helpers.service.published import asked, calibration, held, mode_of, store
+from tests.helpers.service.strangers import context
 
 ROUNDS = int(os.environ.get("CALIBDB_ROUNDS", "5"))
 LABELS = "Webcam Z77 (1111:0001)", "Webcam Z77 (1111:0002)", "Webcam Z77", "Integrated Camera (2222:0003)"
@@ -42,20 +42,20 @@ def test_random_history_reindexes_to_the_same_table() -> None:
     rng, documents = random.Random(3), candidates()
     done: set[str] = set()
     with Server(environment=RULES) as stack:
-        context = OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
+        operator = context(stack)
         for _ in range(ROUNDS):
             for document in rng.choices(documents, k=4):
                 what = rng.choice(("publish", "publish", "withdraw", "restore", "vote"))
                 if what == "publish":
-                    context.store.calibrations.publish(document)
+                    operator.store.calibrations.publish(document)
                     done.add(document.id)
                 elif what == "vote":
                     store(stack).votes.cast(vote(document, rng))
                 elif document.id in done and what == "withdraw":
-                    withdrawal.withdraw(context, document.id, "wrong")
-                elif document.id in done and context.store.calibrations.withdrawal(document):
-                    withdrawal.restore(context, document.id)
-                context.store.refit.now(asked(mode_of(with_current_key(document))))
+                    withdrawal.withdraw(operator, document.id, "wrong")
+                elif document.id in done and operator.store.calibrations.withdrawal(document):
+                    withdrawal.restore(operator, document.id)
+                operator.store.refit.now(asked(mode_of(with_current_key(document))))
             before = items(stack)
-            reindex(context)
+            reindex(operator)
             assert items(stack) == before

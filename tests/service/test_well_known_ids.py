@@ -7,20 +7,21 @@ import pytest
 
 from calibdb.camera_key import camera_key, identify
 from calibdb.lookup import well_known_ids
-from calibdb.settings import Settings, Thresholds
+from calibdb.settings import Thresholds
 from calibdb.store import Store
 from calibdb.store.cameras import IdSupport, rivals
 from infra.server.server import Server
+from tests.helpers.service import published
 from tests.helpers.service.known import LINUX, calibration, consensus, fit
+from tests.helpers.service.published import put
 from tests.helpers.service.stores import with_methods
-from tests.service.test_lookup import put
 
 RULES = Thresholds(min_contributors=3, contributor_period=0)
 
 
 @pytest.fixture(scope="module")
 def store(stack: Server) -> Store:
-    return Store.of(Settings.from_environment(stack.environment))
+    return published.store(stack)
 
 
 def well_known(store: Store, label: str) -> bool:

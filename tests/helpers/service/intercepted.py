@@ -1,17 +1,13 @@
 """Calls of the ports of storage in a test's hands: counted, refused, lost."""
 
-import functools
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from calibdb.service import Service
-from calibdb.settings import Settings
-from calibdb.store import Store
 from calibdb.store.ports import Storage
 from calibdb.store.storage import opened
-from tests.helpers.service.stores import with_methods
+from tests.helpers.service.stores import override_service, with_methods
 
 #: operations of AWS that calls of the ports are
 OPERATIONS: Mapping[str, Mapping[str, str]] = {
@@ -64,9 +60,5 @@ def intercepted(storage: Storage, around: Around) -> Iterator[None]:
 def intercepted_service(storage: Storage, around: Around, **build: Any) -> Iterator[None]:
     """As `intercepted`, for services that exist already; `build`: arguments of `Service.build`."""
 
-    @functools.cache
-    def make(settings: Settings) -> Service:
-        return Service.build(settings, Store.of(settings), **build)
-
-    with intercepted(storage, around), Service.override(make):
+    with intercepted(storage, around), override_service(**build):
         yield

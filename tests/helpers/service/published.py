@@ -25,6 +25,15 @@ def store(stack: Server) -> Store:
     return Store.of(Settings.from_environment(stack.environment))
 
 
+def publish(stack: Server, *documents: schema.CalibrationDocument) -> None:
+    """Publish calibrations, and compute the consensuses of their modes."""
+    at_rest = store(stack)
+    for document in documents:
+        at_rest.calibrations.publish(document)
+    for mode in dict.fromkeys(map(mode_of, documents)):
+        at_rest.refit.now(asked(mode))
+
+
 def put(store: Store, *documents: schema.ConsensusDocument) -> None:
     for document in documents:
         assert store.consensuses.put(document, schema.GroupsDocument(pooled=document.pooled), None)

@@ -35,12 +35,18 @@ def with_methods(part: Any, **methods: Callable[..., Any]) -> Any:
 
 
 @contextmanager
-def override_store(change: Callable[[Store], Store]) -> Iterator[None]:
-    """Have the functions use what `change` makes of their storage, within the block."""
+def override_service(change: Callable[[Store], Store] = lambda store: store, **build: Any) -> Iterator[None]:
+    """Have the functions use what `change` makes of their storage, within the block.
+
+    Parameters
+    ----------
+    build
+        What `Service.build` takes besides.
+    """
 
     @functools.cache
     def make(settings: Settings) -> Service:
-        return Service.build(settings, change(Store.of(settings)))
+        return Service.build(settings, change(Store.of(settings)), **build)
 
     with Service.override(make):
         yield

@@ -1,18 +1,15 @@
 """Requests of strangers with tokens of their own, and a clock to turn."""
 
-import functools
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
-from calibdb.service import Service
-from calibdb.settings import Settings
-from calibdb.store import Store
 from infra.ops.context import OpsContext
 from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, Answer, Client
+from tests.helpers.service.stores import override_service
 
 SITE = "https://example.org"
 
@@ -32,12 +29,7 @@ class Time:
 def standing_clock(**more: Any) -> Iterator[Time]:
     """Services with a clock that stands until it is turned, and with more that `Service.build` takes."""
     clock = Time()
-
-    @functools.cache
-    def build(settings: Settings) -> Service:
-        return Service.build(settings, Store.of(settings), clock, **more)
-
-    with Service.override(build):
+    with override_service(clock=clock, **more):
         yield clock
 
 

@@ -26,7 +26,7 @@ def fields(answer: Answer) -> dict[str, str]:
 
 
 def kind(answer: Answer) -> tuple[int, str]:
-    return answer.status, answer.json["type"].rpartition("#")[2]
+    return answer.status, answer.kind
 
 
 @pytest.fixture(scope="module")

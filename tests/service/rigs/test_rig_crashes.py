@@ -139,7 +139,7 @@ def test_place_of_a_camera_that_never_came_is_given_away(stack: Server) -> None:
     code = leader.call("POST", "/v1/rigs", {"cameras": 2}).json["join_code"]
     lost, other = Client(stack), Client(stack)
     for client in (lost, other):
-        client.session_id = client.call("POST", "/v1/auth", token=TOKEN).json["session_id"]
+        client.authenticate()
 
     def join(client: Client) -> Any:
         return client.call("POST", "/v1/session", {**CAMERA, "rig": {"code": code}})

@@ -11,6 +11,7 @@ from infra.ops import reindex, restore, withdrawal
 from infra.ops.context import OpsContext
 from infra.ops.dump import dump
 from infra.server.server import Server
+from tests.helpers.service import strangers
 from tests.helpers.service.client import EDGE, TOKEN
 from tests.helpers.service.rigs import RigTruth
 from tests.service.rigs.test_rig_crashes import crash_after
@@ -26,7 +27,7 @@ def stack() -> Iterator[Server]:
 
 @pytest.fixture(scope="module")
 def context(stack: Server) -> OpsContext:
-    return OpsContext.of(stack.environment, secret_known=True, echo=lambda _: None)
+    return strangers.context(stack)
 
 
 def names(stack: Server, *prefixes: str) -> set[str]:

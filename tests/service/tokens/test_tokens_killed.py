@@ -1,6 +1,5 @@
 """A kill at any moment: tokens are as they were acknowledged, and what was cut off can be asked again."""
 
-import functools
 import json
 import zlib
 from collections.abc import Callable, Iterator
@@ -10,14 +9,12 @@ from typing import Any
 
 import pytest
 
-from calibdb.service import Service
-from calibdb.settings import Settings
-from calibdb.store import Store
 from calibdb.store.ports import Storage
 from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, Answer, Client
 from tests.helpers.service.in_process import request
 from tests.helpers.service.intercepted import WRITES, intercepted_service
+from tests.helpers.service.stores import override_service
 
 SITE = "https://example.org"
 
@@ -52,11 +49,7 @@ def killed_at(storage: Storage, number: int) -> Iterator[Process]:
 
 @pytest.fixture(scope="module")
 def stack() -> Iterator[Server]:
-    @functools.cache
-    def make(settings: Settings) -> Service:
-        return Service.build(settings, Store.of(settings), token_ttl_s=0)
-
-    with Server() as stack, Service.override(make):
+    with Server() as stack, override_service(token_ttl_s=0):
         yield stack
 
 

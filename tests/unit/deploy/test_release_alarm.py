@@ -36,12 +36,22 @@ def printed(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
     return [json.loads(line) for line in capsys.readouterr().out.splitlines() if line.startswith('{"_aws"')]
 
 
+@pytest.fixture(scope="module")
+def alarm() -> dict[str, Any]:
+    """The alarm on a metric of this project that rolls a release back."""
+    created = as_created(without_events(parsed(complete())))["Resources"]
+    groups = [r["Properties"] for r in created.values() if r["Type"] == "AWS::CodeDeploy::DeploymentGroup"]
+    watched = [created[a["Name"]["Ref"]]["Properties"] for a in groups[0]["AlarmConfiguration"]["Alarms"]]
+    (found,) = (each for each in watched if each["Namespace"] == "calibDB")
+    return dict(found)
+
+
 @pytest.mark.usefixtures("in_lambda")
 @pytest.mark.parametrize(
     ("error", "status"), [(KeyError("a bug"), 500), (UnavailableError("storage does not answer"), 503)]
 )
 def test_response_of_5xx_makes_the_metric_of_the_deployment_group_s_alarm(
-    error: Exception, status: int, capsys: pytest.CaptureFixture[str]
+    error: Exception, status: int, alarm: dict[str, Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     def broken(_: application.Call) -> Response:
         raise error
@@ -49,10 +59,6 @@ def test_response_of_5xx_makes_the_metric_of_the_deployment_group_s_alarm(
     response = application.handler(application.route("/v1/broken", GET=broken))(EVENT, None)
     assert response["statusCode"] == status  # an ordinary return, which is no error of Lambda's
     (line,) = printed(capsys)
-    created = as_created(without_events(parsed(complete())))["Resources"]
-    groups = [r["Properties"] for r in created.values() if r["Type"] == "AWS::CodeDeploy::DeploymentGroup"]
-    watched = [created[a["Name"]["Ref"]]["Properties"] for a in groups[0]["AlarmConfiguration"]["Alarms"]]
-    (alarm,) = (alarm for alarm in watched if alarm["Namespace"] == "calibDB")
     (metrics,) = line["_aws"]["CloudWatchMetrics"]
     assert metrics["Namespace"] == alarm["Namespace"]
     assert [metric["Name"] for metric in metrics["Metrics"]] == [alarm["MetricName"]]

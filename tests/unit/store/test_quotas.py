@@ -50,17 +50,17 @@ def test_large_counter_is_split_and_stops_exactly_at_its_limit(table: Table) -> 
 
 def test_calls_of_a_large_plan_spread_over_the_keys(table: Table) -> None:
     quotas = Quotas(table)
-    for n in range(200):
+    for n in range(120):
         assert quotas.take("t", "views", NOW, MIN_SHARDED_LIMIT)
         assert quotas.take("t", "views", NOW, 400, f"{n:012x}") == 1
-    assert quotas.used("t", NOW) == {"views": 200}
+    assert quotas.used("t", NOW) == {"views": 120}
     for name in ("QUOTA#", "SHARE#"):
         counts = [
             sum(int(str(item["views"])) for item in table.query(pk, name))
             for pk in ("TOKEN#t", *(f"TOKEN#t#{shard}" for shard in range(1, SHARDS)))
         ]
-        assert sum(counts) == 200
-        assert max(counts) < 200 * 0.3, name
+        assert sum(counts) == 120
+        assert max(counts) < 120 * 0.3, name
 
 
 def test_trial_tokens_that_expired_unused_are_orphans(table: Table, objects: Objects) -> None:
