@@ -92,7 +92,7 @@ def pass_through(items: Iterable[Item], what: str, total: Total = None) -> Itera
 
 
 def track(items: Iterable[Item], what: str, total: Total = None) -> Iterator[Item]:
-    """Yield the items while a bar on standard error tells how many are done and how long the others take."""
+    """Yield the items; a bar on standard error shows how many are done and the time left."""
     if not sys.stderr.isatty():
         yield from items
         return

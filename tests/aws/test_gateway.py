@@ -104,7 +104,7 @@ def test_failure_is_a_bare_500(stack: LocalStack, path: str, caplog: pytest.LogC
     response = stack.request("GET", path, headers={"origin": "https://page.example"})
     assert (response.status, response.body) == (500, b'{"message":"Internal Server Error"}')
     assert response.headers["access-control-allow-origin"] == "https://page.example"
-    assert "Traceback" in caplog.text, "the operator is told why"
+    assert "Traceback" in caplog.text, "the log states the cause"
 
 
 PREFLIGHT = {"access-control-request-method": "POST", "access-control-request-headers": "authorization"}

@@ -22,10 +22,10 @@ SHOWN = {
 }
 # Instructions, each with its time, ms, and the frames that were looked at before
 LISTEN = """
-  window.told = [];
+  window.texts = [];
   document.addEventListener("DOMContentLoaded", () => {
     const place = document.getElementById("instruction");
-    new MutationObserver(() => window.told.push([performance.now(), window.pace.frames, place.textContent]))
+    new MutationObserver(() => window.texts.push([performance.now(), window.pace.frames, place.textContent]))
       .observe(place, { childList: true, characterData: true, subtree: true });
   });
 """
@@ -43,9 +43,9 @@ def suggestion(playwright: Playwright, stack: str, folder: Path, words: str) -> 
         page.locator("#start").click()
         page.locator("#instruction", has_text="This is a different board").wait_for()
         expect(page.locator("#remedy")).to_contain_text(words)
-        told = page.evaluate("window.told")
-    assert not [text for *_, text in told if "Move closer" in text]
-    (began, first, _), (ended, last, _) = told[0], told[-1]
+        texts = page.evaluate("window.texts")
+    assert not [text for *_, text in texts if "Move closer" in text]
+    (began, first, _), (ended, last, _) = texts[0], texts[-1]
     print(f"{words}: {(ended - began) / 1000:.1f} s, {last - first} frames")
     return (ended - began) / 1000, last - first
 

@@ -143,13 +143,13 @@ test("an estimate is never cached", async () => {
   );
 });
 
-test("an unknown camera, an error or not, is answered with where to calibrate it, and whoever asked is told", async () => {
+test("an unknown camera, error or not, has the address that calibrates it, and calls onNeedCalibration", async () => {
   for (const miss of [json(404, MISS), json(200, { calibration: null, ...MISS })]) {
     const { asked, options } = service(miss);
-    const told = [];
-    const answer = await lookup(KEY, { ...options, api: `${API}/`, onNeedCalibration: (each) => told.push(each) });
+    const reported = [];
+    const answer = await lookup(KEY, { ...options, api: `${API}/`, onNeedCalibration: (each) => reported.push(each) });
     assert.deepEqual(answer, { ...NOTHING, guidanceUrl: MISS.guidance_url, reason: "too_few" });
-    assert.deepEqual(told, [answer]);
+    assert.deepEqual(reported, [answer]);
     assert.equal(asked[0].address, `${API}/lookup`);
   }
 });

@@ -35,7 +35,7 @@ export function splitLabel(label) {
   return name ? { name, usb: usb.toLowerCase() } : { name: label, usb: null };
 }
 
-/** Name of the virtual camera: its calibrations can be told from those of real cameras. */
+/** Name of the virtual camera: it distinguishes its calibrations from those of real cameras. */
 export const NAME = "calibDB virtual camera";
 
 /** @param {string} label of a camera */

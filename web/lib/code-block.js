@@ -49,7 +49,7 @@ export async function copy(text) {
     await navigator.clipboard.writeText(text);
     return true;
   } catch (error) {
-    // Not a secure context (TypeError: there is no clipboard), or not permitted.
+    // Not a secure context (TypeError: `navigator.clipboard` is missing), or not permitted.
     if (!(error instanceof DOMException) && !(error instanceof TypeError)) throw error;
     return false;
   }

@@ -65,7 +65,7 @@ export async function openDetector({ openingText, loadingMeter, loading }, board
 }
 
 /**
- * Keeps the screen on while a device takes part: nobody touches it meanwhile.
+ * Keeps the screen on while a device takes part, because it is not touched meanwhile.
  * @param {AbortSignal} signal lets it go off again
  */
 export async function keepAwake(signal) {

@@ -65,7 +65,7 @@ const sessions = {
     await session.end();
     return { seen, answers };
   },
-  // what views say from the frame on in which the video shows another picture, while nobody answers
+  // what views say from the frame on in which the video shows another picture, while the question is open
   async turned() {
     const { useCamera } = await import("/webxr/camera.js");
     const { video, resize } = await webcam([1280, 720], label);

@@ -19,7 +19,7 @@ export const isLoopback = ({ hostname }) => LOOPBACK.test(hostname);
  * that names the host, and the link carries nothing but the id of a published calibration.
  * @param {string | null} wanted from this page's own address @param {string} here this page's origin
  * @param {readonly string[]} allowed origins
- * @returns {ReturnAddress | null} null: nobody asked, or it is no address of a web page
+ * @returns {ReturnAddress | null} null: the address of the page names none, or none of a web page
  */
 export function returnAddress(wanted, here, allowed) {
   if (!wanted || !URL.canParse(wanted, here)) return null;

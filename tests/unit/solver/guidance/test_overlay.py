@@ -64,7 +64,7 @@ def test_board_is_coloured_and_background_black(kind: str) -> None:
         luma = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
         assert luma[inside].min() > 20
         background.append(picture.max(axis=2)[outside])  # a close-up may fill the picture
-    # What JPEG leaves of the edges: far below the board's darkest, a threshold tells them apart.
+    # What JPEG leaves of the edges: a threshold far below the board's darkest separates them.
     assert np.percentile(np.concatenate(background), 99.9) < 30
     assert outside.sum() > 100_000  # of the last one, the easy one
 
