@@ -1,7 +1,6 @@
-// Clicks and chosen files that come before the page's modules run: kept, and given to them once they do. Without this a
-// button
-// pressed at once on a slow line does nothing, or sends its form to nowhere. A classic script, for it must run before
-// the page.
+// Clicks and chosen files that come before the page's modules run: kept, and given to them once they do. Without this
+// a button pressed at once on a slow line does nothing, or sends its form to nowhere. A classic script, for it must
+// run before the page.
 (() => {
   /**
    * Elements in the order in which they were used first.

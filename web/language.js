@@ -2,8 +2,7 @@
 // in that language.
 //
 // An address with a language ("/de/board/") decides; one without is English unless "?lang=", the language chosen
-// before, or
-// the browser's own says otherwise. A classic script, for it must run before the page.
+// before, or the browser's own says otherwise. A classic script, for it must run before the page.
 (() => {
   const script = /** @type {HTMLScriptElement} */ (document.currentScript);
   const base = new URL("./", script.src).pathname;

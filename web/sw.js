@@ -2,9 +2,9 @@
 //
 // `shell.json` names every file with the hash of its content; it is written by whoever serves the pages
 // (infra/web_build/precache_manifest.py). A visit is served from the files of one such list, all old or all new: the
-// next list is taken up only once
-// all of its files are here. OpenCV is kept when it is first used, or while a page is open that will use it.
-// Where pages are developed, on this very machine, the network comes first and what is kept only stands in for it.
+// next list is taken up only once all of its files are here. OpenCV is kept when it is first used, or while a page is
+// open that will use it. Where pages are developed, on this very machine, the network comes first and what is kept
+// only stands in for it.
 
 /** @typedef {{version: string, files: Record<string, string>, late: string[]}} Shell late: kept when used */
 

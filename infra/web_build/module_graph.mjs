@@ -9,8 +9,7 @@ const UNWRITTEN = "/unwritten"; // esbuild's paths to files it was told to leave
  * @param {string} web folder of the client
  * @param {string[]} entries keys of the modules that pages begin with, "board/main.js"
  * @returns {Promise<Record<string, {now: string[], all: string[]}>>} for each entry: it and all that it imports, near
- *   ones first; `all`
- *    also what is imported dynamically
+ *   ones first; `all` also what is imported dynamically
  */
 export async function moduleGraph(web, entries) {
   const present = entries.filter((entry) => existsSync(`${web}/${entry}`));

@@ -1,6 +1,5 @@
 // Makes the site's files of their sources: pages in one frame and every language, scripts and styles without comments
-// and
-// indentation. `site.py` runs it.
+// and indentation. `site.py` runs it.
 //
 // In: {web, pages: {key: source}, origin, contacts}, JSON. Out: {key: content}, JSON; "de/board/index.html" is the
 // German page.
@@ -23,8 +22,7 @@ const AS_WRITTEN = /^(vendor|examples)\//;
 
 /**
  * Makes addresses right for a page that lies in a folder of its language: files from the root; other pages stay
- * relative,
- * so that they are in the same language.
+ * relative, so that they are in the same language.
  * @param {Document} document @param {string} key of the page in English @param {Set<string>} inAllLanguages
  */
 function rewriteAddresses(document, key, inAllLanguages) {

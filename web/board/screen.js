@@ -30,8 +30,7 @@ export class BoardScreen {
 
   /**
    * @param {{frame: HTMLElement, canvas: HTMLCanvasElement, hint: HTMLElement, code: HTMLElement}} parts hint: how to
-   *   get back from the
-   *   whole window; code: for a phone that is to look at the board
+   *   get back from the whole window; code: for a phone that is to look at the board
    * @param {Board} board @param {() => void} onDimming the screen cannot be kept on
    */
   constructor({ frame, canvas, hint, code }, board, onDimming) {

@@ -1,6 +1,5 @@
 // Content of the first sheet: the ways to get a board in front of the camera, another screen or paper. The viewfinder
-// shows the
-// code, too, where there is no board.
+// shows the code, too, where there is no board.
 import { boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-text.js";
 import { onLanguage, t } from "../lib/i18n.js";
@@ -23,9 +22,9 @@ function boardAddress(board, fill) {
 /**
  * @param {import("./parts.js").Parts} parts
  * @param {{board: import("../lib/board.js").SentBoard, problem: import("../lib/board.js").Problem | null, parameters:
- *   URLSearchParams,
- *   wanted: import("./state.js").Wanted, onBoard: (board: import("../lib/board.js").SentBoard) => void,
- *   onSender: () => void}} page onBoard: called when another is chosen; onSender: when the page's sender is named
+ *   URLSearchParams, wanted: import("./state.js").Wanted, onBoard: (board: import("../lib/board.js").SentBoard) =>
+ *   void, onSender: () => void}} page onBoard: called when another is chosen; onSender: when the page's sender is
+ *   named
  */
 export function showFirstSheet(parts, { board, problem, parameters, wanted, onBoard, onSender }) {
   showProblem(parts.problem, problem);

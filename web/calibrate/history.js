@@ -59,8 +59,7 @@ export function resumeAt(query) {
 
 /**
  * True if an application gets the result of a practice run: if it asked for the virtual camera, and if it is still
- * being
- * developed, so that its way there and back can be tried without a webcam.
+ * being developed, so that its way there and back can be tried without a webcam.
  * @param {string | null} returnTo @param {string | null} asked label of the camera that the page was opened for
  */
 export function isPracticeReturned(returnTo, asked) {

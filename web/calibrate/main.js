@@ -221,8 +221,7 @@ async function run({ camera }, request, signal) {
 
 /**
  * Ends a capture, or goes on with another one of the same camera: of the board's other layout, or of the size that a
- * turned
- * device delivers. The capture before waits for the device to be turned back.
+ * turned device delivers. The capture before waits for the device to be turned back.
  * @param {"relayout" | null} end @param {OpenedCamera} opened @param {SessionRequest} request
  */
 async function finish(end, { camera, keepOpen }, request) {

@@ -86,8 +86,7 @@ function renderCameras(parts, state) {
 
 /**
  * Offers what can be done with the chosen camera: the virtual one has one size, without one the virtual camera comes
- * first,
- * and an interrupted capture comes before either.
+ * first, and an interrupted capture comes before either.
  * @param {Parts} parts
  */
 export function renderChoice({ camera, resolutions, resolution, lens, setup, start, startVirtual, interrupted }) {

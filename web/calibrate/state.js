@@ -20,8 +20,7 @@
  * @property {boolean} [automatic] another model is taken as soon as the service suggests it
  *
  * @typedef {{key: string, kind: "good" | "bad" | "plain", values?: Record<string, string | number>, hint?: string}}
- *   Notice
- *   key: of a message; hint: the instruction that would help
+ *   Notice key: of a message; hint: the instruction that would help
  *
  * @typedef {object} State
  * @property {"welcome" | "opening" | "capturing" | "done" | "failed"} phase
@@ -77,8 +76,7 @@
  * @typedef {object} Ui
  * @property {Choice[]} cameras
  * @property {{camera: string, views: number, about: string, address: string} | null} interrupted a capture that an
- *   earlier
- *   page left on this device; about: its key in the capture store
+ *   earlier page left on this device; about: its key in the capture store
  * @property {"camera" | "service"} waiting what a capture that is being opened waits for
  * @property {Instruction} instruction
  * @property {Notice | null} notice

@@ -124,8 +124,7 @@ export function statusLine(state) {
 
 /**
  * Advice of the service, in its own words if the page has no message for it. Motion is its guess from the fit: it is
- * said only
- * if the corners have moved. Fewer views than a result needs do not tell what is wrong with them.
+ * said only if the corners have moved. Fewer views than a result needs do not tell what is wrong with them.
  * @param {State} state
  */
 function advice({ capture: { session, unsteady } }) {

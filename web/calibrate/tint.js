@@ -1,13 +1,11 @@
 // The target's picture in the target's colour. Done once a target: an SVG filter over the video would be worked out
-// again
-// for every frame, and halve the rate where there is no graphics processor.
+// again for every frame, and halve the rate where there is no graphics processor.
 
 const TINT_REDUCTION = 2; // a colour laid over a picture needs half of its pixels
 
 /**
  * The service paints white squares green and black ones magenta; here both take the target's colour, the black ones
- * less
- * of it. Where the picture is black, nothing is left.
+ * less of it. Where the picture is black, nothing is left.
  * @param {Blob} picture JPEG @param {number[][]} outline of the target, px: nothing is drawn beyond it
  * @param {[number, number]} size of the image in which the outline is, px
  * @returns {Promise<Blob>} PNG, half the size each way

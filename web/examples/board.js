@@ -41,8 +41,7 @@ export function poseAt({ img_size: [width], camera_matrix: [[fx]] }, seconds) {
 
 /**
  * Pose as the matrix of an engine whose y points up, for points with the same signs: (x, −y, −z) of OpenCV's where z
- * points
- * to the viewer (three.js, A-Frame), (x, −y, z) where it points away (Babylon.js).
+ * points to the viewer (three.js, A-Frame), (x, −y, z) where it points away (Babylon.js).
  * @param {Pose} pose @param {1 | -1} depth sign of z
  * @returns {number[]} 4x4, column by column
  */

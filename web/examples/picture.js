@@ -114,8 +114,7 @@ async function shown({ track, stream, virtual }, parameters) {
 
 /**
  * This is all that an application needs: the calibration that the visitor comes back with, the one that the database
- * has, or the
- * estimate, with the address that leads to a calibration and back.
+ * has, or the estimate, with the address that leads to a calibration and back.
  * @param {MediaStreamTrack} track @param {[number, number]} size
  * @returns {Promise<{camera: Camera | import("../sdk/calibdb.js").Estimate | null, guidanceUrl: string | null}>}
  */
@@ -145,8 +144,7 @@ const halfWidth = ({
 /**
  * Puts the picture on the stage, straightened with the calibration or as it is without.
  * @param {{stage: HTMLElement, video: HTMLVideoElement, rectifier: import("../sdk/rectifier.js").Rectifier, moves:
- *   boolean,
- *   camera: Camera, virtual: import("../lib/virtual/camera.js").VirtualCamera | null}} parts
+ *   boolean, camera: Camera, virtual: import("../lib/virtual/camera.js").VirtualCamera | null}} parts
  * @returns {Picture}
  */
 function composed({ stage, video, rectifier, camera, virtual, moves }) {

@@ -1,6 +1,5 @@
-// Converter of files that have a camera and no measurements: view the camera, write it for another program, compare it
-// with the
-// database. Only what is asked for is sent, and nothing is stored.
+// Converter of files that have a camera and no measurements: view the camera, write it for another program, compare
+// it with the database. Only what is asked for is sent, and nothing is stored.
 import { ApiError } from "../lib/api.js";
 import { el } from "../lib/dom.js";
 import { number, rough, formatSize, t } from "../lib/i18n.js";

@@ -1,6 +1,5 @@
 // Picture of a guided capture: a board that is led to the amber outline, again and again. Board, poses and lens are
-// those of the capture
-// page, drawn small.
+// those of the capture page, drawn small.
 import { DEFAULT_BOARD, isBlack, markers, outline } from "../lib/board.js";
 import { t } from "../lib/i18n.js";
 import { interpolatePose, rotationMatrix } from "../lib/pose.js";

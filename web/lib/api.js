@@ -62,8 +62,7 @@ export class Api {
   /**
    * @param {string} method @param {string} path "/session" @param {string} credential
    * @param {{body?: object, accept?: string, brief?: boolean, etag?: string}} [options] brief: a timeout of two
-   *   seconds, not a minute;
-   *   etag: of the answer that is there already
+   *   seconds, not a minute; etag: of the answer that is there already
    * @returns {Promise<Response>} one that is ok, or 304 for an answer that is there already; rejects with ApiError or
    *   OfflineError
    *

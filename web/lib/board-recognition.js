@@ -1,11 +1,9 @@
 // Recognition of a board in pictures of which nobody said what board they show. Pure; the worker looks, this concludes.
 //
-// In a picture the markers of all families are looked for, in black and in white, and mirrored. Ids and places of those
-// found fit the rows
-// and columns of one board only (marker-grid.js). Several pictures together tell the number of rows: no single one need
-// show the whole board. The ratio of marker and square is measured through the homography. Where there are no markers,
-// a
-// lattice of saddle points is a chessboard (chessboard-lattice.js).
+// In a picture the markers of all families are looked for, in black and in white, and mirrored. Ids and places of
+// those found fit the rows and columns of one board only (marker-grid.js). Several pictures together tell the number
+// of rows: no single one need show the whole board. The ratio of marker and square is measured through the
+// homography. Where there are no markers, a lattice of saddle points is a chessboard (chessboard-lattice.js).
 import {
   DEFAULT_TAG_SPACING,
   dictionaryOf,

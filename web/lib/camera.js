@@ -71,9 +71,8 @@ function facing(asked) {
 }
 
 /**
- * The camera to propose: what was chosen, else what was asked for, else a real one. The virtual one never stands in for
- * a
- * real one.
+ * The camera to propose: what was chosen, else what was asked for, else a real one. The virtual one never stands in
+ * for a real one.
  * @param {Choice[]} choices @param {string | null} asked label @param {string} chosen id, "" for none yet
  * @returns {string} id; "" for none
  */
@@ -86,9 +85,9 @@ export function propose(choices, asked, chosen) {
 
 /**
  * @param {string} id of a choice
- * @param {{parameters: URLSearchParams, size: [number, number], place: HTMLElement, board: import("./board.js").Board}}
- *   options
- *   size: what to ask for, px; place: where the virtual camera may put its canvas
+ * @param {{parameters: URLSearchParams, size: [number, number], place: HTMLElement, board:
+ *   import("./board.js").Board}} options size: what to ask for, px; place: where the virtual camera may put its
+ *   canvas
  * @returns {Promise<OpenCamera>}
  */
 export async function open(id, { parameters, size: [width, height], place, board }) {

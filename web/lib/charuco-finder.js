@@ -8,8 +8,8 @@ import { refine } from "./subpixel.js";
  *
  * @typedef {object} Finder
  * @property {(image: Grey, full: boolean) => {ids: number[], points: number[][], markers: number, metrics:
- *   import("./frame-metrics.js").FrameMetrics}} find
- *   full: for a view that is kept, with all that the detector can do; else for tracking
+ *   import("./frame-metrics.js").FrameMetrics}} find full: for a view that is kept, with all that the detector can
+ *   do; else for tracking
  * @property {(image: Grey, kind: string) => {kind: string, markers: number, corners: number}} probe looks for something
  *   else
  * @property {number} memory bytes that OpenCV's heap has grown to

@@ -1,6 +1,5 @@
 // Chessboards in an image: OpenCV.js binds neither findChessboardCorners nor cornerSubPix, so their corners are found
-// as
-// saddle points that form a lattice, and refined as those of a ChArUco board are. Pure.
+// as saddle points that form a lattice, and refined as those of a ChArUco board are. Pure.
 import { findLattice } from "./chessboard-lattice.js";
 import { median } from "./marker-grid.js";
 import { saddlePoints } from "./saddle-points.js";
@@ -51,8 +50,7 @@ export function findChessboard(image, squares, { inverted = false, full = true }
  * Chessboard of any size: its squares, where a lattice is found.
  * @param {Grey} image
  * @returns {{squares: [number, number], points: number[][], isPlain: boolean} | null} squares: the longer side first;
- *   isPlain: its
- *   squares hold no markers
+ *   isPlain: its squares hold no markers
  */
 export function recogniseChessboard(image) {
   for (const { columns, rows, points } of lattices(image, WORKING_SIDES_PX)) {
@@ -182,8 +180,8 @@ function refined(image, { columns, rows, points, firstIsBlack }) {
 
 /**
  * Ids of the corners: row by row from the one next to the first square, which is black unless the board is inverted.
- * Where the
- * colours leave a choice, from the one nearest the top left of the picture: half a turn does not change the intrinsics.
+ * Where the colours leave a choice, from the one nearest the top left of the picture: half a turn does not change the
+ * intrinsics.
  * @param {Lattice} lattice @param {number} across corners in a row of the board @param {boolean} inverted
  */
 function numbered({ columns, rows, points, firstIsBlack }, across, inverted) {

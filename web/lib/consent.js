@@ -1,6 +1,5 @@
 // Consent of the person who calibrates: may the measurements be given away under CC0? Asked on every page that
-// calibrates,
-// before or after, never assumed, kept on this device until it is changed.
+// calibrates, before or after, never assumed, kept on this device until it is changed.
 import { onLanguage, t, translate } from "./i18n.js";
 
 /**

@@ -75,9 +75,8 @@ export class Detector {
    * Finds the board's corners. Takes over the frame and closes it.
    * @param {VideoFrame | ImageBitmap} frame
    * @param {{full?: boolean, probe?: string | null, flip?: boolean, timeout?: number}} [options] full: all threshold
-   *   windows and a sub-pixel
-   *   second pass, for a view that is kept; probe: what else to look for where no corner is seen; flip: the frame is
-   * mirrored, and is turned back; timeout: ms
+   * windows and a sub-pixel second pass, for a view that is kept; probe: what else to look for where no corner is
+   * seen; flip: the frame is mirrored, and is turned back; timeout: ms
    * @returns {Promise<Detection>}
    */
   detect(frame, { full = false, probe = null, flip = false, timeout = FRAME_TIMEOUT_MS } = {}) {
@@ -90,8 +89,7 @@ export class Detector {
 
   /**
    * Looks for boards of any kind; `recognise` of board-recognition.js concludes from several pictures. Takes over the
-   * frame and
-   * closes it.
+   * frame and closes it.
    * @param {VideoFrame | ImageBitmap} frame
    * @param {{flip?: boolean, timeout?: number}} [options] as of `detect`
    * @returns {Promise<import("./board-recognition.js").Sighting>}

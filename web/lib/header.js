@@ -1,6 +1,5 @@
-// Start of every page with a header: its menus close like menus, blocks of code can be copied, and the language can be
-// chosen
-// where no page's script offers that.
+// Start of every page with a header: its menus close like menus, blocks of code can be copied, and the language can
+// be chosen where no page's script offers that.
 import { addCopyButton } from "./code-block.js";
 
 const menus = () => /** @type {NodeListOf<HTMLDetailsElement>} */ (document.querySelectorAll("details.menu"));

@@ -3,14 +3,11 @@
 //     import { t, translate } from "../lib/i18n.js";
 //     t("board.full_screen"); t("board.views", { count: 3 });
 //
-// `messages/de/board.json` is the German catalog "board": key → text, with the same keys in each language. A built page
-// contains the
-// texts that it may show in its own language, as JSON (infra/web_build/messages.mjs); another language comes from the
-// page in that language.
-// A message has its values in braces,
-// "{count} views"; one that depends on a number is an object of plural forms, chosen by the value `count`.
-// In pages: data-t is the element's text, data-t-label its aria-label, data-t-title its title, data-t-alt that of a
-// picture. Where the element has
+// `messages/de/board.json` is the German catalog "board": key → text, with the same keys in each language. A built
+// page contains the texts that it may show in its own language, as JSON (infra/web_build/messages.mjs); another
+// language comes from the page in that language. A message has its values in braces, "{count} views"; one that
+// depends on a number is an object of plural forms, chosen by the value `count`. In pages: data-t is the element's
+// text, data-t-label its aria-label, data-t-title its title, data-t-alt that of a picture. Where the element has
 // children of its own, "<0>…</0>" in the text is the first of them, "<1>…</1>" the second.
 //
 // Each page is there in every language, "/board/", "/de/board/", with its texts already in place

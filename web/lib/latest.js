@@ -8,9 +8,8 @@
 
 /**
  * Makes a function of which only the latest call counts. An earlier call is aborted: whatever it returns or throws
- * after
- * that is dropped, and its promise resolves to undefined. In the task, `signal.throwIfAborted()` after an `await` ends
- * it.
+ * after that is dropped, and its promise resolves to undefined. In the task, `signal.throwIfAborted()` after an
+ * `await` ends it.
  * @template {unknown[]} A @template T
  * @param {(signal: AbortSignal, ...parameters: A) => Promise<T>} task
  * @returns {Latest<A, T>}

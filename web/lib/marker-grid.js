@@ -12,8 +12,8 @@ import { apply, homography } from "./homography.js";
  *   some
  *
  * @typedef {Hypothesis & {error: number, inliers: Marker[], side: number}} GridFit error: median distance of a marker
- *   from where the
- *   hypothesis has it, of its side; side: of a marker, in squares (charuco) or distances of tags (aprilgrid)
+ *   from where the hypothesis has it, of its side; side: of a marker, in squares (charuco) or distances of tags
+ *   (aprilgrid)
  */
 
 const MAX_SQUARES = 50; // a side

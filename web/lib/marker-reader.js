@@ -8,8 +8,7 @@ import { refineCorner } from "./subpixel.js";
  * @typedef {import("./subpixel.js").Grey} Grey
  * @typedef {import("./marker-detector.js").Marker} Marker
  * @typedef {{family: string, border: number, mirrored: boolean, markers: Marker[]}} Reading markers of one family in
- *   one picture; of a
- *   mirrored one as they would be in the picture turned back
+ *   one picture; of a mirrored one as they would be in the picture turned back
  */
 
 /** The longest dictionary of each family, those that people use first. */

@@ -25,8 +25,7 @@ export function openPage() {
 
 /**
  * Registers sw.js, which fetches all files of the pages, those of the detector's worker among them: once this page is
- * there,
- * so that it does not compete for the line. Without it everything works, but is fetched again with each visit.
+ * there, so that it does not compete for the line. Without it everything works, but is fetched again with each visit.
  */
 function cacheFiles() {
   const worker = new URL("../sw.js", import.meta.url);

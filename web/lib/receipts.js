@@ -1,6 +1,5 @@
 // Receipts of the calibrations made with this browser, kept in it and nowhere else. Who shows one to the operator has
-// made
-// that calibration, and can have it erased (`/privacy/`).
+// made that calibration, and can have it erased (`/privacy/`).
 
 /**
  * @typedef {object} Receipt

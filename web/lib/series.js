@@ -12,8 +12,7 @@ import { number, t } from "./i18n.js";
  *
  * @typedef {{ids: number[], points: number[][]}} View
  * @typedef {{view: number, accepted: boolean, reason: string | null, before: number | null, after: number | null}}
- *   Judgement
- *   view: its number; before, after: predicted error, px
+ *   Judgement view: its number; before, after: predicted error, px
  *
  * @typedef {object} Outcome
  * @property {SessionState} state converged, or as far as these views lead
@@ -29,9 +28,8 @@ const MAX_POINTS = 20_000; // of all views, that a session holds
  * Offers all views, and ends the session with those that agree if they are enough.
  * @param {Api} api @param {string} token @param {SessionRequest} request @param {View[]} views best first
  * @param {(judgement: Judgement) => void} onJudgement
- * @param {{detectModel?: boolean}} [options] detectModel: where the views say that the lens model is too simple, begin
- *   again with
- *   the one that explains them
+ * @param {{detectModel?: boolean}} [options] detectModel: where the views say that the lens model is too simple,
+ *   begin again with the one that explains them
  * @returns {Promise<Outcome>} rejects as Api does
  */
 export async function calibrate(api, token, request, views, onJudgement, { detectModel = false } = {}) {

@@ -1,6 +1,5 @@
 // Session of one guided capture at the service. Its views are also stored in the page and on this device: nothing is
-// lost
-// when the session expires, the network fails or the page is reloaded.
+// lost when the session expires, the network fails or the page is reloaded.
 import { ApiError, OfflineError } from "./api.js";
 import { consentFields } from "./consent.js";
 import { keepReceipt } from "./receipts.js";
@@ -57,8 +56,8 @@ export class CaptureSession {
   /**
    * @param {import("./api.js").Api} api @param {string} token API token @param {SessionRequest} request
    * @param {{about?: string, save?: (capture: SavedCapture) => void, saved?: SavedCapture | null, answered?:
-   *   Set<string>}} [memory] save: called
-   *   after each change; saved: by an earlier page; answered: kinds of requests that have been answered before
+   *   Set<string>}} [memory] save: called after each change; saved: by an earlier page; answered: kinds of requests
+   *   that have been answered before
    */
   constructor(api, token, request, { about = "", save = () => {}, saved = null, answered = new Set() } = {}) {
     this.#api = api;

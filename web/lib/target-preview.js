@@ -8,8 +8,7 @@ import { isBlack } from "./board.js";
 
 /**
  * Black squares of the board in a pose, or its tags. The inner vertices are the service's and exact; those at the
- * board's edge are
- * extrapolated from the two before them.
+ * board's edge are extrapolated from the two before them.
  * @param {Board} board @param {{ids: number[], corners: number[][]}} pose
  * @returns {Polygon[]} px
  */

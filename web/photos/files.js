@@ -49,9 +49,8 @@ const isVideo = ({ type, name }) => type.startsWith("video/") || (type === "" &&
 
 /**
  * @param {File} file @param {AbortSignal} signal
- * @param {{samples?: number, mirrored?: boolean}} [options] samples: so many frames from all over a video, else all, or
- *   as many as time
- *   allows; mirrored: the pictures are, and are turned back
+ * @param {{samples?: number, mirrored?: boolean}} [options] samples: so many frames from all over a video, else all,
+ *   or as many as time allows; mirrored: the pictures are, and are turned back
  * @returns {AsyncGenerator<Shot>} throws UnreadableError
  */
 export async function* shots(file, signal, { samples = 0, mirrored = false } = {}) {

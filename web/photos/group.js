@@ -13,8 +13,7 @@
  * @property {[number, number][] | null} outline
  *
  * @typedef {{id: string, camera: string, focal: number, kind: Found["kind"], size: [number, number], members:
- *   number[]}} Group
- *   members: numbers of the pictures that show the board
+ *   number[]}} Group members: numbers of the pictures that show the board
  */
 
 export const MIN_VIEW_CORNERS = 6; // corners of a view

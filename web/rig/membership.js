@@ -55,9 +55,8 @@ export const requestOf = ({ camera, platform, size, zoom, track }, board, { dist
 });
 
 /**
- * Makes this device's cameras members of a rig: its first camera begins the rig, or joins with a code. What a lost page
- * has
- * begun is completed.
+ * Makes this device's cameras members of a rig: its first camera begins the rig, or joins with a code. What a lost
+ * page has begun is completed.
  * @param {RigService} service @param {RigRecord} record completed in place
  * @param {SessionRequest[]} requests of the cameras, in the record's order
  * @param {{code?: string, save: () => Promise<unknown>}} options code: of the rig to join

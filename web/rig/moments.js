@@ -1,10 +1,9 @@
 // Rules of a moment: when it is opened, and whether a camera may take a view for it. Pure: the time comes in.
 //
 // Cameras have no common clock. A moment was opened at some time between the last answer without it and the first one
-// with
-// it. A camera takes a view only if the board has been still in its own picture since before that answer was asked for:
-// then
-// the board was still in all cameras that take one when the moment was opened, and all saw the same pose.
+// with it. A camera takes a view only if the board has been still in its own picture since before that answer was
+// asked for: then the board was still in all cameras that take one when the moment was opened, and all saw the same
+// pose.
 import { observedOutline } from "../lib/board-outline.js";
 import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget, difference } from "../lib/capture/target.js";
 import { HEALTHY, diagnose } from "../lib/capture/diagnosis.js";
@@ -108,9 +107,8 @@ function measured(sight, size) {
 export const isSeen = ({ corners }) => corners.ids.length >= MIN_SEEN_CORNERS;
 
 /**
- * Time for which the board must be held still before a moment is opened, ms; null: it has not been moved since the last
- * one,
- * or nobody sees it.
+ * Time for which the board must be held still before a moment is opened, ms; null: it has not been moved since the
+ * last one, or nobody sees it.
  * @param {Sight[]} sights of this device @param {number} patience ms, for which other devices need it to be still, too
  */
 export function requiredHold(sights, patience) {

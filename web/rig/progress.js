@@ -3,8 +3,7 @@
 /**
  * @typedef {import("./service.js").RigState} RigState
  * @typedef {{rms: number | null, atTarget: boolean}} Stage of a capture, after one of its moments: the error stated
- *   then, px, and
- *   whether the board was at its target
+ *   then, px, and whether the board was at its target
  */
 
 export const MIN_VIEWS = 4; // of each camera

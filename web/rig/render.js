@@ -22,9 +22,8 @@ export const NOTHING_SHOWN = { code: "", next: "", since: 0, state: null, invita
 
 /**
  * @param {Parts} parts @param {Model} model
- * @param {{members: readonly Member[], leads: boolean, board: import("../lib/board.js").Board, invitation: Invitation,
- *   time: number, undo: (id: string) => void}} page
- *   time: ms; undo: called for a moment
+ * @param {{members: readonly Member[], leads: boolean, board: import("../lib/board.js").Board, invitation:
+ *   Invitation, time: number, undo: (id: string) => void}} page time: ms; undo: called for a moment
  * @param {Shown} before @returns {Shown & {said: string, line: string}}
  */
 export function render(parts, model, { members, leads, board, invitation, time, undo }, before) {

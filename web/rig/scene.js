@@ -1,6 +1,5 @@
 // Scene of the simulated rig: where its cameras stand, and where the board is for a target. A function of the rig's
-// state
-// alone, so that browsers that know nothing of each other show the same board. Pure.
+// state alone, so that browsers that know nothing of each other show the same board. Pure.
 import { composePoses, invertPose, perturbPose, seededRandom } from "../lib/pose.js";
 import { setupFrom } from "../lib/virtual/setup.js";
 import { matchPose } from "../lib/virtual/match.js";

@@ -16,8 +16,7 @@
  * @property {number} views
  *
  * @typedef {Pose & {position: number, ids: number[], corners: number[][], outline: [number, number][]}} Target of one
- *   camera;
- *   board → camera, px
+ *   camera; board → camera, px
  * @typedef {{position: number, reason: string, detail: string}} SetAside
  * @typedef {{id: string, positions: number[], set_aside?: SetAside[]}} Moment positions: cameras whose views it has
  * @typedef {{code: string, text: string, positions?: number[]}} Advice

@@ -52,8 +52,7 @@ export class Bundle {
 
   /**
    * Answer that a lookup of the service would give, where that is certain. As there, the closest size is marked, and
-   * nothing is told
-   * of another zoom.
+   * nothing is told of another zoom.
    * @param {CameraKey} key @param {string} model
    * @returns {CalibrationData | null} null: ask the service
    */

@@ -32,8 +32,8 @@ import { lensOf } from "./projection.js";
  * @property {boolean} reliable
  * @property {boolean} exact_size false: the closest known size, not the one asked for
  * @property {{rms: number, max: number, inside?: number | null, covered?: number | null}} uncertainty predicted
- *   projection error, px: over the
- *   image, and `inside` the part that the boards have shown, a share `covered` of the image
+ *   projection error, px: over the image, and `inside` the part that the boards have shown, a share `covered` of the
+ *   image
  * @property {number} calibration_time unix seconds
  *
  * @typedef {object} CameraData what projects

@@ -109,9 +109,8 @@ export async function lookup(source, options) {
 }
 
 /**
- * Looks a camera up, and again whenever its picture changes: another size, another zoom, a phone that is turned. After
- * a failure that
- * may pass, it asks again every half minute.
+ * Looks a camera up, and again whenever its picture changes: another size, another zoom, a phone that is turned.
+ * After a failure that may pass, it asks again every half minute.
  * @param {MediaStreamTrack} track
  * @param {Options} options its signal ends the watch, as the end of the track does
  * @param {(answer: Answer | Error) => void} onAnswer

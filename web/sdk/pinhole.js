@@ -19,9 +19,8 @@
  */
 
 /**
- * Focal lengths at the optical axis, px per radian. The diagonal of an omnidirectional camera's matrix holds them times
- * 1 + xi
- * (Mei & Rives' generalised focal lengths).
+ * Focal lengths at the optical axis, px per radian. The diagonal of an omnidirectional camera's matrix holds them
+ * times 1 + xi (Mei & Rives' generalised focal lengths).
  * @param {Matrix} intrinsics
  * @returns {[number, number]} along x and y
  */
@@ -47,10 +46,9 @@ export function axialMatrix(intrinsics) {
 }
 
 /**
- * Projection matrix of a scene over a picture: column-major, as in WebXR, three.js and `uniformMatrix4fv`. The scene's
- * camera looks along −z with y up: its frame is diag(1, −1, −1) of ours. Of a calibration with distortion it is the
- * pinhole
- * that magnifies as the lens does at its axis.
+ * Projection matrix of a scene over a picture: column-major, as in WebXR, three.js and `uniformMatrix4fv`. The
+ * scene's camera looks along −z with y up: its frame is diag(1, −1, −1) of ours. Of a calibration with distortion it
+ * is the pinhole that magnifies as the lens does at its axis.
  * @param {{img_size: readonly [number, number]} & Matrix} pinhole or calibration
  * @param {Frustum} [frustum]
  * @returns {number[]} 16 numbers

@@ -31,9 +31,9 @@ import { createViews } from "./views.js";
  * @property {"metres" | "squares"} unit of translations: squares of the board, where nobody measured them
  * @property {number} rms px, over all points of the capture
  * @property {number | null} held_out_rms px, of moments that took no part in the fit
- * @property {{rotation_deg: number, translation_percent: number, rms: number}} uncertainty expected turn of the camera
- *   that is known
- *   worst; expected shift in per cent of its distance from camera 0; rms error, px, of one camera's points in another
+ * @property {{rotation_deg: number, translation_percent: number, rms: number}} uncertainty expected turn of the
+ *   camera that is known worst; expected shift in per cent of its distance from camera 0; rms error, px, of one
+ *   camera's points in another
  * @property {{level: "good" | "fair" | "poor", reasons: string[]}} verdict "uncertain", "held_out" or "set_aside" are
  *   reasons
  * @property {(Motion & {moment: string})[]} [board_poses] boards of the moments that count: board → camera 0
@@ -165,18 +165,15 @@ export async function rig(id, options) {
 }
 
 /**
- * Rectifies pictures of two cameras on the GPU, so that a point lies in the same row of both, and its depth is focal *
- * baseline /
- * disparity. Of videos, call `draw()` once a frame.
+ * Rectifies pictures of two cameras on the GPU, so that a point lies in the same row of both, and its depth is
+ * focal length × baseline / disparity. Of videos, call `draw()` once a frame.
  * @template {import("./warp.js").AnyCanvas} [Canvas=HTMLCanvasElement]
  * @param {Source} left
  * @param {Source} right pictures of the sizes of the calibrations; twice the same of a camera that delivers both in
- *   one,
- *   see the option `packing`
+ *   one, see the option `packing`
  * @param {Rig | TwoCameras} cameras
  * @param {import("./pair-rectifier.js").PairOptions<Canvas> & {positions?: readonly [number, number]}} [options]
- *   `positions` of left and right camera in the rig; [0, 1]
- *   by default
+ *   `positions` of left and right camera in the rig; [0, 1] by default
  * @returns {Promise<import("./pair-rectifier.js").PairRectifier<Canvas>>} with what is in the pictures now drawn;
  *   rejects with RectificationError where the cameras have no
  *   rectified pictures, with RectifierError where there is no WebGL2, with a TypeError for pictures of another shape

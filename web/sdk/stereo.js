@@ -1,10 +1,8 @@
 // Rectification of two cameras: both turned so that epipolar lines are rows, or columns.
 //
-// Bouguet's algorithm as OpenCV has it (Hartley & Zisserman, "Multiple View Geometry", 11.12), for every camera model:
-// each
-// camera is turned by half of the rotation between them, then both so that the baseline lies along an axis of the
-// picture.
-// The service's files have the same numbers.
+// Bouguet's algorithm as OpenCV has it (Hartley & Zisserman, "Multiple View Geometry", 11.12), for every camera
+// model: each camera is turned by half of the rotation between them, then both so that the baseline lies along an
+// axis of the picture. The service's files have the same numbers.
 import {
   compose,
   multiply,
@@ -33,8 +31,7 @@ import { lensOf } from "./projection.js";
  *   left camera
  * @property {number} focal px, along both axes of both pictures
  * @property {number} baseline in the unit of the pose; depth = focal * baseline / disparity. Negative where the right
- *   picture's
- *   camera stands on the left, or above: disparities are, too
+ *   picture's camera stands on the left, or above: disparities are, too
  * @property {boolean} isVertical whether one camera is above the other: disparities are along y, then
  *
  * @typedef {object} TwoCameras

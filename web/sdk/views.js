@@ -29,8 +29,7 @@ import { invert, quaternionOf } from "./motion.js";
  * @property {RigidMotion} motion reference camera → this one, both as OpenCV has them: x right, y down, z forward
  *
  * @typedef {Frustum & {pose?: ArrayLike<number>}} ViewOptions pose: reference camera, looking along −z with y up →
- *   world, column-major;
- *   the identity by default
+ *   world, column-major; the identity by default
  */
 
 const IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
@@ -49,8 +48,7 @@ export function createViews(cameras, { pose = IDENTITY, ...frustum } = {}) {
 /**
  * Attributes by which a view describes its camera, in arrays of its own: who writes into them spoils no other view.
  * @param {{camera_matrix: readonly (readonly number[])[], distortion_coefficients?: readonly number[],
- *   distortion_model?: string}} camera
- *   without distortion by default
+ *   distortion_model?: string}} camera without distortion by default
  */
 export function viewAttributes({
   camera_matrix: k,

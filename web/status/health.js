@@ -7,8 +7,7 @@ import { OfflineError, reach, readable } from "../lib/network.js";
  * @typedef {"ok" | "failed" | "unknown"} State
  * @typedef {"pages" | "functions" | PartHealth["part"] | "canary"} Name
  * @typedef {{name: Name, state: State, latency: number | null, words: string | null, at?: number}} Row words: of the
- *   canary, instead of
- *    its state; at: unix seconds
+ *   canary, instead of its state; at: unix seconds
  * @typedef {{ok: boolean, status: number, ms: number, body: any}} Heard status: 0 where nothing answered
  * @typedef {"all" | "edge" | "some" | "canary" | "functions" | "nothing"} Verdict
  */

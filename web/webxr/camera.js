@@ -5,8 +5,7 @@
 //     const session = await navigator.xr.requestSession("immersive-ar");
 //
 // Its views say cameraMatrix, distortionCoefficients and distortionModel (extension.js). Where the browser has no
-// augmented
-// reality of its own, the session shows the video and projects as its camera does.
+// augmented reality of its own, the session shows the video and projects as its camera does.
 import { watch, lookup } from "../sdk/lookup.js";
 import { extend, isNeeded } from "./extension.js";
 
@@ -29,9 +28,8 @@ import { extend, isNeeded } from "./extension.js";
 let installed = false;
 
 /**
- * Extends WebXR, puts the video in the place of a device where there is none, and looks the video's camera up. A second
- * call
- * is for another camera, or another way to show it: sessions that begin after it are of that.
+ * Extends WebXR, puts the video in the place of a device where there is none, and looks the video's camera up. A
+ * second call is for another camera, or another way to show it: sessions that begin after it are of that.
  * @param {HTMLVideoElement} video showing a camera that the user has permitted
  * @param {Options} options
  * @returns {Promise<() => void>} ends the watch for changes of the picture; rejects with a TypeError where the video

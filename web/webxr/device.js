@@ -1,6 +1,5 @@
 // A webcam as a WebXR device: its video behind the layer, its intrinsics in the projection, its pose that of the
-// tracker. Two
-// cameras of a rig are two eyes, side by side.
+// tracker. Two cameras of a rig are two eyes, side by side.
 import { projectionMatrix } from "../sdk/pinhole.js";
 import { XRDevice } from "../vendor/webxr/polyfill.js";
 import { Stage } from "./stage.js";

@@ -30,10 +30,8 @@ import { viewAttributes } from "../sdk/views.js";
  *   one's
  *
  * @typedef {(session: object, model: string, size: Size | null) => Promise<Intrinsics | Eyes | null>} Provider asked
- *   for the calibration
- *   of a session's camera, or of both its cameras, null where none is known; `size`: of the picture that raw camera
- * access gives, where
- *   it does
+ * for the calibration of a session's camera, or of both its cameras, null where none is known; `size`: of the picture
+ * that raw camera access gives, where it does
  *
  * @typedef {object} Options
  * @property {any} [global] where the WebXR classes are

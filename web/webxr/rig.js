@@ -22,8 +22,7 @@ import { install } from "./install.js";
 
 /**
  * Puts two cameras in the place of `navigator.xr`, for the sessions that begin after it. Scenes lie on the rectified
- * pictures; the
- * views' cameraMatrix and distortion are those of the cameras' own pictures.
+ * pictures; the views' cameraMatrix and distortion are those of the cameras' own pictures.
  * @param {HTMLVideoElement} left
  * @param {HTMLVideoElement} right the same one, of a camera that delivers both pictures in it
  * @param {Rig} rig

@@ -1,6 +1,5 @@
-// Watch for another board than the one expected, while that one is not seen: a look from time to time, and a conclusion
-// from
-// several. Pure: the time comes in.
+// Watch for another board than the one expected, while that one is not seen: a look from time to time, and a
+// conclusion from several. Pure: the time comes in.
 import { isPartOf, recognise } from "../board-recognition.js";
 import { isSameBoard } from "../board.js";
 

@@ -1,6 +1,5 @@
 // Haptic and audible feedback when the board is to be held still and when a view is taken: both hands hold the board,
-// and the
-// eyes may be on it.
+// and the eyes may be on it.
 
 /** @typedef {"sound" | "vibration" | "voice"} Sense */
 

@@ -1,6 +1,5 @@
-// Marks on a camera's picture: the target with its preview, the corners that were detected. Elements are reused: making
-// a
-// hundred for each frame would cost more than detecting the board.
+// Marks on a camera's picture: the target with its preview, the corners that were detected. Elements are reused:
+// making a hundred for each frame would cost more than detecting the board.
 import { blackSquares } from "../target-preview.js";
 
 const SVG = "http://www.w3.org/2000/svg";

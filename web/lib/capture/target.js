@@ -23,9 +23,8 @@ const spread = (a, b) =>
   a.reduce((sum, [x, y], index) => sum + Math.hypot(x - b[index][0], y - b[index][1]), 0) / a.length;
 
 /**
- * Difference of two poses of the board: mean distance of its corners from the target's, once the middles and the sizes
- * have
- * been made the same (where and how large it is, the overlap tells), as a share of the board's size.
+ * Difference of two poses of the board: mean distance of its corners from the target's, once the middles and the
+ * sizes have been made the same (where and how large it is, the overlap tells), as a share of the board's size.
  *
  * A hand that misses by 3° is below 0.07; a board that faces the camera in a target tilted by 35° or more is above
  * 0.085.

@@ -38,8 +38,7 @@ function keepFormat(format) {
 
 /**
  * @param {{calibration: Calibration, explain: (error: unknown) => string, of?: {id: string | null, without?:
- *   number[]}}} result of: where
- *   it is stored, and which of its views are left out
+ *   number[]}}} result of: where it is stored, and which of its views are left out
  * @param {string} [suffix] of the ids, where a page offers several
  * @param {{primary?: boolean, before?: Node[], after?: Node[]}} [around] buttons in the same row
  */

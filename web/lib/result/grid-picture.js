@@ -32,9 +32,8 @@ function reach(lens, [width, height]) {
 /**
  * Lines of a plane grid in the picture, broken where the lens sees none of them.
  * @param {Calibration} calibration of a model that is known here
- * @returns {{seen: [number, number][], ideal: [number, number][]}[]} px, points along each: as the lens shows them, and
- *   as a pinhole of
- *   its focal length at the axis would
+ * @returns {{seen: [number, number][], ideal: [number, number][]}[]} px, points along each: as the lens shows them,
+ *   and as a pinhole of its focal length at the axis would
  */
 export function gridLines(calibration) {
   const lens = lensOf(calibration);

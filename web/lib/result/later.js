@@ -1,6 +1,6 @@
 // View of a result on pages that show one only at their end: its modules are loaded when there is something to show,
-// and a stored
-// result has its own address while it is shown, instead of the form. A reload shows it again, Back leads to the form.
+// and a stored result has its own address while it is shown, instead of the form. A reload shows it again, Back leads
+// to the form.
 import { pageUrl, t } from "../i18n.js";
 
 /** @typedef {import("./view.js").ResultView} ResultView */

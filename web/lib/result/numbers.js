@@ -138,8 +138,7 @@ export function intrinsics(
 
 /**
  * Opening angles across the picture's middle and from corner to corner, degrees; null where the model sees no ray
- * there, or
- * where this page does not know the model.
+ * there, or where this page does not know the model.
  * @param {Calibration} calibration
  */
 export function fieldOfView(calibration) {
@@ -165,8 +164,7 @@ export function fieldOfView(calibration) {
 
 /**
  * Displacement by distortion over the image: where the lens shows a ray, and where a pinhole of the same focal length
- * at the
- * axis would. Rays that no plane picture can show are left out.
+ * at the axis would. Rays that no plane picture can show are left out.
  * @param {Calibration} calibration @param {[number, number]} grid columns and rows
  * @returns {{from: [number, number], to: [number, number]}[]} px; from: the pinhole's
  */

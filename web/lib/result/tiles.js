@@ -60,9 +60,9 @@ function poses(calibration, report, board) {
 }
 
 /**
- * @param {{svg: Node, caption: string, levels?: number[], at?: ReturnType<typeof import("./plots.js").heatPlot>["at"]}}
- *   made levels: px, of the
- *   colours; at: the amount at a place, which the caption says while one points there
+ * @param {{svg: Node, caption: string, levels?: number[], at?: ReturnType<typeof
+ *   import("./plots.js").heatPlot>["at"]}} made levels: px, of the colours; at: the amount at a place, which the
+ *   caption says while one points there
  * @param {Node[]} more
  */
 export function figure({ svg, caption, levels, at }, ...more) {

@@ -14,15 +14,13 @@ const [MIN_RATE_HZ, USUAL_RATE_HZ, MAX_RATE_HZ] = [2, 30, 60]; // pictures a sec
  * @property {string} hand whose it is, of `HANDS`; of any other name: a still one
  * @property {number} rate pictures a second
  * @property {string} fault what is wrong with the picture, of `FAULTS`; any other name is nothing
- * @property {{legacy?: boolean, dictionary?: string, distance?: number}} shown how the board differs from the one asked
- *   for;
- *   distance: how many times as far away as asked for
+ * @property {{legacy?: boolean, dictionary?: string, distance?: number}} shown how the board differs from the one
+ *   asked for; distance: how many times as far away as asked for
  */
 
 /**
  * The camera that an address asks for: `img_size=1280x720`, `fx fy cx cy` in px, `k1 k2 p1 p2 k3`; the hand, `error
- * seed
- * hand`; pictures a second, `rate`; what is wrong, `fault shown_legacy shown_dictionary shown_distance`.
+ * seed hand`; pictures a second, `rate`; what is wrong, `fault shown_legacy shown_dictionary shown_distance`.
  * @param {URLSearchParams} parameters
  * @returns {Setup}
  */
