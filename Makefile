@@ -43,8 +43,7 @@ run: $(SETUP) ## run the service on this machine: page and API on http://127.0.0
 
 test: ## run everything below up to browser
 	@$(MAKE) $(PAIRED) .node .drawn $(CHECKS)
-	@$(MAKE) --no-print-directory --jobs 2 .others .pages
-	@$(MAKE) --no-print-directory .alone
+	@$(MAKE) --no-print-directory --jobs 3 .quiet-unit .quiet-service .in-browsers
 
 lint: ## check style, types, imports, wording, the template, and dependencies for known vulnerabilities
 	@$(MAKE) $(PAIRED) $(CHECKS)
@@ -92,20 +91,20 @@ unit: $(SETUP) .node .drawn ## test one package at a time, without sockets, and 
 service: $(SETUP) ## test HTTP against the server, and on emulated AWS
 	$(PYTEST) $(MODULES) tests/service tests/aws
 
-browser: $(SETUP) .pages ## test the pages in Chromium and Firefox
-	@$(MAKE) --no-print-directory .alone
+browser: $(SETUP) .in-browsers ## test the pages in Chromium and Firefox
 
-.pages:
+# One after the other, the tests that need a whole browser for themselves last: people hold a board in real time.
+.in-browsers:
 	@bash infra/ci/browsers.sh
 	$(PYTEST) $(MODULES) -m "not alone" tests/browser
-
-# Tests that need the whole machine: people who hold a board still do so in real time.
-.alone:
 	$(PYTEST) -m alone tests/browser
 
 # With what the browsers leave of the processor: they wait for a third of their time.
-.others:
-	nice -n 15 $(PYTEST) $(MODULES) tests/unit tests/service tests/aws
+.quiet-unit:
+	nice -n 19 $(PYTEST) tests/unit
+
+.quiet-service:
+	nice -n 19 $(PYTEST) tests/service tests/aws
 
 thorough: export THOROUGH := 1
 thorough: $(SETUP) ## run the slow tests too; ONLY=browser,unit,kills,fuzz KILLS=54 CASES=5000 FILES=100000
