@@ -8,7 +8,7 @@ import { labelOf, setupFrom } from "./virtual/setup.js";
  * @property {string} id device id, "" for the browser's own choice, "virtual"; "environment" and "user" by where a
  *   phone's cameras face
  * @property {string} label
- * @property {boolean} [named] the browser tells its name: it does once the camera was permitted
+ * @property {boolean} [named] the browser reports its name, which it does once camera access is granted
  *
  * @typedef {object} OpenCamera
  * @property {MediaStream} stream
@@ -163,7 +163,7 @@ export async function lockFocus(track) {
     wanted.focusMode = "manual";
     if (focusDistance !== undefined) wanted.focusDistance = focusDistance;
   }
-  // Some cameras zoom to follow a face; one that is told where it stands stays there.
+  // Some cameras zoom to follow a face. Requesting the current zoom keeps it fixed.
   if (zoom && now !== undefined) wanted.zoom = now;
   if (Object.keys(wanted).length === 0) return;
   const constraints = /** @type {MediaTrackConstraints} */ (/** @type {unknown} */ ({ advanced: [wanted] }));

@@ -273,7 +273,7 @@ function rectangle(image, placed) {
     const inside = keys.filter(([i, j]) => i >= left && i <= right && j >= top && j <= bottom && holds(i, j)).length;
     return inside;
   };
-  // A line at the edge with few corners is none: something beside the board looked like one.
+  // A line at the edge with few corners is not part of the board: something next to the board looked like corners.
   for (let trimmed = true; trimmed && left < right && top < bottom;) {
     const [across, down] = [(right - left + 1) * MIN_LINE_SHARE, (bottom - top + 1) * MIN_LINE_SHARE];
     trimmed = true;

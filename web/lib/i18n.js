@@ -249,14 +249,14 @@ export function languageInQuery() {
 /** The language that the browser prefers. */
 const preferred = () => choose(null, null, globalThis.navigator?.languages ?? []);
 
-/** Keeps the choice, and tells the one kept before. @param {Language} [chosen] @returns {string | null} */
+/** Stores the choice, if given. Returns the previous one. @param {Language} [chosen] @returns {string | null} */
 function keep(chosen) {
   try {
     const kept = globalThis.localStorage?.getItem(LANGUAGE_KEY) ?? null;
     if (chosen) globalThis.localStorage?.setItem(LANGUAGE_KEY, chosen);
     return kept;
   } catch (error) {
-    // A browser that keeps nothing for pages refuses the very question.
+    // A browser that blocks storage throws on access.
     if (!(error instanceof DOMException)) throw error;
     return null;
   }

@@ -10,7 +10,7 @@ import { motion } from "./capture/stillness.js";
 
 const MIN_APART_WIDTHS = 0.02; // of the picture, between frames: nearer, the service takes them for duplicates
 const GRID_COLUMNS = 12; // cells of the picture, across
-const SHAPE_WEIGHT = 1.5; // how much a new shape is worth beside new places
+const SHAPE_WEIGHT = 1.5; // weight of a new shape relative to new places
 const MAX_OUTLINE_DISTANCE = 0.4; // of the width: outlines so different do not get more so
 
 /**

@@ -203,7 +203,7 @@ export class CaptureSession {
   /** @param {View} view @param {number} index @returns {Promise<ViewAnswer>} */
   async #send(view, index) {
     view.index = index;
-    this.#persist(); // if the response is lost, this tells which view the service may have
+    this.#persist(); // if the response is lost, this records which view the service may have
     const answer = await this.#call("POST", "/session/views", { body: { index, ids: view.ids, points: view.points } });
     view.taken = answer.accepted;
     keepReceipt(this.#credential, answer);

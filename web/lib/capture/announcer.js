@@ -9,7 +9,7 @@ export class Announcer {
   /** Texts announced once, by kind, and not lost to later ones. @type {string[]} */
   #news = [];
   /** @type {string[]} */
-  #told = [];
+  #lastNews = [];
   /** @type {ReturnType<typeof setTimeout> | null} */
   #timer = null;
 
@@ -24,8 +24,8 @@ export class Announcer {
    * @param {string[]} news what has happened, of several kinds: each is said once, before it
    */
   say(text, ...news) {
-    const isFresh = news.map((each, kind) => each !== "" && each !== this.#told[kind]);
-    this.#told = news;
+    const isFresh = news.map((each, kind) => each !== "" && each !== this.#lastNews[kind]);
+    this.#lastNews = news;
     news.forEach((each, kind) => {
       if (isFresh[kind]) this.#news[kind] = each;
     });

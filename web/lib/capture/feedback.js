@@ -3,7 +3,7 @@
 
 /** @typedef {"sound" | "vibration" | "voice"} Sense */
 
-/** Defaults, before anybody has chosen. @type {Record<Sense, boolean>} */
+/** Defaults until the visitor chooses. @type {Record<Sense, boolean>} */
 const AT_FIRST = { sound: true, vibration: true, voice: false };
 const SENSES_KEY = "calibdb.senses";
 const SPEECH_PAUSE_MS = 1_800; // ms between two spoken hints: a person must be able to follow
@@ -58,7 +58,7 @@ export class Feedback {
 
   /** A sign by sound and by touch. @param {Sign} sign */
   give(sign) {
-    // Browsers let no page sound or shake that nobody has touched yet.
+    // Browsers allow sound and vibration only after the visitor has touched the page.
     if (!navigator.userActivation?.hasBeenActive) return;
     if (this.#senses.sound && Feedback.offers("sound")) this.#play(NOTES[sign]);
     if (this.#senses.vibration && Feedback.offers("vibration"))

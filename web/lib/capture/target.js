@@ -1,5 +1,5 @@
-// Distance of the board from its target, hints that lead there, and when it is there. Outlines are quadrilaterals in pixels: the
-// board's corners, clockwise from its first.
+// Distance of the board from its target, hints that lead there, and when it is there. Outlines are quadrilaterals in
+// pixels: the board's corners, clockwise from its first.
 
 /** @typedef {number[][]} Quadrilateral */
 
@@ -24,7 +24,7 @@ const spread = (a, b) =>
 
 /**
  * Difference of two poses of the board: mean distance of its corners from the target's, once the middles and the
- * sizes have been made the same (where and how large it is, the overlap tells), as a share of the board's size.
+ * sizes have been made the same (the overlap measures place and size), as a share of the board's size.
  *
  * A hand that misses by 3° is below 0.07; a board that faces the camera in a target tilted by 35° or more is above
  * 0.085.
@@ -178,7 +178,7 @@ export function isAtTarget({ overlap, outline }, aim) {
 }
 
 /**
- * Factor on the motion that counts as still: not everybody has a steady hand.
+ * Factor on the motion that counts as still: it grows with time, for visitors without a steady hand.
  * @param {number} elapsed ms since the target was set
  */
 export const lenienceAfter = (elapsed) => Math.min(MAX_LENIENCE, Math.max(1, elapsed / LENIENT_AFTER_MS));

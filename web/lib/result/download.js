@@ -114,7 +114,7 @@ function reason(format, { message }) {
   return far ? t("formats.impossible_far", { error: number(Number(far), 0) }) : t("formats.impossible_lens");
 }
 
-/** Remarks in the file beside the calibration. @param {Saved} saved */
+/** Remarks in the file, besides the calibration. @param {Saved} saved */
 export function conversionText({ name, error, coverage }) {
   const parts =
     error > VISIBLE_ERROR_PX

@@ -18,8 +18,8 @@ const WIDE_MODELS = ["fisheye", "rational", "omnidirectional"];
  */
 export function reasonTexts(report, notes, { distortion_model: model, platform }) {
   const { cause, text, model: better } = report?.systematic ?? {};
-  const told = [...(report?.verdict.reasons ?? []), ...(cause ? [{ code: cause, text: text ?? "" }] : []), ...notes];
-  return [...new Map(told.map((reason) => [reason.code, reason])).values()].map((reason) =>
+  const reasons = [...(report?.verdict.reasons ?? []), ...(cause ? [{ code: cause, text: text ?? "" }] : []), ...notes];
+  return [...new Map(reasons.map((reason) => [reason.code, reason])).values()].map((reason) =>
     wording(reason, better ?? null, model, platform),
   );
 }

@@ -9,7 +9,7 @@ import { fileName } from "./numbers.js";
  */
 
 /**
- * @typedef {object} Facts what the service says of a stored calibration beside its numbers
+ * @typedef {object} Facts what the service reports of a stored calibration besides its numbers
  * @property {import("../../vendor/api.js").Board | null} board
  * @property {string | null} cameraKey
  */

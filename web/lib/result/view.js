@@ -59,7 +59,7 @@ export class ResultView {
     void this.#followAgreement(result);
   }
 
-  /** Keep it in this browser, so that its maker finds it again; practice is nobody's camera. @param {Result} result */
+  /** Stores the result in this browser, except of simulated cameras, for the visitor's list. @param {Result} result */
   #keep({ calibration, report, origin, pending }) {
     const { id, camera } = calibration;
     if (id && !pending && origin !== "stored" && !isVirtual(camera)) keepOwn(ownOf({ ...calibration, id }, report));
@@ -100,7 +100,7 @@ export class ResultView {
       : null;
     if (straight) this.#held.push(straight.dispose);
     this.#straight = straight;
-    // The report arrives while somebody is on the way to a button.
+    // The report may arrive while the visitor is about to press a button.
     const focused = this.#root.contains(document.activeElement) ? document.activeElement?.id : "";
     const menu = () => /** @type {HTMLDetailsElement | null} */ (this.#root.querySelector("details.more"));
     const isMenuOpen = menu()?.open === true;

@@ -15,7 +15,7 @@ import { intrinsicsOf } from "./lens.js";
  * @typedef {import("./setup.js").Setup} Setup
  */
 
-const MIN_REFRESH_INTERVAL_MS = 50; // ms; a canvas that nobody paints on delivers no frames
+const MIN_REFRESH_INTERVAL_MS = 50; // ms; a canvas delivers frames only when it is painted
 
 export class VirtualCamera {
   #canvas;
@@ -32,7 +32,7 @@ export class VirtualCamera {
   #settled = false;
   /** @type {ImageData | null} */
   #picture = null;
-  /** @type {Pose | null} in which somebody holds the board, without a hand */
+  /** @type {Pose | null} of the board while it is held, without the motion of a hand */
   #held = null;
   /** @type {Pose | null} of the board in the picture that is being painted */
   #painted = null;

@@ -14,7 +14,7 @@ const MAX_TEXELS_PER_SQUARE = 64;
 const BORDER_TEXELS = 32; // texels of white paper around the board
 const BACKGROUND = 112;
 const SAMPLES_PER_AXIS = 3; // a pixel, each way: corners come out 0.05 px right
-const EVEN_RADIUS = 2; // texels: where all so near are alike, one look tells what nine samples would
+const EVEN_RADIUS = 2; // texels: if all within this radius are equal, one sample gives the same as nine
 // texels, both diagonals of a pixel together: less than 4.5, and what its samples look at is within that radius
 const NEAR = 4;
 
