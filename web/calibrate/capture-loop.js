@@ -1,4 +1,4 @@
-// Loop of one capture: detects the board, sends what is held still, sets the targets, and goes on when something fails.
+// Loop of one capture: detects the board, sends what is held still, sets the targets, and continues after failures.
 import { facts, lockFocus } from "../lib/camera.js";
 import { DetectorError, grab } from "../lib/detector.js";
 import { Pace, nextFrame } from "../lib/frames.js";
@@ -241,7 +241,7 @@ export class CaptureLoop {
       this.#dispatch({ type: "stored", corners, stored, time: performance.now() });
       return this.#continue();
     }
-    // Detection goes on meanwhile: the service may take its time, or be away.
+    // Detection continues meanwhile: the service may be slow or unavailable.
     void this.#queue
       .send(
         () => {
@@ -322,7 +322,7 @@ export class CaptureLoop {
     if (this.#state.phase === "capturing") await this.#fetchTarget({ skip: true });
   }
 
-  /** Goes on once the service is back, with what was asked of it last. */
+  /** Repeats the last request once the service is back. */
   async #return() {
     if (this.#isFinishing) await this.#finish();
     if (!this.#signal.aborted && this.#state.phase === "capturing") await this.#fetchTarget();

@@ -1,4 +1,4 @@
-// Rules for taking a view by itself: is the board at the target, is it held still there, for how long? Pure.
+// Rules for taking a view automatically: is the board at the target, is it held still there, for how long? Pure.
 import { foreshortening } from "../lib/board-outline.js";
 import { isExhausted, viewCount } from "./state.js";
 import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget, lenienceAfter } from "../lib/capture/target.js";
@@ -65,7 +65,7 @@ export function holdProgress(state) {
 }
 
 /**
- * Factor on the motion that counts as still: not everybody has a steady hand.
+ * Factor on the motion that counts as still: it grows with time, for visitors without a steady hand.
  * @param {State} state @param {number} time ms
  */
 export function lenience({ capture: { posedAt } }, time) {
@@ -93,10 +93,10 @@ export function isSettled({
 export const timeToRead = (useless) => (useless ? READ_USELESS_MS : READ_REFUSAL_MS);
 
 /**
- * Decides what the page does by itself now.
+ * Decides which automatic action of the page is due.
  * @param {State} state @param {number} time ms
- * @returns {"submit" | "skip" | "finish" | "relayout" | null} relayout: the board shown has the other layout: go on
- *   with that one
+ * @returns {"submit" | "skip" | "finish" | "relayout" | null} relayout: continue with the board's other layout, which
+ *   the camera sees
  */
 export function decide(state, time) {
   const { phase, capture, link, detector, ui } = state;

@@ -57,7 +57,7 @@ const captures = new Captures(captureStore, {
 const film = new Film(parts.film, parts.video);
 const feedback = new Feedback();
 const announcer = new Announcer(parts.said);
-/** View of the result: loaded while the capture goes on. @type {import("./outcome.js").Outcome | null} */
+/** View of the result: loaded during the capture. @type {import("./outcome.js").Outcome | null} */
 let outcome = null;
 /** @type {State} */
 let state = initial(board, parseWanted(parameters));
@@ -220,8 +220,8 @@ async function run({ camera }, request, signal) {
 }
 
 /**
- * Ends a capture, or goes on with another one of the same camera: of the board's other layout, or of the size that a
- * turned device delivers. The capture before waits for the device to be turned back.
+ * Ends a capture, or continues with another one of the same camera: of the board's other layout, or of the size that
+ * a turned device delivers. The previous capture waits until the device is turned back.
  * @param {"relayout" | null} end @param {OpenedCamera} opened @param {SessionRequest} request
  */
 async function finish(end, { camera, keepOpen }, request) {
@@ -244,7 +244,7 @@ function continueWithBoard(other, notice) {
   return capture(chosen, { notice });
 }
 
-/** Goes on with the board before the camera. */
+/** Continues with the board in front of the camera. */
 async function useBoard() {
   const seen = takeSuggestion(page, parameters);
   if (!seen) return;
@@ -252,10 +252,10 @@ async function useBoard() {
   await continueWithBoard(seen.board, seen.notice);
 }
 
-/** Loads what nobody needs before a camera is open. */
+/** Loads the modules that are needed once a camera is open. */
 const loadCapture = () => Promise.all([import("./capture-loop.js"), import("./plan.js")]);
 
-/** Loads what only a capture that goes on will need. */
+/** Loads the modules that are needed once a capture is running. */
 async function prepareOutcome() {
   const { Outcome } = await import("./outcome.js");
   outcome ??= new Outcome(parts.result, parts.video, {

@@ -177,7 +177,7 @@ export function reduce(state, event) {
         ui: { notice: event.attempts > 0 ? null : state.ui.notice },
       });
     case "offline":
-      // The status line says that the service is away: a notice beside it would say it twice.
+      // The status line already says that the service is away, so there is no notice.
       return change(clearTarget(state), {
         link: { offline: true, stored: event.stored, attempts: 0, busy: false },
         ui: { notice: null },
@@ -295,7 +295,7 @@ function isUnsteady(
 }
 
 /**
- * A stored view brings the capture nearer to its end, as far as can be told without the service.
+ * A stored view brings the capture nearer to its end, as far as the page knows without the service.
  * @param {State} state
  * @param {EventOf<"stored">} event
  */
@@ -360,7 +360,7 @@ function setTarget(state, { pose, picture, time }) {
     detector: { overlap: overlapWith(outline, pose, state.capture.key) },
     ui: { picture },
   });
-  // The last instruction was about another target: nobody should go on holding still for it.
+  // The last instruction was about another target: the visitor need not hold still for it any more.
   if (!outline) return next;
   const silent = change(next, { ui: { instruction: SILENT } });
   return change(next, { ui: { instruction: instruct(silent, requiredHold(next) === HOLD_MS, time) } });
@@ -433,9 +433,9 @@ function suggest(state, { suggestion, time }) {
 
 /** @param {State} state @param {EventOf<"answer">} event @returns {State} */
 function takeAnswer(state, { answer, corners, time }) {
-  // With no other view to contradict, the view by itself is degenerate.
+  // An outlier needs other views to contradict. A lone view that does not fit is degenerate.
   const reason = answer.reason === "outlier" && answer.views.length === 0 ? "degenerate" : answer.reason;
-  // Who has done what was asked is not told to do it.
+  // A visitor at the target is not asked to go there.
   const useless = (reason === "no_information" || reason === "duplicate") && isThere(state);
   const { taken, repeats, takenAt } = state.capture;
   const isIn = answer.accepted || reason === "duplicate";

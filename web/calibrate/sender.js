@@ -24,7 +24,7 @@ export const senderName = ({ host, isHere }) => (isHere ? t("capture.sender_here
 
 /**
  * Sentence about a camera that was asked for.
- * @param {Known | null} known null: not known yet, or nobody can tell
+ * @param {Known | null} known null: not known yet, or the lookup failed
  */
 export function knownText(known) {
   if (!known) return "";
@@ -57,7 +57,7 @@ export function knownOf({ cameras }, label, size) {
 const withoutId = (label) => label.replace(/\s*\([0-9a-f]{4}:[0-9a-f]{4}\)\s*$/i, "").toLowerCase();
 
 /**
- * Shows who sent the visitor, and how to return; nothing where nobody did.
+ * Shows which page sent the visitor, and how to return; nothing if no page did.
  * @param {import("./parts.js").Parts} parts @param {string | null} returnTo @param {Wanted} wanted
  */
 export async function showSender(

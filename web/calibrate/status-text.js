@@ -96,11 +96,11 @@ export function counts(state) {
   ].filter(Boolean);
 }
 
-/** Reason why it goes on before the fourth view. @param {State} state @param {number} missing views */
+/** Reason why a capture continues before the fourth view. @param {State} state @param {number} missing views */
 const leastViews = (state, missing) =>
   isAccurate(state) ? t("capture.goal_early", { count: missing }) : t("capture.at_least", { count: MIN_VIEWS });
 
-/** The accuracy that the views have reached, for who looks at the details. @param {State} state */
+/** The accuracy that the views have reached, for the details. @param {State} state */
 export function accuracy({ capture: { session } }) {
   if (!session?.uncertainty) return "";
   const reached = t("capture.reached", {

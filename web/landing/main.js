@@ -60,7 +60,7 @@ function drawFigure(k1) {
   );
 }
 
-/** Access to cameras, loaded when somebody asks for theirs. @type {typeof import("../lib/camera.js") | null} */
+/** Access to cameras, loaded when the visitor looks up theirs. @type {typeof import("../lib/camera.js") | null} */
 let cameras = null;
 
 /** @returns {Promise<() => Node[]>} what came of it */
@@ -145,7 +145,7 @@ button.addEventListener("click", async () => {
 });
 new IntersectionObserver(
   (entries, watcher) => {
-    // Asked for only by who comes near: most visitors of the page go on at once.
+    // Loaded once the visitor scrolls near: most visitors leave the page before.
     if (!entries.some(({ isIntersecting }) => isIntersecting)) return;
     watcher.disconnect();
     void showCounts();

@@ -14,7 +14,7 @@ import { consentFields } from "../lib/consent.js";
  * @property {boolean} opened the service has answered that the session is part of the rig
  * @property {SessionRequest | null} request as it was sent
  *
- * @typedef {object} RigRecord all that is needed to go on with a rig after the page was lost
+ * @typedef {object} RigRecord all that is needed to continue with a rig after the page was lost
  * @property {string} about id of the rig
  * @property {boolean} leads this device leads
  * @property {string} query of the page's address

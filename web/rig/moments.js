@@ -108,7 +108,7 @@ export const isSeen = ({ corners }) => corners.ids.length >= MIN_SEEN_CORNERS;
 
 /**
  * Time for which the board must be held still before a moment is opened, ms; null: it has not been moved since the
- * last one, or nobody sees it.
+ * last one, or no camera sees it.
  * @param {Sight[]} sights of this device @param {number} patience ms, for which other devices need it to be still, too
  */
 export function requiredHold(sights, patience) {
