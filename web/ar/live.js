@@ -107,7 +107,7 @@ export class Live {
     this.#setup.layers.replaceChildren();
   }
 
-  /** Is anything that is shown drawn by nobody? */
+  /** True if a canvas that is shown has lost its GPU context. */
   get #lost() {
     const { picture, overlay } = this.#modeNamed(this.#mode);
     return [this.#scene.canvas, picture, overlay].some((canvas) => canvas?.getContext("webgl2")?.isContextLost());

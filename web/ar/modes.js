@@ -1,6 +1,6 @@
 // Modes of drawing over a camera's picture: with the camera matrix only, over the straightened picture, and over the
-// picture as it is with the drawing distorted. Each tells where it sees a pixel of the camera, and where it draws a
-// point.
+// picture as it is with the drawing distorted. Each returns where it shows a pixel of the camera, and where it draws
+// a point.
 import { axialMatrix } from "../sdk/pinhole.js";
 import { lensOf } from "../sdk/projection.js";
 import { Distorter } from "../sdk/distorter.js";

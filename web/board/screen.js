@@ -5,10 +5,10 @@ import { exactScale, raster } from "../lib/board-drawing.js";
 /** @typedef {import("../lib/board.js").Board} Board */
 
 const MARGIN_SQUARES = 0.5; // squares of white around the board
-const MAX_CODE_PX = 220; // CSS pixels: side of the QR code beside the board
+const MAX_CODE_PX = 220; // CSS pixels: side of the QR code next to the board
 const MIN_CODE_PX = 120; // that a phone reads from half a metre
 const CODE_SHARE = 0.2; // of the window's shorter side
-const READING = 6000; // ms that the way back is told; a board is looked at without words on it
+const READING = 6000; // ms for which the page says how to return; then only the board is shown
 
 export class BoardScreen {
   #frame;
@@ -21,11 +21,11 @@ export class BoardScreen {
   #read;
   /** @type {WakeLockSentinel | null} */
   #awake = null;
-  /** Does the board fill the window, where no full screen is to be had? */
+  /** True if the board fills the window, because full screen is not available. */
   #filling = false;
   /** The removal of the history entry of the last full screen. @type {Promise<void> | null} */
   #back = null;
-  /** Is the code for a phone shown beside the board, where that fills the screen? */
+  /** True if the code for a phone is shown next to the board while it fills the screen. */
   #coded = false;
 
   /**
@@ -60,8 +60,8 @@ export class BoardScreen {
   }
 
   /**
-   * To the whole screen, or where that is not to be had to the whole window: iPhones have it for videos only.
-   * @param {{code?: boolean}} [options] code: with the code for a phone in the white beside the board
+   * Fills the screen, or else the window: iPhones allow full screen for videos only.
+   * @param {{code?: boolean}} [options] code: show the code for a phone in the white next to the board
    */
   async enter({ code = false } = {}) {
     this.#coded = code;
@@ -134,7 +134,7 @@ export class BoardScreen {
 
   /**
    * @param {number} side CSS pixels; 0: not shown
-   * @param {boolean} isWide the code is beside the board, or else below it
+   * @param {boolean} isWide the code is next to the board, or else below it
    */
   #showCode(side, isWide) {
     this.#code.hidden = side === 0;

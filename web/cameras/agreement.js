@@ -93,7 +93,7 @@ function frame(across, names, up, label, x, y) {
 }
 
 /**
- * A dot for what agrees, a cross for what does not; a link to its page. The table beside the plots has the same links
+ * A dot for what agrees, a cross for what does not; a link to its page. The table next to the plots has the same links
  * for the keyboard.
  * @param {number} x @param {number} y @param {Member} member
  */

@@ -167,7 +167,7 @@ function modeView(page, mode, open, explain) {
     ),
     body,
   );
-  // What nobody unfolds is not made.
+  // The content is created when the visitor opens it.
   if (open) fill();
   else details.addEventListener("toggle", fill, { once: true });
   return details;

@@ -1,4 +1,4 @@
-// Search of the documentation: the texts are fetched when somebody begins to type.
+// Search of the documentation: the texts are fetched when the visitor begins to type.
 import { el, part } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 

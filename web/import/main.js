@@ -63,7 +63,7 @@ let measured = null;
 let guessed = null;
 /** @type {string | null} id of a calibration of this service, whose own file it is */
 let own = null;
-/** A table whose board is still to be told. */
+/** A table whose board the visitor still has to enter. */
 let text = "";
 /** @type {unknown} what is wrong */
 let wrong = null;

@@ -44,7 +44,7 @@ export class ApiError extends Error {
 export class Api {
   #base;
   #transport;
-  /** Was the last attempt in vain? Of whichever call: one that gets through ends the waiting of all. */
+  /** True if the last attempt of any call failed: one that succeeds ends the waiting of all. */
   #vain = false;
 
   /** @param {string} base address of the API, "/v1" @param {Partial<Transport>} [transport] */

@@ -1,15 +1,15 @@
-// Consent of the person who calibrates: may the measurements be given away under CC0? Asked on every page that
-// calibrates, before or after, never assumed, kept on this device until it is changed.
+// Consent of the visitor to publish the measurements under CC0. Every page that calibrates asks for it, before or
+// after. It is never assumed, and kept on this device until it is changed.
 import { onLanguage, t, translate } from "./i18n.js";
 
 /**
- * Licence under which dumps are given away, an SPDX identifier, and the date of the text on /terms/ that is agreed to.
+ * Licence under which dumps are published, an SPDX identifier, and the date of the text on /terms/ that is agreed to.
  */
 export const LICENCE = "CC0-1.0";
 export const LICENCE_VERSION = "2026-11-22";
 const CONSENT_KEY = "calibdb.consent";
 
-/** Was it given on this device, to the text as it is today? @type {boolean | null} null: not read yet */
+/** True if it was given on this device, to the current text. @type {boolean | null} null: not read yet */
 let given = null;
 
 /**

@@ -116,7 +116,7 @@ export class Detector {
     return this.#waiting.size;
   }
 
-  /** Has it been closed? */
+  /** True once it is closed. */
   closed = false;
 
   /**

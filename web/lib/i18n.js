@@ -50,7 +50,7 @@ function addFrom(page, spoken) {
 
 /** The language spoken now. @returns {Language} */
 export function language() {
-  // Pages are served in their language; who prefers another one has been led on by language.js.
+  // Pages are served in their language; language.js has redirected visitors who prefer another one.
   current ??= choose(
     languageInQuery(),
     globalThis.document?.documentElement?.lang || keep(),

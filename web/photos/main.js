@@ -30,7 +30,7 @@ import { MAX_VIEWS, calibrate } from "../lib/series.js";
  * @typedef {import("../lib/series.js").Outcome} Outcome
  */
 
-const MIN_SUFFICIENT_PHOTOS = 10; // that agree: who took as many as the page asks for is asked for no more
+const MIN_SUFFICIENT_PHOTOS = 10; // that agree: with as many, the page asks for no more
 const AUTOMATIC = "auto"; // of the lens models: the one that explains the views
 
 openPage();
@@ -68,13 +68,13 @@ let files = [];
 let pictures = [];
 /** @type {Map<Picture, Judgement>} */
 const judgements = new Map();
-/** Is the last judgement in? */
+/** True if the last judgement has arrived. */
 let judged = false;
 /** @type {Map<Picture, File>} to look at one again */
 const origins = new Map();
 /** @type {Promise<Detector> | null} */
 let detector = null;
-/** The search that is going on. */
+/** The search in progress. */
 let run = new AbortController();
 /** Calibrations so far: what is computed for an earlier one, or for pictures chosen before, comes too late. */
 let turn = 0;
@@ -190,7 +190,7 @@ async function look(list) {
   try {
     tell(() => t("photos.loading"));
     const finder = await openDetector();
-    // Nobody has said yet which board it is: a few pictures tell.
+    // If the visitor has not chosen a board, a few pictures show which one it is.
     const recognised = isChosen || pictures.length ? null : await recognise(finder, list, signal);
     if (signal.aborted) return;
     if (recognised && !isChosen) return;

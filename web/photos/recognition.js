@@ -1,5 +1,4 @@
-// The board in files of which nobody said what board they show: a few pictures are looked at, and one question is
-// asked.
+// Recognition of an unknown board in files: the page searches a few pictures, and asks one question.
 import { isTelling, recognise } from "../lib/board-recognition.js";
 import { boardWords } from "../lib/board-text.js";
 import { el, part, liveRegion } from "../lib/dom.js";
@@ -61,7 +60,7 @@ async function* samples(files, signal) {
       // Of a single video as many frames as of several photographs.
       for await (const { picture } of shots(file, signal, { samples: Math.ceil(MAX_PICTURES / count) })) yield picture;
     } catch (error) {
-      if (!(error instanceof UnreadableError)) throw error; // is told when all are read
+      if (!(error instanceof UnreadableError)) throw error; // is reported after all files
     }
   }
 }

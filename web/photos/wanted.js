@@ -16,8 +16,8 @@ import { blackSquares, vertexOf } from "../lib/target-preview.js";
  * @param {Board} board
  * @param {import("../vendor/api.js").Pose} pose
  * @param {[number, number]} size px
- * @param {{addMore: () => void, isFolded: boolean}} options addMore: called to choose more photographs; isFolded: only
- *   who wants to knows
+ * @param {{addMore: () => void, isFolded: boolean}} options addMore: called to choose more photographs; isFolded: show
+ *   the details on request only
  */
 export function wantedFigure(board, pose, size, { addMore, isFolded }) {
   const { svg, area, x, y } = imagePlot(size, t("photos.like_this"));

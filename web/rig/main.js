@@ -63,7 +63,7 @@ let interrupted = null;
 let invitation = null;
 /** @type {RigCapture | null} */
 let capture = null;
-/** Was a stop asked for that loses moments? */
+/** True if the visitor has asked for a stop that loses moments. */
 let isStopAsked = false;
 /** Draws the capture again. */
 let redraw = () => {};

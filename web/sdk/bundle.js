@@ -51,8 +51,8 @@ export class Bundle {
   }
 
   /**
-   * Answer that a lookup of the service would give, where that is certain. As there, the closest size is marked, and
-   * nothing is told of another zoom.
+   * Answer that a lookup of the service would give, if that is certain. As there, the closest size is marked, and
+   * other zooms do not match.
    * @param {CameraKey} key @param {string} model
    * @returns {CalibrationData | null} null: ask the service
    */

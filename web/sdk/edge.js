@@ -13,7 +13,7 @@ import { address, reach } from "./request.js";
  * @typedef {{outcome: Outcome, calibration: CalibrationData | null}} EdgeAnswer
  */
 
-const FOLDER = "../known/v1/"; // beside the API
+const FOLDER = "../known/v1/"; // next to the API
 
 /**
  * Address of a lookup: half of a SHA-256, so that no label stands in it. See docs/api.md.

@@ -4,7 +4,7 @@ import { keyOf } from "./key.js";
 import { guidanceUrl } from "./lookup.js";
 import { ask, calibrationIn } from "./request.js";
 
-/** Failures that asking again does not mend: the address is cleaned then, too. */
+/** Permanent failures: they also remove the result from the address. */
 const GONE_STATUSES = [404, 410];
 
 /**

@@ -27,7 +27,7 @@ import { LookupError, address, ask, calibrationIn } from "./request.js";
  * @property {Record<string, unknown>} [board] the board of the views, as in the API; calibDB's own by default
  * @property {boolean} [exact] nothing but what is known of this very size, or verified for it
  * @property {number} [maxError] px: largest uncertainty, and largest difference between the calibrations that agree
- * @property {(answer: Answer) => void} [onNeedCalibration] told when nothing is known
+ * @property {(answer: Answer) => void} [onNeedCalibration] called if no calibration is known
  * @property {Cache | null} [cache] the tab's `sessionStorage` by default, in a worker the worker's memory; null: none
  * @property {Offline} [bundle] calibrations that came with the application, asked first; see bundle.js
  *
@@ -114,7 +114,7 @@ export async function lookup(source, options) {
  * @param {MediaStreamTrack} track
  * @param {Options} options its signal ends the watch, as the end of the track does
  * @param {(answer: Answer | Error) => void} onAnswer
- * @param {number} [every] ms between looks at a track whose browser does not tell
+ * @param {number} [every] ms between checks of a track whose browser sends no events
  * @returns {() => void} ends the watch
  */
 export function watch(track, options, onAnswer, every = 500) {
@@ -170,8 +170,8 @@ export function guidanceUrl(key, model, api) {
 }
 
 /**
- * Asks the edge, and then the service. Where the edge is slow, both are asked side by side, and whoever knows the
- * camera first answers.
+ * Asks the edge, and then the service. If the edge is slow, both are asked in parallel, and the first to know the
+ * camera wins.
  * @param {CameraKey} key
  * @param {string} model
  * @param {RequestOptions} options

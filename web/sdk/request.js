@@ -28,7 +28,7 @@ const FIRST_DELAY_MS = 500; // ms, then twice as long each time
 const MAX_DELAY_MS = 8000; // ms; a service that asks for more is not waited for
 
 /**
- * Address of this file. By itself: `new URL(…, import.meta.url)` is what bundlers take for a file to be packed.
+ * Address of this file. In a statement of its own, because bundlers pack the file of `new URL(…, import.meta.url)`.
  */
 const HERE = import.meta.url ?? "file:///";
 

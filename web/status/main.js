@@ -1,4 +1,4 @@
-// Status page: asks every part of the service, again and again while somebody looks.
+// Status page: polls every part of the service while the page is visible.
 import { el, part, liveRegion } from "../lib/dom.js";
 import { language, number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
@@ -32,7 +32,7 @@ async function check() {
   }
 }
 
-/** Asks again later, unless nobody looks. */
+/** Schedules the next check if the page is visible. */
 function plan() {
   clearTimeout(timer);
   if (document.visibilityState === "visible") timer = setTimeout(check, INTERVAL_MS);

@@ -18,9 +18,9 @@ import { extend, isNeeded } from "./extension.js";
  * @property {boolean} [rectify] show the picture straightened, so that a scene lies on it to its corners
  * @property {() => Float32Array | null} [pose] see device.js
  * @property {HTMLElement} [place]
- * @property {(answer: Answer) => void} [onAnswer] told what is known of the camera, and again whenever its picture
- *   changes
- * @property {(error: unknown) => void} [onError] told what went wrong with a lookup; the views stay as they were
+ * @property {(answer: Answer) => void} [onAnswer] called with the answer for the camera, and again whenever its
+ *   picture changes
+ * @property {(error: unknown) => void} [onError] called with the error of a lookup; the views stay as they were
  *
  * @typedef {import("../sdk/lookup.js").Options & More} Options
  */

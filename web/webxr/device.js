@@ -123,7 +123,7 @@ export class WebcamDevice extends XRDevice {
   /** @param {number} id @param {any} layer */
   onBaseLayerSet(id, layer) {
     const session = this.#sessions.get(id);
-    if (!session || session.layer === layer) return; // told anew with every change of the render state
+    if (!session || session.layer === layer) return; // called again with every change of the render state
     session.stage?.leave();
     session.layer = layer;
     const { video, place = document.body } = this.#setup;

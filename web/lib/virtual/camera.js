@@ -24,11 +24,11 @@ export class VirtualCamera {
   #setup;
   #hand;
   #board;
-  /** Is a picture being painted, or about to be? */
+  /** True while a picture is being painted, or about to be. */
   #asked = false;
   /** When the last one was asked for, ms. */
   #askedAt = -Infinity;
-  /** Has the last picture of a hand that does not move been asked for? */
+  /** True once the last picture of a hand that does not move has been requested. */
   #settled = false;
   /** @type {ImageData | null} */
   #picture = null;

@@ -74,7 +74,7 @@ export class Hand {
     return this.#trembling(this.#way(time), time);
   }
 
-  /** Does the picture change at this time? @param {number} time ms */
+  /** True if the picture changes at this time. @param {number} time ms */
   moves(time) {
     const { travel, astray, tremor, sway } = this.#kind;
     return tremor > 0 || sway > 0 || time - this.#started < travel + (this.#then ? astray : 0);
