@@ -41,7 +41,7 @@ def modes(calibrations: Calibrations, names: list[str]) -> Iterator[StreamMode]:
     places = [place for name in names if (place := parse_calibration_object(name))]
     for camera_key in {key for key, _ in places if key.startswith(f"{VERSION}-")}:
         yield from calibrations.modes(camera_key)
-    # Under which key these are found today is in the documents alone.
+    # Only the documents say under which key these are found today.
     earlier = [calibration_id for key, calibration_id in places if not key.startswith(f"{VERSION}-")]
     listed = [document for name in earlier if (document := calibrations.get(name)) is not None]
     for document in map(with_current_key, listed):

@@ -1,7 +1,7 @@
 """Tokens: people make API tokens for themselves, prove their origins, watch their use, rotate and revoke.
 
 Nothing here depends on what others have: an origin may have any number of tokens, each proved by a line of
-its own, and no answer tells whether there are any.
+its own, and no response reveals whether there are any.
 """
 
 from __future__ import annotations

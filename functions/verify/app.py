@@ -1,7 +1,7 @@
-"""Verify: looks for the proof of an origin and notes that it was found. Invoked by `tokens` alone.
+"""Verify: looks for the proof of an origin and notes that it was found. Only `tokens` invokes it.
 
-It is the only function that connects to a host that a stranger names. So its role reads nothing, and writes
-nothing but that note; it has no secret and none of the other functions' settings.
+It is the only function that connects to a host that a user names. So its role reads nothing and writes only
+that note. It has no secret and none of the other functions' settings.
 """
 
 from __future__ import annotations

@@ -82,8 +82,8 @@ def rotate(ssm: Any, stack: str) -> None:
 def rotate_edge(ssm: Any, stack: str) -> int:
     """Rotate the secrets of the edge alike; return the version of EDGE_SECRET that CloudFront is to send.
 
-    CloudFront reads it only when its distribution changes; until then it sends the one before, which
-    functions go on taking.
+    CloudFront reads it only when its distribution changes; until then it sends the previous one, which
+    functions still accept.
     """
     _write(ssm, stack, _READ_BY_CLOUDFORMATION, _rotate(ssm, stack, "EDGE_SECRETS")[:1], overwrite=True)
     return edge_secret_version(ssm, stack)

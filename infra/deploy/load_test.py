@@ -161,11 +161,11 @@ def drive(
     sessions, clients
         How many captures in all, and from how many clients.
     cameras
-        They are of so many cameras; all of one camera are of the same optics.
+        Number of cameras; all captures of one camera have the same optics.
     finished
-        Share of the captures that go on to their end; the others end after one view.
+        Share of the captures that continue to their end; the others end after one view.
     faults
-        Share of the requests on which the line fails.
+        Share of the requests whose connection fails.
     seed
         Equal seeds send equal views.
 

@@ -82,7 +82,7 @@ def reindex(
 ) -> ReindexResult:
     """Make the index name exactly what is in the bucket, and recompute outdated consensuses.
 
-    Safe to run on a table in use, and again: lookups go on, with the old answers until the new ones are
+    Safe to run on a table in use, and again: lookups continue, with the old answers until the new ones are
     there. What is published while it runs is indexed by its own submit. Counters of use are not in the bucket
     and stay as they are, or restart.
 

@@ -1,7 +1,7 @@
 """Conversations with the service, without a network: generators that yield requests and are sent replies.
 
 The client and its asynchronous twin drive the same conversations. An error that a reply stands for is raised
-inside the conversation, which may go on without it.
+inside the conversation, which may continue without it.
 """
 
 from __future__ import annotations

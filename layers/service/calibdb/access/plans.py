@@ -49,10 +49,10 @@ class Plan:
     """True if every lookup is stored immediately, so that its user sees it."""
 
 
-# A capture is four to six views and a few refused ones; who calibrates all cameras in the house needs ten
-# captures an hour. For each view the page asks twice where to hold the board: in numbers and as a picture.
-# The token of a page is public: one stranger who copies it gets the share of one user, of three if their line
-# has IPv6, and many of them exhaust only that page's plan.
+# A capture is four to six views and a few refused ones. Calibrating all cameras in a house takes ten captures
+# per hour. For each view the page requests the board's pose twice: in numbers and as a picture. The token of
+# a page is public: a person who copies it gets the share of one user, or of three if their line has IPv6.
+# Many such people exhaust only that page's plan.
 _EACH = Allowance(sessions=20, views=400, lookups=600, poses=1_200)
 _TRIAL = Allowance(sessions=20, views=400, lookups=600, poses=1_200)
 _NONE = Allowance(None, None, None, None)

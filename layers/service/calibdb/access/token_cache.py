@@ -3,7 +3,7 @@
 A lookup that hits is one Query. So its token is cached for half a minute, and lookups are counted in memory
 and flushed when the token is read again: once for some hundred lookups, or after some minutes. A
 function has no time of its own after its answer, and one that is ended takes along what it had not written:
-the count is a little low, in favour of those who ask.
+the count is a little low, in favour of the users.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ TOKEN_PATTERN = re.compile(r"cdb_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
 MANAGEMENT_PATTERN = re.compile(r"cdbm_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
 MAX_FORMER_SECRETS = 10
 """Secrets before the present one that may still open: a rotation whose response was lost is repeated."""
-_MAX_SKEW_S = 300  # s by which the clock of who signed may be ahead of the clock of who verifies
+_MAX_SKEW_S = 300  # s by which the signer's clock may be ahead of the verifier's
 _MAX_SESSION_ID_LENGTH = 1024
 _SALT = "calibdb.session"
 
@@ -90,7 +90,7 @@ def secret_hash(secret: str) -> str:
 def matches(token: ApiToken, secret: str, now: float = 0.0) -> bool:
     """True if `secret` is the token's at unix time `now`, in constant time."""
     sent = secret_hash(secret)
-    digests = [token.secret_sha256, *(former for former, until in former_secrets(token) if now < until)]
+    digests = [token.secret_sha256, *(previous for previous, until in former_secrets(token) if now < until)]
     return sum(hmac.compare_digest(one, sent) for one in digests) > 0  # all of them, in constant time
 
 
@@ -109,8 +109,8 @@ def with_secret(token: ApiToken, sha256: str, now: int, grace_s: int) -> ApiToke
     if token.secret_sha256 == sha256:  # repeated, since the first answer of storage got lost
         return token
     earlier = [(one, min(until, now + grace_s)) for one, until in former_secrets(token)]
-    former = [(token.secret_sha256, now + grace_s), *earlier]
-    valid = [(one, until) for one, until in former if until > now]
+    previous = [(token.secret_sha256, now + grace_s), *earlier]
+    valid = [(one, until) for one, until in previous if until > now]
     secrets_left = (
         valid[: MAX_FORMER_SECRETS - 1] + valid[MAX_FORMER_SECRETS - 1 :][-1:]
     )  # and always the oldest

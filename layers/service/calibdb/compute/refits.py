@@ -22,7 +22,7 @@ from calibdb.store import IndexedVote, StreamMode
 from calibdb.store.calibrations import CountedCalibration
 from calibsolver import DeadlineError
 
-MAX_ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
+MAX_ROUNDS = 5  # of one computation for concurrent callers; then it is their turn
 WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # for the same computation; a caller has 25 s
 MAX_PUTS = 5  # while other writers keep winning the conditional put
 

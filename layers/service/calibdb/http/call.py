@@ -45,7 +45,7 @@ MAX_RIG_COMPUTE_S = 5.2
 MIN_REMAINING_S = 1.5
 """Time of an invocation that is kept for storage and the answer."""
 RATE_LIMITS = "calibdb.rate_limits"
-"""Place in a request's scope of the headers that tell what is left of the plan."""
+"""Key in a request's scope of the headers that report what is left of the plan."""
 _HOPS_OF_EDGE = 2  # in X-Forwarded-For: the caller, CloudFront
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -249,7 +249,7 @@ class Call:
         return token
 
     def _tell(self, limits: Sequence[RateLimit]) -> None:
-        """Have the answer tell what is left of the plan, whatever the answer will be."""
+        """Report what is left of the plan in the response, whatever the response will be."""
         self.request.scope[RATE_LIMITS] = rate_limit_headers(limits)
 
     @property

@@ -42,11 +42,11 @@ def has_words(terms: Sequence[str], name: str, consensuses: Sequence[ConsensusDo
 
 
 def is_listed(consensuses: Sequence[ConsensusDocument], min_contributors: int) -> bool:
-    """True if a camera is shown to who does not ask for it by its key.
+    """True if a search shows a camera to callers who do not know its key.
 
-    A label is whatever its sender wrote. So it is, once the database vouches for the camera, or calibrations
-    of another contributor agree. Where one contributor suffices for everything, as at home, its first
-    consensus suffices: until that is there, nothing is known but a name.
+    A label is whatever its sender wrote. So a camera is shown once the database vouches for it, or
+    calibrations of another contributor agree. If one contributor suffices for everything, as at home, the
+    first consensus suffices: before it, only a name is known.
     """
     enough = min(_MIN_LISTED_CONTRIBUTORS, min_contributors)
     return (enough == 1 and bool(consensuses)) or any(

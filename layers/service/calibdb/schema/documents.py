@@ -79,8 +79,8 @@ class SessionDocument(CaptureDocument):
     session: str
     first_version: int = 1  # differs between a session and a restarted one with the same id
     started: int  # unix seconds
-    contributor: str | None = None  # who started it, for one who wants to be forgotten; of old none
-    source: str | None = None  # where they are, hashed; of a session in a rig, which others end
+    contributor: str | None = None  # hash of who started it, to delete it on request; None in old ones
+    source: str | None = None  # hash of where they are; for a session in a rig, which others end
     next_index: int = 0
     views: tuple[ViewDocument, ...] = ()
     target: Members | None = None

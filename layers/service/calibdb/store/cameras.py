@@ -110,7 +110,7 @@ class Cameras:
         return str(item["name"]) if item else None
 
     def search(self, word: str, limit: int, after: str | None) -> tuple[list[tuple[str, str]], str | None]:
-        """Return cameras of whose names a word begins with `word`, and where to go on: one Query.
+        """Return cameras of whose names a word begins with `word`, and where to continue: one Query.
 
         Each by key and normalised label. An empty word finds all. `after`: what an earlier answer for the
         same word gave (`is_place`), or None.
@@ -145,7 +145,7 @@ def _id_support(item: Item) -> IdSupport | None:
 
 
 def is_place(word: str, after: str) -> bool:
-    """True if `after` is where a search for `word` can go on."""
+    """True if a search for `word` can continue at `after`."""
     before, _, key = after.rpartition("#")
     return PATTERN.fullmatch(key) is not None and after.startswith(word) and bool(before) == bool(word)
 

@@ -219,8 +219,8 @@ class Versions(Generic[Document]):
 
     def _write(self, name: str, base: int, document: Document, now: int) -> bool:
         content = document.model_dump_json().encode()
-        # A taken name is the orphan of a crash, or of someone who is about to overtake us. It cannot be told
-        # which, and need not: versions may have gaps, and the index decides.
+        # A taken name is the orphan of a crash, or of a writer that is about to overtake this one. Both are
+        # skipped: versions may have gaps, and the index decides.
         for version in range(base + 1, base + 1 + _MAX_ORPHANS):
             if self._objects.create(self._object(name, version), content):
                 break

@@ -198,9 +198,9 @@ class _Fit:
     def _shaped(self, state: State, good: Mask) -> "_Found | None":
         """Fit the board's shape with the rest, from an optimum of least squares with the board as drawn.
 
-        Other points may take part: what the shape explains is no outlier. A stretch that no printer causes is
-        left to the camera. None if the board is known to be as drawn, where there are too few views to
-        tell, and where a shape would explain no more than chance or leave a camera that is not believable.
+        Other points may take part: what the shape explains is not an outlier. A stretch that no printer
+        causes is left to the camera. None if the board is known to be as drawn, if there are too few views,
+        or if a shape would explain no more than chance or leave a camera that is not believable.
         """
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
             return None

@@ -1,8 +1,8 @@
 """Focal profile: the cost that each focal length leaves, and other cameras that explain the views as well.
 
-Distortion and principal point can stand in for the focal length where a model does not quite describe a lens
+Distortion and principal point can stand in for the focal length if a model does not quite describe a lens
 and the views are tilted alike. The profile then has two minima, and a second calibration may end in the other
-one, farther away than the curvature of either tells. (Bates & Watts 1988, chapter 6, for profiles.)
+one, farther away than the curvature of either predicts. (Bates & Watts 1988, chapter 6, for profiles.)
 """
 
 from dataclasses import replace
@@ -18,8 +18,8 @@ from .normal_equations import Poses
 STEP = float(np.log(2)) / 2
 """Logarithm of the focal length, half an octave to either side, at which it is held."""
 MAX_STEP_DEVIATIONS = 10.0
-"""Standard deviations of the logarithm that the step makes at most: where the views tell it better, the
-profile has one minimum."""
+"""Largest step in standard deviations of the logarithm: if the views determine it better, the profile has one
+minimum."""
 HELD = Options(robust=True, tolerance=1e-2, damping=1e-6, one_step=True)
 """Into the valley, at a given focal length."""
 ALONG_VALLEY = Options(tolerance=1e-5, damping=1e-5, one_step=True, patient=True)

@@ -70,8 +70,8 @@ class Evidence:
         (p, p) W: trace(covariance W) is the mean square projection error at the corners seen, with the
         rotation of the camera frame that fits best removed, px^2.
     of_effects
-        As `gram`, of more points: also of those that the fit cut, but an effect explains. They tell the
-        variances. None: there are none.
+        As `gram`, of more points: also of those that the fit cut, but an effect explains. They
+        determine the variances. None: there are none.
     """
 
     gram: Array
@@ -155,7 +155,8 @@ def _sum_by(values: Array, labels: IntArray) -> Array:
 def _turned_gram(projection: Projection, left: Array, t: Array) -> Array:
     """Gram matrix (p + 3, p + 3) of the derivatives by intrinsics and a turn about the camera's centre.
 
-    Summed over the views, of what the poses leave (v, p, p) of the former and the boards' places t (v, 3).
+    Sum over the views. `left` (v, p, p): what the poses leave of the intrinsics' part; `t` (v, 3): places of
+    the boards.
     """
     size = left.shape[1]
     by_pose = projection.by_pose[:, :, :size]
