@@ -27,6 +27,6 @@
   if (wanted !== "en") query.delete("lang");
   const search = query.toString();
   location.replace(`${base}${wanted === "en" ? "" : `${wanted}/`}${rest}${search && `?${search}`}${location.hash}`);
-  // Until the other page is there, nothing of this one is shown or run: the rest of it is text of a hidden element.
+  // Until the other page loads, this page neither shows nor runs: its rest becomes text of a hidden element.
   document.write("<plaintext hidden>");
 })();

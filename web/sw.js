@@ -91,7 +91,7 @@ async function update() {
   }
 }
 
-/** No network, or no room: then it stays as it is. */
+/** Ignores a lack of network or storage: the cache stays as it is. */
 async function tryUpdate() {
   try {
     await update();

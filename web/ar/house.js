@@ -14,7 +14,7 @@ const BRICKS = [0.62, 0.32, 0.24];
 const DOOR = [0.42, 0.24, 0.12];
 /** @type {Colour} */
 const PANES = [0.24, 0.42, 0.56];
-const HAIR = 0.012; // squares: before the wall that it is in
+const HAIR = 0.012; // squares: distance of doors and windows in front of their wall
 
 /**
  * A house about the middle of a board; its door faces the board's lower edge.
@@ -29,7 +29,7 @@ export function house(columns, rows) {
    */
   const at = (x, y, z) => [columns / 2 + x * size, rows / 2 + y * size, -z * size];
   const [w, d, eaves, ridge, jut] = [0.95, 0.75, 0.85, 1.6, 0.14];
-  // The walls end a hair below the roof: in its plane the two would flicker.
+  // The walls end a hair below the roof: in the same plane the two would flicker.
   const [wall, gable] = [eaves - 2 * HAIR, ridge - 3 * HAIR];
   const low = eaves - (jut * (ridge - eaves)) / d;
   /** @param {number} y a wall that faces up or down @param {number[]} span left, right, bottom, top */

@@ -37,7 +37,7 @@ const [video, camera, balance] = [
 const [stage, layers, rms, outermost] = [html("stage"), html("layers"), html("rms"), html("outermost")];
 const modes = /** @type {HTMLButtonElement[]} */ ([...html("modes").children]);
 
-/** The facts that the texts show; written again in another language. */
+/** Facts that the texts show; after a change of language, they are written again. */
 const said = {
   phase: "welcome",
   waiting: "camera",
@@ -50,7 +50,7 @@ const said = {
   failed: "", // why the estimate is missing
   off: /** @type {Misalignment} */ (null),
 };
-/** One camera's run; a new one makes all that is still on its way for the old one meaningless. */
+/** Run of one camera; a new run aborts the pending work of the old one. */
 let run = new AbortController();
 /** @type {Promise<Detector> | null} */
 let detector = null;
@@ -160,12 +160,12 @@ async function start(choice) {
     const opened = await open(choice, { parameters, board, place: document.body, size: SIZE });
     signal.addEventListener("abort", () => opened.close());
     if (signal.aborted) return opened.close();
-    // Before it was permitted the browser's own choice had no id: it is this camera from now on.
+    // Before permission, the browser's own choice had no id. From now on it is this camera.
     if (!opened.virtual) chosen = opened.track.getSettings().deviceId || choice;
     opened.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
     await play(video, opened.stream);
     stage.classList.toggle("mirrored", opened.mirrored);
-    // A picture that changes its size, as that of a phone that is turned, is another camera.
+    // A picture that changes its size, as when a phone is turned, counts as another camera.
     let restarts = 0;
     for (let end = "resized"; end && !signal.aborted;) {
       end = await show(opened, signal, restarts < MAX_RESTARTS);
@@ -243,7 +243,7 @@ function fail(error, signal) {
   turnTo("failed", { error });
 }
 
-/** Draws in another mode; the estimate is asked for when it is first wanted. @param {string} name */
+/** Draws in another mode; the estimate is fetched when it is first needed. @param {string} name */
 async function choose(name) {
   const [{ signal }, key] = [run, cameraKey];
   if (name === "estimate" && !said.estimate && key) {

@@ -32,7 +32,7 @@ export const MODES = { matrix, rectified, distorted, estimate: distorted };
 const undistorted = (camera_matrix) =>
   lensOf({ camera_matrix, distortion_model: "rectilinear", distortion_coefficients: [0, 0, 0, 0, 0] });
 
-/** As an application does that knows of no distortion. @param {Calibration} calibration @returns {Mode} */
+/** Mode of an application that ignores distortion. @param {Calibration} calibration @returns {Mode} */
 function matrix(calibration) {
   const lens = undistorted(axialMatrix(calibration));
   return {

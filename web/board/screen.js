@@ -44,7 +44,7 @@ export class BoardScreen {
     document.addEventListener("keydown", ({ key }) => key === "Escape" && this.fill(false));
     document.addEventListener("fullscreenchange", () => this.#arrange());
     window.addEventListener("popstate", () => this.#leave());
-    // The lock is lost with the page's being seen.
+    // Browsers release the wake lock when the page is hidden.
     document.addEventListener(
       "visibilitychange",
       () => document.visibilityState === "visible" && this.#isFull() && this.#stayAwake(),
@@ -66,7 +66,7 @@ export class BoardScreen {
   async enter({ code = false } = {}) {
     this.#coded = code;
     await this.#back;
-    // Back closes what fills the screen, instead of leaving the page.
+    // The Back button closes the full view, instead of leaving the page.
     history.pushState({ isBoardFull: true }, "");
     if (!this.#frame.requestFullscreen) return this.fill(true);
     this.#frame.requestFullscreen({ navigationUI: "hide" }).catch(() => this.fill(true));
@@ -77,7 +77,7 @@ export class BoardScreen {
     if (this.#filling === whether) return;
     this.#filling = whether;
     clearTimeout(this.#read);
-    this.#hint.hidden = !whether; // of the whole screen the browser says it itself
+    this.#hint.hidden = !whether; // in full screen, the browser itself says how to leave
     this.#read = setTimeout(() => this.#hint.toggleAttribute("hidden", true), READING);
     void this.#arrange();
   }
@@ -143,7 +143,7 @@ export class BoardScreen {
     this.#frame.classList.toggle("coded-below", side > 0 && !isWide);
   }
 
-  /** Draws the board again, and keeps the screen bright for as long as it is all that is shown. */
+  /** Draws the board again, and keeps the screen awake while the board fills it. */
   async #arrange() {
     this.#frame.classList.toggle("filling", this.#filling);
     this.draw();

@@ -12,7 +12,7 @@ import { motion } from "../lib/capture/stillness.js";
 
 export { HOLD_MS, LONG_HOLD_MS };
 const MIN_FORESHORTENING = 0.08; // from which a pose other than the target may be worth sending
-const MIN_HOLD_FRAMES = 3; // a video that delivers nothing new is not a steady hand
+const MIN_HOLD_FRAMES = 3; // so that a stalled video does not count as a steady hand
 const STUCK_MS = 15_000; // without coming nearer to the target, then another kind of pose is requested
 const MAX_TARGET_MS = 45_000; // after which one is requested in any case
 const READ_REFUSAL_MS = 3_000; // after a refusal at the target: time to read the reason

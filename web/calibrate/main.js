@@ -170,7 +170,7 @@ async function openCamera(signal, choice, opened) {
   if (signal.aborted) close();
   signal.throwIfAborted();
   signal.addEventListener("abort", close);
-  // Before it was permitted the browser's own choice had no id: it is this camera from now on.
+  // Before permission, the browser's own choice had no id. From now on it is this camera.
   if (!camera.virtual) chosen = camera.track.getSettings().deviceId || choice;
   await play(parts.video, camera.stream);
   return { camera, keepOpen: () => signal.removeEventListener("abort", close) };
@@ -387,7 +387,7 @@ async function listInterrupted() {
   dispatch({ type: "interrupted", interrupted });
 }
 
-/** Resumes what was interrupted, on the page that it was begun on: its address says what is captured. */
+/** Resumes an interrupted capture at the address where it began, which names the board and the camera. */
 async function resume() {
   const { interrupted, cameras: found } = state.ui;
   if (!interrupted) return;
@@ -405,7 +405,7 @@ async function forget() {
 const sizes = new Sizes(parts.resolution, size);
 const listed = listInterrupted().then(listCameras);
 parts.start.addEventListener("click", async () => {
-  await listed; // a click before the browser has listed its cameras
+  await listed; // the visitor may click before the browser has listed its cameras
   size = sizes.chosen;
   void capture(parts.camera.value);
 });

@@ -104,7 +104,7 @@ export class RequestQueue {
     else this.#options.dispatch({ type: "idle" });
   }
 
-  /** Takes over the service's state of the session, which differs from ours after a lost response. */
+  /** Adopts the service's state of the session, which differs from the page's after a lost response. */
   async #resynchronize() {
     const { dispatch, signal, onOnline } = this.#options;
     try {
@@ -179,7 +179,7 @@ export class RequestQueue {
     over.abort();
   }
 
-  /** Resolves when no request is in flight: what a person asked for waits for its turn. */
+  /** Resolves when no request is in flight: the visitor's actions wait for their turn. */
   async drained() {
     while (this.#state.link.busy && !this.#options.signal.aborted) await this.#inFlight;
   }

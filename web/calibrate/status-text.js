@@ -74,7 +74,7 @@ export function stopLabel(state) {
 }
 
 /**
- * Views so far and how many there will be, and what else is to be said of that.
+ * Views so far, how many there will be, and remarks on that.
  * @param {State} state
  * @returns {string[]}
  */
@@ -124,7 +124,7 @@ export function statusLine(state) {
 
 /**
  * Advice of the service, in its own words if the page has no message for it. Motion is its guess from the fit: it is
- * said only if the corners have moved. Fewer views than a result needs do not tell what is wrong with them.
+ * shown only if the corners have moved. With fewer views than a result needs, the cause is unknown.
  * @param {State} state
  */
 function advice({ capture: { session, unsteady } }) {

@@ -141,7 +141,7 @@ export function centrePlot(members, agreed) {
 }
 
 const RING = 7; // units: radius
-const GAP = 0.12; // of a part of the ring that is left out between two
+const GAP = 0.12; // between two parts of the ring, as a share of a part
 
 /**
  * Ring with a part for each calibration that is needed.

@@ -324,7 +324,7 @@ file.addEventListener("change", async () => {
 });
 
 /**
- * Keeps a token of a file; over another secret of the same token only where that is wanted.
+ * Stores a token of a file. It replaces another secret of the same token only on request.
  * @param {KeptToken} token
  */
 async function load(token) {
@@ -350,5 +350,5 @@ addEventListener("beforeunload", (event) => {
 });
 onLanguage(show);
 show();
-makeButton.disabled = false; // a click before would send the form to nowhere
+makeButton.disabled = false; // an earlier click would submit the form without a handler
 void refresh();

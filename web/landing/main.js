@@ -97,7 +97,7 @@ function errorText(error) {
   return made;
 }
 
-/** Shows how much the database holds, once that is known; nothing where it is empty or away. */
+/** Shows how much the database contains; nothing if it is empty or unavailable. */
 async function showCounts() {
   const counts = await countCameras().catch((error) => console.info("not counted:", error.message));
   if (!counts?.cameras) return;

@@ -20,7 +20,7 @@ export const RETRY_DELAYS_S = [0.5, 1, 2, 4, 8, 15, 30];
 const BRIEF_RETRIES = 2;
 const MAX_RETRY_AFTER_MS = 60_000; // ms; a server that asks for more gets no retry
 
-/** The service's answer was no. */
+/** The service refused a request. */
 export class ApiError extends Error {
   /**
    * @param {number} status
@@ -66,7 +66,7 @@ export class Api {
    * @returns {Promise<Response>} one that is ok, or 304 for an answer that is there already; rejects with ApiError or
    *   OfflineError
    *
-   * All calls are safe to repeat: the service answers the same view again in the same way.
+   * All calls are idempotent: the service answers a repeated view in the same way.
    */
   async send(method, path, credential, { body, accept = "application/json", brief = false, etag = "" } = {}) {
     /** @type {HeadersInit} */
@@ -104,7 +104,7 @@ export class Api {
   }
 
   /**
-   * The answer, whole: what breaks off on its way is asked for again.
+   * The complete answer: if the transfer breaks off, it is requested again.
    * @param {string} path @param {RequestInit & {timeout?: number}} request @returns {Promise<Response | OfflineError>}
    */
   async #attempt(path, request) {

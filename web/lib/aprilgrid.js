@@ -63,7 +63,7 @@ export function aprilgridCorners(
       all.push({ id: 4 * tag.id + n, point: better, saddle: isSaddle(image, better, centreOf(tag), spacing) });
     }
   }
-  // If black squares lie in the gaps, a corner without one is less sure than the others: blur draws it inwards.
+  // If black squares lie in the gaps, a corner without one is less certain than the others: blur moves it inwards.
   const saddles = all.filter(({ saddle }) => saddle);
   const kept = !every && 2 * saddles.length > all.length ? saddles : all;
   return { ids: kept.map(({ id }) => id), points: kept.map(({ point }) => point) };

@@ -13,7 +13,7 @@ const CONSENT_KEY = "calibdb.consent";
 let given = null;
 
 /**
- * Publishes what was measured before the person agreed; null: there is nothing to publish.
+ * Publishes measurements from before the visitor agreed; null: there is nothing to publish.
  * @type {(() => Promise<unknown>) | null}
  */
 let publish = null;
@@ -63,7 +63,7 @@ export function offerConsent() {
       note.textContent = t("consent.failed");
     }
   });
-  // Given or taken back in another tab.
+  // Consent was given or withdrawn in another tab.
   addEventListener("storage", ({ key }) => {
     if (key !== CONSENT_KEY && key !== null) return;
     given = null;
@@ -79,7 +79,7 @@ function read() {
     return globalThis.localStorage?.getItem(CONSENT_KEY) ?? null;
   } catch (error) {
     if (!(error instanceof DOMException)) throw error;
-    return null; // a browser that keeps nothing for pages
+    return null; // a browser that blocks storage
   }
 }
 
@@ -89,6 +89,6 @@ function write(agreed) {
     if (agreed) localStorage.setItem(CONSENT_KEY, LICENCE_VERSION);
     else localStorage.removeItem(CONSENT_KEY);
   } catch (error) {
-    if (!(error instanceof DOMException)) throw error; // holds for this page, then
+    if (!(error instanceof DOMException)) throw error; // storage is blocked: consent is valid on this page only
   }
 }

@@ -60,7 +60,7 @@ export function language() {
 }
 
 /**
- * The first of these that there is: asked for in the address, chosen before, preferred in the browser; else English.
+ * The first supported language of: the address's, the one chosen before, the browser's; else English.
  * @param {string | null} wanted @param {string | null} kept @param {readonly string[]} preferred BCP 47, best first
  * @returns {Language}
  */

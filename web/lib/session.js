@@ -77,7 +77,7 @@ export class CaptureSession {
     return this.#views.filter(({ taken }) => !taken).length;
   }
 
-  /** Number of views that the service is not known to have. @param {{session: SessionState | null}} capture */
+  /** Number of views that the service may lack. @param {{session: SessionState | null}} capture */
   stored({ session }) {
     return session ? this.waiting : this.size;
   }

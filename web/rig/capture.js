@@ -161,7 +161,7 @@ export class RigCapture {
     this.#watch.aim(targets);
   }
 
-  /** Notes what is known of a moment. @param {string} id @param {Partial<import("./progress.js").Stage>} stage */
+  /** Records the stage of a moment. @param {string} id @param {Partial<import("./progress.js").Stage>} stage */
   #note(id, stage) {
     this.#stages.set(id, { rms: null, atTarget: false, ...this.#stages.get(id), ...stage });
   }
@@ -188,7 +188,7 @@ export class RigCapture {
     this.#changed();
   }
 
-  /** Asks and sends at once. */
+  /** Polls and sends at once. */
   #hurry() {
     this.#outbox.retry();
     this.#link.hurry();
@@ -213,8 +213,7 @@ export class RigCapture {
     } else if (record.leads && this.#checkConverged()) {
       void this.finish();
     } else if (record.leads && !opening && this.#isSettled) {
-      // One camera alone says nothing of where the others are.
-      // A camera that has just joined has to look first.
+      // A single camera gives no relation to others, and a camera that has just joined has to look first.
       if (isAlone(state) || performance.now() - this.#joinedAt < this.#patience) return;
       if (isReady(this.#sights, this.#patience)) void this.open();
       else if (
@@ -294,7 +293,7 @@ export class RigCapture {
     this.#resources.onTaken(moment.id, position, corners, picture);
   }
 
-  /** Ends a moment once all cameras have answered. @param {Current} moment */
+  /** Ends a moment once it waits for no more cameras. @param {Current} moment */
   #settle(moment) {
     const { members, record, onSign } = this.#resources;
     const { state } = this.model;
@@ -309,7 +308,7 @@ export class RigCapture {
     moment.over = true;
     const all = new Set([...taken, ...there]).size;
     if (all > 0) {
-      // Where it was missed, too: the same hold is not asked for again.
+      // Also if a camera missed it: the page does not ask for the same hold again.
       this.#watch.take();
       this.#unanswered = remote.every((position) => there.includes(position)) ? 0 : this.#unanswered + 1;
       onSign("taken");
@@ -381,7 +380,7 @@ export class RigCapture {
 
   /** @param {import("./outbox.js").Letter} letter @param {import("../lib/api.js").ApiError} error */
   #refused(letter, error) {
-    // It was undone meanwhile, or is there already: nothing is lost.
+    // It was undone meanwhile, or the service has it already: nothing is lost.
     if (error.kind === "moment-undone" || (letter.kind !== "view" && [404, 422].includes(error.status))) return;
     if ([401, 403, 404].includes(error.status)) return this.#resources.onFailure(error);
     this.#notify("rig.view_refused", "bad", { reason: explain(error) });

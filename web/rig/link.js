@@ -34,7 +34,7 @@ export class RigLink {
     this.#options = options;
   }
 
-  /** Asks until the rig is finished. */
+  /** Polls until the rig is finished. */
   async run() {
     const { service, id, session, signal, onLink, onFailure } = this.#options;
     while (!signal.aborted && this.#status !== "finished") {
@@ -59,7 +59,7 @@ export class RigLink {
     }
   }
 
-  /** Takes a state over, of whichever answer. @param {RigState} state @param {number} askedAt ms */
+  /** Adopts a state, from any response. @param {RigState} state @param {number} askedAt ms */
   receive(state, askedAt) {
     this.#status = state.status;
     const before = this.#unopenedAt;
@@ -67,7 +67,7 @@ export class RigLink {
     this.#options.onState(state, before);
   }
 
-  /** Asks at once. */
+  /** Polls at once. */
   hurry() {
     this.#wake?.();
   }

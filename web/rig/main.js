@@ -334,7 +334,7 @@ async function listInterrupted() {
     : "";
 }
 
-/** Ends this device's part: what would be lost is said first. */
+/** Ends this device's part. If moments would be lost, the visitor has to confirm. */
 async function stop() {
   const record = last?.record;
   const { state = null, waiting = 0 } = capture?.model ?? {};

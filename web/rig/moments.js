@@ -2,7 +2,7 @@
 //
 // Cameras have no common clock. A moment was opened at some time between the last answer without it and the first one
 // with it. A camera takes a view only if the board has been still in its own picture since before that answer was
-// asked for: then the board was still in all cameras that take one when the moment was opened, and all saw the same
+// requested: then the board was still in all cameras that take one when the moment was opened, and all saw the same
 // pose.
 import { observedOutline } from "../lib/board-outline.js";
 import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget, difference } from "../lib/capture/target.js";
@@ -64,7 +64,7 @@ export function observeFrame(before, detection, time, board, lenience = 1) {
   const { ids, points, markers, size } = detection;
   const found = { ids, points };
   const stillness = observe(before.stillness, found, time, size[0], lenience);
-  // A frame that is smeared in the middle of a hold is passed over.
+  // A blurred frame in the middle of a hold is ignored.
   const passed = stillness === before.stillness;
   const corners = passed ? before.corners : found;
   const outline = passed ? before.outline : observedOutline(board, corners);

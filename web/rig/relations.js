@@ -31,7 +31,7 @@ export function relationOf({ position, rvec, tvec, std }) {
     distance,
     distanceStd: along(tvec, distance, std.slice(3)),
     angle: angle * DEGREES,
-    // A rotation is as unsure as its three components, whatever its axis is.
+    // A rotation is as uncertain as its three components, whatever its axis.
     angleStd: Math.hypot(...std.slice(0, 3)) * DEGREES,
   };
 }

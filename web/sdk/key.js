@@ -81,6 +81,6 @@ export async function keyOf(source, device) {
     return { ...source, platform: withDevice(source.platform, device), zoom: source.zoom ?? 0 };
   const { resizeMode } = /** @type {MediaTrackSettings & {resizeMode?: string}} */ (source.getSettings());
   const key = { ...cameraKey(source), platform: withDevice(await platformHere(), device) };
-  // Of a stream that the browser crops nothing is known, whatever is known of its camera.
+  // A stream that the browser crops is unknown, even if its camera is known.
   return resizeMode ? { ...key, resize_mode: resizeMode } : key;
 }

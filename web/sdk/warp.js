@@ -32,7 +32,7 @@ void main() {
 
 const LOST = "the GPU was lost";
 
-/** This browser cannot do it, or not now. */
+/** This browser has no WebGL2, or has lost the GPU. */
 export class RectifierError extends Error {
   /** @param {string} message @param {boolean} [lost] it could, and another time may help */
   constructor(message, lost = false) {

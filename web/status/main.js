@@ -4,7 +4,7 @@ import { language, number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { hear, stateOf } from "./health.js";
 
-const INTERVAL_MS = 30_000; // from one answer to the next question
+const INTERVAL_MS = 30_000; // from one answer to the next request
 const [HEALTH, SETTINGS] = ["../healthz?deep=1", "../config.json"].map((path) => new URL(path, import.meta.url));
 openPage();
 const [tell, advise, when] = ["verdict", "advice", "checked"].map((id) => liveRegion(part(id, HTMLElement)));

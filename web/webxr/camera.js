@@ -4,7 +4,7 @@
 //     await useCamera(video, { token });
 //     const session = await navigator.xr.requestSession("immersive-ar");
 //
-// Its views say cameraMatrix, distortionCoefficients and distortionModel (extension.js). Where the browser has no
+// Its views have cameraMatrix, distortionCoefficients and distortionModel (extension.js). If the browser has no
 // augmented reality of its own, the session shows the video and projects as its camera does.
 import { watch, lookup } from "../sdk/lookup.js";
 import { extend, isNeeded } from "./extension.js";
@@ -40,7 +40,7 @@ export async function useCamera(video, { rectify = false, pose, place, onAnswer,
   if (!track) throw new TypeError("the video shows no camera: give it a stream of getUserMedia() first");
   /** @type {Calibration | null} */
   let known = null;
-  // A phone was turned just now: what is known is of another picture, until that is answered.
+  // The phone was just turned: until the next answer, the intrinsics are those of another picture.
   const holds = (/** @type {import("./extension.js").Intrinsics} */ { img_size: size }) =>
     size?.[0] === video.videoWidth && size[1] === video.videoHeight;
   const current = () => (known && holds(known) ? known : null);
@@ -50,7 +50,7 @@ export async function useCamera(video, { rectify = false, pose, place, onAnswer,
     const { install } = await import("./install.js");
     install({ video, pinhole: current, pose, place, straight: straightened && (() => straightened(current())) });
   }
-  // Nothing but what is known of this very picture: a view's matrix is in its pixels.
+  // Only intrinsics of exactly this picture: a view's matrix is in its pixels.
   const wish = { ...options, exact: true };
   const again = extend(
     async (_, model, size) => {

@@ -77,7 +77,7 @@ export class WebcamDevice extends XRDevice {
     this.#sessions.set(id, { immersive: mode !== "inline", features, layer: null, overlay: null, stage: null, over });
     if (mode === "inline") return id;
     this.dispatchEvent("@@webxr-polyfill/vr-present-start", id);
-    // The way out that browsers give, too: the page's own buttons are covered.
+    // As browsers do: the page's own buttons are covered.
     addEventListener("keydown", ({ key }) => key === "Escape" && this.endSession(id), { signal: over.signal });
     return id;
   }

@@ -88,7 +88,7 @@ export function extend(
   const ask = async (/** @type {object} */ session) => {
     const state = stateOf(session);
     const own = ++state.asked;
-    // Whatever is answered after something else was asked, or after the end, comes too late.
+    // An answer after a newer request, or after the end, is ignored.
     const late = () => own !== state.asked || !running.has(session);
     try {
       const known = await provider(session, state.model, state.size);

@@ -70,7 +70,7 @@ export class Stage {
     };
   }
 
-  /** In a frame of its own: what it wears is the page's. @param {HTMLElement} overlay */
+  /** Puts the overlay into a frame of its own, because its style belongs to the page. @param {HTMLElement} overlay */
   #over(overlay) {
     const frame = document.createElement("div");
     Object.assign(frame.style, FULL);

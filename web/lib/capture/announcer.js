@@ -1,4 +1,4 @@
-// Announcements to a screen reader: the newest of what there is to say, and not more often than one can listen.
+// Announcements to a screen reader: only the newest text, and no faster than a person can listen.
 
 const ANNOUNCEMENT_PAUSE_MS = 2_500; // ms
 

@@ -18,7 +18,7 @@ export class Feedback {
   /** @type {AudioContext | null} */
   #audio = null;
   /**
-   * Notes that are sounding, or will: without any the device's loudspeaker rests, which takes power even when silent.
+   * Number of notes that sound or will. Without any, the audio output is suspended: it takes power even when silent.
    */
   #sounding = 0;
   #spoken = "";
@@ -117,6 +117,6 @@ function keep(senses) {
   try {
     localStorage.setItem(SENSES_KEY, JSON.stringify(senses));
   } catch (error) {
-    if (!(error instanceof DOMException)) throw error; // not kept, then
+    if (!(error instanceof DOMException)) throw error; // storage is blocked: the choice is not kept
   }
 }

@@ -9,7 +9,7 @@ const TURNED = 0.14; // rad
 const TILTED = 0.06; // difference in the logarithm of how much longer one side is than the opposite one
 
 /**
- * Held the other way up, a board says the same about the camera.
+ * The corners as seen, or turned by 180° if that is nearer to the target: an upside-down board is as informative.
  * @param {Quadrilateral} seen
  * @param {Quadrilateral} target
  */
@@ -165,7 +165,7 @@ export const LONG_HOLD_MS = 1_500; // still anywhere else: the service judges wh
 export const MIN_DISPLACEMENT_PX = 26;
 const MIN_OVERLAP = 0.6; // Jaccard index with the target that counts as there,
 const MAX_DIFFERENCE = 0.08; // if the board is also tilted as the target is
-const LENIENT_AFTER_MS = 3_000; // in which a steady hand would have been still: then less is asked of it,
+const LENIENT_AFTER_MS = 3_000; // after which the hand may move more,
 const MAX_LENIENCE = 4; // at most so many times the motion of a steady hand
 
 /**

@@ -19,7 +19,7 @@ import { button, listViews } from "./views.js";
  * @typedef {import("./views.js").Trial} Trial
  */
 
-const FILES = ["photographs", "video"]; // platforms of what no browser opened as a camera
+const FILES = ["photographs", "video"]; // platforms of calibrations from files, not from a camera
 const BOARDS = /** @type {Record<string, string>} */ ({
   charuco: "ChArUco",
   chessboard: "Chessboard",
@@ -65,7 +65,7 @@ export function card(result, trial, id) {
   return el(
     "header",
     { class: "opening card" },
-    // Where it was captured the page itself has said so.
+    // The page that captured it has already said so.
     ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
     ...(trial
       ? [

@@ -1,4 +1,4 @@
-// Parts of a result's card that one operates: copying, and explanations of a word.
+// Controls of a result's card: copying, sharing, and explanations of a word.
 import { copy } from "../code-block.js";
 import { el } from "../dom.js";
 import { t } from "../i18n.js";

@@ -31,7 +31,7 @@ export function reasonTexts(report, notes, { distortion_model: model, platform }
  * @param {string} platform
  */
 function wording({ code, text }, better, model, platform) {
-  // Who has a folder of photos cannot hold still any more.
+  // With photos, advice on how to hold the board comes too late.
   if (platform === "photographs" && hasMessage(`result.reason_${code}_photos`))
     return t(`result.reason_${code}_photos`);
   if (code === "model_too_simple" && better) return t("result.reason_choose_model", { model: better });

@@ -28,11 +28,11 @@ export class ResultView {
   #result = null;
   /** @type {Trial | null} */
   #trial = null;
-  /** Trials so far: what arrives for an earlier one comes too late. */
+  /** Number of trials: the answer to an earlier one is ignored. */
   #tried = 0;
   /** @type {import("./agreement.js").Agreement | null} */
   #agreement = null;
-  /** Ends the questions about the camera of the result before. */
+  /** Aborts the requests about the previous result's camera. */
   #following = new AbortController();
   /** @type {(() => void)[]} */
   #held = [];
@@ -77,7 +77,7 @@ export class ResultView {
         this.#showAgreement();
       });
     } catch (error) {
-      // The result is whole without it.
+      // The result is complete without the agreement.
       if (!signal.aborted) console.info("no agreement:", String(error));
     }
   }
@@ -132,12 +132,12 @@ export class ResultView {
     if (focused) document.getElementById(focused)?.focus();
   }
 
-  /** Shows what the picture has become. */
+  /** Shows the changed picture. */
   refresh() {
     this.#straight?.refresh();
   }
 
-  /** The picture is that of the open camera, or no more. @param {(() => void) | null} turnOff */
+  /** Sets whether the picture comes live from the camera. @param {(() => void) | null} turnOff */
   setLive(turnOff) {
     if (!this.#result) return;
     this.#result = { ...this.#result, turnOff };
@@ -162,7 +162,7 @@ export class ResultView {
       : null;
   }
 
-  /** Shows what it is without some views. @param {string} id @param {number[]} without */
+  /** Shows the result without some views. @param {string} id @param {number[]} without */
   async #leaveOut(id, without) {
     const own = ++this.#tried;
     const result = this.#result;
@@ -193,7 +193,7 @@ export class ResultView {
     const before = place();
     draw();
     scrollBy(0, place() - before);
-    // What was pressed may be gone with what it did.
+    // The pressed button may be gone after its action.
     (
       document.getElementById(id) ??
       document.getElementById("all-again") ??
@@ -201,7 +201,7 @@ export class ResultView {
     )?.focus({ preventScroll: true });
   }
 
-  /** Takes it all away. */
+  /** Removes the result. */
   clear() {
     this.#release();
     this.#straight = null;
@@ -231,7 +231,7 @@ function contributionText({ origin, calibration: { camera, platform, calibration
 }
 
 /**
- * Details that few need: what was given, the address, the system, the whole record.
+ * Details that few visitors need: the inputs, the address, the system, the whole record.
  * @param {Result} result
  * @param {Result["calibration"]} calibration
  */

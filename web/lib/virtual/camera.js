@@ -26,7 +26,7 @@ export class VirtualCamera {
   #board;
   /** True while a picture is being painted, or about to be. */
   #asked = false;
-  /** When the last one was asked for, ms. */
+  /** Time of the last request for a picture, ms. */
   #askedAt = -Infinity;
   /** True once the last picture of a hand that does not move has been requested. */
   #settled = false;
@@ -129,7 +129,7 @@ export class VirtualCamera {
     if (!this.#asked) this.#ask();
   }
 
-  /** Holds the board in this very pose. @param {Pose} pose board → camera, squares */
+  /** Holds the board exactly in this pose. @param {Pose} pose board → camera, squares */
   hold(pose) {
     this.#held = pose;
     this.#settled = false;

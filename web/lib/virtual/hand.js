@@ -29,7 +29,7 @@ export class Hand {
   #kind;
   #error;
   #random;
-  /** Apart: where it goes must not hang on how many frames were painted. */
+  /** A separate generator, so that the hand's path does not depend on the number of painted frames. */
   #randomBlur;
   #pivot;
   #focal;

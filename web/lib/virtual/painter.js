@@ -110,7 +110,7 @@ export class Painter {
         (x0 > right && x1 > right && x2 > right && x3 > right) ||
         (y0 < 0 && y1 < 0 && y2 < 0 && y3 < 0) ||
         (y0 > bottom && y1 > bottom && y2 > bottom && y3 > bottom);
-      // Comparisons with NaN are false: a ray that meets nothing must be asked for by name.
+      // Comparisons with NaN are false, so a ray that meets nothing needs a test of its own.
       if (away || Number.isNaN(x0 + x1 + x2 + x3 + y0 + y1 + y2 + y3)) continue;
       const near = Math.abs(x0 - x3) + Math.abs(x1 - x2) < NEAR && Math.abs(y0 - y3) + Math.abs(y1 - y2) < NEAR;
       const middle = Math.round((y0 + y1 + y2 + y3) / 4) * width + Math.round((x0 + x1 + x2 + x3) / 4);
