@@ -1,9 +1,9 @@
 """Consensuses that rest on a batch of calibrations. Internal: the first step of every batch of a backfill.
 
-The state machine lists the bucket and hands on the names, a thousand at a time; the names of one camera's
-calibrations stand together. What is answered here are requests for `refit`, one for each camera, size and
-zoom, which the state machine then makes. A camera on the border of two batches is asked for twice; the
-second time there is nothing to compute.
+The state machine lists the bucket and passes the names, a thousand at a time; the names of one camera's
+calibrations are adjacent. The response is a list of requests for `refit`, one for each camera, size and zoom,
+which the state machine then makes. A camera on the border of two batches is requested twice; the second time
+there is nothing to compute.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ from calibdb.store.storage import storage_named
 
 
 def handler(event: Mapping[str, Any], _: Any) -> dict[str, Any]:
-    """Answer whether the origin's file holds the line of the token."""
+    """Return whether the origin's file has the line of the token."""
     request = ProofRequest.model_validate(dict(event))
     failure = look_for(request)
     if failure is None:

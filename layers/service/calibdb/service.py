@@ -124,7 +124,7 @@ class Service:
         """Have `of` return `make(settings)` within the block, in every thread.
 
         For tests and measurements: a function's service with another clock or cache. `make` is called for
-        each request; a service that lasts is for `make` to keep.
+        each request; it may return the same service each time.
         """
         global _maker
         before = _maker

@@ -24,7 +24,7 @@ class Thresholds:
     max_unexplained
         Error that the others' camera may add to a member's views; `calibsolver.consensus.Rule` has the unit.
     max_calibrations
-        The newest that are pooled; more make no consensus better.
+        Number of the newest that are pooled; more do not improve a consensus.
     contributor_period
         Seconds in which a contributor counts once for a camera; 0: everyone is the same contributor, as on a
         machine of one's own, and everything counts.

@@ -26,11 +26,11 @@ TRIAL_PERIOD_S = 30 * 24 * HOUR_S
 
 @dataclass(frozen=True)
 class Allowance:
-    """Calls in one hour by kind; None: as many as are wanted.
+    """Calls in one hour by kind; None: unlimited.
 
     `sessions`: captures opened. `views`: requests that are computed (views submitted, undone, checked;
-    calibrations converted). `poses`: what else a session is asked: where to hold the board, its pictures, its
-    start, state and end. `lookups`: everything that reads with the API token.
+    calibrations converted). `poses`: the other requests of a session: the board's next pose, its pictures,
+    the session's start, state and end. `lookups`: everything that reads with the API token.
     """
 
     sessions: int | None
@@ -62,7 +62,7 @@ PLANS: dict[str, Plan] = {
     "trial": Plan(_TRIAL, _TRIAL, counts_each_lookup=True),
     "free": Plan(Allowance(sessions=60, views=1_500, lookups=10_000, poses=4_500), _EACH),
     "page": Plan(Allowance(sessions=1_000, views=25_000, lookups=200_000, poses=75_000), _EACH),
-    # A server of someone's own, which asks for many users from one address.
+    # A private server, which sends the requests of many users from one address.
     "partner": Plan(
         Allowance(sessions=5_000, views=100_000, lookups=2_000_000, poses=300_000),
         Allowance(sessions=5_000, views=100_000, lookups=2_000_000, poses=300_000),

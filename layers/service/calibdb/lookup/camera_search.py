@@ -23,9 +23,9 @@ AFTER_PRACTICE = f"{VERSION}-calibdb-virtual-camera-zzzzzzzz-ffffffffffff"
 
 
 def query_words(query: str) -> list[str]:
-    """Return the words of a query, the one that says most first.
+    """Return the words of a query, the most specific one first.
 
-    A maker's name is left out where there are other words: not every system says it.
+    A maker's name is left out if there are other words: not every system reports it.
     """
     text = unicodedata.normalize("NFKC", query).casefold()
     terms = list(dict.fromkeys(words(text)))[:_MAX_QUERY_WORDS]

@@ -142,8 +142,8 @@ class ShapeDocument(Open):
 class VoteDocument(Open, Licensed):
     """One check that counts: `votes/<camera key>/<id>.json`. Never overwritten.
 
-    It keeps the views, not the finding: they are scored again whenever the consensus changes, so that no
-    consensus inherits what was found of another.
+    It keeps the views, not the verdict: they are scored again whenever the consensus changes, so that no
+    consensus inherits the verdict on another.
     """
 
     layout: Literal[1] = 1
@@ -171,8 +171,8 @@ class VoteDocument(Open, Licensed):
 class ConsensusDocument(Open):
     """Consensus of all calibrations of one camera at one size and zoom, for one model.
 
-    `basis` stands for everything that it follows from: the calibrations that count, the votes, the
-    thresholds, the solver. Equal, nothing is new. `pooled` stands for the same without the votes.
+    `basis` is a digest of all that it follows from: the calibrations that count, the votes, the thresholds,
+    the solver. If it is equal, nothing is new. `pooled` is the same without the votes.
     """
 
     layout: Literal[1] = 1

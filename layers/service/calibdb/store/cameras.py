@@ -29,8 +29,8 @@ class IdSupport:
 def rivals(supports: Mapping[str, IdSupport]) -> tuple[str, ...]:
     """Select the ids that a name may mean.
 
-    If one of them is reliable only reliable ones, and of those the ones with a third of the contributors
-    that the best known has: an invented id takes no name from a camera that many know.
+    If one of them is reliable, only reliable ones, and of those only ones with at least a third of the best
+    known one's contributors: an invented id takes no name from a well-known camera.
     """
     if not supports:
         return ()

@@ -45,7 +45,7 @@ class Names:
     def publish(self, document: CalibrationDocument) -> None:
         """Index the names of a camera, so that searches find it."""
         named = _name_of(document)
-        # The last that was written, so that where it is all the others are that follow from the key.
+        # This item is written last: where it exists, all others that follow from the key exist.
         is_listed = self._table.get(ALL, named.key) is not None
         if not (is_listed and named.identity.distinct and named.aliases <= named.identity.name_keys):
             self._alias(named)

@@ -233,7 +233,7 @@ class Versions(Generic[Document]):
         head = self.head(name)
         if head is not None and (head.version, head.content, head.forgotten) == (version, version, False):
             return True
-        # Ours counts for nothing: it must not be taken for the document's state when the index is rebuilt.
+        # This object is obsolete: a rebuild of the index must not take it for the document's state.
         self._objects.delete([self._object(name, version)])
         return False
 

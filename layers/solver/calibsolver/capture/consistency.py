@@ -139,7 +139,7 @@ class Consistency:
             return None
         largest = whole.rms_inliers / MIN_IMPROVEMENT
         if self.min_error > largest:
-            return None  # they agree so well that none of them can be the wrong one
+            return None  # they agree so well that none of them can be wrong
         best: tuple[float, int] | None = None
         for i in range(len(views)):
             rest = [*views[:i], *views[i + 1 :]]

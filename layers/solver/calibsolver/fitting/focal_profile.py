@@ -45,7 +45,7 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
     deviation = float(np.sqrt(gradient @ covariance @ gradient))
     if good.any(axis=1).sum() < MIN_DETERMINING_VIEWS or MAX_STEP_DEVIATIONS * deviation < STEP:
         return covariance
-    # What views share (bend, motion, what the model lacks) counts in the likelihood as it does in the bars.
+    # What views share (bend, motion, what the model lacks) counts in the likelihood as in the error bars.
     basis = np.eye(len(gradient)) if problem.basis is None else problem.basis
     information, along = basis.T @ found.information @ basis, gradient @ basis
     white = along @ symmetric_inverse(information) @ along
@@ -57,9 +57,9 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
             continue  # the same optimum
         other = problem.solve(other, outliers.unit_weights(good), Options())
         change = other.k - state.k
-        # Within a deviation it is the same optimum, or no other that would matter.
+        # Within a deviation it is the same optimum, or one that does not matter.
         if is_taken(problem, other, good) and abs(gradient @ change) > deviation:
-            # Never more than as likely: the prior, too weak to decide alone, is on the side of the one found.
+            # Never more than equally likely: the prior, too weak to decide, favours the optimum of the fit.
             excess = max(float((other.square[good] - state.square[good]).sum()) / variance, 0.0)
             likelihood_ratio = np.exp(-excess / 2)
             moments += np.outer(change, change) * likelihood_ratio / (1 + likelihood_ratio)

@@ -221,7 +221,7 @@ def estimate(evidence: Evidence, sigma: float, prior_information: Array | None =
         wider = EffectMoments.of(evidence.of_effects[:, size:, size:], more[:, :, size:-1], sigma)
         m, s = wider.variances()
     bend_share = BEND_SHARE
-    # Without a trace of either, as mostly under white noise, nothing else is asked.
+    # Without a trace of either, as mostly under white noise, the rest is skipped.
     likely = EffectLikelihood.of(gram, pull, sigma) if m or s else None
     if likely is not None:
         m += trust(likely.motion_share) * max(likely.motion - m, 0.0)

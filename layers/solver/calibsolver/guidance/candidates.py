@@ -234,7 +234,7 @@ def check_visibility(
     possible = inside > -border
     pixels = q.reshape(-1, 2, corners.rows, corners.columns)
     shown = possible.reshape(-1, corners.rows, corners.columns)
-    # The spacing of corners that are not visible does not count: outside the domain they lie anywhere.
+    # The spacing of invisible corners does not count: outside the domain their places are arbitrary.
     shown_across, shown_down = shown[:, :, 1:] & shown[:, :, :-1], shown[:, 1:] & shown[:, :-1]
     across, down = np.diff(pixels, axis=3), np.diff(pixels, axis=2)
     spacing = np.minimum(
