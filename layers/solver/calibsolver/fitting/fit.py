@@ -96,7 +96,7 @@ def fit(
     CalibrationError
         ``no_views``, ``too_few_points``, ``degenerate``, ``not_planar``, ``out_of_range``,
         ``outside_image``, ``mirrored``, ``unknown_model``, ``unknown_parameter``, ``no_value``,
-        ``no_fit``, ``not_converged`` or ``not_believable``: never is nonsense returned.
+        ``no_fit``, ``not_converged`` or ``not_believable``. An implausible fit is never returned.
     """
     camera_model = models.get(model)
     views = list(views or ())
@@ -125,7 +125,7 @@ def fit(
 
 @undetermined()
 def refine(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
-    """Refine a fit of which camera and poses (v, 6) are nearly known: robustly, from there alone.
+    """Refine a fit whose camera and poses (v, 6) are nearly known: robustly, only from that start.
 
     For parts of what was fitted before; raises as `fit` does.
     """
@@ -175,7 +175,7 @@ class _Fit:
         return MultiStart(self.problem, self.mask, self.known, rejection_follows=self.robust)
 
     def run(self, near: State | None = None) -> Calibration:
-        """Fit, from `near` alone where it is given."""
+        """Fit, only from `near` if it is given."""
         if not self.robust:
             return self._least_squares(self.multistart.run()).calibration
         state, good = self._settle(near or self.multistart.run())

@@ -16,9 +16,9 @@ whitened gradient h = T'g, information B = T'ST, and Z the effects there, their 
     covariance = sigma^2 T [1 - sum B + f sum (B + m K_m K_m') + k (sum K_b) S (sum K_b)'] T'
 
 with K = T'A'Z the pull of the effects on the intrinsics, S the second moment of the bend given the residuals
-(its best estimate and what is left open; few views may tell less than s, then S is smaller), k the share
-`BEND_SHARE`, or more, up to 1, where the bend is most of the residuals. The inflation f is for whatever else
-a view may pull by. Views are the clusters of a "sandwich" covariance (Huber 1967; White 1980; Liang & Zeger
+(its best estimate and what is left open; few views may show less than s, then S is smaller), k the share
+`BEND_SHARE`, or more, up to 1, where the bend is most of the residuals. The inflation f is for all other
+errors of a view. Views are the clusters of a "sandwich" covariance (Huber 1967; White 1980; Liang & Zeger
 1986), f the quotient of the gradients' scatter and what noise and motion explain, corrected for the part that
 each cluster takes in the fit (Bell & McCaffrey 2002), with a prior (Gelman et al., "Bayesian Data Analysis",
 2.6), and at least 1. What the intrinsics' prior contributes, 1 - sum B, is not inflated. It is positive
@@ -298,7 +298,7 @@ def same_pose_labels(poses: Poses, obs: Observations, used: Mask, focal_widths: 
 
 
 def _near(place: Array) -> Mask:
-    """Tell (v, v) which rows (v, m) are nearer to one another than SAME_POSE_WIDTHS."""
+    """True (v, v) for rows (v, m) that are nearer to one another than SAME_POSE_WIDTHS."""
     square = np.sum(place**2, axis=1)
     out = np.empty((len(place), len(place)), dtype=bool)
     for first in range(0, len(place), MAX_BLOCK_ROWS):

@@ -232,7 +232,7 @@ class _Search:
         return error, sharing
 
     def _visibility(self, poses: Poses, lead: IntArray) -> tuple[Mask, Mask]:
-        """Tell which corners (c, n) count, in all cameras' slots, and which cameras (c, k) see candidates."""
+        """Return corners (c, n) that count, in all cameras' slots, and cameras (c, k) that see candidates."""
         count = self.corners.points.shape[1]
         visible = np.zeros((len(lead), count * len(self.cameras)), dtype=bool)
         seen = np.zeros((len(lead), len(self.cameras)), dtype=bool)
