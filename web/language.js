@@ -1,4 +1,4 @@
-// Redirect before anything is drawn: it leads who reads German or Ukrainian from a page's English address to the page
+// Redirect before anything is drawn: it leads readers of German or Ukrainian from a page's English address to the page
 // in that language.
 //
 // An address with a language ("/de/board/") decides; one without is English unless "?lang=", the language chosen
@@ -11,7 +11,7 @@
   const query = new URLSearchParams(location.search);
   /** @param {string | null | undefined} tag */
   const languageOf = (tag) => /^(en|de|uk)\b/i.exec(tag ?? "")?.[1].toLowerCase();
-  /** The language chosen before; a browser that keeps nothing refuses the very question. */
+  /** The language chosen before; a browser that blocks storage throws on access. */
   const kept = () => {
     try {
       return languageOf(localStorage.getItem("calibdb.language"));
@@ -27,6 +27,6 @@
   if (wanted !== "en") query.delete("lang");
   const search = query.toString();
   location.replace(`${base}${wanted === "en" ? "" : `${wanted}/`}${rest}${search && `?${search}`}${location.hash}`);
-  // Until the other page is there, nothing of this one is shown or run: the rest of it is text of a hidden element.
+  // Until the other page loads, this page neither shows nor runs: its rest becomes text of a hidden element.
   document.write("<plaintext hidden>");
 })();

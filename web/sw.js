@@ -1,10 +1,9 @@
 // Service worker: caches the pages' files under the hashes of their contents. Nothing of the API is ever cached.
 //
-// `shell.json` names every file with the hash of its content; it is written by whoever serves the pages
-// (infra/web_build/precache_manifest.py). A visit is served from the files of one such list, all old or all new: the
-// next list is taken up only once all of its files are here. OpenCV is kept when it is first used, or while a page is
-// open that will use it. Where pages are developed, on this very machine, the network comes first and what is kept
-// only stands in for it.
+// `shell.json` names every file with the hash of its content; the server or the deployment writes it
+// (infra/web_build/precache_manifest.py). A visit gets the files of one such list, all old or all new: the next list
+// applies only once all of its files are cached. OpenCV is cached when it is first used, or while a page is open that
+// will use it. On localhost, where pages are developed, the network comes first and the cache is only its fallback.
 
 /** @typedef {{version: string, files: Record<string, string>, late: string[]}} Shell late: kept when used */
 
@@ -37,7 +36,7 @@ async function current(cache) {
   return kept ? kept.json() : null;
 }
 
-/** Is this the content that the list speaks of? @param {Response} response @param {string} hash */
+/** True if a response has the content that the list names. @param {Response} response @param {string} hash */
 async function isContent(response, hash) {
   const digest = await crypto.subtle.digest("SHA-256", await response.arrayBuffer());
   return Array.from(new Uint8Array(digest), (byte) => byte.toString(16).padStart(2, "0")).join("") === hash;
@@ -48,7 +47,7 @@ async function keep(cache, name, hash) {
   const key = keyOf(name, hash);
   if (await cache.match(key)) return;
   const response = await fetch(new URL(name, BASE), { cache: "no-cache" });
-  // Somebody deploys just now: the whole is tried again at the next visit.
+  // A deployment is in progress: the next visit tries the whole list again.
   if (!response.ok || !(await isContent(response.clone(), hash)))
     throw new TypeError(`${name} is not what the list says`);
   await cache.put(key, response);
@@ -62,7 +61,7 @@ async function update() {
   const before = await current(cache);
   const pages = await worker.clients.matchAll({ type: "window", includeUncontrolled: true });
   /**
-   * Pages in English are for everybody, those in another language for who has one of them open.
+   * True if a file's language is in use: English always, another one while a page in it is open.
    * @param {string} name
    */
   const isSpoken = (name) => {
@@ -92,7 +91,7 @@ async function update() {
   }
 }
 
-/** No network, or no room: then it stays as it is. */
+/** Ignores a lack of network or storage: the cache stays as it is. */
 async function tryUpdate() {
   try {
     await update();

@@ -1,9 +1,9 @@
 """Consensuses that rest on a batch of calibrations. Internal: the first step of every batch of a backfill.
 
-The state machine lists the bucket and hands on the names, a thousand at a time; the names of one camera's
-calibrations stand together. What is answered here are requests for `refit`, one for each camera, size and
-zoom, which the state machine then makes. A camera on the border of two batches is asked for twice; the
-second time there is nothing to compute.
+The state machine lists the bucket and passes the names, a thousand at a time; the names of one camera's
+calibrations are adjacent. The response is a list of requests for `refit`, one for each camera, size and zoom,
+which the state machine then makes. A camera on the border of two batches is requested twice; the second time
+there is nothing to compute.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def modes(calibrations: Calibrations, names: list[str]) -> Iterator[StreamMode]:
     places = [place for name in names if (place := parse_calibration_object(name))]
     for camera_key in {key for key, _ in places if key.startswith(f"{VERSION}-")}:
         yield from calibrations.modes(camera_key)
-    # Under which key these are found today is in the documents alone.
+    # Only the documents say under which key these are found today.
     earlier = [calibration_id for key, calibration_id in places if not key.startswith(f"{VERSION}-")]
     listed = [document for name in earlier if (document := calibrations.get(name)) is not None]
     for document in map(with_current_key, listed):

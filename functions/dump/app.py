@@ -1,7 +1,7 @@
-"""Dump: goes on with the public dump that is due. Invoked by a schedule, every hour of one day of the week.
+"""Dump: continues the public dump that is due. A schedule invokes it every hour of one day of the week.
 
-Each invocation writes as many parts as its time allows; the next one goes on. It has no secret, and may write
-nothing but the dump and its draft.
+Each invocation writes as many parts as its time allows; the next one continues. It has no secret, and may
+write only the dump and its draft.
 """
 
 from __future__ import annotations

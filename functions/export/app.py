@@ -43,7 +43,7 @@ def show(call: application.Call) -> Response:
 
 def compute(call: application.Call, document: CalibrationDocument | None, asked: ExportQuery) -> Response:
     """Answer with what is computed for the call: without some views, or as a file."""
-    # Here and not above: who only wants to see a calibration need not wait for the solver.
+    # Imported here, so that a request that only reads a calibration does not load the solver.
     from calibdb.compute import exports
 
     name = "without" if asked.without else "format"

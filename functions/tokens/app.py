@@ -1,7 +1,7 @@
 """Tokens: people make API tokens for themselves, prove their origins, watch their use, rotate and revoke.
 
 Nothing here depends on what others have: an origin may have any number of tokens, each proved by a line of
-its own, and no answer tells whether there are any.
+its own, and no response reveals whether there are any.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from calibdb.store import managed_tokens
 
 
 def create(call: application.Call) -> Response:
-    """Make a token; both of its secrets are shown this once."""
+    """Make a token; its two secrets are shown only once."""
     call.require_json_of_the_site()
     request, service = call.json(TokenRequest), call.service
     sender, limit = service.source(call.address), service.settings.max_new_tokens
@@ -48,7 +48,7 @@ def change(call: application.Call) -> Response:
 
 
 def verify(call: application.Call) -> Response:
-    """Look for the proofs of all origins that are pending; again is answered by how it is by now."""
+    """Look for the proofs of all pending origins. May be repeated: it returns the current state."""
     token = _living(call)
     service = call.service
     failures: dict[str, ProofFailure] = {}
@@ -59,7 +59,7 @@ def verify(call: application.Call) -> Response:
 
 
 def rotate(call: application.Call) -> Response:
-    """Give the token another secret, shown this once; the one until now opens for a while more."""
+    """Give the token another secret, shown only once; the previous one stays valid for a while."""
     token, service = _living(call), call.service
     request = call.json(RotationRequest) if call.body else RotationRequest()
     secret = service.random_hex(managed_tokens.SECRET_BYTES)
@@ -71,7 +71,7 @@ def rotate(call: application.Call) -> Response:
 
 
 def revoke(call: application.Call) -> Response:
-    """Refuse the token from now on, for good; again is answered again."""
+    """Revoke the token for good. Idempotent."""
     call.service.store.tokens.revoke(call.managed_token(), call.service.now)
     return application.no_content()
 

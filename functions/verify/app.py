@@ -1,7 +1,7 @@
-"""Verify: looks for the proof of an origin and notes that it was found. Invoked by `tokens` alone.
+"""Verify: looks for the proof of an origin and notes that it was found. Only `tokens` invokes it.
 
-It is the only function that connects to a host that a stranger names. So its role reads nothing, and writes
-nothing but that note; it has no secret and none of the other functions' settings.
+It is the only function that connects to a host that a user names. So its role reads nothing and writes only
+that note. It has no secret and none of the other functions' settings.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from calibdb.store.storage import storage_named
 
 
 def handler(event: Mapping[str, Any], _: Any) -> dict[str, Any]:
-    """Answer whether the origin's file holds the line of the token."""
+    """Return whether the origin's file has the line of the token."""
     request = ProofRequest.model_validate(dict(event))
     failure = look_for(request)
     if failure is None:

@@ -12,7 +12,7 @@ from botocore.exceptions import BotoCoreError, ClientError
 
 from infra.deploy.site import Upload
 
-# EDGE_SECRETS are all that functions take from the edge; EDGE_SECRET is the one that CloudFront sends.
+# EDGE_SECRETS are all that functions accept from the edge; EDGE_SECRET is the one that CloudFront sends.
 SECRETS = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRETS", "EDGE_SECRET")
 # CloudFormation reads this one for CloudFront's header, and of secure ones it can read none there.
 _READ_BY_CLOUDFORMATION = "EDGE_SECRET"
@@ -22,7 +22,7 @@ UNCREATED = ("REVIEW_IN_PROGRESS", "DELETE_COMPLETE")  # status of a stack that 
 
 
 class DeployError(RuntimeError):
-    """The deployment ended before its end; the message says where."""
+    """The deployment failed; the message says where."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def missing_secrets(ssm: Any, stack: str) -> list[str]:
 
 
 def make_secrets(ssm: Any, stack: str) -> list[str]:
-    """Make the secrets that are missing, never another over one that is there; return their names."""
+    """Make the missing secrets, without replacing any; return their names."""
     missing = missing_secrets(ssm, stack)
     for name in missing:
         if name == _READ_BY_CLOUDFORMATION:  # after the list, whose first it is
@@ -71,10 +71,10 @@ def make_secrets(ssm: Any, stack: str) -> list[str]:
 
 
 def rotate(ssm: Any, stack: str) -> None:
-    """Let the next key sign, keep the one before, add a new next one.
+    """Let the next key sign, keep the previous one, add a new next one.
 
-    Every function knew the next key before it signs: while they learn of the rotation, within five minutes,
-    none refuses what another has signed.
+    Every function knows the next key before it signs. So no function refuses what another has signed while
+    they learn of the rotation, within five minutes.
     """
     _rotate(ssm, stack, "SESSION_SECRETS")
 
@@ -82,8 +82,8 @@ def rotate(ssm: Any, stack: str) -> None:
 def rotate_edge(ssm: Any, stack: str) -> int:
     """Rotate the secrets of the edge alike; return the version of EDGE_SECRET that CloudFront is to send.
 
-    CloudFront reads it only when its distribution changes; until then it sends the one before, which
-    functions go on taking.
+    CloudFront reads it only when its distribution changes; until then it sends the previous one, which
+    functions still accept.
     """
     _write(ssm, stack, _READ_BY_CLOUDFORMATION, _rotate(ssm, stack, "EDGE_SECRETS")[:1], overwrite=True)
     return edge_secret_version(ssm, stack)

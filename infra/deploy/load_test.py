@@ -157,15 +157,15 @@ def drive(
     Parameters
     ----------
     url, token
-        The stack, without slash, and what it is asked with.
+        Address of the stack, without a slash at the end, and its API token.
     sessions, clients
-        How many captures in all, and from how many clients.
+        Number of captures, and of clients that make them.
     cameras
-        They are of so many cameras; all of one camera are of the same optics.
+        Number of cameras; all captures of one camera have the same optics.
     finished
-        Share of the captures that go on to their end; the others end after one view.
+        Share of the captures that continue to their end; the others end after one view.
     faults
-        Share of the requests on which the line fails.
+        Share of the requests whose connection fails.
     seed
         Equal seeds send equal views.
 
@@ -205,7 +205,7 @@ def drive(
 
 
 def capture(line: Line, token: str, seed: int, camera: str, finish: bool) -> CaptureRecord:
-    """Run one capture and return what was acknowledged; where not to `finish`, end after a view."""
+    """Run one capture and return what was acknowledged; without `finish`, end after a view."""
     heard = CaptureRecord()
     session = line.call("POST", "/v1/auth", token)["session_id"]
     start = {

@@ -62,7 +62,7 @@ class _RecordingTable:
         return getattr(self._table, name)
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
-        """Write the item as `Table` does; where nothing is written, tell whether it would be new."""
+        """Write the item as `Table` does; if nothing is written, return whether it would be new."""
         key = str(item["pk"]), str(item["sk"])
         self.written.add(key)
         if self._dry_run:
@@ -82,7 +82,7 @@ def reindex(
 ) -> ReindexResult:
     """Make the index name exactly what is in the bucket, and recompute outdated consensuses.
 
-    Safe to run on a table in use, and again: lookups go on, with the old answers until the new ones are
+    Safe to run on a table in use, and again: lookups continue, with the old answers until the new ones are
     there. What is published while it runs is indexed by its own submit. Counters of use are not in the bucket
     and stay as they are, or restart.
 
@@ -95,7 +95,7 @@ def reindex(
     dry_run
         Write nothing and compute nothing; count what would be written and removed.
     """
-    # First, so that what is published from here on cannot be mistaken for something that the bucket lacks.
+    # First, so that later publications are not mistaken for entries that the bucket lacks.
     indexed = set(context.index.keys("CAMERA"))
     recorder = _RecordingTable(context.storage.table, dry_run=dry_run)
     table = typed("Table", recorder)
@@ -142,9 +142,9 @@ def reindex(
 
 
 def publish_finished(context: OpsContext, *, dry_run: bool = False) -> int:
-    """Publish what converged and, for a crash, was not published; return how many calibrations.
+    """Publish sessions that converged but, after a crash, were not published; return how many.
 
-    The client that repeats its last view does the same; one that never comes back cannot.
+    A client that repeats its last view does the same. This covers clients that never return.
     """
     if not dry_run:
         for rig in context.track(context.store.rigs.all(), "rigs"):

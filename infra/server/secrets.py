@@ -49,7 +49,7 @@ def load(path: Path, *, known: bool = False) -> Secrets:
     if not path.exists():
         if known:
             raise SecretsError(f"{path} is missing, but the database that it belongs to is there: {_WAY_ON}")
-        # Written whole beside it, then renamed: a crash leaves either no file or all of it.
+        # Written to a file next to it, then renamed: a crash leaves either no file or all of it.
         draft = path.with_suffix(".new")
         descriptor = os.open(draft, os.O_CREAT | os.O_WRONLY | os.O_TRUNC, 0o600)
         with os.fdopen(descriptor, "w", encoding="utf-8") as file:

@@ -3,7 +3,7 @@ import { existsSync } from "node:fs";
 import { posix } from "node:path";
 import { build } from "esbuild";
 
-const UNWRITTEN = "/unwritten"; // esbuild's paths to files it was told to leave are relative to here
+const UNWRITTEN = "/unwritten"; // esbuild's paths to external files are relative to this folder
 
 /**
  * @param {string} web folder of the client

@@ -14,7 +14,7 @@ const BRICKS = [0.62, 0.32, 0.24];
 const DOOR = [0.42, 0.24, 0.12];
 /** @type {Colour} */
 const PANES = [0.24, 0.42, 0.56];
-const HAIR = 0.012; // squares: before the wall that it is in
+const HAIR = 0.012; // squares: distance of doors and windows in front of their wall
 
 /**
  * A house about the middle of a board; its door faces the board's lower edge.
@@ -24,12 +24,12 @@ const HAIR = 0.012; // squares: before the wall that it is in
 export function house(columns, rows) {
   const size = Math.min(columns, rows) / 6;
   /**
-   * Units of the house, z towards who looks at it, to the board's frame.
+   * Units of the house, z towards the viewer, to the board's frame.
    * @type {(x: number, y: number, z: number) => Point}
    */
   const at = (x, y, z) => [columns / 2 + x * size, rows / 2 + y * size, -z * size];
   const [w, d, eaves, ridge, jut] = [0.95, 0.75, 0.85, 1.6, 0.14];
-  // The walls end a hair below the roof: in its plane the two would flicker.
+  // The walls end a hair below the roof: in the same plane the two would flicker.
   const [wall, gable] = [eaves - 2 * HAIR, ridge - 3 * HAIR];
   const low = eaves - (jut * (ridge - eaves)) / d;
   /** @param {number} y a wall that faces up or down @param {number[]} span left, right, bottom, top */
@@ -38,7 +38,7 @@ export function house(columns, rows) {
     return y > 0 ? face.reverse() : face;
   };
   /** @param {number} x a wall that faces left or right @param {number[]} span */
-  const beside = (x, [left, right, bottom, top]) => {
+  const sideWall = (x, [left, right, bottom, top]) => {
     const face = [at(x, left, bottom), at(x, right, bottom), at(x, right, top), at(x, left, top)];
     return x > 0 ? face : face.reverse();
   };
@@ -46,8 +46,8 @@ export function house(columns, rows) {
     ...shadedFaces(WALLS, [
       inFront(-d, [-w, w, 0, wall]),
       inFront(d, [-w, w, 0, wall]),
-      beside(-w, [-d, d, 0, wall]),
-      beside(w, [-d, d, 0, wall]),
+      sideWall(-w, [-d, d, 0, wall]),
+      sideWall(w, [-d, d, 0, wall]),
       [at(w, -d, wall), at(w, d, wall), at(w, 0, gable)],
       [at(-w, d, wall), at(-w, -d, wall), at(-w, 0, gable)],
     ]),
@@ -62,8 +62,8 @@ export function house(columns, rows) {
       inFront(d + HAIR, [0.38, 0.7, 0.3, 0.62]),
       inFront(-d - HAIR, [-0.6, -0.2, 0.3, 0.62]),
       inFront(-d - HAIR, [0.2, 0.6, 0.3, 0.62]),
-      beside(w + HAIR, [-0.2, 0.2, 0.3, 0.62]),
-      beside(-w - HAIR, [-0.2, 0.2, 0.3, 0.62]),
+      sideWall(w + HAIR, [-0.2, 0.2, 0.3, 0.62]),
+      sideWall(-w - HAIR, [-0.2, 0.2, 0.3, 0.62]),
     ]),
   ];
 }

@@ -1,5 +1,5 @@
-// Live pictures of a camera with a drawing over them. A picture is shown together with what was seen in that very
-// picture: what is left between the two is the calibration's, not the computer's being late.
+// Live pictures of a camera with a drawing over them. A picture is shown together with the detection in the same
+// picture, so that the visible misalignment comes from the calibration, not from latency.
 import { corners as boardCorners } from "../lib/board.js";
 import { grab } from "../lib/detector.js";
 import { nextFrame } from "../lib/frames.js";
@@ -61,11 +61,10 @@ export class Live {
   }
 
   /**
-   * Looks and shows until the signal.
+   * Detects and draws until the signal aborts.
    * @param {AbortSignal} signal @param {(off: Misalignment, mode: string) => void} onShown
    * @returns {Promise<"resized" | null>} resized: the camera's picture has another size than the calibration; rejects
-   *   with a
-   *   RectifierError where the GPU is lost and does not come back
+   *   with a RectifierError if the GPU is lost and does not come back
    */
   async run(signal, onShown) {
     const { video, detector, calibration } = this.#setup;
@@ -107,7 +106,7 @@ export class Live {
     this.#setup.layers.replaceChildren();
   }
 
-  /** Is anything that is shown drawn by nobody? */
+  /** True if a canvas that is shown has lost its GPU context. */
   get #lost() {
     const { picture, overlay } = this.#modeNamed(this.#mode);
     return [this.#scene.canvas, picture, overlay].some((canvas) => canvas?.getContext("webgl2")?.isContextLost());

@@ -20,7 +20,7 @@ import { stopAt } from "./tour.js";
 /** @typedef {import("./live.js").Misalignment} Misalignment */
 
 const SHEETS = ["welcome", "opening", "unknown", "failed"];
-const NUMBER_INTERVAL_MS = 250; // ms between two numbers: faster, nobody reads them
+const NUMBER_INTERVAL_MS = 250; // ms between two numbers: faster ones are not readable
 const MAX_RESTARTS = 3; // of the detector in one run: a fourth would not help
 /** @type {[number, number]} */
 const SIZE = [1280, 720];
@@ -37,7 +37,7 @@ const [video, camera, balance] = [
 const [stage, layers, rms, outermost] = [html("stage"), html("layers"), html("rms"), html("outermost")];
 const modes = /** @type {HTMLButtonElement[]} */ ([...html("modes").children]);
 
-/** The facts that the texts show; written again in another language. */
+/** Facts that the texts show; after a change of language, they are written again. */
 const said = {
   phase: "welcome",
   waiting: "camera",
@@ -50,7 +50,7 @@ const said = {
   failed: "", // why the estimate is missing
   off: /** @type {Misalignment} */ (null),
 };
-/** One camera's run; a new one makes all that is still on its way for the old one meaningless. */
+/** Run of one camera; a new run aborts the pending work of the old one. */
 let run = new AbortController();
 /** @type {Promise<Detector> | null} */
 let detector = null;
@@ -59,7 +59,7 @@ let live = null;
 /** @type {() => void} */
 let moveOn = () => {};
 let mode = "matrix";
-let told = -Infinity;
+let reportedAt = -Infinity;
 let chosen = "";
 /** @type {import("../sdk/calibdb.js").CameraKey | null} of the camera that is open */
 let cameraKey = null;
@@ -71,7 +71,7 @@ function turnTo(phase, more = {}) {
   for (const name of SHEETS) html(name).hidden = name !== phase;
   html("reticle").hidden = html("controls").hidden = phase !== "live";
   write();
-  // What had the focus is gone: go on where the page goes on.
+  // The focused element is gone: the focus moves to the title of the new sheet.
   if (moved) html(`${phase}-title`).focus();
 }
 
@@ -131,8 +131,8 @@ function errorText(error) {
 function tell(off, shown) {
   stage.dataset.shown = shown;
   const now = performance.now();
-  if (now - told < NUMBER_INTERVAL_MS && (off === null) === (said.off === null)) return;
-  told = now;
+  if (now - reportedAt < NUMBER_INTERVAL_MS && (off === null) === (said.off === null)) return;
+  reportedAt = now;
   said.off = off;
   writeOff();
 }
@@ -160,12 +160,12 @@ async function start(choice) {
     const opened = await open(choice, { parameters, board, place: document.body, size: SIZE });
     signal.addEventListener("abort", () => opened.close());
     if (signal.aborted) return opened.close();
-    // Before it was permitted the browser's own choice had no id: it is this camera from now on.
+    // Before permission, the browser's own choice had no id. From now on it is this camera.
     if (!opened.virtual) chosen = opened.track.getSettings().deviceId || choice;
     opened.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
     await play(video, opened.stream);
     stage.classList.toggle("mirrored", opened.mirrored);
-    // A picture that changes its size, as that of a phone that is turned, is another camera.
+    // A picture that changes its size, as when a phone is turned, counts as another camera.
     let restarts = 0;
     for (let end = "resized"; end && !signal.aborted;) {
       end = await show(opened, signal, restarts < MAX_RESTARTS);
@@ -243,7 +243,7 @@ function fail(error, signal) {
   turnTo("failed", { error });
 }
 
-/** Draws in another mode; the estimate is asked for when it is first wanted. @param {string} name */
+/** Draws in another mode; the estimate is fetched when it is first needed. @param {string} name */
 async function choose(name) {
   const [{ signal }, key] = [run, cameraKey];
   if (name === "estimate" && !said.estimate && key) {
@@ -266,7 +266,7 @@ function draw(name) {
   mode = name;
   for (const button of modes) button.setAttribute("aria-pressed", String(button.value === name));
   balance.disabled = name !== "rectified";
-  told = -Infinity;
+  reportedAt = -Infinity;
   redraw((shown) => shown.mode(name));
 }
 
@@ -290,7 +290,7 @@ async function listCameras() {
   camera.value = proposed;
   html("start").classList.toggle("primary", !none);
   for (const button of html("welcome").querySelectorAll(".virtually")) button.classList.toggle("primary", none);
-  // The camera that was pulled out is there again: nobody has to press anything.
+  // The unplugged camera is back: the page restarts it without a click.
   const { phase, error } = said;
   const missed =
     phase === "failed" && error instanceof CameraError && error.code === "unplugged" && chosen !== "virtual";
@@ -315,7 +315,7 @@ document.addEventListener("keydown", (event) => {
 html("move").addEventListener("click", () => moveOn());
 const listed = listCameras();
 html("start").addEventListener("click", async () => {
-  await listed; // who is quicker than the browser gets the camera that was asked for all the same
+  await listed; // a visitor may press the button before the cameras are listed
   void start(camera.value);
 });
 html("again").addEventListener("click", () => start(chosen));

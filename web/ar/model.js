@@ -1,5 +1,5 @@
 // Model that stands on the board: its own grid once more, a cross on each of the four outermost corners, and a house.
-// Triangles in the board's frame (x right, y down, z away from who looks at it; unit: one square), shaded once and
+// Triangles in the board's frame (x right, y down, z away from the viewer; unit: one square), shaded once and
 // for all.
 import { house } from "./house.js";
 import { quadrilateral } from "./triangles.js";

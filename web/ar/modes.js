@@ -1,6 +1,6 @@
 // Modes of drawing over a camera's picture: with the camera matrix only, over the straightened picture, and over the
-// picture as it is with the drawing distorted. Each tells where it sees a pixel of the camera, and where it draws a
-// point.
+// picture as it is with the drawing distorted. Each returns where it shows a pixel of the camera, and where it draws
+// a point.
 import { axialMatrix } from "../sdk/pinhole.js";
 import { lensOf } from "../sdk/projection.js";
 import { Distorter } from "../sdk/distorter.js";
@@ -32,7 +32,7 @@ export const MODES = { matrix, rectified, distorted, estimate: distorted };
 const undistorted = (camera_matrix) =>
   lensOf({ camera_matrix, distortion_model: "rectilinear", distortion_coefficients: [0, 0, 0, 0, 0] });
 
-/** As an application does that knows of no distortion. @param {Calibration} calibration @returns {Mode} */
+/** Mode of an application that ignores distortion. @param {Calibration} calibration @returns {Mode} */
 function matrix(calibration) {
   const lens = undistorted(axialMatrix(calibration));
   return {

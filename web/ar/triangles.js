@@ -4,7 +4,7 @@ import { unit } from "./pose.js";
 /** @typedef {[number, number, number]} Point */
 /** @typedef {[red: number, green: number, blue: number]} Colour 0…1 */
 
-/** Direction of the light: in front of the board, from below on the left, where one stands who looks at it. */
+/** Direction of the light: in front of the board, from below on the left, where the viewer is. */
 const LIGHT = unit([-0.5, 0.45, -0.75]);
 const AMBIENT = 0.4;
 

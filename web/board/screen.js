@@ -5,10 +5,10 @@ import { exactScale, raster } from "../lib/board-drawing.js";
 /** @typedef {import("../lib/board.js").Board} Board */
 
 const MARGIN_SQUARES = 0.5; // squares of white around the board
-const MAX_CODE_PX = 220; // CSS pixels: side of the QR code beside the board
+const MAX_CODE_PX = 220; // CSS pixels: side of the QR code next to the board
 const MIN_CODE_PX = 120; // that a phone reads from half a metre
 const CODE_SHARE = 0.2; // of the window's shorter side
-const READING = 6000; // ms that the way back is told; a board is looked at without words on it
+const READING = 6000; // ms for which the page says how to return; then only the board is shown
 
 export class BoardScreen {
   #frame;
@@ -21,11 +21,11 @@ export class BoardScreen {
   #read;
   /** @type {WakeLockSentinel | null} */
   #awake = null;
-  /** Does the board fill the window, where no full screen is to be had? */
+  /** True if the board fills the window, because full screen is not available. */
   #filling = false;
   /** The removal of the history entry of the last full screen. @type {Promise<void> | null} */
   #back = null;
-  /** Is the code for a phone shown beside the board, where that fills the screen? */
+  /** True if the code for a phone is shown next to the board while it fills the screen. */
   #coded = false;
 
   /**
@@ -44,7 +44,7 @@ export class BoardScreen {
     document.addEventListener("keydown", ({ key }) => key === "Escape" && this.fill(false));
     document.addEventListener("fullscreenchange", () => this.#arrange());
     window.addEventListener("popstate", () => this.#leave());
-    // The lock is lost with the page's being seen.
+    // Browsers release the wake lock when the page is hidden.
     document.addEventListener(
       "visibilitychange",
       () => document.visibilityState === "visible" && this.#isFull() && this.#stayAwake(),
@@ -60,13 +60,13 @@ export class BoardScreen {
   }
 
   /**
-   * To the whole screen, or where that is not to be had to the whole window: iPhones have it for videos only.
-   * @param {{code?: boolean}} [options] code: with the code for a phone in the white beside the board
+   * Fills the screen, or else the window: iPhones allow full screen for videos only.
+   * @param {{code?: boolean}} [options] code: show the code for a phone in the white next to the board
    */
   async enter({ code = false } = {}) {
     this.#coded = code;
     await this.#back;
-    // Back closes what fills the screen, instead of leaving the page.
+    // The Back button closes the full view, instead of leaving the page.
     history.pushState({ isBoardFull: true }, "");
     if (!this.#frame.requestFullscreen) return this.fill(true);
     this.#frame.requestFullscreen({ navigationUI: "hide" }).catch(() => this.fill(true));
@@ -77,7 +77,7 @@ export class BoardScreen {
     if (this.#filling === whether) return;
     this.#filling = whether;
     clearTimeout(this.#read);
-    this.#hint.hidden = !whether; // of the whole screen the browser says it itself
+    this.#hint.hidden = !whether; // in full screen, the browser itself says how to leave
     this.#read = setTimeout(() => this.#hint.toggleAttribute("hidden", true), READING);
     void this.#arrange();
   }
@@ -134,7 +134,7 @@ export class BoardScreen {
 
   /**
    * @param {number} side CSS pixels; 0: not shown
-   * @param {boolean} isWide the code is beside the board, or else below it
+   * @param {boolean} isWide the code is next to the board, or else below it
    */
   #showCode(side, isWide) {
     this.#code.hidden = side === 0;
@@ -143,7 +143,7 @@ export class BoardScreen {
     this.#frame.classList.toggle("coded-below", side > 0 && !isWide);
   }
 
-  /** Draws the board again, and keeps the screen bright for as long as it is all that is shown. */
+  /** Draws the board again, and keeps the screen awake while the board fills it. */
   async #arrange() {
     this.#frame.classList.toggle("filling", this.#filling);
     this.draw();

@@ -1,4 +1,4 @@
-// Loop of one capture: detects the board, sends what is held still, sets the targets, and goes on when something fails.
+// Loop of one capture: detects the board, sends what is held still, sets the targets, and continues after failures.
 import { facts, lockFocus } from "../lib/camera.js";
 import { DetectorError, grab } from "../lib/detector.js";
 import { Pace, nextFrame } from "../lib/frames.js";
@@ -161,8 +161,7 @@ export class CaptureLoop {
   }
 
   /**
-   * Looks for another board where the expected one is not seen. A detector that fails meanwhile is reported by the next
-   * frame.
+   * Looks for another board if the expected one is not seen. The next frame reports a failure of the detector.
    */
   async #look() {
     const {
@@ -211,7 +210,7 @@ export class CaptureLoop {
     } = this.#state;
     if (phase !== "capturing" || (session && (offline || viewCount(this.#state) > 0))) return;
     this.#dispatch({ type: "request", request: this.#session.request });
-    if (!session) return; // it is started once the service is there
+    if (!session) return; // it starts once the service is available
     await this.#queue.send(
       () => this.#session.start(),
       (started) => this.#dispatch({ type: "session", session: started, time: performance.now() }),
@@ -228,7 +227,7 @@ export class CaptureLoop {
     const detection = await this.#detect({ full: true });
     if (!detection || this.#signal.aborted) return;
     const { ids, points, size, metrics } = detection;
-    // Between the two frames the device may have been turned, the hold may have ended, the hand may have jerked.
+    // Between the two frames the device may have turned, the hold may have ended, or the hand may have jerked.
     if (!isOfSize(size, key)) return this.#dispatch({ type: "frame", detection, time: performance.now() });
     const usual = [...this.#sharpness].sort((a, b) => a - b)[this.#sharpness.length >> 1];
     if (metrics?.sharpness && usual && metrics.sharpness < MIN_RELATIVE_SHARPNESS * usual) return;
@@ -241,7 +240,7 @@ export class CaptureLoop {
       this.#dispatch({ type: "stored", corners, stored, time: performance.now() });
       return this.#continue();
     }
-    // Detection goes on meanwhile: the service may take its time, or be away.
+    // Detection continues meanwhile: the service may be slow or unavailable.
     void this.#queue
       .send(
         () => {
@@ -322,7 +321,7 @@ export class CaptureLoop {
     if (this.#state.phase === "capturing") await this.#fetchTarget({ skip: true });
   }
 
-  /** Goes on once the service is back, with what was asked of it last. */
+  /** Repeats the last request once the service is back. */
   async #return() {
     if (this.#isFinishing) await this.#finish();
     if (!this.#signal.aborted && this.#state.phase === "capturing") await this.#fetchTarget();

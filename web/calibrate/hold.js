@@ -1,4 +1,4 @@
-// Rules for taking a view by itself: is the board at the target, is it held still there, for how long? Pure.
+// Rules for taking a view automatically: is the board at the target, is it held still there, for how long? Pure.
 import { foreshortening } from "../lib/board-outline.js";
 import { isExhausted, viewCount } from "./state.js";
 import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget, lenienceAfter } from "../lib/capture/target.js";
@@ -12,7 +12,7 @@ import { motion } from "../lib/capture/stillness.js";
 
 export { HOLD_MS, LONG_HOLD_MS };
 const MIN_FORESHORTENING = 0.08; // from which a pose other than the target may be worth sending
-const MIN_HOLD_FRAMES = 3; // a video that delivers nothing new is not a steady hand
+const MIN_HOLD_FRAMES = 3; // so that a stalled video does not count as a steady hand
 const STUCK_MS = 15_000; // without coming nearer to the target, then another kind of pose is requested
 const MAX_TARGET_MS = 45_000; // after which one is requested in any case
 const READ_REFUSAL_MS = 3_000; // after a refusal at the target: time to read the reason
@@ -65,7 +65,7 @@ export function holdProgress(state) {
 }
 
 /**
- * Factor on the motion that counts as still: not everybody has a steady hand.
+ * Factor on the motion that counts as still: it grows with time, for visitors without a steady hand.
  * @param {State} state @param {number} time ms
  */
 export function lenience({ capture: { posedAt } }, time) {
@@ -93,10 +93,10 @@ export function isSettled({
 export const timeToRead = (useless) => (useless ? READ_USELESS_MS : READ_REFUSAL_MS);
 
 /**
- * Decides what the page does by itself now.
+ * Decides which automatic action of the page is due.
  * @param {State} state @param {number} time ms
- * @returns {"submit" | "skip" | "finish" | "relayout" | null} relayout: the board shown has the other layout: go on
- *   with that one
+ * @returns {"submit" | "skip" | "finish" | "relayout" | null} relayout: continue with the board's other layout, which
+ *   the camera sees
  */
 export function decide(state, time) {
   const { phase, capture, link, detector, ui } = state;

@@ -1,4 +1,4 @@
-// Type of the lens: chosen on the first sheet, or detected. Then the type that the service suggests is taken by itself.
+// Type of the lens: chosen on the first sheet, or detected, which applies the service's suggestion automatically.
 import { isLensType } from "./history.js";
 
 /** @typedef {import("./state.js").State} State */

@@ -57,7 +57,7 @@ const captures = new Captures(captureStore, {
 const film = new Film(parts.film, parts.video);
 const feedback = new Feedback();
 const announcer = new Announcer(parts.said);
-/** View of the result: loaded while the capture goes on. @type {import("./outcome.js").Outcome | null} */
+/** View of the result: loaded during the capture. @type {import("./outcome.js").Outcome | null} */
 let outcome = null;
 /** @type {State} */
 let state = initial(board, parseWanted(parameters));
@@ -170,7 +170,7 @@ async function openCamera(signal, choice, opened) {
   if (signal.aborted) close();
   signal.throwIfAborted();
   signal.addEventListener("abort", close);
-  // Before it was permitted the browser's own choice had no id: it is this camera from now on.
+  // Before permission, the browser's own choice had no id. From now on it is this camera.
   if (!camera.virtual) chosen = camera.track.getSettings().deviceId || choice;
   await play(parts.video, camera.stream);
   return { camera, keepOpen: () => signal.removeEventListener("abort", close) };
@@ -220,8 +220,8 @@ async function run({ camera }, request, signal) {
 }
 
 /**
- * Ends a capture, or goes on with another one of the same camera: of the board's other layout, or of the size that a
- * turned device delivers. The capture before waits for the device to be turned back.
+ * Ends a capture, or continues with another one of the same camera: of the board's other layout, or of the size that
+ * a turned device delivers. The previous capture waits until the device is turned back.
  * @param {"relayout" | null} end @param {OpenedCamera} opened @param {SessionRequest} request
  */
 async function finish(end, { camera, keepOpen }, request) {
@@ -244,7 +244,7 @@ function continueWithBoard(other, notice) {
   return capture(chosen, { notice });
 }
 
-/** Goes on with the board before the camera. */
+/** Continues with the board in front of the camera. */
 async function useBoard() {
   const seen = takeSuggestion(page, parameters);
   if (!seen) return;
@@ -252,10 +252,10 @@ async function useBoard() {
   await continueWithBoard(seen.board, seen.notice);
 }
 
-/** Loads what nobody needs before a camera is open. */
+/** Loads the modules that are needed once a camera is open. */
 const loadCapture = () => Promise.all([import("./capture-loop.js"), import("./plan.js")]);
 
-/** Loads what only a capture that goes on will need. */
+/** Loads the modules that are needed once a capture is running. */
 async function prepareOutcome() {
   const { Outcome } = await import("./outcome.js");
   outcome ??= new Outcome(parts.result, parts.video, {
@@ -387,7 +387,7 @@ async function listInterrupted() {
   dispatch({ type: "interrupted", interrupted });
 }
 
-/** Resumes what was interrupted, on the page that it was begun on: its address says what is captured. */
+/** Resumes an interrupted capture at the address where it began, which names the board and the camera. */
 async function resume() {
   const { interrupted, cameras: found } = state.ui;
   if (!interrupted) return;
@@ -405,7 +405,7 @@ async function forget() {
 const sizes = new Sizes(parts.resolution, size);
 const listed = listInterrupted().then(listCameras);
 parts.start.addEventListener("click", async () => {
-  await listed; // a click before the browser has listed its cameras
+  await listed; // the visitor may click before the browser has listed its cameras
   size = sizes.chosen;
   void capture(parts.camera.value);
 });

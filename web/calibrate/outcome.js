@@ -38,7 +38,7 @@ export class Outcome {
    * @param {HTMLElement} place @param {HTMLVideoElement} video whose last picture is straightened
    * @param {{returnTo: string | null, asked: string | null, onAgain: () => void, onWithout: (indices: number[]) =>
    * void, onConsent: (api: Api) => Promise<unknown>, photo: (index: number) => string | null}} options asked: the
-   * camera that the page was opened for; onWithout: go on, but without these views; onConsent: publish the
+   * camera that the page was opened for; onWithout: continue without these views; onConsent: publish the
    * measurements; photo: picture of a view
    */
   constructor(place, video, { returnTo, asked, onAgain, onWithout, onConsent, photo }) {

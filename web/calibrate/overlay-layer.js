@@ -8,7 +8,7 @@ import { unmirrored } from "./status-text.js";
 /** @typedef {import("./parts.js").Parts} Parts */
 
 const GONE_AT = 0.5; // overlap with the target from which its squares are not drawn
-const LATER_VISIBILITY = 0.6; // once a view was taken, everybody knows what a target is
+const LATER_VISIBILITY = 0.6; // once a view was taken: the visitor then knows what a target is
 const [MIN_FILL, MAX_FILL] = [0.04, 0.16]; // opacity of the target's area
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
@@ -27,7 +27,7 @@ export function renderTarget(parts, state, before) {
 }
 
 /**
- * Fades the target as the board gets there: where the two lie over each other, only the outline tells them apart.
+ * Fades the target as the board approaches: where both overlap, only the outline distinguishes them.
  * @param {Parts} parts @param {State} state @param {State | null} before
  */
 function fadeTarget({ overlay, target, ghost }, state, before) {

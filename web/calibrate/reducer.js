@@ -23,9 +23,9 @@ const NOTICE_MS = 4_000;
 const CONFIRM_STOP_MS = 5_000; // in which a second press stops the capture
 const MAX_UNCONFIRMED_PROGRESS = 0.95; // until the service says that the capture is complete
 const BOARDLESS_MS = 8_000; // without any marker, before a way to get a board is offered
-const MAX_FRAME_MS = 500; // that one frame stands for
+const MAX_FRAME_MS = 500; // longest time that one frame counts for
 const STEADY_PX = 2; // px at 1280 px image width, during a hold: less is no motion of the board or the camera
-const DONE = { code: "wait", next: "wait", since: 0 }; // what was held is taken: it need not be held any more
+const DONE = { code: "wait", next: "wait", since: 0 }; // the view is taken: the visitor need not hold still any more
 const MIN_APPROACH = 0.05; // of the distance to the target that counts as coming nearer
 /** Reasons for a refusal that have a message. */
 const EXPLAINED_REASONS = new Set([
@@ -171,13 +171,13 @@ export function reduce(state, event) {
     case "undone":
       return undo(state, event);
     case "retrying":
-      // A notice about the last view is old by now, and would be read as the state of the connection.
+      // A notice about the last view is outdated, and would look like the state of the connection.
       return change(state, {
         link: { attempts: event.attempts },
         ui: { notice: event.attempts > 0 ? null : state.ui.notice },
       });
     case "offline":
-      // The status line says that the service is away: a notice beside it would say it twice.
+      // The status line already says that the service is away, so there is no notice.
       return change(clearTarget(state), {
         link: { offline: true, stored: event.stored, attempts: 0, busy: false },
         ui: { notice: null },
@@ -221,7 +221,7 @@ export function reduce(state, event) {
   }
 }
 
-/** Forgets everything but what belongs to the page. @param {State} state @returns {State} */
+/** Resets everything except the page's own state. @param {State} state @returns {State} */
 function reset({ board, wanted, detector: { loading }, ui: { cameras, interrupted, plain } }) {
   return change(initial(board, wanted), { detector: { loading }, ui: { cameras, interrupted, plain } });
 }
@@ -295,7 +295,7 @@ function isUnsteady(
 }
 
 /**
- * A stored view brings the capture nearer to its end, as far as can be told without the service.
+ * A stored view brings the capture nearer to its end, as far as the page knows without the service.
  * @param {State} state
  * @param {EventOf<"stored">} event
  */
@@ -360,7 +360,7 @@ function setTarget(state, { pose, picture, time }) {
     detector: { overlap: overlapWith(outline, pose, state.capture.key) },
     ui: { picture },
   });
-  // The last instruction was about another target: nobody should go on holding still for it.
+  // The last instruction was about another target: the visitor need not hold still for it any more.
   if (!outline) return next;
   const silent = change(next, { ui: { instruction: SILENT } });
   return change(next, { ui: { instruction: instruct(silent, requiredHold(next) === HOLD_MS, time) } });
@@ -374,7 +374,7 @@ function observeFrame(state, { detection, time }) {
   const found = { ids, points };
   const moved = motion(detector.corners, found);
   const stillness = observe(detector.stillness, found, time, size[0], lenience(state, time));
-  // A frame that is smeared in the middle of a hold is passed over, or the ring would start again and again.
+  // A blurred frame in the middle of a hold is ignored, or the ring would keep restarting.
   const passed = stillness === detector.stillness;
   const corners = passed ? detector.corners : found;
   const outline = passed ? detector.outline : observedOutline(state.board, corners);
@@ -413,7 +413,7 @@ function observeFrame(state, { detection, time }) {
 }
 
 /**
- * Another board, or a mirrored picture, is said at once: several looks agree on it.
+ * Another board, or a mirrored picture, is reported at once: several detections agree on it.
  * @param {State} state
  * @param {EventOf<"looked">} event
  * @returns {State}
@@ -433,9 +433,9 @@ function suggest(state, { suggestion, time }) {
 
 /** @param {State} state @param {EventOf<"answer">} event @returns {State} */
 function takeAnswer(state, { answer, corners, time }) {
-  // With no other view to contradict, the view by itself is degenerate.
+  // An outlier needs other views to contradict. A lone view that does not fit is degenerate.
   const reason = answer.reason === "outlier" && answer.views.length === 0 ? "degenerate" : answer.reason;
-  // Who has done what was asked is not told to do it.
+  // A visitor at the target is not asked to go there.
   const useless = (reason === "no_information" || reason === "duplicate") && isThere(state);
   const { taken, repeats, takenAt } = state.capture;
   const isIn = answer.accepted || reason === "duplicate";
@@ -450,7 +450,7 @@ function takeAnswer(state, { answer, corners, time }) {
     },
     link: { busy: false },
   });
-  // The answered target is gone at once; the next one is fetched. A refused one stays.
+  // After an accepted view, its target disappears at once and the next one is fetched. A refused view keeps it.
   const after = answer.accepted ? clearTarget(next) : next;
   return notify(after, answerNotice(state, answer, useless ? "useless" : reason), time);
 }

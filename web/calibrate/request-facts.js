@@ -36,5 +36,5 @@ export const factRows = (request) =>
     el("tr", {}, el("th", { scope: "row" }, name), el("td", { class: "words" }, value)),
   );
 
-/** The very object. @param {SessionRequest | null} request */
+/** The request as JSON. @param {SessionRequest | null} request */
 export const requestText = (request) => (request ? JSON.stringify(request, null, 2) : "");

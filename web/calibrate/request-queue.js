@@ -14,11 +14,11 @@ import { ResponseTimeout } from "./response-timeout.js";
  * @typedef {object} QueueOptions
  * @property {(event: import("./state.js").Event) => void} dispatch
  * @property {AbortSignal} signal
- * @property {() => void} onOffline called when the service is away: targets are the page's own
+ * @property {() => void} onOffline called when the service is away: the page then chooses the targets
  * @property {() => Promise<void>} onOnline called when it is back
  */
 
-const RESPONSE_MS = 2_000; // without a response, then the capture goes on offline
+const RESPONSE_MS = 2_000; // without a response, then the capture continues offline
 const FIRST_RESPONSE_MS = 5_000; // for the first request of a kind: an idle function has to start
 const RECONNECT_PAUSES_S = [1, 2, 3, 4, 5]; // between attempts; the last one again and again
 
@@ -30,8 +30,8 @@ export class RequestQueue {
   #inFlight = Promise.resolve();
   /** True if a request that timed out may still be answered. */
   isOverdue = false;
-  /** Sessions that took the place of expired ones, of which the person was told. */
-  #toldRenewals = 0;
+  /** Number of replaced sessions of which the visitor was notified. */
+  #notifiedRenewals = 0;
 
   /**
    * @param {Page} page @param {import("../lib/session.js").CaptureSession} session
@@ -48,7 +48,7 @@ export class RequestQueue {
   }
 
   /**
-   * Sends a request, unless another one is in flight: what the page does by itself does not queue.
+   * Sends a request, unless another one is in flight: automatic requests do not queue.
    * @template T
    * @param {() => Promise<T>} request
    * @param {(response: T) => void} deliver called if the response was in time
@@ -68,13 +68,13 @@ export class RequestQueue {
     try {
       const response = await request();
       // Only the service knows how many of the views a new session took.
-      const renewed = this.#session.renewals > this.#toldRenewals ? (await this.#session.resume()).state : null;
+      const renewed = this.#session.renewals > this.#notifiedRenewals ? (await this.#session.resume()).state : null;
       if (timeout.expired) return this.#settle([0, ...RECONNECT_PAUSES_S]);
       deliver(response);
       dispatch({ type: "idle" });
       if (!renewed) return;
       dispatch({ type: "session", session: renewed, time: performance.now() });
-      this.#tellRenewal();
+      this.#notifyRenewal();
     } catch (error) {
       timeout.cancel();
       if (signal.aborted) return;
@@ -88,7 +88,7 @@ export class RequestQueue {
     }
   }
 
-  /** Goes on offline after a timeout; the request may still be answered. */
+  /** Continues offline after a timeout; the request may still be answered. */
   #leave() {
     const { dispatch, signal, onOffline } = this.#options;
     if (signal.aborted || this.#state.link.offline || this.#state.phase !== "capturing") return;
@@ -104,14 +104,14 @@ export class RequestQueue {
     else this.#options.dispatch({ type: "idle" });
   }
 
-  /** Takes over the service's state of the session, which differs from ours after a lost response. */
+  /** Adopts the service's state of the session, which differs from the page's after a lost response. */
   async #resynchronize() {
     const { dispatch, signal, onOnline } = this.#options;
     try {
       const { state } = await this.#session.resume();
       dispatch({ type: "session", session: state, time: performance.now() });
       dispatch({ type: "idle" });
-      this.#tellRenewal();
+      this.#notifyRenewal();
       if (this.#state.phase === "capturing") setTimeout(() => void onOnline(), 0);
     } catch (error) {
       if (isUnavailable(error)) this.#handleOutage();
@@ -119,10 +119,10 @@ export class RequestQueue {
     }
   }
 
-  /** Tells of a session that took the place of an expired one, once. */
-  #tellRenewal() {
-    if (this.#session.renewals === this.#toldRenewals) return;
-    this.#toldRenewals = this.#session.renewals;
+  /** Notifies the visitor, once, that a new session replaces an expired one. */
+  #notifyRenewal() {
+    if (this.#session.renewals === this.#notifiedRenewals) return;
+    this.#notifiedRenewals = this.#session.renewals;
     this.#options.dispatch({
       type: "notice",
       notice: { key: "capture.begun_anew", kind: "plain" },
@@ -137,7 +137,7 @@ export class RequestQueue {
     this.goOffline();
   }
 
-  /** Goes on without the service: targets from the plan, views stored, and an attempt to reconnect now and then. */
+  /** Continues without the service: uses targets of the plan, stores views, and reconnects when it can. */
   goOffline() {
     this.#options.onOffline();
     void this.#reconnect();
@@ -158,7 +158,7 @@ export class RequestQueue {
         isBack = this.#session.waiting > 0 && sent.state.status !== "converged";
         if (isBack) continue;
         dispatch({ type: "online", session: sent.state, taken, refused, time: performance.now() });
-        this.#tellRenewal();
+        this.#notifyRenewal();
         break;
       } catch (error) {
         if (!isUnavailable(error)) return this.#page.fail(error, signal);
@@ -179,7 +179,7 @@ export class RequestQueue {
     over.abort();
   }
 
-  /** Resolves when no request is in flight: what a person asked for waits for its turn. */
+  /** Resolves when no request is in flight: the visitor's actions wait for their turn. */
   async drained() {
     while (this.#state.link.busy && !this.#options.signal.aborted) await this.#inFlight;
   }

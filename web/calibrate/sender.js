@@ -1,4 +1,4 @@
-// The application that sent the visitor: what it asks for, what is known of the camera already, and the way back.
+// The application that sent the visitor: its request, what is known of the camera, and the way back.
 import { Api } from "../lib/api.js";
 import { onLanguage, formatSize, t } from "../lib/i18n.js";
 import { returnAddress } from "../lib/result/return-address.js";
@@ -23,8 +23,8 @@ const MAX_FOUND = 20;
 export const senderName = ({ host, isHere }) => (isHere ? t("capture.sender_here") : host);
 
 /**
- * Sentence about a camera that was asked for.
- * @param {Known | null} known null: not known yet, or nobody can tell
+ * Sentence about the requested camera.
+ * @param {Known | null} known null: not known yet, or the lookup failed
  */
 export function knownText(known) {
   if (!known) return "";
@@ -57,7 +57,7 @@ export function knownOf({ cameras }, label, size) {
 const withoutId = (label) => label.replace(/\s*\([0-9a-f]{4}:[0-9a-f]{4}\)\s*$/i, "").toLowerCase();
 
 /**
- * Shows who sent the visitor, and how to return; nothing where nobody did.
+ * Shows which page sent the visitor, and how to return; nothing if no page did.
  * @param {import("./parts.js").Parts} parts @param {string | null} returnTo @param {Wanted} wanted
  */
 export async function showSender(
@@ -82,7 +82,7 @@ export async function showSender(
     goBack.hidden = !from?.allowed;
     if (from?.allowed) goBack.href = from.url.href;
     senderKnown.textContent = knownText(known);
-    senderKnown.hidden = !isAsked; // its line is kept free for what is known
+    senderKnown.hidden = !isAsked; // its line stays free for this sentence
   };
   write();
   onLanguage(write);
@@ -96,7 +96,7 @@ export async function showSender(
     known = knownOf(await new Api(api).json("GET", `/cameras?${parameters}`, token), wanted.camera, wanted.img_size);
     write();
   } catch (error) {
-    // It would have been a comfort; the capture itself says what fails.
+    // This is only information. If the service fails, the capture reports it.
     console.info("nothing is known of the sender or the camera:", error instanceof Error ? error.message : error);
   }
 }

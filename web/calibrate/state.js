@@ -85,7 +85,7 @@
  * @property {string | null} picture object URL of the target's overlay
  * @property {boolean} plain this device is too slow for the coloured overlay
  * @property {boolean} saved views could be saved on this device
- * @property {boolean} boardWanted somebody asked for a way to get the board that is expected; until one is seen
+ * @property {boolean} boardWanted the visitor asked how to get the expected board; until a board is seen
  * @property {number | null} stopAskedAt ms, when a stop was requested that would lose views
  *
  * @typedef {{type: "cameras", cameras: Choice[]}
@@ -158,25 +158,25 @@ export const expectedViews = (state) =>
   isAccurate(state) ? Math.max(MIN_VIEWS, viewCount(state)) : Math.max(USUAL_VIEWS, viewCount(state) + 1);
 
 /**
- * True if the capture can be ended by hand: the service has views enough for a result, be it a poor one.
+ * True if the visitor can end the capture: the service has enough views for a result, even a poor one.
  * @param {Views} state
  */
 export const isFinishable = ({ capture: { session }, link: { offline, stored } }) =>
   !offline && stored === 0 && session?.calibration != null && usedViews(session) >= MIN_VIEWS;
 
-// of a board that moves, before it is said that views are taken only of one that does not
+// of a moving board, before the page says that views need a still one
 const NEVER_STILL_MS = 12_000;
-const SHARPEST_MS = 60_000; // of one, before its sharpest frames are offered as views
+const SHARPEST_MS = 60_000; // of a moving board, before the page offers the sharpest frames as views
 
-/** Tells if the board is in view, and is never held still. @param {State} state */
+/** True if the board is in view, and is never held still. @param {State} state */
 export const isRestless = ({ detector: { restless } }) => restless > NEVER_STILL_MS;
 
-/** Tells if the sharpest frames so far can be used as views. @param {State} state */
+/** True if the sharpest frames so far can be used as views. @param {State} state */
 export const isSharpestOffered = ({ phase, detector: { restless }, link: { offline } }) =>
   phase === "capturing" && !offline && restless > SHARPEST_MS;
 
 /**
- * True if nothing new has been shown so often, or for so long, that the capture ends with what it has.
+ * True if the board has shown nothing new so often, or for so long, that the capture ends with the views it has.
  * @param {State} state
  * @param {number} time ms
  */

@@ -74,7 +74,7 @@ export function stopLabel(state) {
 }
 
 /**
- * Views so far and how many there will be, and what else is to be said of that.
+ * Views so far, how many there will be, and remarks on that.
  * @param {State} state
  * @returns {string[]}
  */
@@ -96,11 +96,11 @@ export function counts(state) {
   ].filter(Boolean);
 }
 
-/** Reason why it goes on before the fourth view. @param {State} state @param {number} missing views */
+/** Reason why a capture continues before the fourth view. @param {State} state @param {number} missing views */
 const leastViews = (state, missing) =>
   isAccurate(state) ? t("capture.goal_early", { count: missing }) : t("capture.at_least", { count: MIN_VIEWS });
 
-/** The accuracy that the views have reached, for who looks at the details. @param {State} state */
+/** The accuracy that the views have reached, for the details. @param {State} state */
 export function accuracy({ capture: { session } }) {
   if (!session?.uncertainty) return "";
   const reached = t("capture.reached", {
@@ -124,7 +124,7 @@ export function statusLine(state) {
 
 /**
  * Advice of the service, in its own words if the page has no message for it. Motion is its guess from the fit: it is
- * said only if the corners have moved. Fewer views than a result needs do not tell what is wrong with them.
+ * shown only if the corners have moved. With fewer views than a result needs, the cause is unknown.
  * @param {State} state
  */
 function advice({ capture: { session, unsteady } }) {

@@ -93,7 +93,7 @@ function frame(across, names, up, label, x, y) {
 }
 
 /**
- * A dot for what agrees, a cross for what does not; a link to its page. The table beside the plots has the same links
+ * A dot for what agrees, a cross for what does not; a link to its page. The table next to the plots has the same links
  * for the keyboard.
  * @param {number} x @param {number} y @param {Member} member
  */
@@ -141,7 +141,7 @@ export function centrePlot(members, agreed) {
 }
 
 const RING = 7; // units: radius
-const GAP = 0.12; // of a part of the ring that is left out between two
+const GAP = 0.12; // between two parts of the ring, as a share of a part
 
 /**
  * Ring with a part for each calibration that is needed.

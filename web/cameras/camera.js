@@ -64,7 +64,7 @@ export function aboutText({ camera, platform, usb_id, vendor }) {
 }
 
 /**
- * "Ready to use", or how many are there of how many.
+ * "Ready to use", or how many of the required calibrations exist.
  * @param {{reliable: boolean, agreeing: number, required: number}} size
  */
 export function stateText({ reliable, agreeing, required }) {
@@ -127,7 +127,7 @@ function estimatePart(page, mode) {
   return place;
 }
 
-/** Reason why it is not known. @param {Mode} mode */
+/** Reason why a camera is not ready. @param {Mode} mode */
 const reasonText = ({ reason }) =>
   t(reason && hasMessage(`cameras.reason_${reason}`) ? `cameras.reason_${reason}` : "cameras.unreliable");
 
@@ -167,7 +167,7 @@ function modeView(page, mode, open, explain) {
     ),
     body,
   );
-  // What nobody unfolds is not made.
+  // The content is created when the visitor opens it.
   if (open) fill();
   else details.addEventListener("toggle", fill, { once: true });
   return details;

@@ -69,7 +69,7 @@ export async function camera(key, onRetry) {
 }
 
 /**
- * The consensus of one mode for another model: computed now where nobody has asked for it yet.
+ * The consensus of one mode for another model: the first request computes it.
  * @param {CameraPage} page @param {Mode} mode @param {string} model
  * @returns {Promise<Calibration>}
  */

@@ -39,10 +39,10 @@ const facts = new Map();
 let choices = { snippet: "page", period: "hours", kind: "lookups" };
 let chosen = location.hash.slice(1);
 let busy = false;
-/** Secrets that this page alone has, and that nobody has copied yet. @type {Set<string>} */
+/** Secrets that only this page has, and that the user has not copied yet. @type {Set<string>} */
 const unsaved = new Set();
 
-/** Absolute, so that a file with tokens says which service they are of. */
+/** Absolute address of the API, so that a file with tokens names their service. */
 async function apiAddress() {
   try {
     return new URL((await loadSettings()).api, location.href).href;
@@ -126,9 +126,9 @@ function keep(token) {
 }
 
 /**
- * Does one thing to a token at a time.
- * @param {() => Promise<(() => string) | void>} act gives what to say then
- * @param {"rotate" | "other"} [what] @param {(error: unknown) => boolean} [handled] told of an error first
+ * Runs an action on a token, one at a time.
+ * @param {() => Promise<(() => string) | void>} act returns the message to show afterwards
+ * @param {"rotate" | "other"} [what] @param {(error: unknown) => boolean} [handled] true if it has handled the error
  */
 async function run(act, what = "other", handled = () => false) {
   if (busy) return;
@@ -236,7 +236,7 @@ function leave(token) {
   void refresh();
 }
 
-/** Keeps secrets that nobody has seen yet. @param {KeptToken} token */
+/** Stores a new token, whose secrets the user has not seen yet. @param {KeptToken} token */
 function keepNew(token) {
   if (kept.keep(token)) return;
   part("unkept", HTMLElement).hidden = false;
@@ -247,7 +247,7 @@ function keepNew(token) {
  * @param {string} text
  * @param {HTMLInputElement} field
  * @param {HTMLElement} problem
- * @returns {string[] | null} null: said beside the field
+ * @returns {string[] | null} null: the problem is shown next to the field
  */
 function readOrigins(text, field, problem) {
   const { origins, wrong } = originsIn(text);
@@ -324,7 +324,7 @@ file.addEventListener("change", async () => {
 });
 
 /**
- * Keeps a token of a file; over another secret of the same token only where that is wanted.
+ * Stores a token of a file. It replaces another secret of the same token only on request.
  * @param {KeptToken} token
  */
 async function load(token) {
@@ -350,5 +350,5 @@ addEventListener("beforeunload", (event) => {
 });
 onLanguage(show);
 show();
-makeButton.disabled = false; // a click before would send the form to nowhere
+makeButton.disabled = false; // an earlier click would submit the form without a handler
 void refresh();

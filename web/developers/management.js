@@ -1,4 +1,4 @@
-// Requests that make and manage tokens. None is repeated by itself: one that makes a token would make another.
+// Requests that create and manage tokens. They are never retried: a retry might create a second token.
 import { ApiError } from "../lib/api.js";
 import { reach, readable } from "../lib/network.js";
 

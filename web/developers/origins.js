@@ -31,7 +31,7 @@ export function originsIn(text) {
   return { origins: [...origins], wrong };
 }
 
-/** Is it a page on the machine of whoever opens it? @param {string} origin */
+/** True if an origin is on the visitor's own machine. @param {string} origin */
 export const isLoopback = (origin) => URL.canParse(origin) && LOOPBACK.test(new URL(origin).hostname);
 
 /** @param {string} word @returns {{origin: string} | {fault: Fault}} */

@@ -1,4 +1,4 @@
-// Limits of the plans that people can have by themselves, as `layers/service/calibdb/access/plans.py` sets them.
+// Limits of the self-service plans, as in `layers/service/calibdb/access/plans.py`.
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 import { KINDS, formatCount } from "./use-chart.js";

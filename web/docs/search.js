@@ -1,4 +1,4 @@
-// Search of the documentation: the texts are fetched when somebody begins to type.
+// Search of the documentation: the texts are fetched when the visitor begins to type.
 import { el, part } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 
@@ -37,7 +37,7 @@ async function make() {
   return /** @type {any} */ (found);
 }
 
-/** Shows the form, which is of no use without a script, and answers it. */
+/** Shows the form, which is useless without a script, and handles it. */
 export function offerSearch() {
   const form = part("search", HTMLFormElement);
   const words = part("words", HTMLInputElement);
@@ -68,7 +68,7 @@ export function offerSearch() {
   });
 }
 
-/** The key / leads to the search from anywhere but a field. @param {HTMLInputElement} words */
+/** Makes the key / focus the search, except in a field. @param {HTMLInputElement} words */
 function focusBySlash(words) {
   document.addEventListener("keydown", (event) => {
     const isTyping = event.target instanceof Element && event.target.closest("input, select, textarea");
@@ -91,7 +91,7 @@ async function show() {
   let items;
   try {
     const all = (await load()).search(asked);
-    if (part("words", HTMLInputElement).value.trim() !== asked) return; // typed on meanwhile
+    if (part("words", HTMLInputElement).value.trim() !== asked) return; // the visitor has typed more meanwhile
     status.textContent = all.length ? t("docs.found", { count: all.length }) : t("docs.none");
     items = all.slice(0, MAX_RESULTS).map(item);
   } catch (error) {

@@ -29,7 +29,7 @@ import { poseAt } from "./board.js";
  */
 
 const WANTED = /** @type {[number, number]} */ ([1280, 720]);
-const USUAL_FIELD_DEG = 60; // whole field of view, width, that is taken for a camera nobody knows
+const USUAL_FIELD_DEG = 60; // horizontal field of view assumed for an unknown camera
 
 /**
  * Waits for the visitor, then opens the camera; with `?virtual=1` in the address, on pages that offer it, the virtual

@@ -25,7 +25,7 @@ function finite(value, what) {
   return value;
 }
 
-/** Is it a file of PhotonVision? @param {unknown} data */
+/** True for a file of PhotonVision. @param {unknown} data */
 export const isPhotonVision = (data) => at(data, "cameraIntrinsics") !== undefined;
 
 /**

@@ -1,4 +1,4 @@
-// Calibration from what another program has measured. The file is read on this device; only where corners are is sent.
+// Calibration from another program's measurements. The file is read on this device; only corner positions are sent.
 import { Api } from "../lib/api.js";
 import { observedOutline } from "../lib/board-outline.js";
 import { part, liveRegion } from "../lib/dom.js";
@@ -63,7 +63,7 @@ let measured = null;
 let guessed = null;
 /** @type {string | null} id of a calibration of this service, whose own file it is */
 let own = null;
-/** A table whose board is still to be told. */
+/** A table whose board the visitor still has to enter. */
 let text = "";
 /** @type {unknown} what is wrong */
 let wrong = null;
@@ -151,7 +151,7 @@ async function take(file) {
 }
 
 /**
- * Content of a file, by its kind. One of a kind that the page does not know the service may read.
+ * Content of a file, by its kind. The service may read kinds that the page does not know.
  * @param {string} content @param {boolean} isSendable whether the service takes it
  */
 function kindOf(content, isSendable) {
@@ -309,7 +309,7 @@ takeFiles(parts.file, parts.drop, ([file]) => void take(file));
 parts.kind.addEventListener("change", showKind);
 parts.table.addEventListener("submit", (event) => {
   event.preventDefault();
-  turn++; // what was calibrated from another reading of it counts no more
+  turn++; // invalidates the results of an earlier reading
   complain(null);
   view.clear();
   judgements.clear();

@@ -83,8 +83,8 @@ function parsed(content) {
 const isWithin = (at, length) => at >= -MAX_OUTSIDE_PX && at <= length - 1 + MAX_OUTSIDE_PX;
 
 /**
- * The views as a session takes them, and the board that they are of. Which markers it had nobody asks any more, but a
- * board must have enough of them.
+ * The views as a session takes them, and their board. The service ignores which markers it has, but a board must have
+ * enough of them.
  * @param {View[]} views @param {[number, number]} size of the pictures, px
  * @returns {{board: import("../lib/board.js").SentBoard, views: Numbered[]}} throws MalformedError
  */

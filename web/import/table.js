@@ -6,7 +6,7 @@ import { MalformedError } from "./grid.js";
 const MAX_TABLE_VIEWS = 1000;
 
 /**
- * Does it look like such a table: does its first line that says something have a name and two places?
+ * True if a text looks like such a table: its first line of data has a name and two places.
  * @param {string} text
  */
 export function isTable(text) {

@@ -26,7 +26,7 @@ const ROOM = [
   { cx: 320, cy: 380, rx: 460, ry: 120, fill: "#6b4a31" },
   { cx: 90, cy: 300, rx: 60, ry: 22, fill: "#c9c2b4" },
 ];
-const STILL_MS = 0.62 * MOVE_MS; // of who wants no motion: the board on its way, where both can be told apart
+const STILL_MS = 0.62 * MOVE_MS; // still frame for reduced motion: board and target are apart
 // Progress, as on the capture page: the outline of each pose, filled once its view is taken
 const FILM_LEFT = 398;
 const FILM_STEP = 58;

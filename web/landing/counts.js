@@ -1,4 +1,4 @@
-// Counts of the database, for who asks whether anything is in it.
+// Counts of the database: how many cameras and calibrations it has.
 import { Api } from "../lib/api.js";
 import { loadSettings } from "../lib/settings.js";
 

@@ -60,7 +60,7 @@ function drawFigure(k1) {
   );
 }
 
-/** Access to cameras, loaded when somebody asks for theirs. @type {typeof import("../lib/camera.js") | null} */
+/** Access to cameras, loaded when the visitor looks up theirs. @type {typeof import("../lib/camera.js") | null} */
 let cameras = null;
 
 /** @returns {Promise<() => Node[]>} what came of it */
@@ -97,7 +97,7 @@ function errorText(error) {
   return made;
 }
 
-/** Shows how much the database holds, once that is known; nothing where it is empty or away. */
+/** Shows how much the database contains; nothing if it is empty or unavailable. */
 async function showCounts() {
   const counts = await countCameras().catch((error) => console.info("not counted:", error.message));
   if (!counts?.cameras) return;
@@ -145,7 +145,7 @@ button.addEventListener("click", async () => {
 });
 new IntersectionObserver(
   (entries, watcher) => {
-    // Asked for only by who comes near: most visitors of the page go on at once.
+    // Loaded once the visitor scrolls near: most visitors leave the page before.
     if (!entries.some(({ isIntersecting }) => isIntersecting)) return;
     watcher.disconnect();
     void showCounts();

@@ -11,16 +11,16 @@ export { OfflineError };
  * @property {(ms: number) => Promise<void>} wait
  * @property {AbortSignal} [signal] after which nothing more is asked
  * @property {number} [timeout] ms for one answer; unset: as long as the service may compute
- * @property {(retry: {attempt: number} | null) => void} onRetry told before each new attempt, and when one got through
+ * @property {(retry: {attempt: number} | null) => void} onRetry called before each retry, and when one succeeds
  */
 
 /** Seconds between attempts: a minute in all, about as long as a person would wait. */
 export const RETRY_DELAYS_S = [0.5, 1, 2, 4, 8, 15, 30];
-/** Wait of a caller that can go on without an answer: two seconds. */
+/** Retries for a caller that can continue without an answer: two seconds. */
 const BRIEF_RETRIES = 2;
-const MAX_RETRY_AFTER_MS = 60_000; // ms; whoever asks for more is not waited for
+const MAX_RETRY_AFTER_MS = 60_000; // ms; a server that asks for more gets no retry
 
-/** The service's answer was no. */
+/** The service refused a request. */
 export class ApiError extends Error {
   /**
    * @param {number} status
@@ -35,7 +35,7 @@ export class ApiError extends Error {
     this.kind = (problem.type ?? "").split(/[/:#]/).at(-1) ?? "";
   }
 
-  /** Is this likely to pass by itself? */
+  /** True if a later attempt may succeed. */
   get passing() {
     return isTransient(this);
   }
@@ -44,7 +44,7 @@ export class ApiError extends Error {
 export class Api {
   #base;
   #transport;
-  /** Was the last attempt in vain? Of whichever call: one that gets through ends the waiting of all. */
+  /** True if the last attempt of any call failed: one that succeeds ends the waiting of all. */
   #vain = false;
 
   /** @param {string} base address of the API, "/v1" @param {Partial<Transport>} [transport] */
@@ -66,7 +66,7 @@ export class Api {
    * @returns {Promise<Response>} one that is ok, or 304 for an answer that is there already; rejects with ApiError or
    *   OfflineError
    *
-   * All calls are safe to repeat: the service answers the same view again in the same way.
+   * All calls are idempotent: the service answers a repeated view in the same way.
    */
   async send(method, path, credential, { body, accept = "application/json", brief = false, etag = "" } = {}) {
     /** @type {HeadersInit} */
@@ -87,7 +87,7 @@ export class Api {
         }
         this.#vain = true;
         const asked = response ? retryAfter(response) : 0;
-        // A used-up hour is not waited for: nobody stands there so long. Nor is silence, where there is better to do.
+        // An exhausted hourly quota takes too long to wait for. So does a silent service, if the caller can continue.
         const hopeless = asked > MAX_RETRY_AFTER_MS || (brief && result instanceof OfflineError && result.silent);
         if (retries === delays.length || hopeless) return null;
         this.#transport.onRetry({ attempt: retries + 1 });
@@ -104,7 +104,7 @@ export class Api {
   }
 
   /**
-   * The answer, whole: what breaks off on its way is asked for again.
+   * The complete answer: if the transfer breaks off, it is requested again.
    * @param {string} path @param {RequestInit & {timeout?: number}} request @returns {Promise<Response | OfflineError>}
    */
   async #attempt(path, request) {
@@ -132,7 +132,7 @@ async function problem(response) {
   try {
     return JSON.parse(text);
   } catch (error) {
-    if (error instanceof SyntaxError) return {}; // a proxy's page, of no use to anybody
+    if (error instanceof SyntaxError) return {}; // a proxy's page, which says nothing useful
     throw error;
   }
 }

@@ -11,11 +11,11 @@ import { refineCorner } from "./subpixel.js";
  * @typedef {import("./subpixel.js").Grey} Grey
  */
 
-const MIN_GRID_TAGS = 3; // from which the grid tells how the tags are turned on it
-const MAX_TAG_MISS = 0.5; // sides of a tag: one farther from its place is none of this board
+const MIN_GRID_TAGS = 3; // fewer do not show how the tags are rotated on the grid
+const MAX_TAG_MISS = 0.5; // sides of a tag: a tag farther from its place is not part of this board
 const GAP_WINDOW_SHARE = 0.35; // of the gap: half the window of the refinement, which must not hold the next tag
 const [MIN_GAP_WINDOW_PX, MAX_GAP_WINDOW_PX] = [2, 6];
-const MAX_SHIFT = 0.12; // sides of a tag; a corner that wants to go further was not where the detector thought
+const MAX_SHIFT = 0.12; // sides of a tag: a larger refinement means that the detected corner was wrong
 
 /**
  * Corners of an AprilGrid. Tags may be turned on it, as Kalibr's are: which corner is which follows from the grid.
@@ -63,7 +63,7 @@ export function aprilgridCorners(
       all.push({ id: 4 * tag.id + n, point: better, saddle: isSaddle(image, better, centreOf(tag), spacing) });
     }
   }
-  // If black squares lie in the gaps, a corner without one is less sure than the others: blur draws it inwards.
+  // If black squares lie in the gaps, a corner without one is less certain than the others: blur moves it inwards.
   const saddles = all.filter(({ saddle }) => saddle);
   const kept = !every && 2 * saddles.length > all.length ? saddles : all;
   return { ids: kept.map(({ id }) => id), points: kept.map(({ point }) => point) };

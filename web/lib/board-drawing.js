@@ -1,4 +1,4 @@
-// Black areas of a board. Apart from its geometry: only who draws boards needs the tables of the markers.
+// Black areas of a board. Separate from its geometry, because only drawing needs the tables of the markers.
 import { TABLES } from "../vendor/dictionaries.js";
 import { DEFAULT_TAG_SPACING, corners, dictionaryOf, isBlack, isCircles, markers, sizeOf } from "./board.js";
 

@@ -9,7 +9,7 @@ import { onLanguage, t } from "./i18n.js";
  * @typedef {import("./board.js").SentBoard} SentBoard
  *
  * @typedef {object} Use the form within a page
- * @property {(board: SentBoard) => void} onChoice called when somebody has chosen another
+ * @property {(board: SentBoard) => void} onChoice called when the visitor has chosen another board
  * @property {(reason: string) => string} problemText words for a board that cannot be
  * @property {"input" | "change"} [event] when a field counts: with every key, or when it is left
  * @property {boolean} [circles] whether grids of circles are offered, which no page detects

@@ -11,8 +11,8 @@ const LETTERS = 8; // points
 const INVERTED_EDGE_MM = 5; // of black around a board that is white on black
 
 /**
- * @typedef {object} Foot what is written below the board, in the language of whoever prints it
- * @property {string} bar beside the scale bar of 100 mm
+ * @typedef {object} Foot text below the board, in the language of the page
+ * @property {string} bar next to the scale bar of 100 mm
  * @property {string[]} lines
  *
  * @typedef {object} Lettering a text as a picture

@@ -1,9 +1,9 @@
-// Recognition of a board in pictures of which nobody said what board they show. Pure; the worker looks, this concludes.
+// Recognition of an unknown board in pictures. Pure: the worker detects, this module infers the board.
 //
-// In a picture the markers of all families are looked for, in black and in white, and mirrored. Ids and places of
-// those found fit the rows and columns of one board only (marker-grid.js). Several pictures together tell the number
-// of rows: no single one need show the whole board. The ratio of marker and square is measured through the
-// homography. Where there are no markers, a lattice of saddle points is a chessboard (chessboard-lattice.js).
+// The detector searches each picture for the markers of all families: black, white, and mirrored. Ids and places of
+// the markers fit the rows and columns of one board only (marker-grid.js). The number of rows follows from several
+// pictures, so none has to show the whole board. The ratio of marker and square is measured through the homography.
+// Without markers, a lattice of saddle points is a chessboard (chessboard-lattice.js).
 import {
   DEFAULT_TAG_SPACING,
   dictionaryOf,
@@ -93,7 +93,7 @@ export function isPartOf(part, whole) {
 }
 
 /**
- * True if a board may go on beyond the picture's edge.
+ * True if a board may extend beyond the picture's edge.
  * @param {number[][]} points px, of corners or markers
  * @param {[number, number]} size px
  */

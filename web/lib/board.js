@@ -219,7 +219,7 @@ export function outline(board) {
   ];
 }
 
-/** Is this square black? @param {Board} board @param {number} x column @param {number} y row */
+/** True if a square is black. @param {Board} board @param {number} x column @param {number} y row */
 export function isBlack({ squares: [, rows], legacy }, x, y) {
   return (x + y + (legacy && rows % 2 === 0 ? 1 : 0)) % 2 === 0;
 }

@@ -8,7 +8,7 @@ import { labelOf, setupFrom } from "./virtual/setup.js";
  * @property {string} id device id, "" for the browser's own choice, "virtual"; "environment" and "user" by where a
  *   phone's cameras face
  * @property {string} label
- * @property {boolean} [named] the browser tells its name: it does once the camera was permitted
+ * @property {boolean} [named] the browser reports its name, which it does once camera access is granted
  *
  * @typedef {object} OpenCamera
  * @property {MediaStream} stream
@@ -51,7 +51,7 @@ export async function cameras(parameters) {
     label: label || t("capture.camera_number", { number: index + 1 }),
     named: label !== "",
   }));
-  // What a phone's cameras are called says little, and before permission it says nothing: which way they face does.
+  // Labels of a phone's cameras say little, and are empty before permission: the direction they face identifies them.
   const faces = real.length > 0 && !parameters.has("camera") && (parameters.has("facing") || isHandheld());
   const choices = faces ? [...facing(parameters.get("facing")), ...listed.filter(({ named }) => named)] : listed;
   return [...choices, { id: "virtual", label: labelOf(setupFrom(parameters)) }];
@@ -71,8 +71,8 @@ function facing(asked) {
 }
 
 /**
- * The camera to propose: what was chosen, else what was asked for, else a real one. The virtual one never stands in
- * for a real one.
+ * The camera to propose: the chosen one, else the requested one, else a real one. The virtual camera never replaces a
+ * real one.
  * @param {Choice[]} choices @param {string | null} asked label @param {string} chosen id, "" for none yet
  * @returns {string} id; "" for none
  */
@@ -151,7 +151,7 @@ function opened(stream, virtual) {
 }
 
 /**
- * Holds focus and zoom where they are, where the camera lets us: focus that hunts changes the focal length.
+ * Locks focus and zoom, if the camera allows it: a hunting autofocus changes the focal length.
  * @param {MediaStreamTrack} track one that shows the board, so that the board is what it is focused on
  */
 export async function lockFocus(track) {
@@ -163,11 +163,11 @@ export async function lockFocus(track) {
     wanted.focusMode = "manual";
     if (focusDistance !== undefined) wanted.focusDistance = focusDistance;
   }
-  // Some cameras zoom to follow a face; one that is told where it stands stays there.
+  // Some cameras zoom to follow a face. Requesting the current zoom keeps it fixed.
   if (zoom && now !== undefined) wanted.zoom = now;
   if (Object.keys(wanted).length === 0) return;
   const constraints = /** @type {MediaTrackConstraints} */ (/** @type {unknown} */ ({ advanced: [wanted] }));
-  // A camera that offers this and then refuses stays as it was; what it does is recorded either way.
+  // A camera that offers this and then refuses stays as it was. Its actual settings are recorded either way.
   await track.applyConstraints(constraints).catch((error) => console.info("focus not locked:", error.message));
 }
 

@@ -39,7 +39,7 @@ export function findLattice(image, saddles) {
     if (seen.has(start) || edges[start].length < 2) continue;
     const placed = label(saddles, edges, start, seen);
     if (placed.size > largest.size) largest = placed;
-    if (largest.size > saddles.length - seen.size) break; // what is left cannot be larger
+    if (largest.size > saddles.length - seen.size) break; // no remaining lattice can be larger
   }
   if (largest.size < 2 * MIN_CORNERS_A_SIDE) return null;
   grow(image, saddles, largest);
@@ -250,7 +250,7 @@ function closest(saddles, x, y, reach, used) {
 }
 
 /**
- * A corner too faint to be found without knowing where it is.
+ * A corner that is too faint to be found unless its place is predicted.
  * @param {Grey} image
  * @param {number} x
  * @param {number} y
@@ -273,7 +273,7 @@ function rectangle(image, placed) {
     const inside = keys.filter(([i, j]) => i >= left && i <= right && j >= top && j <= bottom && holds(i, j)).length;
     return inside;
   };
-  // A line at the edge with few corners is none: something beside the board looked like one.
+  // A line at the edge with few corners is not part of the board: something next to the board looked like corners.
   for (let trimmed = true; trimmed && left < right && top < bottom;) {
     const [across, down] = [(right - left + 1) * MIN_LINE_SHARE, (bottom - top + 1) * MIN_LINE_SHARE];
     trimmed = true;

@@ -1,19 +1,19 @@
-// Consent of the person who calibrates: may the measurements be given away under CC0? Asked on every page that
-// calibrates, before or after, never assumed, kept on this device until it is changed.
+// Consent of the visitor to publish the measurements under CC0. Every page that calibrates asks for it, before or
+// after. It is never assumed, and kept on this device until it is changed.
 import { onLanguage, t, translate } from "./i18n.js";
 
 /**
- * Licence under which dumps are given away, an SPDX identifier, and the date of the text on /terms/ that is agreed to.
+ * Licence under which dumps are published, an SPDX identifier, and the date of the text on /terms/ that is agreed to.
  */
 export const LICENCE = "CC0-1.0";
 export const LICENCE_VERSION = "2026-11-22";
 const CONSENT_KEY = "calibdb.consent";
 
-/** Was it given on this device, to the text as it is today? @type {boolean | null} null: not read yet */
+/** True if it was given on this device, to the current text. @type {boolean | null} null: not read yet */
 let given = null;
 
 /**
- * Publishes what was measured before the person agreed; null: there is nothing to publish.
+ * Publishes measurements from before the visitor agreed; null: there is nothing to publish.
  * @type {(() => Promise<unknown>) | null}
  */
 let publish = null;
@@ -63,7 +63,7 @@ export function offerConsent() {
       note.textContent = t("consent.failed");
     }
   });
-  // Given or taken back in another tab.
+  // Consent was given or withdrawn in another tab.
   addEventListener("storage", ({ key }) => {
     if (key !== CONSENT_KEY && key !== null) return;
     given = null;
@@ -79,7 +79,7 @@ function read() {
     return globalThis.localStorage?.getItem(CONSENT_KEY) ?? null;
   } catch (error) {
     if (!(error instanceof DOMException)) throw error;
-    return null; // a browser that keeps nothing for pages
+    return null; // a browser that blocks storage
   }
 }
 
@@ -89,6 +89,6 @@ function write(agreed) {
     if (agreed) localStorage.setItem(CONSENT_KEY, LICENCE_VERSION);
     else localStorage.removeItem(CONSENT_KEY);
   } catch (error) {
-    if (!(error instanceof DOMException)) throw error; // holds for this page, then
+    if (!(error instanceof DOMException)) throw error; // storage is blocked: consent is valid on this page only
   }
 }

@@ -3,7 +3,7 @@
 /** @typedef {(number | null)[][]} Values rows of values, each at the centre of its cell; null: unknown */
 
 /**
- * Values with a border, and where they lie: the outermost values go on to the picture's edge.
+ * Values with a border, and where they lie: the outermost values extend to the picture's edge.
  * @param {Values} values @param {[number, number]} size px
  */
 function bordered(values, [width, height]) {

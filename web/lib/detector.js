@@ -16,8 +16,8 @@ import { reach } from "./network.js";
  * @property {number} memory bytes that OpenCV holds
  */
 
-const START_TIMEOUT_MS = 20_000; // ms; a worker that a content policy stops never answers and never fails
-// ms for one frame: ten times what a slow phone needs. A worker that was killed does not say so
+const START_TIMEOUT_MS = 20_000; // ms; a worker that a content policy blocks neither answers nor fails
+// ms for one frame: ten times what a slow phone needs. A killed worker reports nothing
 const FRAME_TIMEOUT_MS = 4_000;
 // ms for one picture in which boards of every kind are looked for, which takes much longer
 const SIGHT_TIMEOUT_MS = 30_000;
@@ -116,12 +116,12 @@ export class Detector {
     return this.#waiting.size;
   }
 
-  /** Has it been closed? */
+  /** True once it is closed. */
   closed = false;
 
   /**
-   * The worker ends when it has let go of its frames, or does not answer: a frame that dies with it keeps the camera's
-   * memory.
+   * Ends the worker once it has released its frames, or does not answer: a frame that it still has would keep the
+   * camera's memory.
    */
   close() {
     if (this.closed) return;
@@ -141,7 +141,7 @@ export class Detector {
   #ask(message, transfer, timeout = START_TIMEOUT_MS) {
     const id = this.#next++;
     const now = performance.now();
-    // The worker answers one after the other: the time of this one begins when those before it have theirs.
+    // The worker handles one request at a time: the timeout of this one begins after the previous answers.
     const end = Math.max(now, ...[...this.#waiting.values()].map((each) => each.end)) + timeout;
     return new Promise((resolve, reject) => {
       const timer = setTimeout(() => this.#silent(id), end - now);

@@ -1,4 +1,4 @@
-// Objects that the weekly dump leaves beside itself: the database in figures, and the names of its files.
+// Objects stored next to the weekly dump: statistics of the database, and the names of the dump's files.
 import { OfflineError, reach, readable } from "./network.js";
 
 /**

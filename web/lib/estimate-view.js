@@ -1,4 +1,4 @@
-// Estimate of a camera that nobody has calibrated, shown plainly as one.
+// Estimate of a camera that has no calibration yet, clearly marked as an estimate.
 import { el } from "./dom.js";
 import { number, t } from "./i18n.js";
 

@@ -50,7 +50,7 @@ function addFrom(page, spoken) {
 
 /** The language spoken now. @returns {Language} */
 export function language() {
-  // Pages are served in their language; who prefers another one has been led on by language.js.
+  // Pages are served in their language; language.js has redirected visitors who prefer another one.
   current ??= choose(
     languageInQuery(),
     globalThis.document?.documentElement?.lang || keep(),
@@ -60,7 +60,7 @@ export function language() {
 }
 
 /**
- * The first of these that there is: asked for in the address, chosen before, preferred in the browser; else English.
+ * The first supported language of: the address's, the one chosen before, the browser's; else English.
  * @param {string | null} wanted @param {string | null} kept @param {readonly string[]} preferred BCP 47, best first
  * @returns {Language}
  */
@@ -249,14 +249,14 @@ export function languageInQuery() {
 /** The language that the browser prefers. */
 const preferred = () => choose(null, null, globalThis.navigator?.languages ?? []);
 
-/** Keeps the choice, and tells the one kept before. @param {Language} [chosen] @returns {string | null} */
+/** Stores the choice, if given. Returns the previous one. @param {Language} [chosen] @returns {string | null} */
 function keep(chosen) {
   try {
     const kept = globalThis.localStorage?.getItem(LANGUAGE_KEY) ?? null;
     if (chosen) globalThis.localStorage?.setItem(LANGUAGE_KEY, chosen);
     return kept;
   } catch (error) {
-    // A browser that keeps nothing for pages refuses the very question.
+    // A browser that blocks storage throws on access.
     if (!(error instanceof DOMException)) throw error;
     return null;
   }

@@ -9,7 +9,7 @@ import { SettingsError, loadSettings, storedSettings } from "./settings.js";
 /** Keys of the words for them. @typedef {{name: string, contact: string, imprint: string}} Words */
 
 /**
- * Shows it on the page, in words of the page's own catalog; and tells it.
+ * Shows the operator on the page, in words of the page's own catalog, and returns it.
  * @param {Words} words
  * @returns {Promise<Operator>}
  */

@@ -34,7 +34,7 @@ export function ownCalibrations() {
         )
       : [];
   } catch (error) {
-    // A browser that keeps nothing for pages refuses the very question.
+    // A browser that blocks storage throws on access.
     if (!(error instanceof DOMException) && !(error instanceof SyntaxError)) throw error;
     return [];
   }

@@ -10,8 +10,8 @@ import { motion } from "./capture/stillness.js";
 
 const MIN_APART_WIDTHS = 0.02; // of the picture, between frames: nearer, the service takes them for duplicates
 const GRID_COLUMNS = 12; // cells of the picture, across
-const SHAPE_WEIGHT = 1.5; // how much a new shape is worth beside new places
-const MAX_OUTLINE_DISTANCE = 0.4; // of the width: outlines so different do not get more so
+const SHAPE_WEIGHT = 1.5; // weight of a new shape relative to new places
+const MAX_OUTLINE_DISTANCE = 0.4; // of the width: beyond it, outlines count as equally different
 
 /**
  * @template {Candidate} C
@@ -38,7 +38,7 @@ export function rankByNovelty(candidates, size, most = Infinity) {
 }
 
 /**
- * Frames of a video that say different things: of those at nearly the same place the one that moved least.
+ * Frames of a video with different poses: of those at nearly the same place, the one that moved least.
  * @template {{ids: number[], points: number[][]}} F
  * @param {F[]} frames in the video's order @param {number} width of the picture, px
  */
@@ -88,8 +88,7 @@ function distance(a, b) {
 }
 
 /**
- * Those first that were taken, in the order in which the error fell with them, best first; then the others as they
- * came.
+ * The frames that were taken, by how much each reduced the error, best first; then the others in their order.
  * @template P
  * @param {P[]} pictures
  * @param {(picture: P) => {accepted: boolean, after: number | null} | undefined} judgementOf
@@ -122,7 +121,7 @@ export class Sharpest {
     if (others.length < MAX_PLACES) this.#frames = [...others, frame];
   }
 
-  /** Those that say most together. @param {number} count @param {[number, number]} size of the picture, px */
+  /** The frames most informative together. @param {number} count @param {[number, number]} size of the picture, px */
   best(count, size) {
     return rankByNovelty(this.#frames, size, count).map(({ ids, points }) => ({ ids, points }));
   }

@@ -77,7 +77,7 @@ export class CaptureSession {
     return this.#views.filter(({ taken }) => !taken).length;
   }
 
-  /** Number of views that the service is not known to have. @param {{session: SessionState | null}} capture */
+  /** Number of views that the service may lack. @param {{session: SessionState | null}} capture */
   stored({ session }) {
     return session ? this.waiting : this.size;
   }
@@ -203,7 +203,7 @@ export class CaptureSession {
   /** @param {View} view @param {number} index @returns {Promise<ViewAnswer>} */
   async #send(view, index) {
     view.index = index;
-    this.#persist(); // if the response is lost, this tells which view the service may have
+    this.#persist(); // if the response is lost, this records which view the service may have
     const answer = await this.#call("POST", "/session/views", { body: { index, ids: view.ids, points: view.points } });
     view.taken = answer.accepted;
     keepReceipt(this.#credential, answer);

@@ -3,13 +3,12 @@ import { reach } from "./network.js";
 
 /**
  * @typedef {{api: string, token: string, return_origins?: string[], operator?: {name?: string, contact?: string,
- *   imprint?: string}}} Settings return_origins: to which results may be
- *    handed
+ *   imprint?: string}}} Settings return_origins: origins to which the pages may hand results
  */
 
 const STORAGE_KEY = "calibdb.settings";
 
-/** The page is there and what belongs to it is not. */
+/** The page has loaded, but its settings have not. */
 export class SettingsError extends Error {}
 
 /**
@@ -24,7 +23,7 @@ export async function loadSettings(options) {
   return settings;
 }
 
-/** Those of the last visit, for who goes on without a network. @returns {Settings | null} */
+/** Settings of the last visit, for use without a network. @returns {Settings | null} */
 export function storedSettings() {
   try {
     return JSON.parse(localStorage.getItem(STORAGE_KEY) ?? "null");

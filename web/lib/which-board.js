@@ -15,8 +15,8 @@ export class WhichBoard {
   #form;
 
   /**
-   * @param {SentBoard} board @param {(board: SentBoard) => void} onChoice called when somebody has chosen another
-   * @param {boolean} isChosen whether somebody has said that it is this one; else it is recognised
+   * @param {SentBoard} board @param {(board: SentBoard) => void} onChoice called when the visitor has chosen another
+   * @param {boolean} isChosen true if the visitor has chosen this board; else the board is recognised
    */
   constructor(board, onChoice, isChosen) {
     [this.#board, this.#isChosen] = [board, isChosen];

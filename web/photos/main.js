@@ -1,4 +1,4 @@
-// Calibration from photographs or a video. Boards are looked for on this device; only where their corners are is sent.
+// Calibration from photos or a video. Boards are detected on this device; only corner positions are sent.
 import { DEFAULT_BOARD, boardFrom, boardQuery, isSameBoard } from "../lib/board.js";
 import { showProblem } from "../lib/board-text.js";
 import { Api } from "../lib/api.js";
@@ -30,7 +30,7 @@ import { MAX_VIEWS, calibrate } from "../lib/series.js";
  * @typedef {import("../lib/series.js").Outcome} Outcome
  */
 
-const MIN_SUFFICIENT_PHOTOS = 10; // that agree: who took as many as the page asks for is asked for no more
+const MIN_SUFFICIENT_PHOTOS = 10; // that agree: with as many, the page asks for no more
 const AUTOMATIC = "auto"; // of the lens models: the one that explains the views
 
 openPage();
@@ -68,15 +68,15 @@ let files = [];
 let pictures = [];
 /** @type {Map<Picture, Judgement>} */
 const judgements = new Map();
-/** Is the last judgement in? */
+/** True if the last judgement has arrived. */
 let judged = false;
 /** @type {Map<Picture, File>} to look at one again */
 const origins = new Map();
 /** @type {Promise<Detector> | null} */
 let detector = null;
-/** The search that is going on. */
+/** The search in progress. */
 let run = new AbortController();
-/** Calibrations so far: what is computed for an earlier one, or for pictures chosen before, comes too late. */
+/** Number of calibrations: results of an earlier one, or of pictures chosen before, are ignored. */
 let turn = 0;
 
 /** @param {unknown} error */
@@ -104,7 +104,7 @@ function discard() {
 /** The series chosen. */
 const chosenSeries = () => groups(pictures).find(({ id }) => id === parts.series.value) ?? groups(pictures)[0] ?? null;
 
-/** Those first that were used, by what they added; of a video only the frames used, in their order. */
+/** Pictures, first those used, by what they added; of a video, only the frames used, in their order. */
 function showPictures() {
   const members = new Set((chosenSeries()?.members ?? []).map((index) => pictures[index]));
   const isUsed = (/** @type {Picture} */ picture) => judgements.get(picture)?.accepted === true;
@@ -114,7 +114,7 @@ function showPictures() {
   const frames = pictures.filter((picture) => picture.kind === "video" && isUsed(picture));
   const cards = [...shown, ...frames].map((picture) => {
     const judgement = judgements.get(picture);
-    // Errors on the way to the result say nothing about a picture once it is there.
+    // Once the result exists, errors of earlier steps say nothing about a picture.
     return card(
       picture,
       members.has(picture),
@@ -190,7 +190,7 @@ async function look(list) {
   try {
     tell(() => t("photos.loading"));
     const finder = await openDetector();
-    // Nobody has said yet which board it is: a few pictures tell.
+    // If the visitor has not chosen a board, a few pictures show which one it is.
     const recognised = isChosen || pictures.length ? null : await recognise(finder, list, signal);
     if (signal.aborted) return;
     if (recognised && !isChosen) return;
@@ -360,7 +360,7 @@ async function finish({ state, wanted, numbers }, views, returnOrigins, without)
   document.getElementById("verdict")?.focus();
 }
 
-/** A picture once more, as large as it is. @param {Picture | undefined} picture */
+/** A picture at its full size. @param {Picture | undefined} picture */
 async function canvasOf(picture) {
   const file = picture && origins.get(picture);
   if (!file) return null;
@@ -374,7 +374,7 @@ async function canvasOf(picture) {
   return null;
 }
 
-/** Links to the board lead to the one looked for. */
+/** Makes the links to the board lead to the current one. */
 function linkBoard() {
   for (const link of /** @type {NodeListOf<HTMLAnchorElement>} */ (
     document.querySelectorAll("main a[href*='/board/']")

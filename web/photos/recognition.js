@@ -1,5 +1,4 @@
-// The board in files of which nobody said what board they show: a few pictures are looked at, and one question is
-// asked.
+// Recognition of an unknown board in files: the page searches a few pictures, and asks one question.
 import { isTelling, recognise } from "../lib/board-recognition.js";
 import { boardWords } from "../lib/board-text.js";
 import { el, part, liveRegion } from "../lib/dom.js";
@@ -15,7 +14,7 @@ import { UnreadableError, shots } from "./files.js";
  *   its corners
  */
 
-// that are looked at: rows that one does not show another does, and a board may come late in a video
+// to search: each may show other rows, and a board may appear late in a video
 const MAX_PICTURES = 8;
 const ENOUGH = 4; // pictures that show a board: more would say the same
 const TIMEOUT_MS = 120_000; // ms for one picture, which may have a hundred times the pixels of a frame
@@ -48,7 +47,7 @@ export async function recogniseIn(detector, files, signal) {
 }
 
 /**
- * Pictures from all over the files, in an order that shows much of them soon.
+ * Pictures from all files, in an order that soon covers many of them.
  * @param {File[]} files
  * @param {AbortSignal} signal
  * @returns {AsyncGenerator<ImageBitmap | VideoFrame>}
@@ -58,10 +57,10 @@ async function* samples(files, signal) {
   for (let index = 0; index < count && !signal.aborted; index++) {
     const file = files[Math.floor(((index + 0.5) * files.length) / count)];
     try {
-      // Of a single video as many frames as of several photographs.
+      // A single video gives as many frames as several photos would.
       for await (const { picture } of shots(file, signal, { samples: Math.ceil(MAX_PICTURES / count) })) yield picture;
     } catch (error) {
-      if (!(error instanceof UnreadableError)) throw error; // is told when all are read
+      if (!(error instanceof UnreadableError)) throw error; // is reported after all files
     }
   }
 }

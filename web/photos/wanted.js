@@ -16,8 +16,8 @@ import { blackSquares, vertexOf } from "../lib/target-preview.js";
  * @param {Board} board
  * @param {import("../vendor/api.js").Pose} pose
  * @param {[number, number]} size px
- * @param {{addMore: () => void, isFolded: boolean}} options addMore: called to choose more photographs; isFolded: only
- *   who wants to knows
+ * @param {{addMore: () => void, isFolded: boolean}} options addMore: called to choose more photographs; isFolded: show
+ *   the details on request only
  */
 export function wantedFigure(board, pose, size, { addMore, isFolded }) {
   const { svg, area, x, y } = imagePlot(size, t("photos.like_this"));
@@ -33,8 +33,8 @@ export function wantedFigure(board, pose, size, { addMore, isFolded }) {
 }
 
 /**
- * Rim and black areas of a board whose corners are those of a pose. Where a lens is hardly known, its model bends the
- * board's edge another way than the corners: the rim follows the corners, so that it holds all of them.
+ * Rim and black areas of a board whose corners are those of a pose. If a lens is hardly known, its model bends the
+ * board's edge in another way than the corners. So the rim follows the corners, and encloses all of them.
  * @param {Board} board @param {{ids: number[], corners: number[][], outline: number[][]}} pose
  * @returns {{rim: Polygon, black: Polygon[]}} px
  */

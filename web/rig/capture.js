@@ -19,10 +19,10 @@ import { isAlone, isComplete, remotePositions, silentPositions } from "./progres
  */
 
 const WINDOW_MS = 3_800; // for which other devices may answer a moment
-const MAX_OPENING_MS = 2_500; // a moment that took longer to open is not answered: nobody holds still for so long
+const MAX_OPENING_MS = 2_500; // a moment that took longer to open is not answered: the board may have moved
 const NOTICE_MS = 6_000;
-const SILENT_MS = 30_000; // for which a camera that answers no more is waited for, once there is enough
-const STUCK_MS = 20_000; // without a moment, then another target is asked for
+const SILENT_MS = 30_000; // wait for a camera that has stopped answering, once the views suffice
+const STUCK_MS = 20_000; // without a moment, after which the page requests another target
 
 export class RigCapture {
   #resources;
@@ -45,7 +45,7 @@ export class RigCapture {
   #noticedAt = 0;
   #target = "";
   #targetSince = 0;
-  /** Cameras of other devices, and since when they are so many. */
+  /** Number of cameras of other devices, and when it changed last. */
   #joined = 0;
   #joinedAt = -Infinity;
   /** Moments in a row that not all other devices have answered: they need more time. */
@@ -128,7 +128,7 @@ export class RigCapture {
     return signal.aborted ? null : this.model.state;
   }
 
-  /** @param {RigState} state @param {number} unopenedAt ms, when what is new in it was not there yet */
+  /** @param {RigState} state @param {number} unopenedAt ms, before anything that is new in it was opened */
   #receive(state, unopenedAt) {
     const opened = state.moment;
     const isFirst = this.model.state === null;
@@ -141,7 +141,7 @@ export class RigCapture {
     this.model.patience = this.#patience;
     if (opened && !this.#known.has(opened.id)) {
       this.#known.add(opened.id);
-      // Of one that was open before this page looked, nobody here knows what was seen then.
+      // A moment that was open before this page's first poll is skipped: the page does not know what was seen then.
       if (!isFirst && !this.#resources.record.leads) this.#begin(opened.id, unopenedAt, performance.now());
     }
     for (const { id } of state.moments) this.#known.add(id);
@@ -161,12 +161,12 @@ export class RigCapture {
     this.#watch.aim(targets);
   }
 
-  /** Notes what is known of a moment. @param {string} id @param {Partial<import("./progress.js").Stage>} stage */
+  /** Records the stage of a moment. @param {string} id @param {Partial<import("./progress.js").Stage>} stage */
   #note(id, stage) {
     this.#stages.set(id, { rms: null, atTarget: false, ...this.#stages.get(id), ...stage });
   }
 
-  /** True if the capture ends by itself: cameras that may have views to deliver are waited for. */
+  /** True if the capture ends automatically: it waits for cameras that may still deliver views. */
   #checkConverged() {
     const { state } = this.model;
     const now = performance.now();
@@ -188,7 +188,7 @@ export class RigCapture {
     this.#changed();
   }
 
-  /** Asks and sends at once. */
+  /** Polls and sends at once. */
   #hurry() {
     this.#outbox.retry();
     this.#link.hurry();
@@ -213,8 +213,7 @@ export class RigCapture {
     } else if (record.leads && this.#checkConverged()) {
       void this.finish();
     } else if (record.leads && !opening && this.#isSettled) {
-      // One camera alone says nothing of where the others are.
-      // Who has just joined has to look first.
+      // A single camera gives no relation to others, and a camera that has just joined has to look first.
       if (isAlone(state) || performance.now() - this.#joinedAt < this.#patience) return;
       if (isReady(this.#sights, this.#patience)) void this.open();
       else if (
@@ -226,7 +225,7 @@ export class RigCapture {
   }
 
   /**
-   * True if the state has the last moment, and so a target after it. Without the service, a rig of one device goes on.
+   * True if the state has the last moment, and so a target after it. Offline, a rig of one device continues.
    */
   get #isSettled() {
     const { moment, state, offline } = this.model;
@@ -249,7 +248,7 @@ export class RigCapture {
     this.#note(id, { atTarget: isThere(this.#sights) });
     onSign("hold");
     if (!this.#remote) {
-      // Nobody else waits for it: it can be opened later.
+      // No other device waits for this moment: the service can open it later.
       this.#outbox.post({ kind: "open", moment: id });
       return this.#begin(id, unopenedAt, performance.now());
     }
@@ -294,7 +293,7 @@ export class RigCapture {
     this.#resources.onTaken(moment.id, position, corners, picture);
   }
 
-  /** Ends a moment when nobody is waited for any more. @param {Current} moment */
+  /** Ends a moment once it waits for no more cameras. @param {Current} moment */
   #settle(moment) {
     const { members, record, onSign } = this.#resources;
     const { state } = this.model;
@@ -309,7 +308,7 @@ export class RigCapture {
     moment.over = true;
     const all = new Set([...taken, ...there]).size;
     if (all > 0) {
-      // Where it was missed, too: the same hold is not asked for again.
+      // Also if a camera missed it: the page does not ask for the same hold again.
       this.#watch.take();
       this.#unanswered = remote.every((position) => there.includes(position)) ? 0 : this.#unanswered + 1;
       onSign("taken");
@@ -381,7 +380,7 @@ export class RigCapture {
 
   /** @param {import("./outbox.js").Letter} letter @param {import("../lib/api.js").ApiError} error */
   #refused(letter, error) {
-    // It was undone meanwhile, or is there already: nothing is lost.
+    // It was undone meanwhile, or the service has it already: nothing is lost.
     if (error.kind === "moment-undone" || (letter.kind !== "view" && [404, 422].includes(error.status))) return;
     if ([401, 403, 404].includes(error.status)) return this.#resources.onFailure(error);
     this.#notify("rig.view_refused", "bad", { reason: explain(error) });

@@ -1,5 +1,5 @@
-// Link of a device to its rig at the service: asks for the rig's state again and again, and tells since when what is
-// not in it was not there.
+// Link of a device to its rig at the service: polls the rig's state, and reports since when a moment can have been
+// opened.
 import { isUnavailable } from "../lib/session.js";
 
 /** @typedef {import("./service.js").RigState} RigState */
@@ -14,8 +14,8 @@ const OFFLINE_POLL_MS = 2_000;
  * @property {string} id of the rig
  * @property {string} session id of a member
  * @property {AbortSignal} signal
- * @property {(state: RigState, unopenedAt: number) => void} onState unopenedAt: ms, when the last answer was asked
- *   for that did not have what this one may have again; −∞ for the first
+ * @property {(state: RigState, unopenedAt: number) => void} onState unopenedAt: ms, when the previous state was
+ *   requested, which lacked anything that is new in this one; −∞ for the first
  * @property {(offline: boolean) => void} onLink
  * @property {(error: unknown) => void} onFailure
  */
@@ -34,7 +34,7 @@ export class RigLink {
     this.#options = options;
   }
 
-  /** Asks until the rig is finished. */
+  /** Polls until the rig is finished. */
   async run() {
     const { service, id, session, signal, onLink, onFailure } = this.#options;
     while (!signal.aborted && this.#status !== "finished") {
@@ -59,7 +59,7 @@ export class RigLink {
     }
   }
 
-  /** Takes a state over, of whichever answer. @param {RigState} state @param {number} askedAt ms */
+  /** Adopts a state, from any response. @param {RigState} state @param {number} askedAt ms */
   receive(state, askedAt) {
     this.#status = state.status;
     const before = this.#unopenedAt;
@@ -67,7 +67,7 @@ export class RigLink {
     this.#options.onState(state, before);
   }
 
-  /** Asks at once. */
+  /** Polls at once. */
   hurry() {
     this.#wake?.();
   }

@@ -1,4 +1,4 @@
-// Rig page: several cameras calibrated together. It begins or joins a rig, goes on with an interrupted one, and shows
+// Rig page: several cameras calibrated together. It begins or joins a rig, resumes an interrupted one, and shows
 // results.
 import { Api } from "../lib/api.js";
 import { boardFrom, boardQuery } from "../lib/board.js";
@@ -63,7 +63,7 @@ let interrupted = null;
 let invitation = null;
 /** @type {RigCapture | null} */
 let capture = null;
-/** Was a stop asked for that loses moments? */
+/** True if the visitor has asked for a stop that loses moments. */
 let isStopAsked = false;
 /** Draws the capture again. */
 let redraw = () => {};
@@ -83,7 +83,7 @@ function address(query) {
   return String(inLanguage(new URL(`${location.pathname}?${kept}`, location.origin).href, language()));
 }
 
-/** Parameters of the simulated cameras: whoever joins looks at the same scene. */
+/** Parameters of the simulated cameras: all devices of the rig see the same scene. */
 const simulation = () =>
   Object.fromEntries(
     [...parameters].filter(([name]) =>
@@ -189,7 +189,7 @@ async function freshCode(service, record) {
   try {
     return await invite(service, record);
   } catch (error) {
-    console.info("no code:", String(error)); // everybody has joined, or there is no network: the capture goes on
+    console.info("no code:", String(error)); // all cameras have joined, or there is no network: the capture continues
     return null;
   }
 }
@@ -334,7 +334,7 @@ async function listInterrupted() {
     : "";
 }
 
-/** Ends this device's part: what would be lost is said first. */
+/** Ends this device's part. If moments would be lost, the visitor has to confirm. */
 async function stop() {
   const record = last?.record;
   const { state = null, waiting = 0 } = capture?.model ?? {};
@@ -347,13 +347,13 @@ async function stop() {
   begin.cancel();
   if (record?.about) {
     await store.remove(record.about);
-    // it forgets by itself
+    // The rig expires at the service in any case.
     await giveUp(record).catch((error) => console.info("not given up at the service:", String(error)));
   }
   location.assign(inLanguage(new URL(location.pathname, location.origin).href, language()));
 }
 
-/** Tells the service that this device's cameras do not go on. @param {RigRecord} record */
+/** Reports to the service that this device's cameras have stopped. @param {RigRecord} record */
 async function giveUp({ about, leads, members }) {
   const service = await openService(new AbortController().signal);
   if (leads) await service.forget(about, members[0].session);

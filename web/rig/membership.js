@@ -14,7 +14,7 @@ import { consentFields } from "../lib/consent.js";
  * @property {boolean} opened the service has answered that the session is part of the rig
  * @property {SessionRequest | null} request as it was sent
  *
- * @typedef {object} RigRecord all that is needed to go on with a rig after the page was lost
+ * @typedef {object} RigRecord all that is needed to continue with a rig after the page was lost
  * @property {string} about id of the rig
  * @property {boolean} leads this device leads
  * @property {string} query of the page's address
@@ -55,8 +55,8 @@ export const requestOf = ({ camera, platform, size, zoom, track }, board, { dist
 });
 
 /**
- * Makes this device's cameras members of a rig: its first camera begins the rig, or joins with a code. What a lost
- * page has begun is completed.
+ * Makes this device's cameras members of a rig: its first camera begins the rig, or joins with a code. It
+ * completes what a lost page has begun.
  * @param {RigService} service @param {RigRecord} record completed in place
  * @param {SessionRequest[]} requests of the cameras, in the record's order
  * @param {{code?: string, save: () => Promise<unknown>}} options code: of the rig to join
@@ -68,7 +68,7 @@ export async function enter(service, record, requests, { code, save }) {
   let invitation = null;
   for (const [index, member] of record.members.entries()) {
     if (member.opened) continue;
-    // Sent again as it was sent: the service answers the same session.
+    // The same request again: the service returns the same session.
     member.request ??= { ...requests[index], ...consentFields() };
     member.session ||= await service.authenticate();
     if (record.about) await save();

@@ -2,7 +2,7 @@
 //
 // Cameras have no common clock. A moment was opened at some time between the last answer without it and the first one
 // with it. A camera takes a view only if the board has been still in its own picture since before that answer was
-// asked for: then the board was still in all cameras that take one when the moment was opened, and all saw the same
+// requested: then the board was still in all cameras that take one when the moment was opened, and all saw the same
 // pose.
 import { observedOutline } from "../lib/board-outline.js";
 import { HOLD_MS, LONG_HOLD_MS, MIN_DISPLACEMENT_PX, isAtTarget, difference } from "../lib/capture/target.js";
@@ -64,7 +64,7 @@ export function observeFrame(before, detection, time, board, lenience = 1) {
   const { ids, points, markers, size } = detection;
   const found = { ids, points };
   const stillness = observe(before.stillness, found, time, size[0], lenience);
-  // A frame that is smeared in the middle of a hold is passed over.
+  // A blurred frame in the middle of a hold is ignored.
   const passed = stillness === before.stillness;
   const corners = passed ? before.corners : found;
   const outline = passed ? before.outline : observedOutline(board, corners);
@@ -108,7 +108,7 @@ export const isSeen = ({ corners }) => corners.ids.length >= MIN_SEEN_CORNERS;
 
 /**
  * Time for which the board must be held still before a moment is opened, ms; null: it has not been moved since the
- * last one, or nobody sees it.
+ * last one, or no camera sees it.
  * @param {Sight[]} sights of this device @param {number} patience ms, for which other devices need it to be still, too
  */
 export function requiredHold(sights, patience) {

@@ -72,7 +72,7 @@ export class Outbox {
   }
 
   /**
-   * Sends what waits, and goes on trying.
+   * Sends the waiting letters, and retries until it succeeds.
    * @returns {Promise<void>} resolves when nothing waits, or nothing more is to be sent
    */
   flush() {

@@ -23,7 +23,7 @@ const DEGREES = 180 / Math.PI;
 /** @param {Extrinsic} extrinsic @returns {Relation} */
 export function relationOf({ position, rvec, tvec, std }) {
   const [distance, angle] = [Math.hypot(...tvec), Math.hypot(...rvec)];
-  // Along the line that leads there; the covariances between the axes are not told.
+  // Deviation along the vector. The covariances between the axes are not reported.
   const along = (/** @type {number[]} */ vector, /** @type {number} */ length, /** @type {number[]} */ sigma) =>
     length > 0 ? Math.hypot(...vector.map((value, axis) => (value / length) * sigma[axis])) : 0;
   return {
@@ -31,7 +31,7 @@ export function relationOf({ position, rvec, tvec, std }) {
     distance,
     distanceStd: along(tvec, distance, std.slice(3)),
     angle: angle * DEGREES,
-    // A rotation is as unsure as its three components, whatever its axis is.
+    // A rotation is as uncertain as its three components, whatever its axis.
     angleStd: Math.hypot(...std.slice(0, 3)) * DEGREES,
   };
 }

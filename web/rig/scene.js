@@ -64,7 +64,7 @@ export function firstPose({ squares: [columns, rows] }, { lens, size: [width] })
 }
 
 /**
- * Pose in which somebody holds the board for a target: it covers the target in the first camera that has one.
+ * Pose of the board held at a target: it covers the target in the first camera that has one.
  * @param {readonly Target[]} targets of the rig's cameras
  * @param {Board} board
  * @param {URLSearchParams} parameters of the address

@@ -36,14 +36,14 @@ export class Setup {
   }
 
   /**
-   * Lists the cameras that the browser names; what was chosen stays chosen.
-   * @param {boolean} [anew] in another language
+   * Lists the cameras that the browser names; the choices are kept.
+   * @param {boolean} [inNewLanguage] rebuild the list although its cameras are the same
    */
-  async list(anew = false) {
+  async list(inNewLanguage = false) {
     const found = (await cameras(this.#parameters)).filter(({ id, named }) => id !== "virtual" && named);
     const { cameras: place, allow, camerasNote } = this.#parts;
     const chosen = new Map(this.#rows.map((row) => [row.id, row]));
-    if (anew || found.map(({ id }) => id).join() !== this.#rows.map(({ id }) => id).join()) {
+    if (inNewLanguage || found.map(({ id }) => id).join() !== this.#rows.map(({ id }) => id).join()) {
       this.#rows = found.map(({ id, label }, index) =>
         this.#row(id, label, index < (this.#joins ? 1 : 2), chosen.get(id)),
       );

@@ -4,9 +4,8 @@
 //     const bundle = new Bundle(await (await fetch("cameras.json")).json());
 //     const { calibration } = await lookup(track, { bundle });
 //
-// `python -m infra.ops bundle` writes the file. Which label means which camera it has found by the service's own rules,
-// label by label:
-// here they are only compared, so what it does not name, it does not know.
+// `python -m infra.ops bundle` writes the file. It has resolved each label to a camera by the service's own rules. This
+// module only compares labels, so it does not know a label that the file does not name.
 
 import { CROPPED } from "./key.js";
 
@@ -51,8 +50,8 @@ export class Bundle {
   }
 
   /**
-   * Answer that a lookup of the service would give, where that is certain. As there, the closest size is marked, and
-   * nothing is told of another zoom.
+   * Answer that a lookup of the service would give, if that is certain. As there, the closest size is marked, and
+   * other zooms do not match.
    * @param {CameraKey} key @param {string} model
    * @returns {CalibrationData | null} null: ask the service
    */

@@ -1,5 +1,4 @@
-// Known cameras: a lookup without a credential, which caches near the caller answer, also for a day while no server
-// runs.
+// Known cameras: a lookup without a credential. Caches near the caller answer it, even for a day without a server.
 import { CROPPED } from "./key.js";
 import { address, reach } from "./request.js";
 
@@ -13,10 +12,10 @@ import { address, reach } from "./request.js";
  * @typedef {{outcome: Outcome, calibration: CalibrationData | null}} EdgeAnswer
  */
 
-const FOLDER = "../known/v1/"; // beside the API
+const FOLDER = "../known/v1/"; // next to the API
 
 /**
- * Address of a lookup: half of a SHA-256, so that no label stands in it. See docs/api.md.
+ * Address of a lookup: half of a SHA-256, so that it contains no label. See docs/api.md.
  * @param {CameraKey} key @param {string} model @param {string | URL} [api]
  * @returns {Promise<URL | null>} null where there is none
  */
@@ -31,7 +30,7 @@ export async function edgeAddress({ camera, platform, img_size: size, zoom, resi
 }
 
 /**
- * Asks the edge, once: whatever is not there is asked of the service.
+ * Asks the edge, once. If the edge does not know a camera, the caller asks the service.
  * @param {CameraKey} key @param {string} model @param {RequestOptions} options
  * @returns {Promise<EdgeAnswer>} rejects as its signal says
  */
@@ -39,7 +38,7 @@ export async function askEdge(key, model, { api, signal, fetch = globalThis.fetc
   const url = await edgeAddress(key, model, api);
   signal?.throwIfAborted();
   if (!url?.protocol.startsWith("http")) return { outcome: "unasked", calibration: null };
-  // Without headers of its own, which a browser would have to ask permission for first, and without cookies.
+  // Without custom headers, which would need a preflight, and without cookies.
   const answer = await reach(fetch, url, { credentials: "omit", signal });
   if (!("response" in answer)) return { outcome: "unasked", calibration: null };
   const {

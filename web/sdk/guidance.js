@@ -4,7 +4,7 @@ import { keyOf } from "./key.js";
 import { guidanceUrl } from "./lookup.js";
 import { ask, calibrationIn } from "./request.js";
 
-/** Failures that asking again does not mend: the address is cleaned then, too. */
+/** Permanent failures: they also remove the result from the address. */
 const GONE_STATUSES = [404, 410];
 
 /**
@@ -22,7 +22,7 @@ const GONE_STATUSES = [404, 410];
  */
 
 /**
- * Leaves for the guidance page, and gives the result once this page is loaded again: call it in both cases.
+ * Navigates to the guidance page, and returns the result once this page is loaded again: call it in both cases.
  * The way back is a link on the result, to any HTTPS address and to addresses of the visitor's own machine.
  * @param {JourneyOptions} options
  * @returns {Promise<Calibration>} of one capture, not of a consensus; does not settle while the page is left
@@ -40,7 +40,7 @@ export async function calibrate(options) {
 }
 
 /**
- * The result that the guidance page sent along, if it did. The address is cleaned of it.
+ * The result that the guidance page put into the address, if any. It is then removed from the address.
  * @param {JourneyOptions} options
  * @returns {Promise<Calibration | null>} rejects as `lookup` does
  */

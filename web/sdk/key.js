@@ -22,8 +22,8 @@ export function platformOf(userAgent) {
 }
 
 /**
- * The platform of this browser. Chromium hides the device's model in its user agent and tells it when asked: then it
- * is written as the user agent used to, "Linux; Android 14; Pixel 8". Without it phones cannot be told apart.
+ * The platform of this browser. Chromium's user agent hides the device's model, which a hint returns. The platform
+ * has the earlier form, "Linux; Android 14; Pixel 8". Without the model, phones are indistinguishable.
  * @param {{userAgent: string, userAgentData?: unknown}} [browser]
  */
 export async function platformHere(browser = navigator) {
@@ -70,7 +70,7 @@ export function cameraKey(track, userAgent = navigator.userAgent) {
 }
 
 /**
- * The same with all that the browser tells when it is asked.
+ * The same with all hints that the browser gives on request.
  * @param {MediaStreamTrack | CameraKey} source a key is taken as it is, which is what a worker has
  * @param {string} [device] model identifier of the phone
  * @returns {Promise<CameraKey>} rejects with a TypeError for no camera, and for a track that shows nothing
@@ -81,6 +81,6 @@ export async function keyOf(source, device) {
     return { ...source, platform: withDevice(source.platform, device), zoom: source.zoom ?? 0 };
   const { resizeMode } = /** @type {MediaTrackSettings & {resizeMode?: string}} */ (source.getSettings());
   const key = { ...cameraKey(source), platform: withDevice(await platformHere(), device) };
-  // Of a stream that the browser crops nothing is known, whatever is known of its camera.
+  // A stream that the browser crops is unknown, even if its camera is known.
   return resizeMode ? { ...key, resize_mode: resizeMode } : key;
 }

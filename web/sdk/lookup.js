@@ -27,7 +27,7 @@ import { LookupError, address, ask, calibrationIn } from "./request.js";
  * @property {Record<string, unknown>} [board] the board of the views, as in the API; calibDB's own by default
  * @property {boolean} [exact] nothing but what is known of this very size, or verified for it
  * @property {number} [maxError] px: largest uncertainty, and largest difference between the calibrations that agree
- * @property {(answer: Answer) => void} [onNeedCalibration] told when nothing is known
+ * @property {(answer: Answer) => void} [onNeedCalibration] called if no calibration is known
  * @property {Cache | null} [cache] the tab's `sessionStorage` by default, in a worker the worker's memory; null: none
  * @property {Offline} [bundle] calibrations that came with the application, asked first; see bundle.js
  *
@@ -49,7 +49,7 @@ import { LookupError, address, ask, calibrationIn } from "./request.js";
  *   EstimateData | null}} Found
  */
 
-/** ms: a cached answer takes tens; what takes longer is likely to be no hit. */
+/** ms: a cached answer takes tens; a slower one is probably a miss. */
 const EDGE_TIMEOUT_MS = 300;
 /** ms for which the edge is not asked again about a camera that it did not know. */
 const MISS_MS = 3_600_000;
@@ -114,7 +114,7 @@ export async function lookup(source, options) {
  * @param {MediaStreamTrack} track
  * @param {Options} options its signal ends the watch, as the end of the track does
  * @param {(answer: Answer | Error) => void} onAnswer
- * @param {number} [every] ms between looks at a track whose browser does not tell
+ * @param {number} [every] ms between checks of a track whose browser sends no events
  * @returns {() => void} ends the watch
  */
 export function watch(track, options, onAnswer, every = 500) {
@@ -170,8 +170,8 @@ export function guidanceUrl(key, model, api) {
 }
 
 /**
- * Asks the edge, and then the service. Where the edge is slow, both are asked side by side, and whoever knows the
- * camera first answers.
+ * Asks the edge, and then the service. If the edge is slow, both are asked in parallel, and the first to know the
+ * camera wins.
  * @param {CameraKey} key
  * @param {string} model
  * @param {RequestOptions} options
@@ -227,7 +227,7 @@ function within(milliseconds, promise) {
 }
 
 /**
- * The error of a service that fails while the edge is there: a camera that is known would have been answered.
+ * The error of a service that fails while the edge works: the edge would have answered a known camera.
  * @param {unknown} error @param {import("./edge.js").EdgeAnswer} edge
  */
 function explain(error, { outcome }) {
@@ -244,18 +244,18 @@ function explain(error, { outcome }) {
  * @returns {Promise<Found>}
  */
 async function askService(key, model, options, seen) {
-  // A redirect's Location is hidden from fetch(), and browsers report a 404 as an error: ask for a miss in words.
+  // fetch() hides a redirect's Location, and browsers report a 404 as an error: so request an explicit miss.
   const asked = { ...key, distortion_model: model, redirect: false, miss: "ok", ...seen };
   const answer = await ask("lookup", { method: "POST", body: JSON.stringify(asked) }, options);
   const { calibration, guidance_url: guidanceUrl, reason = null, estimate = null } = answer.body;
-  // 404: as a service answers that does not know `miss`.
+  // 404: from a service that does not know `miss`.
   if (guidanceUrl && (answer.response.status === 404 || (answer.response.ok && calibration === null)))
     return { calibration: null, guidanceUrl, reason, estimate };
   return answerOf(calibrationIn(answer));
 }
 
 /**
- * As it is for the size asked for, where that could be verified, and if it is good enough.
+ * Answer by the caller's requirements: adapted to the requested size if that is verified, null if it does not suffice.
  * @param {Found} answer
  * @param {{accept: string, exact: boolean, maxError: number}} requirements
  * @param {() => string} guidance
@@ -294,7 +294,7 @@ function tabs() {
 }
 
 /**
- * Calibration that the cache holds; null where its text is damaged: then it is asked for again.
+ * Calibration in the cache; null if its text is damaged: then it is requested again.
  * @param {Options["cache"]} cache
  * @param {string} name
  */
@@ -316,6 +316,6 @@ function store(cache, name, value) {
   try {
     cache?.setItem(name, value);
   } catch (error) {
-    if (!(error instanceof DOMException)) throw error; // full: it is asked for again, then
+    if (!(error instanceof DOMException)) throw error; // full: the next lookup asks the service again
   }
 }

@@ -11,8 +11,8 @@ import { Warp, createCanvas } from "./warp.js";
  * @typedef {TexImageSource} Source a video, a canvas, an image, a VideoFrame
  * @typedef {import("./stereo.js").TwoCameras} TwoCameras
  *
- * @typedef {"beside" | "above"} Packing how a camera delivers both pictures in one: the left one beside, or above the
- *   right one
+ * @typedef {"beside" | "above"} Packing how a camera delivers both pictures in one: the left one next to the right
+ *   one, or above it
  */
 /**
  * @template {AnyCanvas} [Canvas=HTMLCanvasElement]
@@ -96,7 +96,7 @@ export class PairRectifier {
   }
 
   /**
-   * Draws both rectified pictures, of other sources if told.
+   * Draws both rectified pictures, by default of the sources given to the constructor.
    * @param {Source} [left] @param {Source} [right]
    * @returns {boolean} false: a video shows nothing yet, and both canvases stay as they were
    */

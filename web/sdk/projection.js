@@ -45,7 +45,7 @@ const INVERSE_STEPS = 512;
 const TOLERANCE = 1e-13;
 /** Step of Newton's method after which the next, about its square, would be rounding. */
 const LAST_STEP = 1e-9;
-/** Newton's method settles in four or five, except at the very edge of the domain. */
+/** Newton's method converges in four or five steps, except close to the edge of the domain. */
 const MAX_ITERATIONS = 20;
 
 /** A calibration is of a camera model that is newer than this SDK. */
@@ -90,7 +90,7 @@ function plane(model, d) {
   throw new UnknownModelError(model);
 }
 
-/** Rectilinear and rational; the former has no denominator. @param {number[]} d */
+/** Rectilinear and rational; rectilinear has no denominator. @param {number[]} d */
 function pinhole(d) {
   const brown = brownConrady(d, MAX_RADIUS);
   return {

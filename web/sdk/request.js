@@ -1,7 +1,7 @@
 // Requests to the service, repeated while they may still succeed.
 import { isTransient, retry, retryAfter } from "./retry.js";
 
-/** The service answered, but not with an answer; or it cannot be reached. */
+/** The service returned an error, or cannot be reached. */
 export class LookupError extends Error {
   /** @param {string} message @param {number} status HTTP status; 0: no answer at all @param {ErrorOptions} [options] */
   constructor(message, status, options) {
@@ -25,10 +25,10 @@ export class LookupError extends Error {
  */
 
 const FIRST_DELAY_MS = 500; // ms, then twice as long each time
-const MAX_DELAY_MS = 8000; // ms; a service that asks for more is not waited for
+const MAX_DELAY_MS = 8000; // ms; a service that asks for more gets no retry
 
 /**
- * Address of this file. By itself: `new URL(…, import.meta.url)` is what bundlers take for a file to be packed.
+ * Address of this file. In a statement of its own, because bundlers pack the file of `new URL(…, import.meta.url)`.
  */
 const HERE = import.meta.url ?? "file:///";
 
@@ -38,7 +38,7 @@ export function address(api) {
 }
 
 /**
- * Sends a request, and again where that may help.
+ * Sends a request, and retries if that may help.
  * @param {string} path below the API's address @param {RequestInit} request @param {RequestOptions} options
  * @returns {Promise<JsonResponse>} rejects with LookupError when nothing answers, or as its signal says
  */
@@ -83,7 +83,7 @@ export function refusal({ ok, status, url }, body) {
 }
 
 /**
- * A response with its JSON, or the error by which `fetch` says that there is none.
+ * A response with its JSON, or the error by which `fetch` reports that there is none.
  * @param {typeof globalThis.fetch} fetch
  * @param {URL} url
  * @param {RequestInit} request

@@ -28,7 +28,7 @@ import { createViews } from "./views.js";
  * @property {string[]} cameras ids of the cameras' own calibrations, by position
  * @property {CalibrationData[]} calibrations as they were fitted together, by position
  * @property {Extrinsics[]} extrinsics by position; the first is 0
- * @property {"metres" | "squares"} unit of translations: squares of the board, where nobody measured them
+ * @property {"metres" | "squares"} unit of translations: squares of the board, if their size is unknown
  * @property {number} rms px, over all points of the capture
  * @property {number | null} held_out_rms px, of moments that took no part in the fit
  * @property {{rotation_deg: number, translation_percent: number, rms: number}} uncertainty expected turn of the
@@ -98,7 +98,7 @@ export class Rig extends Data {
   /**
    * The same rig in metres.
    * @param {number} [squareSize] metres, side of a square of the board with which a rig in squares was captured
-   * @returns {Rig} throws a TypeError where a rig in squares is not told how large they are
+   * @returns {Rig} throws a TypeError if a rig in squares gets no size
    */
   toMetres(squareSize) {
     if (this.unit === "metres") return this;

@@ -46,7 +46,7 @@ export function createViews(cameras, { pose = IDENTITY, ...frustum } = {}) {
 }
 
 /**
- * Attributes by which a view describes its camera, in arrays of its own: who writes into them spoils no other view.
+ * Attributes by which a view describes its camera, in new arrays: a write into them does not change other views.
  * @param {{camera_matrix: readonly (readonly number[])[], distortion_coefficients?: readonly number[],
  *   distortion_model?: string}} camera without distortion by default
  */

@@ -32,7 +32,7 @@ void main() {
 
 const LOST = "the GPU was lost";
 
-/** This browser cannot do it, or not now. */
+/** This browser has no WebGL2, or has lost the GPU. */
 export class RectifierError extends Error {
   /** @param {string} message @param {boolean} [lost] it could, and another time may help */
   constructor(message, lost = false) {
@@ -100,11 +100,11 @@ export class Warp {
   }
 }
 
-/** A canvas of the page, unless another is told. */
+/** A canvas of the page, the default. */
 export const createCanvas = () => /** @type {any} */ (document.createElement("canvas"));
 
 /**
- * Drivers fail, and take what is on the GPU with them: what was there is made again.
+ * Calls `again` when a lost GPU context is back, to make its content again.
  * @param {EventTarget} canvas @param {() => void} again
  * @returns {() => void} ends it
  */

@@ -1,4 +1,4 @@
-// State of the service: what `/healthz?deep=1` says, what the page finds out by itself, and what follows from both.
+// State of the service: the response of `/healthz?deep=1`, the page's own checks, and the verdict from both.
 import { OfflineError, reach, readable } from "../lib/network.js";
 
 /**
@@ -49,22 +49,22 @@ function parsed(text) {
 export function stateOf(health, settings, now) {
   const pages = settings.ok && settings.body?.api !== undefined;
   /** @type {PartHealth[] | null} */
-  const told = Array.isArray(health.body?.parts) ? health.body.parts : null;
+  const parts = Array.isArray(health.body?.parts) ? health.body.parts : null;
   /** @type {Row[]} */
   const rows = [
     { name: "pages", state: pages ? "ok" : "failed", latency: pages ? settings.ms : null, words: null },
-    { name: "functions", state: told ? "ok" : "failed", latency: told ? health.ms : null, words: null },
-    ...PARTS.map((name) => partRow(name, told)),
+    { name: "functions", state: parts ? "ok" : "failed", latency: parts ? health.ms : null, words: null },
+    ...PARTS.map((name) => partRow(name, parts)),
   ];
   /** @type {CanaryRun | null} */
-  const canary = told ? (health.body.canary ?? null) : null;
+  const canary = parts ? (health.body.canary ?? null) : null;
   if (canary) rows.push(canaryRow(canary, now));
-  return { rows, verdict: verdictOf(rows, pages, told !== null) };
+  return { rows, verdict: verdictOf(rows, pages, parts !== null) };
 }
 
-/** @param {typeof PARTS[number]} name @param {PartHealth[] | null} told @returns {Row} */
-function partRow(name, told) {
-  const part = told?.find((each) => each.part === name);
+/** @param {typeof PARTS[number]} name @param {PartHealth[] | null} parts @returns {Row} */
+function partRow(name, parts) {
+  const part = parts?.find((each) => each.part === name);
   if (!part) return { name, state: "unknown", latency: null, words: null };
   return { name, state: part.ok ? "ok" : "failed", latency: part.latency_ms, words: null };
 }

@@ -1,10 +1,10 @@
-// Status page: asks every part of the service, again and again while somebody looks.
+// Status page: polls every part of the service while the page is visible.
 import { el, part, liveRegion } from "../lib/dom.js";
 import { language, number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { hear, stateOf } from "./health.js";
 
-const INTERVAL_MS = 30_000; // from one answer to the next question
+const INTERVAL_MS = 30_000; // from one answer to the next request
 const [HEALTH, SETTINGS] = ["../healthz?deep=1", "../config.json"].map((path) => new URL(path, import.meta.url));
 openPage();
 const [tell, advise, when] = ["verdict", "advice", "checked"].map((id) => liveRegion(part(id, HTMLElement)));
@@ -32,7 +32,7 @@ async function check() {
   }
 }
 
-/** Asks again later, unless nobody looks. */
+/** Schedules the next check if the page is visible. */
 function plan() {
   clearTimeout(timer);
   if (document.visibilityState === "visible") timer = setTimeout(check, INTERVAL_MS);

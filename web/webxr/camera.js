@@ -4,7 +4,7 @@
 //     await useCamera(video, { token });
 //     const session = await navigator.xr.requestSession("immersive-ar");
 //
-// Its views say cameraMatrix, distortionCoefficients and distortionModel (extension.js). Where the browser has no
+// Its views have cameraMatrix, distortionCoefficients and distortionModel (extension.js). If the browser has no
 // augmented reality of its own, the session shows the video and projects as its camera does.
 import { watch, lookup } from "../sdk/lookup.js";
 import { extend, isNeeded } from "./extension.js";
@@ -18,9 +18,9 @@ import { extend, isNeeded } from "./extension.js";
  * @property {boolean} [rectify] show the picture straightened, so that a scene lies on it to its corners
  * @property {() => Float32Array | null} [pose] see device.js
  * @property {HTMLElement} [place]
- * @property {(answer: Answer) => void} [onAnswer] told what is known of the camera, and again whenever its picture
- *   changes
- * @property {(error: unknown) => void} [onError] told what went wrong with a lookup; the views stay as they were
+ * @property {(answer: Answer) => void} [onAnswer] called with the answer for the camera, and again whenever its
+ *   picture changes
+ * @property {(error: unknown) => void} [onError] called with the error of a lookup; the views stay as they were
  *
  * @typedef {import("../sdk/lookup.js").Options & More} Options
  */
@@ -40,7 +40,7 @@ export async function useCamera(video, { rectify = false, pose, place, onAnswer,
   if (!track) throw new TypeError("the video shows no camera: give it a stream of getUserMedia() first");
   /** @type {Calibration | null} */
   let known = null;
-  // A phone was turned just now: what is known is of another picture, until that is answered.
+  // The phone was just turned: until the next answer, the intrinsics are those of another picture.
   const holds = (/** @type {import("./extension.js").Intrinsics} */ { img_size: size }) =>
     size?.[0] === video.videoWidth && size[1] === video.videoHeight;
   const current = () => (known && holds(known) ? known : null);
@@ -50,7 +50,7 @@ export async function useCamera(video, { rectify = false, pose, place, onAnswer,
     const { install } = await import("./install.js");
     install({ video, pinhole: current, pose, place, straight: straightened && (() => straightened(current())) });
   }
-  // Nothing but what is known of this very picture: a view's matrix is in its pixels.
+  // Only intrinsics of exactly this picture: a view's matrix is in its pixels.
   const wish = { ...options, exact: true };
   const again = extend(
     async (_, model, size) => {

@@ -77,7 +77,7 @@ export class WebcamDevice extends XRDevice {
     this.#sessions.set(id, { immersive: mode !== "inline", features, layer: null, overlay: null, stage: null, over });
     if (mode === "inline") return id;
     this.dispatchEvent("@@webxr-polyfill/vr-present-start", id);
-    // The way out that browsers give, too: the page's own buttons are covered.
+    // As browsers do: the page's own buttons are covered.
     addEventListener("keydown", ({ key }) => key === "Escape" && this.endSession(id), { signal: over.signal });
     return id;
   }
@@ -123,7 +123,7 @@ export class WebcamDevice extends XRDevice {
   /** @param {number} id @param {any} layer */
   onBaseLayerSet(id, layer) {
     const session = this.#sessions.get(id);
-    if (!session || session.layer === layer) return; // told anew with every change of the render state
+    if (!session || session.layer === layer) return; // called again with every change of the render state
     session.stage?.leave();
     session.layer = layer;
     const { video, place = document.body } = this.#setup;

@@ -36,9 +36,9 @@ import { viewAttributes } from "../sdk/views.js";
  * @typedef {object} Options
  * @property {any} [global] where the WebXR classes are
  * @property {string} [model] of sessions that ask for none
- * @property {(known: Intrinsics) => boolean} [holds] asked in each frame whether what is known is of the picture that
- *   is shown then
- * @property {(error: unknown) => void} [onError] told what a provider rejected with; the views stay as they were
+ * @property {(known: Intrinsics) => boolean} [holds] called in each frame; true if the intrinsics are those of
+ *   the picture shown
+ * @property {(error: unknown) => void} [onError] called with a provider's error; the views stay as they were
  *
  * @typedef {object} State of a session
  * @property {string} model wanted
@@ -88,7 +88,7 @@ export function extend(
   const ask = async (/** @type {object} */ session) => {
     const state = stateOf(session);
     const own = ++state.asked;
-    // Whatever is answered after something else was asked, or after the end, comes too late.
+    // An answer after a newer request, or after the end, is ignored.
     const late = () => own !== state.asked || !running.has(session);
     try {
       const known = await provider(session, state.model, state.size);
@@ -154,7 +154,7 @@ export function extend(
 }
 
 /**
- * The intrinsics behind a projection matrix, of a picture that fills its view: what raw camera access tells.
+ * The intrinsics behind a projection matrix, of a picture that fills its view: those of raw camera access.
  * @param {ArrayLike<number>} p column-major 4x4 @param {number} width px @param {number} height
  * @returns {number[]} column-major 3x3; the centre of the top-left pixel is (0, 0)
  */

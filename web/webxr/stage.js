@@ -49,12 +49,12 @@ export class Stage {
 
   /** Puts everything back where it was. */
   leave() {
-    for (const home of this.#homes.reverse()) home(); // the last first: the place of one may be beside another
+    for (const home of this.#homes.reverse()) home(); // the last first: the place of one may be next to another
     this.#element.remove();
     this.#play();
   }
 
-  /** Moving it has paused it; whoever stops it before it plays may. */
+  /** Moving the video has paused it. If it is stopped before it plays, that is not an error. */
   #play() {
     this.#video.play().catch(() => {});
   }
@@ -70,7 +70,7 @@ export class Stage {
     };
   }
 
-  /** In a frame of its own: what it wears is the page's. @param {HTMLElement} overlay */
+  /** Puts the overlay into a frame of its own, because its style belongs to the page. @param {HTMLElement} overlay */
   #over(overlay) {
     const frame = document.createElement("div");
     Object.assign(frame.style, FULL);

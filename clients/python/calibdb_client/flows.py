@@ -1,7 +1,7 @@
 """Conversations with the service, without a network: generators that yield requests and are sent replies.
 
 The client and its asynchronous twin drive the same conversations. An error that a reply stands for is raised
-inside the conversation, which may go on without it.
+inside the conversation, which may continue without it.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def lookup(
                     edge.cache.put(address, record, reply.headers)
                 return Answer(make(record), source="edge")
         except CalibDBError:
-            pass  # unknown there, or no edge: the service is asked
+            pass  # unknown at the edge, or no edge: ask the service
     body = {**key.record(), **(facts or {}), "redirect": False, "distortion_model": model}
     try:
         reply = yield Request("POST", "v1/lookup", body)
@@ -169,7 +169,7 @@ def _is_record(said: Mapping[str, Any]) -> bool:
 
 
 def _segment(text: str) -> str:
-    """Return an id as one segment of a path. Raises UsageError for text that is none."""
+    """Return an id as one segment of a path. Raises UsageError for text that is not an id."""
     if not text or not all(c.isascii() and (c.isalnum() or c in "-_.~") for c in text) or set(text) == {"."}:
         raise UsageError(f"{text!r} is not an id of a calibration, camera or rig")
     return text

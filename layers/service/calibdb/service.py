@@ -124,7 +124,7 @@ class Service:
         """Have `of` return `make(settings)` within the block, in every thread.
 
         For tests and measurements: a function's service with another clock or cache. `make` is called for
-        each request; a service that lasts is for `make` to keep.
+        each request; it may return the same service each time.
         """
         global _maker
         before = _maker
@@ -247,7 +247,7 @@ class Service:
     def charge(self, token: ApiToken, kind: Kind, address: str) -> tuple[RateLimit, ...]:
         """Count a call against this hour's share of the contributor, of their line, of all; TooManyError.
 
-        In this order, so that who has used up their own share takes nothing from the others any more.
+        In this order, so that a contributor without a share left takes nothing from the others any more.
         """
         allowed = plan(token.plan, self._plans)
         now = self.now

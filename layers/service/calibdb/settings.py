@@ -24,7 +24,7 @@ class Thresholds:
     max_unexplained
         Error that the others' camera may add to a member's views; `calibsolver.consensus.Rule` has the unit.
     max_calibrations
-        The newest that are pooled; more make no consensus better.
+        Number of the newest that are pooled; more do not improve a consensus.
     contributor_period
         Seconds in which a contributor counts once for a camera; 0: everyone is the same contributor, as on a
         machine of one's own, and everything counts.
@@ -95,9 +95,7 @@ class Settings:
     thresholds: Thresholds
     refit_function: str | None  # set where `refit` is asked: submit, lookup, checks
     region: str
-    edge_secrets: tuple[
-        str, ...
-    ] = ()  # one of them our CloudFront shows; others who forward are not believed
+    edge_secrets: tuple[str, ...] = ()  # our CloudFront sends one of them; other proxies are not trusted
     verify_function: str | None = None  # set where proofs of origins are asked for: tokens
     max_new_tokens: int = 5  # a day and source that people make for themselves
     processor_factor: float = 1.0  # processor time of a computation here / where its limits were set

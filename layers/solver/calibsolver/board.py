@@ -180,7 +180,7 @@ class Board:
     def support(self) -> Array:
         """Points that a camera must see for a detector to find each corner, (n, g, m, 3), board units.
 
-        All m of one of g groups suffice: the corners of either marker beside a corner of a ChArUco board,
+        All m of one of g groups suffice: the corners of either marker next to a corner of a ChArUco board,
         those of the tag on an AprilGrid, the ends of a circle, and a chessboard's corner itself.
         """
         points = self.points[:, None, None]

@@ -1,4 +1,4 @@
-"""Words of documents, first words of docstrings, subjects of commits: matches, and exceptions."""
+"""Words of documents and sources, first words of docstrings, subjects of commits: matches, and exceptions."""
 
 import pytest
 
@@ -31,11 +31,18 @@ def test_document_may_have_as_many_findings_as_allowed(monkeypatch: pytest.Monke
     assert len(wording.document_problems("docs/new.md", "anew " * (wording.MAX_FINDINGS + 1))) == 1
 
 
-def test_python_may_have_few_words_without_an_actor() -> None:
-    few = " ".join(["nobody"] * wording.MAX_ACTORLESS)
-    assert wording.actor_problems({"a.py": few, "b.py": "the caller"}) == []
-    (problem,) = wording.actor_problems({"a.py": few, "b.py": "anew"})
-    assert "b.py: anew" in problem
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("# Nobody reads it.", 1),
+        ("let told = 0;", 1),
+        ("/* by whoever, anew */", 2),
+        ('t("capture.begun_anew")', 0),
+    ],
+)
+def test_words_without_an_actor_are_found_in_sources(line: str, words: int) -> None:
+    problems = wording.actor_problems("a.js", f"// the caller\n{line}\n")
+    assert [problem.partition(" ")[0] for problem in problems] == ["a.js:2:"] * words
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import { poseAt } from "../board.js";
 
 /** @typedef {import("../../lib/pose.js").Pose} Pose */
 
-/** Left camera → right camera: beside it, and turned towards it; squares. */
+/** Left camera → right camera: next to it, and turned towards it; squares. */
 const POSE = { rvec: [0.03, 0.09, 0.04], tvec: [-1.5, 0.12, 0.1] };
 const LENSES = ["img_size=640x480&fx=500&k1=-0.3&k2=0.08&error=0", "img_size=640x480&fx=560&k1=-0.12&k2=0&error=0"];
 const MOMENT_S = 1.4; // s of the board's motion at which it is shown: tilted

@@ -1,4 +1,4 @@
-// Announcements to a screen reader: the newest of what there is to say, and not more often than one can listen.
+// Announcements to a screen reader: only the newest text, and no faster than a person can listen.
 
 const ANNOUNCEMENT_PAUSE_MS = 2_500; // ms
 
@@ -9,7 +9,7 @@ export class Announcer {
   /** Texts announced once, by kind, and not lost to later ones. @type {string[]} */
   #news = [];
   /** @type {string[]} */
-  #told = [];
+  #lastNews = [];
   /** @type {ReturnType<typeof setTimeout> | null} */
   #timer = null;
 
@@ -24,8 +24,8 @@ export class Announcer {
    * @param {string[]} news what has happened, of several kinds: each is said once, before it
    */
   say(text, ...news) {
-    const isFresh = news.map((each, kind) => each !== "" && each !== this.#told[kind]);
-    this.#told = news;
+    const isFresh = news.map((each, kind) => each !== "" && each !== this.#lastNews[kind]);
+    this.#lastNews = news;
     news.forEach((each, kind) => {
       if (isFresh[kind]) this.#news[kind] = each;
     });

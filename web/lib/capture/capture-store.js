@@ -15,7 +15,7 @@
 
 const CAMERAS = "calibdb"; // database of the captures of one camera
 const OBJECT_STORE = "captures";
-const MAX_AGE_MS = 24 * 3600 * 1000; // nobody resumes yesterday's capture
+const MAX_AGE_MS = 24 * 3600 * 1000; // yesterday's capture is not worth resuming
 
 /**
  * @template {{about: string}} [Capture=SavedCapture]

@@ -3,7 +3,7 @@
 
 /** @typedef {"sound" | "vibration" | "voice"} Sense */
 
-/** Defaults, before anybody has chosen. @type {Record<Sense, boolean>} */
+/** Defaults until the visitor chooses. @type {Record<Sense, boolean>} */
 const AT_FIRST = { sound: true, vibration: true, voice: false };
 const SENSES_KEY = "calibdb.senses";
 const SPEECH_PAUSE_MS = 1_800; // ms between two spoken hints: a person must be able to follow
@@ -18,7 +18,7 @@ export class Feedback {
   /** @type {AudioContext | null} */
   #audio = null;
   /**
-   * Notes that are sounding, or will: without any the device's loudspeaker rests, which takes power even when silent.
+   * Number of notes that sound or will. Without any, the audio output is suspended: it takes power even when silent.
    */
   #sounding = 0;
   #spoken = "";
@@ -58,7 +58,7 @@ export class Feedback {
 
   /** A sign by sound and by touch. @param {Sign} sign */
   give(sign) {
-    // Browsers let no page sound or shake that nobody has touched yet.
+    // Browsers allow sound and vibration only after the visitor has touched the page.
     if (!navigator.userActivation?.hasBeenActive) return;
     if (this.#senses.sound && Feedback.offers("sound")) this.#play(NOTES[sign]);
     if (this.#senses.vibration && Feedback.offers("vibration"))
@@ -117,6 +117,6 @@ function keep(senses) {
   try {
     localStorage.setItem(SENSES_KEY, JSON.stringify(senses));
   } catch (error) {
-    if (!(error instanceof DOMException)) throw error; // not kept, then
+    if (!(error instanceof DOMException)) throw error; // storage is blocked: the choice is not kept
   }
 }

@@ -1,5 +1,5 @@
-// Distance of the board from its target, hints that lead there, and when it is there. Outlines are quadrilaterals in pixels: the
-// board's corners, clockwise from its first.
+// Distance of the board from its target, hints that lead there, and when it is there. Outlines are quadrilaterals in
+// pixels: the board's corners, clockwise from its first.
 
 /** @typedef {number[][]} Quadrilateral */
 
@@ -9,7 +9,7 @@ const TURNED = 0.14; // rad
 const TILTED = 0.06; // difference in the logarithm of how much longer one side is than the opposite one
 
 /**
- * Held the other way up, a board says the same about the camera.
+ * The corners as seen, or turned by 180° if that is nearer to the target: an upside-down board is as informative.
  * @param {Quadrilateral} seen
  * @param {Quadrilateral} target
  */
@@ -24,7 +24,7 @@ const spread = (a, b) =>
 
 /**
  * Difference of two poses of the board: mean distance of its corners from the target's, once the middles and the
- * sizes have been made the same (where and how large it is, the overlap tells), as a share of the board's size.
+ * sizes have been made the same (the overlap measures place and size), as a share of the board's size.
  *
  * A hand that misses by 3° is below 0.07; a board that faces the camera in a target tilted by 35° or more is above
  * 0.085.
@@ -165,7 +165,7 @@ export const LONG_HOLD_MS = 1_500; // still anywhere else: the service judges wh
 export const MIN_DISPLACEMENT_PX = 26;
 const MIN_OVERLAP = 0.6; // Jaccard index with the target that counts as there,
 const MAX_DIFFERENCE = 0.08; // if the board is also tilted as the target is
-const LENIENT_AFTER_MS = 3_000; // in which a steady hand would have been still: then less is asked of it,
+const LENIENT_AFTER_MS = 3_000; // after which the hand may move more,
 const MAX_LENIENCE = 4; // at most so many times the motion of a steady hand
 
 /**
@@ -178,7 +178,7 @@ export function isAtTarget({ overlap, outline }, aim) {
 }
 
 /**
- * Factor on the motion that counts as still: not everybody has a steady hand.
+ * Factor on the motion that counts as still: it grows with time, for visitors without a steady hand.
  * @param {number} elapsed ms since the target was set
  */
 export const lenienceAfter = (elapsed) => Math.min(MAX_LENIENCE, Math.max(1, elapsed / LENIENT_AFTER_MS));

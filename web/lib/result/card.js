@@ -19,7 +19,7 @@ import { button, listViews } from "./views.js";
  * @typedef {import("./views.js").Trial} Trial
  */
 
-const FILES = ["photographs", "video"]; // platforms of what no browser opened as a camera
+const FILES = ["photographs", "video"]; // platforms of calibrations from files, not from a camera
 const BOARDS = /** @type {Record<string, string>} */ ({
   charuco: "ChArUco",
   chessboard: "Chessboard",
@@ -37,10 +37,10 @@ export const pageTitle = (calibration, report) =>
     level: t(`result.level_${verdictOf(calibration, report)}`),
   });
 
-/** The result's own page, in the language of whoever opens it. @param {string} id */
+/** Address of the result's own page, in the language of the visitor who opens it. @param {string} id */
 export const resultAddress = (id) => new URL(`../../result/?${new URLSearchParams({ id })}`, import.meta.url).href;
 
-/** Page where this camera is calibrated once more. @param {Calibration} calibration */
+/** Address of the page that calibrates this camera again. @param {Calibration} calibration */
 export function againAddress({ camera, img_size, distortion_model, platform }) {
   const photographs = FILES.includes(platform);
   const query = new URLSearchParams({
@@ -65,7 +65,7 @@ export function card(result, trial, id) {
   return el(
     "header",
     { class: "opening card" },
-    // Where it was captured the page itself has said so.
+    // The page that captured it has already said so.
     ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
     ...(trial
       ? [
@@ -174,7 +174,7 @@ function arAddress({ camera }, id) {
 /**
  * @param {Result} result
  * @param {string | null} id
- * @returns {{element: HTMLElement, link: boolean} | null} null: nobody asked
+ * @returns {{element: HTMLElement, link: boolean} | null} null: no page asked for the result
  */
 function returning({ returnTo, returnOrigins = [] }, id) {
   const found = returnAddress(returnTo ?? null, location.origin, returnOrigins);

@@ -5,7 +5,7 @@ import { Rectifier, RectifierError } from "../../sdk/rectifier.js";
 
 /** @typedef {import("./numbers.js").Calibration} Calibration */
 
-const MAX_WIDTH_PX = 1600; // px; nobody sees more here, and maps of large photographs would fill the GPU
+const MAX_WIDTH_PX = 1600; // px; more is not visible here, and maps of large photos would fill the GPU
 
 /**
  * The calibration of the same picture made smaller: lengths scale, pixel centres stay at whole numbers.

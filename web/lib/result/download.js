@@ -11,7 +11,7 @@ import { save } from "./source.js";
  * @typedef {import("./source.js").Saved} Saved
  */
 
-const VISIBLE_ERROR_PX = 0.1; // px; what no camera shows need not be spoken of
+const VISIBLE_ERROR_PX = 0.1; // px; a smaller error is not visible in any picture, and is not mentioned
 const FULL_COVERAGE = 0.995; // share of the picture
 const EXACT_ERROR_PX = 1e-3; // px; a file may be written with fewer digits
 const FORMAT_KEY = "calibdb.format"; // where the last one is kept
@@ -78,7 +78,7 @@ export function downloadPart(
       const saved = await save(calibration, select.value, of);
       say(CORNERS.has(select.value) ? t("formats.saved", { name: saved.name }) : conversionText(saved), false);
     } catch (error) {
-      // 422: no camera that the format knows comes near this one, or it holds what this calibration has not.
+      // 422: no camera of the format approximates this one, or the format needs data that this calibration lacks.
       const impossible = error instanceof ApiError && error.status === 422;
       say(impossible ? reason(select.value, error) : explain(error), true);
     } finally {
@@ -114,7 +114,7 @@ function reason(format, { message }) {
   return far ? t("formats.impossible_far", { error: number(Number(far), 0) }) : t("formats.impossible_lens");
 }
 
-/** Remarks in the file beside the calibration. @param {Saved} saved */
+/** Remarks in the file, besides the calibration. @param {Saved} saved */
 export function conversionText({ name, error, coverage }) {
   const parts =
     error > VISIBLE_ERROR_PX

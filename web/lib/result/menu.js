@@ -1,4 +1,4 @@
-// Parts of a result's card that one operates: copying, and explanations of a word.
+// Controls of a result's card: copying, sharing, and explanations of a word.
 import { copy } from "../code-block.js";
 import { el } from "../dom.js";
 import { t } from "../i18n.js";
@@ -13,7 +13,7 @@ export function copyButton(label, text, attributes = {}) {
   const hidden = el("span", { class: "copies-it" }, button, said);
   button.addEventListener("click", async () => {
     const done = await copied(text(), hidden);
-    // As wide as before, now and when the label is back: nothing beside it moves under a finger.
+    // The button keeps its width while its label changes, so that nothing next to it moves under a finger.
     button.style.minWidth = `${Math.ceil(button.getBoundingClientRect().width)}px`;
     button.textContent = t(done ? "result.copied" : "result.copy_failed");
     said.textContent = button.textContent;
@@ -30,15 +30,15 @@ export function copyButton(label, text, attributes = {}) {
 }
 
 /**
- * @param {string} text @param {HTMLElement} beside where a field may stand for a moment
+ * @param {string} text @param {HTMLElement} parent of a field that exists for a moment
  * @returns {Promise<boolean>}
  */
-async function copied(text, beside) {
+async function copied(text, parent) {
   if (await copy(text)) return true;
-  // Not over plain HTTP, and not everywhere allowed: then as one copied before.
+  // The clipboard API needs HTTPS and permission. Without them, the old command copies.
   const field = el("textarea", { class: "unseen", "aria-hidden": "true" });
   field.value = text;
-  beside.append(field);
+  parent.append(field);
   field.select();
   const done = document.execCommand("copy");
   field.remove();

@@ -64,7 +64,7 @@ const MAX_FAIR_INSIDE_PX = 1; // inside the part of the picture that the board h
 const MIN_FAIR_COVERED = 0.1; // share of the picture that this part must be
 const MAX_RMS_RATIO = 2.5; // times the median rms of the views
 const MIN_COSINE = 0.2; // of the angle to the axis: beyond 78° a plane picture is all edge
-const MIN_NOTABLE_RMS_PX = 0.3; // px; below this nobody looks for a reason
+const MIN_NOTABLE_RMS_PX = 0.3; // px; a smaller rms needs no reason
 
 /**
  * Quality in one word, where no report has it.
@@ -78,7 +78,7 @@ export function levelOf({ uncertainty: { rms, inside = null, covered = null }, i
   return at1280(rms) <= MAX_FAIR_PX || isFairInside ? "fair" : "poor";
 }
 
-/** Tells if a fair calibration is so only where the board has been. @param {Calibration} calibration */
+/** True if a fair calibration is fair only where the board has been. @param {Calibration} calibration */
 export const isFairInside = ({ uncertainty: { rms, inside }, img_size: [width] }) =>
   typeof inside === "number" && (rms * 1280) / width > MAX_FAIR_PX;
 
@@ -90,7 +90,7 @@ export function digitsFor(std) {
 const COEFFICIENT_DIGITS = 5; // digits of a coefficient
 
 /**
- * Digits after the point of a coefficient of which nobody says how sure it is: two of its own at least.
+ * Digits after the point of a coefficient without a standard deviation: at least two significant ones.
  * @param {number} value
  */
 export const digitsOf = (value) =>

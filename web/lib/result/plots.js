@@ -290,7 +290,7 @@ export function residualPlot({ img_size }, view, views, factor, photo) {
     make("path", { d: path(false), class: "mark" }),
     make("path", { d: dots(lines.map(({ at }) => at)), class: "dot" }),
   );
-  // A cross too: what was left out is not to be told by its colour alone.
+  // Excluded points also get a cross, so that they differ by more than colour.
   const crosses = lines
     .filter((line) => line.cut)
     .map(({ at: [u, v] }) => `M${short(u - 3)} ${short(v - 3)}l6 6m0-6l-6 6`)

@@ -18,8 +18,8 @@ const WIDE_MODELS = ["fisheye", "rational", "omnidirectional"];
  */
 export function reasonTexts(report, notes, { distortion_model: model, platform }) {
   const { cause, text, model: better } = report?.systematic ?? {};
-  const told = [...(report?.verdict.reasons ?? []), ...(cause ? [{ code: cause, text: text ?? "" }] : []), ...notes];
-  return [...new Map(told.map((reason) => [reason.code, reason])).values()].map((reason) =>
+  const reasons = [...(report?.verdict.reasons ?? []), ...(cause ? [{ code: cause, text: text ?? "" }] : []), ...notes];
+  return [...new Map(reasons.map((reason) => [reason.code, reason])).values()].map((reason) =>
     wording(reason, better ?? null, model, platform),
   );
 }
@@ -31,7 +31,7 @@ export function reasonTexts(report, notes, { distortion_model: model, platform }
  * @param {string} platform
  */
 function wording({ code, text }, better, model, platform) {
-  // Who has a folder of photos cannot hold still any more.
+  // With photos, advice on how to hold the board comes too late.
   if (platform === "photographs" && hasMessage(`result.reason_${code}_photos`))
     return t(`result.reason_${code}_photos`);
   if (code === "model_too_simple" && better) return t("result.reason_choose_model", { model: better });

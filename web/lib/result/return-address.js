@@ -1,4 +1,4 @@
-// Return address: the application that sent somebody here to calibrate a camera.
+// Return address: the application that sent the visitor here to calibrate a camera.
 
 const LOOPBACK = /^(localhost|127\.0\.0\.1|\[::1\])$/;
 

@@ -9,7 +9,7 @@ import { fileName } from "./numbers.js";
  */
 
 /**
- * @typedef {object} Facts what the service says of a stored calibration beside its numbers
+ * @typedef {object} Facts what the service reports of a stored calibration besides its numbers
  * @property {import("../../vendor/api.js").Board | null} board
  * @property {string | null} cameraKey
  */
@@ -90,13 +90,13 @@ export async function save(calibration, format, { id, without = [] } = calibrati
   });
   const { headers } = response;
   const [, named] = /filename="?([^";]+)"?/.exec(headers.get("content-disposition") ?? "") ?? [];
-  // Whole before it is offered: what breaks off is an error here, not half a file there.
+  // The file is read completely before it is offered, so that a broken transfer is an error, not half a file.
   const content = await response.blob();
   const link = document.createElement("a");
   link.href = URL.createObjectURL(content);
   link.download = named ?? fileName(calibration, endingOf(headers.get("content-type") ?? ""));
   link.click();
-  // The browser has taken it by the time it takes anything else.
+  // By then, the browser has read it.
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
   return {
     name: link.download,

@@ -28,11 +28,11 @@ export class ResultView {
   #result = null;
   /** @type {Trial | null} */
   #trial = null;
-  /** Trials so far: what arrives for an earlier one comes too late. */
+  /** Number of trials: the answer to an earlier one is ignored. */
   #tried = 0;
   /** @type {import("./agreement.js").Agreement | null} */
   #agreement = null;
-  /** Ends the questions about the camera of the result before. */
+  /** Aborts the requests about the previous result's camera. */
   #following = new AbortController();
   /** @type {(() => void)[]} */
   #held = [];
@@ -59,7 +59,7 @@ export class ResultView {
     void this.#followAgreement(result);
   }
 
-  /** Keep it in this browser, so that its maker finds it again; practice is nobody's camera. @param {Result} result */
+  /** Stores the result in this browser, except of simulated cameras, for the visitor's list. @param {Result} result */
   #keep({ calibration, report, origin, pending }) {
     const { id, camera } = calibration;
     if (id && !pending && origin !== "stored" && !isVirtual(camera)) keepOwn(ownOf({ ...calibration, id }, report));
@@ -77,7 +77,7 @@ export class ResultView {
         this.#showAgreement();
       });
     } catch (error) {
-      // The result is whole without it.
+      // The result is complete without the agreement.
       if (!signal.aborted) console.info("no agreement:", String(error));
     }
   }
@@ -100,7 +100,7 @@ export class ResultView {
       : null;
     if (straight) this.#held.push(straight.dispose);
     this.#straight = straight;
-    // The report arrives while somebody is on the way to a button.
+    // The report may arrive while the visitor is about to press a button.
     const focused = this.#root.contains(document.activeElement) ? document.activeElement?.id : "";
     const menu = () => /** @type {HTMLDetailsElement | null} */ (this.#root.querySelector("details.more"));
     const isMenuOpen = menu()?.open === true;
@@ -132,12 +132,12 @@ export class ResultView {
     if (focused) document.getElementById(focused)?.focus();
   }
 
-  /** Shows what the picture has become. */
+  /** Shows the changed picture. */
   refresh() {
     this.#straight?.refresh();
   }
 
-  /** The picture is that of the open camera, or no more. @param {(() => void) | null} turnOff */
+  /** Sets whether the picture comes live from the camera. @param {(() => void) | null} turnOff */
   setLive(turnOff) {
     if (!this.#result) return;
     this.#result = { ...this.#result, turnOff };
@@ -162,7 +162,7 @@ export class ResultView {
       : null;
   }
 
-  /** Shows what it is without some views. @param {string} id @param {number[]} without */
+  /** Shows the result without some views. @param {string} id @param {number[]} without */
   async #leaveOut(id, without) {
     const own = ++this.#tried;
     const result = this.#result;
@@ -193,7 +193,7 @@ export class ResultView {
     const before = place();
     draw();
     scrollBy(0, place() - before);
-    // What was pressed may be gone with what it did.
+    // The pressed button may be gone after its action.
     (
       document.getElementById(id) ??
       document.getElementById("all-again") ??
@@ -201,7 +201,7 @@ export class ResultView {
     )?.focus({ preventScroll: true });
   }
 
-  /** Takes it all away. */
+  /** Removes the result. */
   clear() {
     this.#release();
     this.#straight = null;
@@ -231,7 +231,7 @@ function contributionText({ origin, calibration: { camera, platform, calibration
 }
 
 /**
- * Details that few need: what was given, the address, the system, the whole record.
+ * Details that few visitors need: the inputs, the address, the system, the whole record.
  * @param {Result} result
  * @param {Result["calibration"]} calibration
  */

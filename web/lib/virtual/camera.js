@@ -15,7 +15,7 @@ import { intrinsicsOf } from "./lens.js";
  * @typedef {import("./setup.js").Setup} Setup
  */
 
-const MIN_REFRESH_INTERVAL_MS = 50; // ms; a canvas that nobody paints on delivers no frames
+const MIN_REFRESH_INTERVAL_MS = 50; // ms; a canvas delivers frames only when it is painted
 
 export class VirtualCamera {
   #canvas;
@@ -24,15 +24,15 @@ export class VirtualCamera {
   #setup;
   #hand;
   #board;
-  /** Is a picture being painted, or about to be? */
+  /** True while a picture is being painted, or about to be. */
   #asked = false;
-  /** When the last one was asked for, ms. */
+  /** Time of the last request for a picture, ms. */
   #askedAt = -Infinity;
-  /** Has the last picture of a hand that does not move been asked for? */
+  /** True once the last picture of a hand that does not move has been requested. */
   #settled = false;
   /** @type {ImageData | null} */
   #picture = null;
-  /** @type {Pose | null} in which somebody holds the board, without a hand */
+  /** @type {Pose | null} of the board while it is held, without the motion of a hand */
   #held = null;
   /** @type {Pose | null} of the board in the picture that is being painted */
   #painted = null;
@@ -129,7 +129,7 @@ export class VirtualCamera {
     if (!this.#asked) this.#ask();
   }
 
-  /** Holds the board in this very pose. @param {Pose} pose board → camera, squares */
+  /** Holds the board exactly in this pose. @param {Pose} pose board → camera, squares */
   hold(pose) {
     this.#held = pose;
     this.#settled = false;

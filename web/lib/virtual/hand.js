@@ -29,7 +29,7 @@ export class Hand {
   #kind;
   #error;
   #random;
-  /** Apart: where it goes must not hang on how many frames were painted. */
+  /** A separate generator, so that the hand's path does not depend on the number of painted frames. */
   #randomBlur;
   #pivot;
   #focal;
@@ -74,7 +74,7 @@ export class Hand {
     return this.#trembling(this.#way(time), time);
   }
 
-  /** Does the picture change at this time? @param {number} time ms */
+  /** True if the picture changes at this time. @param {number} time ms */
   moves(time) {
     const { travel, astray, tremor, sway } = this.#kind;
     return tremor > 0 || sway > 0 || time - this.#started < travel + (this.#then ? astray : 0);

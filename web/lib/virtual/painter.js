@@ -14,7 +14,7 @@ const MAX_TEXELS_PER_SQUARE = 64;
 const BORDER_TEXELS = 32; // texels of white paper around the board
 const BACKGROUND = 112;
 const SAMPLES_PER_AXIS = 3; // a pixel, each way: corners come out 0.05 px right
-const EVEN_RADIUS = 2; // texels: where all so near are alike, one look tells what nine samples would
+const EVEN_RADIUS = 2; // texels: if all within this radius are equal, one sample gives the same as nine
 // texels, both diagonals of a pixel together: less than 4.5, and what its samples look at is within that radius
 const NEAR = 4;
 
@@ -110,7 +110,7 @@ export class Painter {
         (x0 > right && x1 > right && x2 > right && x3 > right) ||
         (y0 < 0 && y1 < 0 && y2 < 0 && y3 < 0) ||
         (y0 > bottom && y1 > bottom && y2 > bottom && y3 > bottom);
-      // Comparisons with NaN are false: a ray that meets nothing must be asked for by name.
+      // Comparisons with NaN are false, so a ray that meets nothing needs a test of its own.
       if (away || Number.isNaN(x0 + x1 + x2 + x3 + y0 + y1 + y2 + y3)) continue;
       const near = Math.abs(x0 - x3) + Math.abs(x1 - x2) < NEAR && Math.abs(y0 - y3) + Math.abs(y1 - y2) < NEAR;
       const middle = Math.round((y0 + y1 + y2 + y3) / 4) * width + Math.round((x0 + x1 + x2 + x3) / 4);

@@ -1,4 +1,4 @@
-// An A-Frame camera that sees as the calibrated one: a component beside `camera`.
+// An A-Frame camera that sees as the calibrated one: a component next to `camera`.
 //
 //     registerCalibrated(AFRAME);
 //     <a-entity id="eye" camera="near: 0.01" calibrated="fit: cover" position="0 0 0"></a-entity>

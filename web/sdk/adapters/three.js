@@ -18,8 +18,8 @@ import { projectionMatrix } from "../pinhole.js";
 const WEBGPU = 2001; // THREE.WebGPUCoordinateSystem
 
 /**
- * Call it again when the viewport or the calibration changes. `near` and `far` are the camera's: whoever changes
- * them calls `camera.updateProjectionMatrix()` as ever. Field of view and aspect do nothing any more.
+ * Call it again when the viewport or the calibration changes. `near` and `far` are the camera's: after a change, call
+ * `camera.updateProjectionMatrix()` as usual. Field of view and aspect have no effect any more.
  * @param {ThreeCamera} camera
  * @param {Parameters<typeof projectionMatrix>[0]} calibration of the rectified picture, or of one that is nearly so
  * @param {Pick<import("../pinhole.js").Frustum, "viewport" | "fit">} [layout] how the picture lies under the scene

@@ -51,15 +51,15 @@ class Target:
     hint: str
 
     @classmethod
-    def of(cls, told: Mapping[str, Any], index: int) -> Target:
+    def of(cls, values: Mapping[str, Any], index: int) -> Target:
         """Return the target of plain values, as the service and `TargetPose.to_dict` give them."""
         return cls(
             index,
-            tuple(int(each) for each in told["ids"]),
-            np.array(told["corners"], dtype=np.float64).reshape(-1, 2),
-            np.array(told["outline"], dtype=np.float64).reshape(-1, 2),
-            str(told.get("purpose", "")),
-            str(told.get("hint", "")),
+            tuple(int(each) for each in values["ids"]),
+            np.array(values["corners"], dtype=np.float64).reshape(-1, 2),
+            np.array(values["outline"], dtype=np.float64).reshape(-1, 2),
+            str(values.get("purpose", "")),
+            str(values.get("hint", "")),
         )
 
 

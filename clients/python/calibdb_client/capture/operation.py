@@ -39,7 +39,7 @@ class CaptureOptions(TypedDict, total=False):
     show
         ``window``, ``text``, ``none``, ``auto`` (a window where there is one, else text), or a `Feedback`.
     resume
-        Recording of an earlier capture of this camera, to go on with.
+        Recording of an earlier capture of this camera, to continue.
     clock
         Seconds, by which the board's stillness is timed; of a file it is the file's own.
     """

@@ -17,8 +17,8 @@ def add(commands: Any) -> None:
     """Add the command to the parser."""
     parser: argparse.ArgumentParser = commands.add_parser(
         "resume",
-        help="go on with a live capture that ended early",
-        description="Go on with a live capture, from the file that `calibdb calibrate` kept.",
+        help="continue a live capture that ended early",
+        description="Continue a live capture, from the file that `calibdb calibrate` kept.",
     )
     parser.add_argument("file", help="file that `calibdb calibrate` kept")
     parser.add_argument("camera", nargs="?", help="the camera; found by its label unless given")
@@ -34,7 +34,7 @@ def add(commands: Any) -> None:
 
 
 def run(chosen: argparse.Namespace, output: Output) -> int:
-    """Read the file, open the camera, and go on."""
+    """Read the file, open the camera, and continue the capture."""
     recording = Recording.load(chosen.file)
     if not recording.live:
         raise UsageError(f"{chosen.file} contains images, not a live capture: `calibdb submit {chosen.file}`")

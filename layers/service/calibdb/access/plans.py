@@ -26,11 +26,11 @@ TRIAL_PERIOD_S = 30 * 24 * HOUR_S
 
 @dataclass(frozen=True)
 class Allowance:
-    """Calls in one hour by kind; None: as many as are wanted.
+    """Calls in one hour by kind; None: unlimited.
 
     `sessions`: captures opened. `views`: requests that are computed (views submitted, undone, checked;
-    calibrations converted). `poses`: what else a session is asked: where to hold the board, its pictures, its
-    start, state and end. `lookups`: everything that reads with the API token.
+    calibrations converted). `poses`: the other requests of a session: the board's next pose, its pictures,
+    the session's start, state and end. `lookups`: everything that reads with the API token.
     """
 
     sessions: int | None
@@ -49,10 +49,10 @@ class Plan:
     """True if every lookup is stored immediately, so that its user sees it."""
 
 
-# A capture is four to six views and a few refused ones; who calibrates all cameras in the house needs ten
-# captures an hour. For each view the page asks twice where to hold the board: in numbers and as a picture.
-# The token of a page is public: one stranger who copies it gets the share of one user, of three if their line
-# has IPv6, and many of them exhaust only that page's plan.
+# A capture is four to six views and a few refused ones. Calibrating all cameras in a house takes ten captures
+# per hour. For each view the page requests the board's pose twice: in numbers and as a picture. The token of
+# a page is public: a person who copies it gets the share of one user, or of three if their line has IPv6.
+# Many such people exhaust only that page's plan.
 _EACH = Allowance(sessions=20, views=400, lookups=600, poses=1_200)
 _TRIAL = Allowance(sessions=20, views=400, lookups=600, poses=1_200)
 _NONE = Allowance(None, None, None, None)
@@ -62,7 +62,7 @@ PLANS: dict[str, Plan] = {
     "trial": Plan(_TRIAL, _TRIAL, counts_each_lookup=True),
     "free": Plan(Allowance(sessions=60, views=1_500, lookups=10_000, poses=4_500), _EACH),
     "page": Plan(Allowance(sessions=1_000, views=25_000, lookups=200_000, poses=75_000), _EACH),
-    # A server of someone's own, which asks for many users from one address.
+    # A private server, which sends the requests of many users from one address.
     "partner": Plan(
         Allowance(sessions=5_000, views=100_000, lookups=2_000_000, poses=300_000),
         Allowance(sessions=5_000, views=100_000, lookups=2_000_000, poses=300_000),

@@ -2,8 +2,8 @@
 
 A lookup that hits is one Query. So its token is cached for half a minute, and lookups are counted in memory
 and flushed when the token is read again: once for some hundred lookups, or after some minutes. A
-function has no time of its own after its answer, and one that is ended takes along what it had not written:
-the count is a little low, in favour of those who ask.
+function does not run after its answer, and one that is ended loses what it had not written: the count is a
+little low, in favour of the users.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from calibdb.errors import TooManyError, UnavailableError
 TOKEN_TTL_S = 30.0
 REFUSAL_TTL_S = 1.0  # seconds for which a token that was just read is not read again for a wrong secret
 LOOKUPS_PER_FLUSH = 250
-FLUSH_INTERVAL_S = 600.0  # after which fewer lookups are flushed, too
+FLUSH_INTERVAL_S = 600.0  # after which fewer lookups are also flushed
 _MAX_TOKENS = 1024
 _MAX_SOURCES = 4096  # of one token and hour
 
@@ -129,7 +129,7 @@ class TokenCache:
                 return entry.token
         if entry is None:
             return self._read(token_id, accepts)
-        with entry.reading:  # of many that wait only the first reads
+        with entry.reading:  # of many waiting threads only the first reads
             with self._lock:
                 entry = self._known.get(token_id)
                 if entry is not None and self._is_current(entry, accepts):

@@ -25,7 +25,7 @@ TOKEN_PATTERN = re.compile(r"cdb_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
 MANAGEMENT_PATTERN = re.compile(r"cdbm_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
 MAX_FORMER_SECRETS = 10
 """Secrets before the present one that may still open: a rotation whose response was lost is repeated."""
-_MAX_SKEW_S = 300  # s by which the clock of who signed may be ahead of the clock of who verifies
+_MAX_SKEW_S = 300  # s by which the signer's clock may be ahead of the verifier's
 _MAX_SESSION_ID_LENGTH = 1024
 _SALT = "calibdb.session"
 
@@ -82,7 +82,7 @@ def parse(text: str) -> tuple[str, str] | None:
 def secret_hash(secret: str) -> str:
     """Return the SHA-256 of a token's secret, in hex.
 
-    A plain hash is enough: the secret is random with at least 128 bits, nothing that a dictionary would hold.
+    A plain hash is enough: the secret is random with at least 128 bits, so dictionaries do not help.
     """
     return hashlib.sha256(secret.encode()).hexdigest()
 
@@ -90,7 +90,7 @@ def secret_hash(secret: str) -> str:
 def matches(token: ApiToken, secret: str, now: float = 0.0) -> bool:
     """True if `secret` is the token's at unix time `now`, in constant time."""
     sent = secret_hash(secret)
-    digests = [token.secret_sha256, *(former for former, until in former_secrets(token) if now < until)]
+    digests = [token.secret_sha256, *(previous for previous, until in former_secrets(token) if now < until)]
     return sum(hmac.compare_digest(one, sent) for one in digests) > 0  # all of them, in constant time
 
 
@@ -104,13 +104,13 @@ def former_secrets(token: ApiToken) -> tuple[tuple[str, int], ...]:
 def with_secret(token: ApiToken, sha256: str, now: int, grace_s: int) -> ApiToken:
     """Return the token with another secret; every earlier one opens for `grace_s` more at most.
 
-    A rotation whose answer got lost is simply repeated: the secret that is in use keeps its time.
+    A rotation whose answer got lost is simply repeated: the secret in use keeps its time.
     """
     if token.secret_sha256 == sha256:  # repeated, since the first answer of storage got lost
         return token
     earlier = [(one, min(until, now + grace_s)) for one, until in former_secrets(token)]
-    former = [(token.secret_sha256, now + grace_s), *earlier]
-    valid = [(one, until) for one, until in former if until > now]
+    previous = [(token.secret_sha256, now + grace_s), *earlier]
+    valid = [(one, until) for one, until in previous if until > now]
     secrets_left = (
         valid[: MAX_FORMER_SECRETS - 1] + valid[MAX_FORMER_SECRETS - 1 :][-1:]
     )  # and always the oldest
@@ -217,8 +217,8 @@ class SessionIds:
 def contributor(secret: str, address: str, token_id: str) -> str:
     """Return the keyed hash that stands for a contributor: HMAC-SHA-256 of address and token, in hex.
 
-    Of an IPv6 address only the first 64 bits count: the rest are one household's to choose (RFC 4291, 2.5.4),
-    which would otherwise be as many contributors as it likes.
+    Only the first 64 bits of an IPv6 address count: a household chooses the rest (RFC 4291, 2.5.4), and could
+    otherwise pose as many contributors.
     """
     return hmac.new(secret.encode(), f"{_site(address)}\n{token_id}".encode(), hashlib.sha256).hexdigest()
 
@@ -226,7 +226,7 @@ def contributor(secret: str, address: str, token_id: str) -> str:
 def source(secret: str, address: str) -> str:
     """Return the keyed hash of where a contributor is, whatever the token: HMAC-SHA-256 in hex.
 
-    By it contributors are counted, since tokens are for the asking. Of an IPv6 address only the first 48 bits
+    Contributors are counted by it, since anyone can create tokens. Only the first 48 bits of an IPv6 address
     count, the most that one site is given (RFC 6177, 2), enough for 65,536 households.
     An IPv4 address counts whole. The hash of an IPv6 site begins with `IPV6_SOURCE`: one line often has an
     address of either family, and must not count twice (`calibdb.rules.votes.count_lines`).

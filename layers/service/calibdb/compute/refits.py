@@ -22,7 +22,7 @@ from calibdb.store import IndexedVote, StreamMode
 from calibdb.store.calibrations import CountedCalibration
 from calibsolver import DeadlineError
 
-MAX_ROUNDS = 5  # of one computation for others who ask meanwhile; then it is their turn
+MAX_ROUNDS = 5  # of one computation for concurrent callers; then it is their turn
 WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # for the same computation; a caller has 25 s
 MAX_PUTS = 5  # while other writers keep winning the conditional put
 
@@ -37,8 +37,8 @@ Guard = AbstractContextManager[None] | None
 def alone(service: Service, mode: StreamMode, models: Sequence[str], context: Any) -> Iterator[None]:
     """Wait until no other invocation computes the same for a waiting client; raises UnavailableError.
 
-    Clients repeat requests that take long; without this, each would start another computation. Those that
-    wait mostly find it done.
+    Clients repeat slow requests; without this, each repetition would start another computation. After the
+    wait, the result is usually there.
     """
     leases, me, name = service.store.leases, str(context.aws_request_id), f"NOW#{'+'.join(models)}"
     for pause in (*WAITS_S, None):
@@ -85,7 +85,7 @@ def ensure_current(
 ) -> Consensuses:
     """Return each model's consensus as it follows from the index; compute and store those that are stale.
 
-    `guard`: entered before anything is computed; reads alone need none.
+    `guard`: entered before anything is computed; reads need none.
     """
     with ExitStack() as guarded:
         if guard is not None:
@@ -105,7 +105,7 @@ def _try_once(
 ) -> Consensuses | None:
     """Do what `ensure_current` does; None if another writer won a conditional put.
 
-    Where not to `compute`, None also where something is stale.
+    Without `compute`, None also if something is stale.
     """
     store, thresholds = service.store, service.settings.thresholds
     # Stored consensuses are read first: each was made from what is read after it, or from less.

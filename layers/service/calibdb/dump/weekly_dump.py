@@ -67,7 +67,7 @@ class WeeklyDump:
     max_part_bytes: int = MAX_PART_BYTES
 
     def run(self, *, force: bool = False) -> Dump | None:
-        """Go on with the dump that is due; return it once it is whole, None if it is not or none is due.
+        """Continue the dump that is due; return it once it is whole, None if it is not or none is due.
 
         `force`: one is due now.
         """
@@ -141,7 +141,7 @@ class WeeklyDump:
     def _store(self, draft: DumpDraft, content: bytes, count: int) -> DumpFile:
         number = sum(file.kind == draft.kind for file in draft.files) + 1
         digest = hashlib.sha256(content).hexdigest()
-        # With its digest: who was overtaken while writing replaces no part that another has named.
+        # With its digest: a writer that was overtaken replaces no part that another has named.
         name = f"{draft.name}/{draft.kind}-{number:05}-{digest[:8]}.jsonl.gz"
         self.dumps.write(FOLDER + name, content, GZIP)
         return DumpFile(name=name, kind=draft.kind, count=count, size=len(content), sha256=digest)

@@ -238,9 +238,8 @@ PREFLIGHT = {
 def with_default_headers(app: Starlette) -> Any:
     """Answer preflights, and add `nosniff`, and `Cache-Control: no-store` where a response has none.
 
-    An HTTP API may hand a preflight to the function, whose `ANY` route it matches, instead of answering it
-    itself. No browser goes on unless the answer is one of success, so it is, on every path; neither secrets
-    nor storage are asked for it.
+    An HTTP API may pass a preflight to the function, whose `ANY` route it matches. Browsers need a successful
+    response to continue, so every path returns one, without secrets or storage.
     """
 
     async def wrapped(scope: Any, receive: Any, send: Any) -> None:

@@ -45,7 +45,7 @@ MAX_RIG_COMPUTE_S = 5.2
 MIN_REMAINING_S = 1.5
 """Time of an invocation that is kept for storage and the answer."""
 RATE_LIMITS = "calibdb.rate_limits"
-"""Place in a request's scope of the headers that tell what is left of the plan."""
+"""Key in a request's scope of the headers that report what is left of the plan."""
 _HOPS_OF_EDGE = 2  # in X-Forwarded-For: the caller, CloudFront
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -78,7 +78,7 @@ class Call:
     def seconds_left(self) -> float:
         """Return the s left to compute: of the request's processor time, or of the invocation if less.
 
-        In seconds of the machine on which the limits were set, so that parts of it mean the same everywhere.
+        In seconds of the machine on which the limits were set, so that shares of it mean the same everywhere.
         An invocation ends at the function's timeout, answered or not.
         """
         return min(self._processor_s_left(), self._remaining_s_left() / self._factor)
@@ -90,7 +90,7 @@ class Call:
     def out_of_time(self, error: CalibdbError) -> CalibdbError:
         """Return the error of a computation that did not end: `error`, if it never would.
 
-        Where the request has not used its processor time, it was the machine that was busy: UnavailableError.
+        If the request has not used its processor time, the machine was busy: UnavailableError.
         """
         metrics.count(self.service.clock(), ComputeTimeouts=1)
         if self._processor_s_left() <= 0:
@@ -249,7 +249,7 @@ class Call:
         return token
 
     def _tell(self, limits: Sequence[RateLimit]) -> None:
-        """Have the answer tell what is left of the plan, whatever the answer will be."""
+        """Report what is left of the plan in the response, whatever the response will be."""
         self.request.scope[RATE_LIMITS] = rate_limit_headers(limits)
 
     @property
@@ -261,7 +261,7 @@ class Call:
     def address(self) -> str:
         """Source address, only ever used inside a keyed hash.
 
-        Of what came through our CloudFront the gateway sees CloudFront's. It is recognised by a secret, for
+        For requests through our CloudFront the gateway sees CloudFront's. It is recognised by a secret, since
         anyone can write X-Forwarded-For; then the gateway appended the edge's address, the edge the caller's.
         """
         shown = self.request.headers.get("x-calibdb-edge", "").encode()

@@ -1,7 +1,7 @@
 """Checks of the parts that the service needs: each within a time of its own, remembered for some seconds.
 
 A part that does not answer keeps its thread until it does; meanwhile it is not asked again, so that there are
-never more threads than parts. What a part said when it failed goes to the log alone.
+never more threads than parts. The error of a failed part goes only to the log.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class PartChecks:
         self._until = float("-inf")
 
     def __call__(self) -> tuple[PartHealth, ...]:
-        """Check all parts, unless they were checked lately; who asks meanwhile is given the same answer."""
+        """Check all parts, unless they were checked lately; callers in the meantime get the same answer."""
         with self._lock:
             if self._clock() >= self._until:
                 self._known = tuple(state for stage in self._stages for state in self._check(stage))
@@ -117,7 +117,7 @@ class _Unredirected(urllib.request.HTTPRedirectHandler):
     """Handler that follows no redirect: the site answers itself."""
 
     def redirect_request(self, *_: Any) -> None:
-        """Return no request to go on with."""
+        """Return None: no request follows the redirect."""
 
 
 def read_file(address: str, limit_s: float, max_bytes: int) -> bytes:

@@ -1,4 +1,4 @@
-"""Lookup of a camera by USB id and name; by the name alone where it says which product it is.
+"""Lookup of a camera by USB id and name, or only by the name if it identifies the product.
 
 Never a guess: a name of many products, or of two USB ids, finds no camera. Since
 anyone can invent an id, only well-known ids (`calibdb.lookup.well_known_ids`) rival each other.
@@ -75,8 +75,8 @@ def resolve(
 ) -> CameraMatch:
     """Resolve an identity to the key under which its camera is known (docs/camera-keys.md, "In which order").
 
-    `read` is asked once where the camera is known under its own key, and no well known one beside it; never
-    more than twice.
+    `read` is called once if the camera is known under its own key and no other camera of its name is well
+    known; never more than twice.
     """
     search = _Search(read, identity, img_size, zoom, model, private)
     for step in _STEPS[identity.usb_id is not None, identity.distinct, private]:

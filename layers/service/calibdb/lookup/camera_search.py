@@ -23,9 +23,9 @@ AFTER_PRACTICE = f"{VERSION}-calibdb-virtual-camera-zzzzzzzz-ffffffffffff"
 
 
 def query_words(query: str) -> list[str]:
-    """Return the words of a query, the one that says most first.
+    """Return the words of a query, the most specific one first.
 
-    A maker's name is left out where there are other words: not every system says it.
+    A maker's name is left out if there are other words: not every system reports it.
     """
     text = unicodedata.normalize("NFKC", query).casefold()
     terms = list(dict.fromkeys(words(text)))[:_MAX_QUERY_WORDS]
@@ -42,11 +42,11 @@ def has_words(terms: Sequence[str], name: str, consensuses: Sequence[ConsensusDo
 
 
 def is_listed(consensuses: Sequence[ConsensusDocument], min_contributors: int) -> bool:
-    """True if a camera is shown to who does not ask for it by its key.
+    """True if a search shows a camera to callers who do not know its key.
 
-    A label is whatever its sender wrote. So it is, once the database vouches for the camera, or calibrations
-    of another contributor agree. Where one contributor suffices for everything, as at home, its first
-    consensus suffices: until that is there, nothing is known but a name.
+    A label is whatever its sender wrote. So a camera is shown once the database vouches for it, or
+    calibrations of another contributor agree. If one contributor suffices for everything, as at home, the
+    first consensus suffices: before it, only a name is known.
     """
     enough = min(_MIN_LISTED_CONTRIBUTORS, min_contributors)
     return (enough == 1 and bool(consensuses)) or any(

@@ -79,8 +79,8 @@ class SessionDocument(CaptureDocument):
     session: str
     first_version: int = 1  # differs between a session and a restarted one with the same id
     started: int  # unix seconds
-    contributor: str | None = None  # who started it, for one who wants to be forgotten; of old none
-    source: str | None = None  # where they are, hashed; of a session in a rig, which others end
+    contributor: str | None = None  # hash of who started it, to delete it on request; None in old ones
+    source: str | None = None  # hash of where they are; for a session in a rig, which others end
     next_index: int = 0
     views: tuple[ViewDocument, ...] = ()
     target: Members | None = None
@@ -142,8 +142,8 @@ class ShapeDocument(Open):
 class VoteDocument(Open, Licensed):
     """One check that counts: `votes/<camera key>/<id>.json`. Never overwritten.
 
-    It keeps the views, not the finding: they are scored again whenever the consensus changes, so that no
-    consensus inherits what was found of another.
+    It keeps the views, not the verdict: they are scored again whenever the consensus changes, so that no
+    consensus inherits the verdict on another.
     """
 
     layout: Literal[1] = 1
@@ -171,8 +171,8 @@ class VoteDocument(Open, Licensed):
 class ConsensusDocument(Open):
     """Consensus of all calibrations of one camera at one size and zoom, for one model.
 
-    `basis` stands for everything that it follows from: the calibrations that count, the votes, the
-    thresholds, the solver. Equal, nothing is new. `pooled` stands for the same without the votes.
+    `basis` is a digest of all that it follows from: the calibrations that count, the votes, the thresholds,
+    the solver. If it is equal, nothing is new. `pooled` is the same without the votes.
     """
 
     layout: Literal[1] = 1

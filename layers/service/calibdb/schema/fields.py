@@ -114,7 +114,7 @@ def _whole(value: object) -> object:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
-# JSON does not tell 1280 from 1280.0, and many a program's sizes are the latter.
+# JSON does not distinguish 1280 from 1280.0, and many programs write the latter.
 Whole = BeforeValidator(_whole)
 Side = Annotated[int, Field(strict=True, ge=MIN_IMAGE_SIDE_PX, le=MAX_IMAGE_SIDE_PX), Whole]
 

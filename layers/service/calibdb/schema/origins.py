@@ -1,4 +1,4 @@
-"""Origins of pages: which of them a stranger may name, and which need a proof.
+"""Origins of pages: which of them any user may name, and which need a proof.
 
 Source: RFC 6454, 6.2 (serialization of an origin); WHATWG URL, "host parsing": a name whose last label is a
 number is an IPv4 address; RFC 6761 and W3C Secure Contexts, 3.1: `localhost` is the device itself.
@@ -33,7 +33,7 @@ PROOF_PATH = "/.well-known/calibdb.txt"
 
 
 def is_loopback(origin: str) -> bool:
-    """True if pages of `origin` are on the machine of who opens them."""
+    """True if pages of `origin` are on the visitor's own machine."""
     match = _LOOPBACK.fullmatch(origin[: MAX_ORIGIN_LENGTH + 1])
     if match is None:
         return False

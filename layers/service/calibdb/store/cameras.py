@@ -29,8 +29,8 @@ class IdSupport:
 def rivals(supports: Mapping[str, IdSupport]) -> tuple[str, ...]:
     """Select the ids that a name may mean.
 
-    If one of them is reliable only reliable ones, and of those the ones with a third of the contributors
-    that the best known has: an invented id takes no name from a camera that many know.
+    If one of them is reliable, only reliable ones, and of those only ones with at least a third of the best
+    known one's contributors: an invented id takes no name from a well-known camera.
     """
     if not supports:
         return ()
@@ -110,7 +110,7 @@ class Cameras:
         return str(item["name"]) if item else None
 
     def search(self, word: str, limit: int, after: str | None) -> tuple[list[tuple[str, str]], str | None]:
-        """Return cameras of whose names a word begins with `word`, and where to go on: one Query.
+        """Return cameras of whose names a word begins with `word`, and where to continue: one Query.
 
         Each by key and normalised label. An empty word finds all. `after`: what an earlier answer for the
         same word gave (`is_place`), or None.
@@ -145,7 +145,7 @@ def _id_support(item: Item) -> IdSupport | None:
 
 
 def is_place(word: str, after: str) -> bool:
-    """True if `after` is where a search for `word` can go on."""
+    """True if a search for `word` can continue at `after`."""
     before, _, key = after.rpartition("#")
     return PATTERN.fullmatch(key) is not None and after.startswith(word) and bool(before) == bool(word)
 

@@ -2,11 +2,11 @@
 
 All of them follow from the calibrations, so that the index can be rebuilt from the bucket.
 
-* `CAMERA#<other key>/CONSENSUS-OF#<key>`: what is asked for under the other key is known under this one. The
-  other key is that of the bare name, which is all that some browsers report, or one of earlier rules. Under
-  `CONSENSUS`, so that the one Query of a lookup brings it along. Where the camera counts beside
-  others of this name (`calibdb.lookup.well_known_ids`): `well_known`, its contributors, and `reliable`.
-* `CAMERAS#<first letter>/<word>#<key>` and `CAMERAS#/<key>`: the search, by words, and by nothing.
+* `CAMERA#<other key>/CONSENSUS-OF#<key>`: a camera requested under the other key is known under this one. The
+  other key is that of the bare name, which is all that some browsers report, or one of earlier rules. Its
+  sort key begins with `CONSENSUS`, so that the one Query of a lookup returns it. If the camera counts as one
+  of several of this name (`calibdb.lookup.well_known_ids`): `well_known`, its contributors, and `reliable`.
+* `CAMERAS#<first letter>/<word>#<key>` and `CAMERAS#/<key>`: the search, by word, and without one.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Names:
     def publish(self, document: CalibrationDocument) -> None:
         """Index the names of a camera, so that searches find it."""
         named = _name_of(document)
-        # The last that was written, so that where it is all the others are that follow from the key.
+        # This item is written last: where it exists, all others that follow from the key exist.
         is_listed = self._table.get(ALL, named.key) is not None
         if not (is_listed and named.identity.distinct and named.aliases <= named.identity.name_keys):
             self._alias(named)

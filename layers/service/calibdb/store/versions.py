@@ -219,8 +219,8 @@ class Versions(Generic[Document]):
 
     def _write(self, name: str, base: int, document: Document, now: int) -> bool:
         content = document.model_dump_json().encode()
-        # A taken name is the orphan of a crash, or of someone who is about to overtake us. It cannot be told
-        # which, and need not: versions may have gaps, and the index decides.
+        # A taken name is the orphan of a crash, or of a writer that is about to overtake this one. Both are
+        # skipped: versions may have gaps, and the index decides.
         for version in range(base + 1, base + 1 + _MAX_ORPHANS):
             if self._objects.create(self._object(name, version), content):
                 break
@@ -233,7 +233,7 @@ class Versions(Generic[Document]):
         head = self.head(name)
         if head is not None and (head.version, head.content, head.forgotten) == (version, version, False):
             return True
-        # Ours counts for nothing: it must not be taken for the document's state when the index is rebuilt.
+        # This object is obsolete: a rebuild of the index must not take it for the document's state.
         self._objects.delete([self._object(name, version)])
         return False
 

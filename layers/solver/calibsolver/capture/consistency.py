@@ -1,8 +1,7 @@
 """Consistency of views: tests whether they come from one camera.
 
-A bad view need not look bad: a view of another camera is explained by the parameters of that camera, and
-whichever view came first fits by itself. So views are fitted together, and where they contradict each other
-the majority is believed.
+A bad view need not look bad: the parameters of another camera explain a view of that camera, and any first
+view fits. So views are fitted together. If they contradict each other, the majority is believed.
 """
 
 from collections import OrderedDict
@@ -140,7 +139,7 @@ class Consistency:
             return None
         largest = whole.rms_inliers / MIN_IMPROVEMENT
         if self.min_error > largest:
-            return None  # they agree so well that none of them can be the wrong one
+            return None  # they agree so well that none of them can be wrong
         best: tuple[float, int] | None = None
         for i in range(len(views)):
             rest = [*views[:i], *views[i + 1 :]]

@@ -21,7 +21,7 @@ MIN_CONTRAST = 2.0
 def fitting_camera(cameras: Sequence[Camera], views: Sequence[View], model: str) -> int | None:
     """Return the index of the one camera that took the views; None if none did, or if several may have.
 
-    `model`: that of the fit which tells the noise of the views.
+    `model`: camera model of the fit that estimates the noise of the views.
 
     Raises CalibrationError as `fit` does.
     """

@@ -1,4 +1,4 @@
-"""Approximate fit of one camera: robust, and near enough to the optimum for a joint fit to go on from."""
+"""Approximate fit of one camera: robust, and near enough to the optimum to start a joint fit."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,8 +1,8 @@
 """Shape of a board that is not as drawn: a bend, and a print that stretched.
 
 A sheet of paper bends, and a printer feeds it a little too fast. Both are the same in all views of a capture,
-so enough views tell them from the lens: five parameters beside the intrinsics (Strobl & Hirzinger, "More
-accurate pinhole camera calibration with imperfect planar target", ICCV workshops 2011, free every point
+so enough views distinguish them from the lens: five parameters besides the intrinsics (Strobl & Hirzinger,
+"More accurate pinhole camera calibration with imperfect planar target", ICCV workshops 2011, free every point
 instead). Their variance is learnt (`mixed_model`), so that a flat board costs nothing.
 """
 

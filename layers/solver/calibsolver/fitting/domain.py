@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 MARGIN, SIGMA = 0.03, 0.02
 """Logarithm of the domain's image radius / distance of the farthest corner: the least, and its deviation."""
 EDGE = 0.99
-"""Share of the domain's half angle at which its image is measured: at the very edge it may be a pole."""
+"""Share of the domain's half angle at which its image is measured: the edge itself may be a pole."""
 MAX_PREDICTED = 3000.0
 """Predicted increase of the squared residuals, in squares of the noise, above which the prior is not tried.
 It is of first order, and the valley bends: the true increase may be a thousandth."""

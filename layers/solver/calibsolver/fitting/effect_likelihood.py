@@ -1,10 +1,10 @@
-"""Variance of motion by restricted likelihood, where bend and motion are what the residuals consist of.
+"""Variance of motion by restricted likelihood, if the residuals consist of bend and motion.
 
-Moments hear the directions in which an effect moves the corners farthest, and little of the others: few views
-tell the variance poorly. The restricted likelihood (REML; Patterson & Thompson 1971) weighs all directions by
-what they tell. But it is right only where its model is: it takes every misfit of the lens for motion in the
+Moments depend mostly on the directions in which an effect moves the corners farthest, so few views determine
+the variance poorly. The restricted likelihood (REML; Patterson & Thompson 1971) weighs all directions by
+their information. But it needs a correct model: it takes every misfit of the lens for motion in the
 directions that move the corners least, on real sets for five times the variance of the moments. So it counts
-where the effect explains more of the residuals' variance than it leaves.
+only if the effect explains more of the residuals' variance than it leaves.
 """
 
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ class EffectLikelihood:
 
     @classmethod
     def of(cls, gram: Array, pull: Array, sigma: float) -> "EffectLikelihood | None":
-        """Evaluate the likelihood on the grid `MOTIONS`, intrinsics and bend free; None: nothing is told.
+        """Evaluate the likelihood on the grid `MOTIONS`, intrinsics and bend free; None: no information.
 
         Parameters
         ----------

@@ -46,7 +46,7 @@ class EffectMoments:
 
     @classmethod
     def of(cls, gram: Array, pull: Array, sigma: float) -> "EffectMoments":
-        """Of the Gram matrices of effects and residuals (c, 10, 10) and the pull (c, p, 9) of the former."""
+        """Moments from Gram matrices of effects and residuals (c, 10, 10) and the effects' pull (c, p, 9)."""
         bends, moves = slice(BEND_SIZE), slice(BEND_SIZE, EFFECTS_SIZE)
         by_move, by_bend = pull[:, :, moves], pull[:, :, bends].sum(axis=0)
         back, total, z = by_move.transpose(0, 2, 1), gram.sum(axis=0), gram[:, moves, moves]

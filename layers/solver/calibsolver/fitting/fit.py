@@ -96,7 +96,7 @@ def fit(
     CalibrationError
         ``no_views``, ``too_few_points``, ``degenerate``, ``not_planar``, ``out_of_range``,
         ``outside_image``, ``mirrored``, ``unknown_model``, ``unknown_parameter``, ``no_value``,
-        ``no_fit``, ``not_converged`` or ``not_believable``: never is nonsense returned.
+        ``no_fit``, ``not_converged`` or ``not_believable``. An implausible fit is never returned.
     """
     camera_model = models.get(model)
     views = list(views or ())
@@ -114,7 +114,7 @@ def fit(
     mirrored = validation.mirrored_views(given)
     if mirrored.any() and not robust:
         raise CalibrationError("mirrored", f"view {int(np.argmax(mirrored))} shows the board mirrored")
-    # In one order, whichever the views came in: rounding, too, is then the same.
+    # Canonical order of the views, so that rounding and results are bit-identical.
     obs, order = given.sort_canonically()
     # Far from the solution numbers may overflow; every step is tested before it is taken.
     with np.errstate(all="ignore"):
@@ -125,7 +125,7 @@ def fit(
 
 @undetermined()
 def refine(views: Sequence[View], near: Camera, poses: Array) -> Calibration:
-    """Refine a fit of which camera and poses (v, 6) are nearly known: robustly, from there alone.
+    """Refine a fit whose camera and poses (v, 6) are nearly known: robustly, only from that start.
 
     For parts of what was fitted before; raises as `fit` does.
     """
@@ -175,7 +175,7 @@ class _Fit:
         return MultiStart(self.problem, self.mask, self.known, rejection_follows=self.robust)
 
     def run(self, near: State | None = None) -> Calibration:
-        """Fit, from `near` alone where it is given."""
+        """Fit, only from `near` if it is given."""
         if not self.robust:
             return self._least_squares(self.multistart.run()).calibration
         state, good = self._settle(near or self.multistart.run())
@@ -198,9 +198,9 @@ class _Fit:
     def _shaped(self, state: State, good: Mask) -> "_Found | None":
         """Fit the board's shape with the rest, from an optimum of least squares with the board as drawn.
 
-        Other points may take part: what the shape explains is no outlier. A stretch that no printer causes is
-        left to the camera. None if the board is known to be as drawn, where there are too few views to
-        tell, and where a shape would explain no more than chance or leave a camera that is not believable.
+        Other points may take part: what the shape explains is not an outlier. A stretch that no printer
+        causes is left to the camera. None if the board is known to be as drawn, if there are too few views,
+        or if a shape would explain no more than chance or leave a camera that is not believable.
         """
         if not (self.board_shape and state.converged and good.any(axis=1).sum() >= MIN_SHAPE_VIEWS):
             return None
@@ -241,7 +241,7 @@ class _Fit:
         """
         state, inliers, is_fitted = outliers.reject_gross(self.problem, state, self.mask)
         if self._concentrate_at_rim(inliers, self.mask):
-            # It may be the model that fails at the rim: then every point counts, or it would fail unseen.
+            # The model may fail at the rim: then every point counts, or the failure would go unnoticed.
             all_points = self.problem.solve(state, self.multistart.unit_weights, outliers.LEAST_SQUARES)
             if self._is_close(all_points, self.mask, state, inliers, MAX_RIM_RMS_RATIO):
                 return all_points, self.mask
@@ -274,7 +274,7 @@ class _Fit:
                 return state, good
             state = self.problem.solve(state, outliers.unit_weights(good), REJECTION)
             previous = good
-        return state, previous  # where a point or two change sides every time, either is as good
+        return state, previous  # a point or two change sides every time: either result is as good
 
     def _concentrate_at_rim(self, good: Mask, among: Mask) -> bool:
         return outliers.outliers_concentrate_at_rim(good, among, self.problem.obs, self.problem.img_size)
@@ -375,13 +375,13 @@ class _Fit:
         plausibility.check_result(problem, state, good, self.robust)
         state = self._resect_excluded_views(problem, state, good)
         k, mask, img_size = state.k, self.problem.obs.mask, self.problem.img_size
-        # No point is farther off than the image is large: of a view that no pose explains the model says
-        # anything.
+        # No point is farther off than the size of the image: for a view that no pose explains, the model
+        # predicts arbitrary places.
         scale = 1.0 if problem.obs.scale is None else problem.obs.scale
         square = np.minimum(np.where(mask, state.square / scale**2, 0.0), float(np.hypot(*img_size)) ** 2)
         rms = float(np.sqrt(square.sum() / mask.sum()))
         sigma = self._sigma(state, good)
-        # Below any detector's noise it keeps some weight: corners without any would leave nothing of it.
+        # The noise has a lower limit, so that the prior keeps some weight against noise-free corners.
         believed = state.prior_jacobian.T @ state.prior_jacobian if with_prior else None
         if believed is not None:
             believed *= max(sigma, 1e-5 * img_size[0]) ** 2

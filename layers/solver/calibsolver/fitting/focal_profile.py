@@ -1,8 +1,8 @@
 """Focal profile: the cost that each focal length leaves, and other cameras that explain the views as well.
 
-Distortion and principal point can stand in for the focal length where a model does not quite describe a lens
+Distortion and principal point can stand in for the focal length if a model does not quite describe a lens
 and the views are tilted alike. The profile then has two minima, and a second calibration may end in the other
-one, farther away than the curvature of either tells. (Bates & Watts 1988, chapter 6, for profiles.)
+one, farther away than the curvature of either predicts. (Bates & Watts 1988, chapter 6, for profiles.)
 """
 
 from dataclasses import replace
@@ -18,8 +18,8 @@ from .normal_equations import Poses
 STEP = float(np.log(2)) / 2
 """Logarithm of the focal length, half an octave to either side, at which it is held."""
 MAX_STEP_DEVIATIONS = 10.0
-"""Standard deviations of the logarithm that the step makes at most: where the views tell it better, the
-profile has one minimum."""
+"""Largest step in standard deviations of the logarithm: if the views determine it better, the profile has one
+minimum."""
 HELD = Options(robust=True, tolerance=1e-2, damping=1e-6, one_step=True)
 """Into the valley, at a given focal length."""
 ALONG_VALLEY = Options(tolerance=1e-5, damping=1e-5, one_step=True, patient=True)
@@ -45,7 +45,7 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
     deviation = float(np.sqrt(gradient @ covariance @ gradient))
     if good.any(axis=1).sum() < MIN_DETERMINING_VIEWS or MAX_STEP_DEVIATIONS * deviation < STEP:
         return covariance
-    # What views share (bend, motion, what the model lacks) counts in the likelihood as it does in the bars.
+    # What views share (bend, motion, what the model lacks) counts in the likelihood as in the error bars.
     basis = np.eye(len(gradient)) if problem.basis is None else problem.basis
     information, along = basis.T @ found.information @ basis, gradient @ basis
     white = along @ symmetric_inverse(information) @ along
@@ -57,9 +57,9 @@ def covariance_of_optima(problem: Problem, state: State, good: Mask, found: Cali
             continue  # the same optimum
         other = problem.solve(other, outliers.unit_weights(good), Options())
         change = other.k - state.k
-        # Within a deviation it is the same optimum, or no other that would matter.
+        # Within a deviation it is the same optimum, or one that does not matter.
         if is_taken(problem, other, good) and abs(gradient @ change) > deviation:
-            # Never more than as likely: the prior, too weak to decide alone, is on the side of the one found.
+            # Never more than equally likely: the prior, too weak to decide, favours the optimum of the fit.
             excess = max(float((other.square[good] - state.square[good]).sum()) / variance, 0.0)
             likelihood_ratio = np.exp(-excess / 2)
             moments += np.outer(change, change) * likelihood_ratio / (1 + likelihood_ratio)

@@ -123,7 +123,7 @@ def fisher_information(j: Array, weights: Array) -> Array:
 def schur_complement(h: Array, nuisance: int = 0) -> Array:
     """Schur complement (v, p, p) of the last variables of (v, p + 6 + nuisance, p + 6 + nuisance).
 
-    These are the six of a pose, and then as many nuisance variables as are told, of standard deviation 1.
+    These are the six of a pose, and then `nuisance` variables of standard deviation 1.
     """
     size = h.shape[-1] - POSE_SIZE - nuisance
     b = h[:, size:, size:]

@@ -10,8 +10,8 @@ from ..models import Model
 
 MAX_SQUARED_RADIUS = 6.0
 """Squared image radius, in focal lengths, towards which that of ever wider lenses saturates: on a fisheye
-of 180 degrees and more the distortion is a series in the angle, which stops at about 1.6 where the radius
-goes on."""
+of 180 degrees and more the distortion is a series in the angle, which ends at about 1.6 while the radius
+keeps growing."""
 STRETCH = ((0.5, 0.2), (0.8, 0.35), (1.1, 0.5))
 """Image radius / distance of the corner, and how far the radial stretch there, d(distorted)/d(undistorted
 radius), is believed to lie from 1: without this the coefficients, each modest, may fold the corners between

@@ -16,9 +16,9 @@ whitened gradient h = T'g, information B = T'ST, and Z the effects there, their 
     covariance = sigma^2 T [1 - sum B + f sum (B + m K_m K_m') + k (sum K_b) S (sum K_b)'] T'
 
 with K = T'A'Z the pull of the effects on the intrinsics, S the second moment of the bend given the residuals
-(its best estimate and what is left open; few views may tell less than s, then S is smaller), k the share
-`BEND_SHARE`, or more, up to 1, where the bend is most of the residuals. The inflation f is for whatever else
-a view may pull by. Views are the clusters of a "sandwich" covariance (Huber 1967; White 1980; Liang & Zeger
+(its best estimate and what is left open; few views may show less than s, then S is smaller), k the share
+`BEND_SHARE`, or more, up to 1, where the bend is most of the residuals. The inflation f is for all other
+errors of a view. Views are the clusters of a "sandwich" covariance (Huber 1967; White 1980; Liang & Zeger
 1986), f the quotient of the gradients' scatter and what noise and motion explain, corrected for the part that
 each cluster takes in the fit (Bell & McCaffrey 2002), with a prior (Gelman et al., "Bayesian Data Analysis",
 2.6), and at least 1. What the intrinsics' prior contributes, 1 - sum B, is not inflated. It is positive
@@ -70,8 +70,8 @@ class Evidence:
         (p, p) W: trace(covariance W) is the mean square projection error at the corners seen, with the
         rotation of the camera frame that fits best removed, px^2.
     of_effects
-        As `gram`, of more points: also of those that the fit cut, but an effect explains. They tell the
-        variances. None: there are none.
+        As `gram`, of more points: also of those that the fit cut, but an effect explains. They
+        determine the variances. None: there are none.
     """
 
     gram: Array
@@ -155,7 +155,8 @@ def _sum_by(values: Array, labels: IntArray) -> Array:
 def _turned_gram(projection: Projection, left: Array, t: Array) -> Array:
     """Gram matrix (p + 3, p + 3) of the derivatives by intrinsics and a turn about the camera's centre.
 
-    Summed over the views, of what the poses leave (v, p, p) of the former and the boards' places t (v, 3).
+    Sum over the views. `left` (v, p, p): what the poses leave of the intrinsics' part; `t` (v, 3): places of
+    the boards.
     """
     size = left.shape[1]
     by_pose = projection.by_pose[:, :, :size]
@@ -220,7 +221,7 @@ def estimate(evidence: Evidence, sigma: float, prior_information: Array | None =
         wider = EffectMoments.of(evidence.of_effects[:, size:, size:], more[:, :, size:-1], sigma)
         m, s = wider.variances()
     bend_share = BEND_SHARE
-    # Without a trace of either, as mostly under white noise, nothing else is asked.
+    # Without a trace of either, as mostly under white noise, the rest is skipped.
     likely = EffectLikelihood.of(gram, pull, sigma) if m or s else None
     if likely is not None:
         m += trust(likely.motion_share) * max(likely.motion - m, 0.0)
@@ -297,7 +298,7 @@ def same_pose_labels(poses: Poses, obs: Observations, used: Mask, focal_widths: 
 
 
 def _near(place: Array) -> Mask:
-    """Tell (v, v) which rows (v, m) are nearer to one another than SAME_POSE_WIDTHS."""
+    """True (v, v) for rows (v, m) that are nearer to one another than SAME_POSE_WIDTHS."""
     square = np.sum(place**2, axis=1)
     out = np.empty((len(place), len(place)), dtype=bool)
     for first in range(0, len(place), MAX_BLOCK_ROWS):

@@ -46,7 +46,7 @@ def projection_jacobian_rotation_free(
     """
     v = model.unproject(k, pixel_grid(img_size, grid).reshape(2, -1))
     out = np.full((v.shape[1], 2, model.size), np.nan)
-    with np.errstate(all="ignore"):  # at the very edge of the domain a derivative may have no bound
+    with np.errstate(all="ignore"):  # at the edge of the domain a derivative may be unbounded
         _, by_k, by_p = model.jacobian(k, v)
     seen = np.isfinite(by_k).all(axis=(0, 1)) & np.isfinite(by_p).all(axis=(0, 1))
     angle = np.arctan2(np.hypot(v[0], v[1]), v[2])

@@ -128,7 +128,7 @@ class RayGrid:
     def min_cos_angle(self) -> float:
         """Cosine of the largest angle from the axis at which a part of the board may be.
 
-        A board may stick out of the picture by MAX_OUTSIDE_VIEW_DEG, not lie beside the camera.
+        A board may extend beyond the picture by MAX_OUTSIDE_VIEW_DEG, but not lie next to the camera.
         """
         half_view = np.degrees(np.arccos(np.nanmin(self.rays[:, :, 2])))
         return float(np.cos(np.radians(min(half_view + MAX_OUTSIDE_VIEW_DEG, 180))))
@@ -212,9 +212,9 @@ def check_visibility(
 ) -> tuple[Array, Mask]:
     """Predict how probably corners (c, n) of poses are found, and test which poses (c,) respect the limits.
 
-    A detector finds a corner if the image contains it and what identifies it, as a marker beside it
-    (`Board.support`). A hand misses the pose: what lies on the border of the image is seen in half of the
-    cases, and at `limits.border` from it always, or never.
+    A detector finds a corner if the image contains it and what identifies it, such as a marker next to it
+    (`Board.support`). A hand misses the pose: a point on the border of the image is seen in half of the
+    cases, one at `limits.border` from it always, or never.
 
     Parameters
     ----------
@@ -234,12 +234,12 @@ def check_visibility(
     possible = inside > -border
     pixels = q.reshape(-1, 2, corners.rows, corners.columns)
     shown = possible.reshape(-1, corners.rows, corners.columns)
-    # The spacing of corners that are not visible does not count: outside the domain they lie anywhere.
-    beside, below = shown[:, :, 1:] & shown[:, :, :-1], shown[:, 1:] & shown[:, :-1]
+    # The spacing of invisible corners does not count: outside the domain their places are arbitrary.
+    shown_across, shown_down = shown[:, :, 1:] & shown[:, :, :-1], shown[:, 1:] & shown[:, :-1]
     across, down = np.diff(pixels, axis=3), np.diff(pixels, axis=2)
     spacing = np.minimum(
-        np.sqrt(np.where(beside, (across**2).sum(axis=1), np.inf).min(axis=(1, 2))) / corners.step[0],
-        np.sqrt(np.where(below, (down**2).sum(axis=1), np.inf).min(axis=(1, 2))) / corners.step[1],
+        np.sqrt(np.where(shown_across, (across**2).sum(axis=1), np.inf).min(axis=(1, 2))) / corners.step[0],
+        np.sqrt(np.where(shown_down, (down**2).sum(axis=1), np.inf).min(axis=(1, 2))) / corners.step[1],
     )
     cos_incidence = np.einsum("ci,cin->cn", axes[:, :, 2], p) / np.sqrt(np.einsum("cin,cin->cn", p, p))
     feasible = spacing >= limits.min_spacing * w

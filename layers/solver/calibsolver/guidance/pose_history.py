@@ -63,7 +63,7 @@ class PoseHistory:
         noise = np.ones(len(rt))
         if calibration is not None:
             pairs = zip(calibration.residuals, calibration.used, strict=True)
-            # Six points tell nothing: some pose fits them. Nor does noise below any detector's.
+            # Six points do not measure noise: some pose fits them. Noise below a detector's does not count.
             enough = [(i, e[u]) for i, (e, u) in enumerate(pairs) if u.sum() > 6]
             rms = np.array([np.sqrt(np.mean(np.sum(e**2, axis=1))) for _, e in enough])
             rms = np.maximum(rms, MIN_NOISE_WIDTHS * camera.img_size[0])

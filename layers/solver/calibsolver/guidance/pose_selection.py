@@ -219,7 +219,7 @@ def subdivided_tilt_deg(times: int) -> float:
     while place >= 2**depth:
         place -= 2**depth
         depth += 1
-    # Within a level from the outside in, sides in turn: the widest angles tell most.
+    # Within a level from the outside in, sides in turn: the widest angles add most information.
     steps = 2 * TILT_RANGE_DEG / 2 ** (depth + 1)
     angles = [-TILT_RANGE_DEG + steps * (2 * i + 1) for i in range(2**depth)]
     return float(sorted(angles, key=lambda a: (-abs(a), a))[place])

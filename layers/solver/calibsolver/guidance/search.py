@@ -136,7 +136,7 @@ class Search:
     def refine(
         self, start: Candidates, radii: tuple[float, ...], other: Array | None = None
     ) -> tuple[Candidates, Candidates, Array]:
-        """Search around the best candidates, beside another view of information `other` (p, p).
+        """Search around the best candidates, given another view of information `other` (p, p).
 
         Returns all candidates, those of the last round, and the scores of the latter.
         """
@@ -157,8 +157,8 @@ class Search:
     def best(self, index: int, ahead: int) -> tuple[Array, Array] | None:
         """Find the best candidates (c, 6) for the next of `ahead` views, 1 or 2, and their scores (c,).
 
-        The best single pose need not be one of the best two: the second is chosen to go with the first, and
-        then the first again to go with the second. The one that helps more by itself comes first.
+        The best single pose need not be one of the best two: the second is chosen to complement the first,
+        and then the first again to complement the second. The one that is better on its own comes first.
         """
         evaluated, last, score = self.refine(self.sample(index), SEARCH_RADII)
         if not last.unit.size:

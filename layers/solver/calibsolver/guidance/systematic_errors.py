@@ -1,10 +1,10 @@
 """Fisher information of candidate views, limited by systematic errors: bend of the board, motion of the hand.
 
-A view that carries information N about the intrinsics and a systematic error of its own that would move them
-by a covariance T tells (N^-1 + T)^-1, however low the noise of its corners. T differs from view to view: a
-bend shows most in a tilted close-up, motion wherever the board spans many rows. So the effects
+A view has information N about the intrinsics, and a systematic error of its own that would move them by a
+covariance T. Together they give (N^-1 + T)^-1, however low the noise of its corners. T differs from view to
+view: a bend shows most in a tilted close-up, motion wherever the board spans many rows. So the effects
 (`fitting.systematic_effects`) enter as variables of the view that are marginalised with its pose, each with
-the standard deviation that it has in the hands of people.
+the standard deviation that is typical of hand-held boards.
 """
 
 import numpy as np

@@ -83,7 +83,7 @@ class Model(ABC):
     is_perspective: bool = False
     """True if it is a pinhole without distortion: straight lines stay straight."""
     max_angle: float = math.pi
-    """Angle from the axis, radians, up to which its coordinates still tell directions apart."""
+    """Angle from the axis, radians, up to which its coordinates still distinguish directions."""
 
     @property
     def size(self) -> int:

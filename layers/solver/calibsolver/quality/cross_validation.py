@@ -27,7 +27,7 @@ class HeldOut:
         px, the same for each fold.
     view_errors
         (v,) px, rms of each view when it was left out; NaN where it never was: a degenerate view has no pose
-        by which to tell.
+        to measure it by.
     """
 
     rms: float

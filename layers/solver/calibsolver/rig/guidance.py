@@ -1,10 +1,10 @@
 """Guidance of a rig: the moment after which its predicted error is least, as every camera would see it.
 
 The search is that of one camera (`guidance.search`): poses that a person can hold, sampled wide and then ever
-closer around the best. Poses are drawn before each camera in turn; all cameras that would see enough of the
-board tell of it, so poses that several of them see win by themselves; a close-up for one camera alone wins
-where its own lens is what is known least. What hands and boards add is believed to be as large as it was in
-the moments so far: information is divided by the rig's inflation.
+closer around the best. Poses are drawn in front of each camera in turn, and scored by all cameras that would
+see enough of the board. So poses that several cameras see usually win. A close-up for only one camera wins if
+its lens is known least. Errors of hands and boards are assumed to be as large as in the moments so far:
+information is divided by the rig's inflation.
 """
 
 from collections.abc import Mapping, Sequence
@@ -119,9 +119,9 @@ def _link(
     lost: Sequence[int],
     missed: int,
 ) -> RigTarget:
-    """Target in one picture, wholly visible: another camera is to see the board beside it.
+    """Target wholly visible in one picture: another camera should see the board at the same time.
 
-    Where that camera stands is not known, so each new attempt is elsewhere: farther away, and to the sides.
+    The place of that camera is unknown, so each attempt is elsewhere: farther away, and to the sides.
     """
     lead = lost[0] if lost and any(lost[0] in moment for moment in moments) else 0
     given = cameras[lead]
@@ -232,7 +232,7 @@ class _Search:
         return error, sharing
 
     def _visibility(self, poses: Poses, lead: IntArray) -> tuple[Mask, Mask]:
-        """Tell which corners (c, n) count, in all cameras' slots, and which cameras (c, k) see candidates."""
+        """Return corners (c, n) that count, in all cameras' slots, and cameras (c, k) that see candidates."""
         count = self.corners.points.shape[1]
         visible = np.zeros((len(lead), count * len(self.cameras)), dtype=bool)
         seen = np.zeros((len(lead), len(self.cameras)), dtype=bool)
