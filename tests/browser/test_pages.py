@@ -72,14 +72,7 @@ new PerformanceObserver((list) => {
 
 
 def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
-    page.goto("/calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)&img_size=1280x720")
-    page.locator("#wanted", has_text="No camera was found here").wait_for()
-    expect(page.locator("#wanted")).to_contain_text("C920")
-    expect(page.locator("#camera"), "the virtual camera does not stand in for a real one").to_have_value("")
-    picture(page, "capture-before", ["hand"])
     page.set_viewport_size({"width": 390, "height": 844})
-    assert page.evaluate("document.getElementById('start').getBoundingClientRect().bottom") < 780
-
     # The capture must not be over before it is looked at.
     page.add_init_script(SHIFTS)
     page.goto(f"{ENDLESS.replace('virtual=1&', '')}&camera=C920&return_to=https://app.example/")
@@ -164,15 +157,12 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     assert after[0] == before[0], "the views that are left are not taken again"
     assert before[1] not in after
     assert len(after) >= 4
-    second = address(page)
     begun = sessions(page)
     page.locator(".more > summary").click()
     page.locator("#once-more").click()
     until(page, lambda: begun)
     page.locator("#controls:not([hidden])").wait_for()
     assert "/calibrate/?" in address(page)
-    page.goto(second)
-    page.locator("#verdict").wait_for()
 
 
 @pytest.mark.parametrize("seconds", [2, *thorough(60)])

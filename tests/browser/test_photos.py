@@ -162,6 +162,7 @@ def test_too_little_is_not_stored_but_what_would_help_is_drawn(page: Page, serie
     expect(page.locator("#wanted figure")).to_have_count(0)
 
 
+@pytest.mark.thorough
 def test_files_stay_while_the_board_changes(context: BrowserContext, series: Series) -> None:
     """Another board than the one asked for is recognised; another can be chosen; no file is chosen twice."""
     page = context.new_page()

@@ -14,6 +14,7 @@ from playwright.sync_api import Page, Playwright, expect
 
 from tests.helpers.browser import stop_and_go
 from tests.helpers.data import data_dir, external_data
+from tests.helpers.marks import thorough
 
 pytestmark = [external_data, pytest.mark.alone]
 
@@ -71,7 +72,7 @@ YUBIN = Footage(
 )
 
 
-@pytest.fixture(scope="module", params=[OPT1, YUBIN], ids=["opt1", "yubin"])
+@pytest.fixture(scope="module", params=[*thorough(OPT1), YUBIN], ids=["opt1", "yubin"])
 def footage(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[tuple[Footage, Path]]:
@@ -89,10 +90,7 @@ def spans(page: Page) -> list[tuple[str, float]]:
     return [(before["text"], (after["time"] - before["time"]) / 1000) for before, after in pairwise(told)]
 
 
-@pytest.mark.parametrize(
-    "is_given",
-    [pytest.param(True, id="given", marks=pytest.mark.thorough), pytest.param(False, id="recognised")],
-)
+@pytest.mark.parametrize("is_given", [*thorough(True), False], ids=["given", "recognised"])
 def test_who_holds_still_gets_a_result_with_a_verdict(
     playwright: Playwright, stack: str, footage: tuple[Footage, Path], is_given: bool
 ) -> None:

@@ -12,7 +12,7 @@ from playwright.sync_api import BrowserContext, Download, Page, expect
 
 from calibsolver.formats import FORMAT_NAMES
 from tests.helpers.browser.captures import capture
-from tests.helpers.browser.pictures import PASSING, SCHEMES, SIZES, picture
+from tests.helpers.browser.pictures import PASSING, SIZES, picture
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.specimens import answer, camera, result, result_of_camera
 from tests.helpers.browser.truth import Truth
@@ -89,9 +89,7 @@ def test_a_result_with_its_report(page: Page) -> None:
     assert left_out.count() == 1, "one view was left out as a whole"
     expect(left_out.locator(".plot.bad")).to_have_count(1)
     expect(page.locator("td.std").first).to_contain_text("±")
-    for scheme in SCHEMES:
-        page.emulate_media(color_scheme=scheme)
-        picture(page, f"result-{scheme}", ["desk", "hand"] if scheme == "light" else ["hand"], full=True)
+    picture(page, "result", full=True)
 
 
 SHOWN_TWICE = page_function("show_twice")

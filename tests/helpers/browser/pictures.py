@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterable
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 from playwright.sync_api import Page, ViewportSize
 
@@ -18,8 +18,6 @@ SIZES: dict[str, ViewportSize] = {
 }
 #: of a state whose page is pictured at a desk elsewhere
 PASSING = ("desk", "hand") if THOROUGH else ("hand",)
-#: of colours; in both a state is held to the same
-SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
 FINGER = 44  # px, WCAG 2.5.5
 INLINE = 24  # px, WCAG 2.5.8: within a line of text
 WIDE = """() => {
