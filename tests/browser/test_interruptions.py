@@ -26,7 +26,6 @@ from tests.helpers.browser.interruptions import (
 )
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.waiting import address, hear, heard, listen, requests_within, until
-from tests.helpers.marks import thorough
 
 
 @pytest.mark.thorough
@@ -172,7 +171,8 @@ def test_without_the_service_there_is_an_end_and_the_service_is_told_when_it_is_
     page.locator("#done:not([hidden])").wait_for()
 
 
-@pytest.mark.parametrize("lens", [*thorough("chosen"), "detected"])
+@pytest.mark.thorough
+@pytest.mark.parametrize("lens", ["chosen", "detected"])
 def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(
     context: BrowserContext, lens: str
 ) -> None:

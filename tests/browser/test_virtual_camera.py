@@ -99,15 +99,17 @@ def expect_known_after_five(
     assert "cannot be asked now" in error
 
 
-@pytest.mark.parametrize("truth", [SMALL, *thorough(Truth())], ids=["640", "1280"])
+@pytest.mark.parametrize(
+    ("truth", "hand"), [(SMALL, "quick"), *thorough((Truth(), "person"))], ids=["640", "1280"]
+)
 def test_chromium_hands_free_with_nothing_but_keypoints_until_the_camera_is_known(
-    page: Page, api: httpx.Client, stack: str, truth: Truth
+    page: Page, api: httpx.Client, stack: str, truth: Truth, hand: str
 ) -> None:
     sent: list[Request] = []
     page.on("request", lambda request: sent.append(request))
     page.on("websocket", lambda socket: pytest.fail(f"a socket to {socket.url}"))
     page.add_init_script(WATCH)
-    page.goto(f"/calibrate/?{truth.query(hand='person', rate=RATE, k3=1e-6)}")
+    page.goto(f"/calibrate/?{truth.query(hand=hand, rate=RATE, k3=1e-6)}")
     page.wait_for_selector("#done:not([hidden]), #failed:not([hidden])")
     seconds, frames = page.evaluate("[performance.now() / 1000, window.pace.frames]")
     assert page.locator("#done").is_visible(), page.locator("#failure").text_content()

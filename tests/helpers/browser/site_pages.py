@@ -35,15 +35,21 @@ PAGES = {
     "developers": "developers/",
     "data": "data/",
     "privacy": "privacy/",
+    "terms": "terms/",
     "status": "status/",
     "docs": "docs/",
+    "quickstart": "docs/quickstart/",
     "call": "docs/reference/lookup/",
+    "calls": "docs/reference/",
     "reference": "docs/api/",
+    "accuracy": "docs/accuracy/",
+    "problems": "docs/problems/",
     "missing": "nothing-here/",
 }
-if THOROUGH:  # others like those
-    PAGES |= {"terms": "terms/", "quickstart": "docs/quickstart/", "problems": "docs/problems/"}
-    PAGES |= {"calls": "docs/reference/", "accuracy": "docs/accuracy/"}
+#: like others, or pictured by their own tests
+LIKE_OTHERS = {"terms", "quickstart", "calls", "accuracy", "problems"}
+LIKE_OTHERS |= {"rig-join", "camera", "mine", "example"}
+VISITED = [name for name in PAGES if THOROUGH or name not in LIKE_OTHERS]
 #: their content comes from the service, from the visitor's device, or is long
 FILLED_IN = ("landing", "sent", "cameras", "result", "data", "status", "reference")
 #: no other test looks at their colours
