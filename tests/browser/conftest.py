@@ -68,7 +68,7 @@ def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         yield server.url
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def api(stack: str) -> Iterator[httpx.Client]:
     """The HTTP API with the development token."""
     # Tests ask seldom: a server may close a kept connection in the very moment in which it is used again.

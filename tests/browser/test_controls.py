@@ -2,6 +2,7 @@
 
 import re
 
+import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.interruptions import (
@@ -163,6 +164,7 @@ def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> 
     page.locator("#facts", has_text="calibDB virtual camera").wait_for()
 
 
+@pytest.mark.thorough
 def test_a_view_is_heard_and_felt_and_hints_are_spoken_once_that_is_wanted(page: Page) -> None:
     page.add_init_script(SENSES)
     page.goto(f"{ENDLESS}&lang=de")

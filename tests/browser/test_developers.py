@@ -11,7 +11,7 @@ import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
-from tests.helpers.browser.captures import agreed, capture
+from tests.helpers.browser.captures import calibrated
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.pictures import PASSING, WIDE, picture
 from tests.helpers.browser.truth import Truth
@@ -28,13 +28,9 @@ SMALL = Truth(fx=600.0, cx=322.0, cy=238.0, size=(640, 480))
 
 
 @pytest.fixture(scope="module")
-def known(stack: str) -> dict[str, Any]:
+def known(api: httpx.Client) -> dict[str, Any]:
     """Calibration of the camera, on which five contributors agree."""
-    headers = {"authorization": "Bearer cdb_dev_local"}
-    with httpx.Client(base_url=f"{stack}/v1", headers=headers, timeout=60) as api:
-        for seed in range(5):
-            capture(api, SMALL, CAMERA, seed)
-        return agreed(api, CAMERA)
+    return calibrated(api, SMALL, CAMERA)
 
 
 @dataclass

@@ -36,6 +36,7 @@ def test_each_trouble_is_known_from_the_picture(page: Page) -> None:
     assert said == {name: None if name == "nothing" else name for name in faults}
 
 
+@pytest.mark.thorough
 def test_a_board_of_the_older_layout_is_recognised_and_taken_as_such(page: Page) -> None:
     begun = sessions(page)
     listen(page)

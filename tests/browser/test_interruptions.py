@@ -201,6 +201,7 @@ def test_the_model_that_is_suggested_starts_with_the_views_that_there_are(
     assert "distortion_model=rational" in address(page)
 
 
+@pytest.mark.thorough
 def test_an_expired_session_is_begun_anew_with_the_views_it_had(context: BrowserContext) -> None:
     page = context.new_page()
     page.add_init_script(FOCUS + PATIENT)

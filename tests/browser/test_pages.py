@@ -23,6 +23,8 @@ from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.waiting import address, at_rest, hear, listen, requests_within, until
 from tests.helpers.marks import thorough
 
+from ..conftest import THOROUGH
+
 
 def test_links_of_the_landing_page_lead_somewhere(page: Page) -> None:
     page.goto("/")
@@ -121,8 +123,12 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     expect(page.locator("#summary")).to_contain_text("practice run")
     expect(page.locator("#practice")).to_contain_text("Practice run")
     expect(page.locator("#done .another")).to_contain_text("Expected: C920")
+    if THOROUGH:
+        expect_to_continue_without_a_view(page, api)
 
-    # It goes on without one of its views, and keeps the others.
+
+def expect_to_continue_without_a_view(page: Page, api: httpx.Client) -> None:
+    """Exclude a view of a result, capture another, and keep the others."""
     before = published_corners(page, api)
     page.locator("#tab-views").click()
     assert page.locator(".views image").count() == len(before), "each view with its picture"
@@ -205,6 +211,7 @@ def test_header_of_a_capture_keeps_its_height_on_a_phone(page: Page) -> None:
     assert page.evaluate(header) == pytest.approx(before, abs=0.5)
 
 
+@pytest.mark.thorough
 def test_what_goes_wrong_is_said(context: BrowserContext) -> None:
     # A page of its own: a refused request is an error in the console, and here it is meant to be one.
     page = context.new_page()

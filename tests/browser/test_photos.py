@@ -177,6 +177,7 @@ def test_files_stay_while_the_board_changes(context: BrowserContext, series: Ser
     expect(page.locator("#board")).to_contain_text("DICT_4X4_1000")
 
 
+@pytest.mark.thorough
 def test_a_video_becomes_a_calibration(page: Page, series: Series, tmp_path: Path) -> None:
     film = tmp_path / "film.webm"
     writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"VP80"), 10, (640, 480))

@@ -19,18 +19,14 @@ from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
 from tests.helpers.marks import thorough
 
-from .conftest import TOKEN
-
 MAX_HEIGHTS = {"desk": 1800, "hand": 2800}  # px, of a result whichever tab is open
 KEY = {"camera": "Result Test Camera (1234:0001)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 
 
 @pytest.fixture(scope="module")
-def state(stack: str) -> dict[str, Any]:
+def state(api: httpx.Client) -> dict[str, Any]:
     """Last state of a session that made a calibration."""
-    bearer = {"authorization": f"Bearer {TOKEN}"}
-    with httpx.Client(base_url=f"{stack}/v1", headers=bearer, timeout=60) as api:
-        return capture(api, Truth(), KEY, seed=7)
+    return capture(api, Truth(), KEY, seed=7)
 
 
 @pytest.mark.parametrize("language", ["uk", *thorough("en", "de")])
@@ -224,6 +220,7 @@ def test_a_stored_calibration_is_shown_and_saved_in_every_format_or_says_why_not
     picture(page, "result-saved", PASSING, full=True)
 
 
+@pytest.mark.thorough
 def test_a_format_that_cannot_be_is_explained_in_the_page(context: BrowserContext) -> None:
     page = context.new_page()
     answer(page, "**/v1/calibrations/x", result)

@@ -75,6 +75,7 @@ def shown(page: Page, marks: Array, *, rectify: bool) -> tuple[Array, Array]:
     return found
 
 
+@pytest.mark.thorough
 def test_a_scene_is_where_a_pinhole_sees_it(page: Page, known: dict[str, Any]) -> None:
     seen = POINTS @ np.array(known["camera_matrix"]).T
     pixels = seen[:, :2] / seen[:, 2:]

@@ -46,14 +46,11 @@ PAGES = {
     "problems": "docs/problems/",
     "missing": "nothing-here/",
 }
-#: like others, or pictured by their own tests
-LIKE_OTHERS = {"terms", "quickstart", "calls", "accuracy", "problems"}
-LIKE_OTHERS |= {"rig-join", "camera", "mine", "example"}
-VISITED = [name for name in PAGES if THOROUGH or name not in LIKE_OTHERS]
 #: their content comes from the service, from the visitor's device, or is long
 FILLED_IN = ("landing", "sent", "cameras", "result", "data", "status", "reference")
-#: no other test looks at their colours
-ONLY_HERE = ("rig-join", "rig-result", "docs", "call", "reference", "missing")
+#: no other test looks at them
+ONLY_HERE = ("rig-result", "docs", "call", "reference", "missing")
+VISITED = PAGES if THOROUGH else dict.fromkeys((*FILLED_IN, *ONLY_HERE))
 SIZES: dict[int, ViewportSize] = {
     width: {"width": width, "height": height}
     for width, height in ((320, 640), (390, 844), (768, 1024), (1440, 900), (2560, 1440))
