@@ -13,7 +13,7 @@ from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.captures import calibrated
 from tests.helpers.browser.elsewhere import serving
-from tests.helpers.browser.pictures import PASSING, WIDE, picture
+from tests.helpers.browser.pictures import WIDE, picture
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import passing, until
 
@@ -133,7 +133,7 @@ def test_token_is_kept_and_managed(page: Page, tmp_path: Path) -> None:
         "The domain name has no address. Check its spelling."
     )
     expect(page.locator("#snippet")).to_contain_text("/sdk/calibdb.js")
-    picture(page, "developers", PASSING, full=True)
+    picture(page, "developers", full=True)
     page.set_viewport_size({"width": 320, "height": 700})
     assert page.evaluate(WIDE) == 0
 

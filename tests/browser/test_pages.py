@@ -18,7 +18,7 @@ from tests.helpers.browser.interruptions import (
     views,
     wait_for_views,
 )
-from tests.helpers.browser.pictures import PASSING, picture, violations
+from tests.helpers.browser.pictures import picture, violations
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.waiting import address, at_rest, hear, listen, requests_within, until
 from tests.helpers.marks import thorough
@@ -92,7 +92,7 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     expect(page.locator("#film .taken img")).to_have_count(taken)
     expect(page.locator("#film .next polygon")).to_have_count(1)
     expect(page.locator("#film > i")).to_have_count(taken + 1)
-    picture(page, "capture-during", PASSING)
+    picture(page, "capture-during")
     page.evaluate(HIDE, False)
     press_at(page, "#finish")  # from four views it can be ended by hand
     done(page)
@@ -103,7 +103,7 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     expect(page.locator("#own-camera"), "it is offered once").to_have_count(0)
     assert "return_to" not in address(page)
     expect(page.locator("#consent"), "practice is nobody's data").to_be_hidden()
-    picture(page, "capture-done", PASSING)
+    picture(page, "capture-done")
     expect(page.locator("header nav > a", has_text="Cameras")).to_have_attribute("href", "../cameras/")
     expect(page.locator("header nav > a", has_text="Cameras")).to_be_visible()
     board = page.locator("#done .scene .board path").first

@@ -12,7 +12,7 @@ from playwright.sync_api import BrowserContext, Download, Page, expect
 
 from calibsolver.formats import FORMAT_NAMES
 from tests.helpers.browser.captures import capture
-from tests.helpers.browser.pictures import PASSING, SIZES, picture
+from tests.helpers.browser.pictures import SIZES, picture
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.specimens import answer, camera, result, result_of_camera
 from tests.helpers.browser.truth import Truth
@@ -164,7 +164,7 @@ def test_what_it_is_without_a_view_is_shown_and_saved(
     said = page.locator("#without-status").text_content() or ""
     errors = [float(value) for value in re.findall(r"([\d.]+)\spx[;.]", said)[:2]]
     assert errors == pytest.approx([after, before], rel=0.05)
-    picture(page, "result-without", PASSING, full=True)
+    picture(page, "result-without", full=True)
     page.locator("#format").select_option("ros")
     with page.expect_download() as download:
         page.locator("#download").click()
@@ -217,7 +217,7 @@ def test_a_stored_calibration_is_shown_and_saved_in_every_format_or_says_why_not
         assert ("up to" in said[form]) == (float(answer_.headers["x-conversion-error"]) > 0.1)
     assert all("says exactly" in said[form] for form in ("calibdb", "opencv-yaml", "opencv-json", "ros"))
     assert "cannot hold the lens exactly" in said["gltf"], "two numbers are a centred pinhole"
-    picture(page, "result-saved", PASSING, full=True)
+    picture(page, "result-saved", full=True)
 
 
 @pytest.mark.thorough

@@ -10,9 +10,8 @@ from playwright.sync_api import Page, Route, ViewportSize
 
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.scripts import FOLDER
-from tests.helpers.browser.specimens import answer, result
 from tests.helpers.browser.waiting import until
-from tests.helpers.browser.webxr import LABEL, TRUTH, script
+from tests.helpers.browser.webxr import LABEL, known_camera, script
 
 from .conftest import OUTPUT, ROOT
 
@@ -46,11 +45,7 @@ def middles(picture: npt.NDArray[np.uint8], channel: int) -> Array:
 
 @pytest.fixture
 def known(page: Page) -> dict[str, Any]:
-    """Give the calibration that the service returns for the camera."""
-    lens = {"camera_matrix": TRUTH.matrix.tolist(), "distortion_coefficients": TRUTH.distortion.tolist()}
-    known = result() | lens | {"calibrations": 7, "reliable": True, "exact_size": True}
-    answer(page, "**/v1/lookup", lambda: known)
-    return known
+    return known_camera(page)
 
 
 def shown(page: Page, marks: Array, *, rectify: bool) -> tuple[Array, Array]:
