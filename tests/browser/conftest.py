@@ -68,7 +68,7 @@ def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         yield server.url
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def api(stack: str) -> Iterator[httpx.Client]:
     """The HTTP API with the development token."""
     # Tests ask seldom: a server may close a kept connection in the very moment in which it is used again.
@@ -134,16 +134,22 @@ def context(visitor: Visitor) -> BrowserContext:
     return visitor()
 
 
-@pytest.fixture
-def camera_page(playwright: Playwright) -> Iterator[Page]:
-    """A page in a Chromium with a made-up camera; uncaught errors fail the test."""
+@pytest.fixture(scope="session")
+def chromium_with_camera(playwright: Playwright) -> Iterator[Browser]:
     browser = playwright.chromium.launch(executable_path=chromium_path(), args=[*CHROMIUM, *FAKE_CAMERA])
-    page = browser.new_page(service_workers="block", locale="en-GB")
+    yield browser
+    browser.close()
+
+
+@pytest.fixture
+def camera_page(chromium_with_camera: Browser) -> Iterator[Page]:
+    """A page in a Chromium with a made-up camera; uncaught errors fail the test."""
+    page = chromium_with_camera.new_page(service_workers="block", locale="en-GB")
     page.set_default_timeout(1000 * TIMEOUT_S)
     errors: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))
     yield page
-    browser.close()
+    page.close()
     assert errors == []
 
 

@@ -53,7 +53,7 @@ WEBCAM = """
     return stream;
   };
 """
-ADDRESS = "/ar/?virtual=1&k1=-0.3&error=0&rate=10&hand=quick"
+ADDRESS = "/ar/?virtual=1&k1=-0.3&error=0&rate=5&hand=quick"
 ESTIMATED = re.compile(r"up to ([\d.]+)\spx\. Estimated \d+° \((\d+)° to (\d+)°\), calibrated (\d+)°")
 READ = page_function("ar")
 DICTIONARY = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
@@ -161,9 +161,7 @@ def test_overlays_fit_in_a_practice_which_asks_the_database_for_an_estimate_only
     page: Page, sent: list[Request]
 ) -> None:
     page.add_init_script(SILENCED)
-    page.goto("/ar/?k1=-0.3&error=0&rate=10&hand=quick")
-    page.locator("#camera option").first.wait_for(state="attached")
-    picture(page, "ar-before", ["hand"])
+    page.goto(ADDRESS.replace("virtual=1&", ""))
     page.locator("#welcome .virtually").click()
     page.locator("#rms:not(:empty)").wait_for()
     expect(page.locator("#facts")).to_contain_text("exact, because the camera is simulated")
@@ -171,7 +169,6 @@ def test_overlays_fit_in_a_practice_which_asks_the_database_for_an_estimate_only
     for key, name in (("1", "matrix"), ("2", "rectified"), ("3", "distorted")):
         page.keyboard.press(key)
         page.locator(f"#stage[data-shown={name}]").wait_for()
-    picture(page, "ar-distorted", ["hand"])
     page.keyboard.press("m")
     said = page.locator("#outermost")
     expect(said).to_contain_text("outermost corner")

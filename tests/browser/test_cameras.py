@@ -104,6 +104,7 @@ def one_per_cent_longer() -> dict[str, Any]:
     return result() | {"camera_matrix": [[fx * 1.01, *first], second, third]}
 
 
+@pytest.mark.thorough
 def test_two_calibrations_are_compared(page: Page) -> None:
     answer(page, "**/v1/cameras/*", camera)
     answer(page, "**/v1/calibrations/*", result)

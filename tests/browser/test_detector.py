@@ -5,11 +5,12 @@ import pytest
 from playwright.sync_api import Page
 
 from tests.helpers.browser.scripts import page_function
+from tests.helpers.marks import thorough
 
 WATCH = page_function("watch_detector")
 
 
-@pytest.mark.parametrize("frames", [50, pytest.param(2_000, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("frames", [20, *thorough(2_000)])
 def test_detector_is_exact_and_keeps_its_memory(page: Page, frames: int) -> None:
     page.goto("/board/")
     seen = page.evaluate(WATCH, frames)

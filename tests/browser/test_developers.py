@@ -11,9 +11,9 @@ import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
-from tests.helpers.browser.captures import agreed, capture
+from tests.helpers.browser.captures import calibrated
 from tests.helpers.browser.elsewhere import serving
-from tests.helpers.browser.pictures import PASSING, WIDE, picture
+from tests.helpers.browser.pictures import WIDE, picture
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import passing, until
 
@@ -28,13 +28,9 @@ SMALL = Truth(fx=600.0, cx=322.0, cy=238.0, size=(640, 480))
 
 
 @pytest.fixture(scope="module")
-def known(stack: str) -> dict[str, Any]:
+def known(api: httpx.Client) -> dict[str, Any]:
     """Calibration of the camera, on which five contributors agree."""
-    headers = {"authorization": "Bearer cdb_dev_local"}
-    with httpx.Client(base_url=f"{stack}/v1", headers=headers, timeout=60) as api:
-        for seed in range(5):
-            capture(api, SMALL, CAMERA, seed)
-        return agreed(api, CAMERA)
+    return calibrated(api, SMALL, CAMERA)
 
 
 @dataclass
@@ -137,7 +133,7 @@ def test_token_is_kept_and_managed(page: Page, tmp_path: Path) -> None:
         "The domain name has no address. Check its spelling."
     )
     expect(page.locator("#snippet")).to_contain_text("/sdk/calibdb.js")
-    picture(page, "developers", PASSING, full=True)
+    picture(page, "developers", full=True)
     page.set_viewport_size({"width": 320, "height": 700})
     assert page.evaluate(WIDE) == 0
 

@@ -2,6 +2,7 @@
 
 import json
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from tests.helpers.browser.interruptions import sessions
@@ -35,6 +36,7 @@ def test_each_trouble_is_known_from_the_picture(page: Page) -> None:
     assert said == {name: None if name == "nothing" else name for name in faults}
 
 
+@pytest.mark.thorough
 def test_a_board_of_the_older_layout_is_recognised_and_taken_as_such(page: Page) -> None:
     begun = sessions(page)
     listen(page)
@@ -45,6 +47,7 @@ def test_a_board_of_the_older_layout_is_recognised_and_taken_as_such(page: Page)
     assert [board["legacy"] for board in boards] == [False, True]
 
 
+@pytest.mark.thorough
 def test_a_different_board_can_be_used_or_the_right_one_be_shown(page: Page) -> None:
     listen(page)
     page.goto(capture_page(shown_dictionary="DICT_5X5_100"))

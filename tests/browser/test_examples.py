@@ -149,8 +149,9 @@ def offset(page: Page) -> float:
     return distance(marks, cv2.perspectiveTransform(ends, onto)[0])
 
 
+@pytest.mark.thorough
 def test_the_board_moves_and_the_scene_with_it_and_leaves_it_without_the_calibration(page: Page) -> None:
-    page.goto("/examples/three/?virtual=1&k1=-0.3&error=0&rate=10&img_size=640x360&fx=500")
+    page.goto("/examples/three/?virtual=1&k1=-0.3&error=0&rate=5&img_size=640x360&fx=500")
     complete(page)
     # Of one moment, but a screenshot may fall between picture and scene.
     assert np.median([offset(page) for _ in range(3)]) < 2.5

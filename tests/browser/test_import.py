@@ -13,7 +13,7 @@ from playwright.sync_api import BrowserContext, Page, Request, expect
 
 from calibsolver import Board, fit
 from calibsolver.formats import ExportSource, write
-from tests.helpers.browser.pictures import PASSING, picture
+from tests.helpers.browser.pictures import picture
 from tests.helpers.data import corner_views
 from tests.helpers.solver.export_sources import subject
 
@@ -96,7 +96,7 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
     expect(page.locator("#views .taken").first).to_be_visible()
     page.go_forward()
     expect(page.locator("#verdict")).to_be_visible()
-    picture(page, f"import-{form}-done", PASSING, full=True)
+    picture(page, f"import-{form}-done", full=True)
     for request in sent:
         if request.post_data is not None:
             assert set(json.loads(request.post_data)) <= SENT

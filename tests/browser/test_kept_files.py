@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, Response, Route, expect
 
 from tests.helpers.browser.waiting import at_rest, until
+from tests.helpers.marks import thorough
 
 from .conftest import ROOT, Visitor
 
@@ -93,12 +94,10 @@ def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(
     assert f"/board/board.css?sha256={digest}" in found
 
 
-LIGHTER = ("/photos/", "/import/", "/cameras/", "/board/", "/result/?id=x")
+LIGHTER = ("/", "/photos/", "/import/", "/cameras/", "/board/", "/result/?id=x")
 
 
-@pytest.mark.parametrize(
-    "path", ["/", "/calibrate/", *(pytest.param(each, marks=pytest.mark.thorough) for each in LIGHTER)]
-)
+@pytest.mark.parametrize("path", ["/calibrate/", *thorough(*LIGHTER)])
 def test_pages_are_light(context: BrowserContext, path: str) -> None:
     page = context.new_page()
     responses: list[Response] = []

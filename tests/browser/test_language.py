@@ -7,6 +7,7 @@ from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.scenes import no_network, unreadable
 from tests.helpers.browser.waiting import at_rest, until
+from tests.helpers.marks import thorough
 
 from .conftest import Visitor
 
@@ -81,11 +82,7 @@ def test_a_service_that_is_away_is_asked_again_and_what_it_refuses_is_said_in_ev
 
 @pytest.mark.parametrize(
     ("language", "path"),
-    [
-        ("de", "/"),
-        ("uk", "/calibrate/"),
-        pytest.param("de", "/result/?id=none", marks=pytest.mark.thorough),
-    ],
+    [("uk", "/calibrate/"), *thorough(("de", "/"), ("de", "/result/?id=none"))],
 )
 def test_no_frame_of_english_is_painted_for_who_reads_another_language(
     visitor: Visitor, language: str, path: str

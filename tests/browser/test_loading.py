@@ -1,9 +1,11 @@
 """Messages for files that cannot be loaded."""
 
+import pytest
 from playwright.sync_api import BrowserContext, Page, Route, expect
 
 from infra.web_build.site import sources
 from tests.helpers.browser.scenes import BLIND_DETECTOR
+from tests.helpers.browser.site_pages import UNHEARD
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
 
@@ -45,23 +47,7 @@ def test_clicks_that_come_before_the_scripts_count(page: Page) -> None:
         assert page.url.endswith(address), "its form was sent to nowhere"
 
 
-# Buttons of a page that can be seen and pressed, and of which nothing hears when its modules have run.
-# A form with an address needs no script.
-UNHEARD = """
-  const [heard, add] = [new Set(), HTMLElement.prototype.addEventListener];
-  HTMLElement.prototype.addEventListener = function (type, ...rest) {
-    if (["click", "submit", "reset"].includes(type)) heard.add(this);
-    return add.call(this, type, ...rest);
-  };
-  document.addEventListener("DOMContentLoaded", () => {
-    const buttons = [...document.querySelectorAll("button:enabled")].filter((each) => each.checkVisibility());
-    const idle = buttons.filter((each) => !each.form?.hasAttribute("action"));
-    const unheard = idle.filter((each) => !heard.has(each) && !heard.has(each.form));
-    [window.seen, window.unheard] = [buttons.length, unheard.map((each) => each.outerHTML)];
-  });
-"""
-
-
+@pytest.mark.thorough
 def test_every_button_is_heard_as_soon_as_the_scripts_have_run(page: Page) -> None:
     """Then the clicks are given back that came before."""
     texts = sources()

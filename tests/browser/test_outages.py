@@ -1,6 +1,5 @@
 """A service that is away: nothing captured is lost, and the page says soon what happens."""
 
-import json
 import re
 from collections.abc import Callable
 
@@ -17,16 +16,11 @@ from tests.helpers.browser.interruptions import (
     wait_for_views,
 )
 from tests.helpers.browser.waiting import until
-from tests.helpers.marks import thorough
 
-from ..conftest import THOROUGH
-
-# A function that nobody has asked for a while has to start: its first answer takes longer. That to a view,
-# and in `make thorough` that to a question for a pose, too. `slowest`: the longest that the page waited, ms.
-COLD = f"""
-  const cold = {json.dumps(["pose", "views"] if THOROUGH else ["views"])};
-"""
-COLD += """
+# A function that has not run for a while has to start: its first answers take longer.
+# `slowest`: the longest that the page waited, ms.
+COLD = """
+  const cold = ["pose", "views"];
   const answer = window.fetch;
   window.slowest = 0;
   window.fetch = async (address, request) => {
@@ -45,7 +39,8 @@ COLD += """
 """
 
 
-@pytest.mark.parametrize("outage", ["silent", *thorough("refused", "busy", "asks to wait")])
+@pytest.mark.thorough
+@pytest.mark.parametrize("outage", ["silent", "refused", "busy", "asks to wait"])
 def test_two_seconds_timeout_for_every_outage(context: BrowserContext, outage: str) -> None:
     page = context.new_page()
     page.add_init_script(WRITTEN + (ENDURING + COLD if outage == "silent" else ""))

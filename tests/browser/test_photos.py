@@ -14,7 +14,7 @@ from playwright.sync_api import BrowserContext, Page, Request, Route, expect
 from calibsolver import Board
 from tests.helpers.browser import photographs
 from tests.helpers.browser.photographs import opencv_fx, sent_views
-from tests.helpers.browser.pictures import PASSING, picture
+from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.waiting import until
 from tests.helpers.data import EXTERNAL, data_dir, external_data
 from tests.helpers.marks import thorough
@@ -96,7 +96,7 @@ def test_photographs_become_a_calibration_and_stay_here(page: Page, series: Seri
     expect(page).to_have_title(re.compile(f"{NAME} .*: (Good|Fair) · calibDB"))
     expect(page.locator("#form")).to_be_hidden()
     expect(page.locator(".views image").first).to_have_attribute("href", re.compile("^data:image/jpeg"))
-    picture(page, "photos-done", PASSING, full=True)
+    picture(page, "photos-done", full=True)
     page.go_back()
     assert page.url.endswith(series.page)
     expect(page.locator("#pictures .taken").first).to_be_visible()
@@ -162,6 +162,7 @@ def test_too_little_is_not_stored_but_what_would_help_is_drawn(page: Page, serie
     expect(page.locator("#wanted figure")).to_have_count(0)
 
 
+@pytest.mark.thorough
 def test_files_stay_while_the_board_changes(context: BrowserContext, series: Series) -> None:
     """Another board than the one asked for is recognised; another can be chosen; no file is chosen twice."""
     page = context.new_page()

@@ -11,9 +11,8 @@ from playwright.sync_api import Page, expect
 
 from tests.helpers.browser import stop_and_go
 from tests.helpers.data import data_dir, external_data
-from tests.helpers.marks import thorough
 
-pytestmark = [external_data, pytest.mark.alone]
+pytestmark = [external_data, pytest.mark.alone, pytest.mark.thorough]
 
 WHITE_ON_BLACK = "4 × 5 ChArUco, DICT_4X4_50, markers 0.75, white on black"
 
@@ -22,10 +21,8 @@ WHITE_ON_BLACK = "4 × 5 ChArUco, DICT_4X4_50, markers 0.75, white on black"
     ("name", "words", "frames"),
     [
         ("caliscope_opt1.mp4", ("Is this your board?", WHITE_ON_BLACK), 57),
-        *thorough(
-            ("caliscope_pre1_mirrored.mp4", ("mirrored", WHITE_ON_BLACK), 120),
-            ("chessboard_yubin.mp4", ("Is this your board?", "9 × 7 chessboard"), 120),
-        ),
+        ("caliscope_pre1_mirrored.mp4", ("mirrored", WHITE_ON_BLACK), 120),
+        ("chessboard_yubin.mp4", ("Is this your board?", "9 × 7 chessboard"), 120),
     ],
     ids=["opt1", "mirrored", "yubin"],
 )
@@ -48,7 +45,6 @@ def test_video_has_a_result_with_its_address(
     expect(page.locator("#json")).to_contain_text("camera_matrix")
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "words"),
     [("caliscope_char0_mpeg4.mp4", WHITE_ON_BLACK), ("chessboard_uk.avi", "11 × 8 chessboard")],

@@ -17,6 +17,7 @@ from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.truth import SMALL
 from tests.helpers.browser.waiting import TIMEOUT_S
+from tests.helpers.marks import thorough
 from tests.helpers.stack.faults import watched_requests
 
 from .conftest import TOKEN, WINDOW
@@ -49,7 +50,7 @@ EXPORT = """async ([id, token, api]) => {
 }"""
 
 
-@pytest.fixture(params=[False, True], ids=["by the function", "by the gateway"])
+@pytest.fixture(params=[*thorough(False), True], ids=["by the function", "by the gateway"])
 def stack(request: pytest.FixtureRequest) -> Iterator[LocalStack]:
     with LocalStack(answers_preflights=request.param) as stack:
         yield stack
@@ -63,14 +64,7 @@ def site_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(
-    "stack",
-    [
-        pytest.param(False, id="by the function"),
-        pytest.param(True, id="by the gateway", marks=pytest.mark.thorough),
-    ],
-    indirect=True,
-)
+@pytest.mark.thorough
 def test_client_of_another_origin_captures_looks_up_and_exports(
     stack: LocalStack, chromium: Browser, site_folder: Path
 ) -> None:
@@ -93,14 +87,6 @@ def test_client_of_another_origin_captures_looks_up_and_exports(
     assert preflights >= PREFLIGHTED
 
 
-@pytest.mark.parametrize(
-    "stack",
-    [
-        pytest.param(False, id="by the function", marks=pytest.mark.thorough),
-        pytest.param(True, id="by the gateway"),
-    ],
-    indirect=True,
-)
 def test_a_page_of_another_origin_is_admitted_in_chromium_and_in_firefox(
     stack: LocalStack, chromium: Browser, in_firefox: InFirefox, site_folder: Path
 ) -> None:

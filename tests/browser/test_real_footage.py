@@ -14,6 +14,9 @@ from playwright.sync_api import Page, Playwright, expect
 
 from tests.helpers.browser import stop_and_go
 from tests.helpers.data import data_dir, external_data
+from tests.helpers.marks import thorough
+
+from ..conftest import THOROUGH
 
 pytestmark = [external_data, pytest.mark.alone]
 
@@ -71,7 +74,7 @@ YUBIN = Footage(
 )
 
 
-@pytest.fixture(scope="module", params=[OPT1, YUBIN], ids=["opt1", "yubin"])
+@pytest.fixture(scope="module", params=[*thorough(OPT1), YUBIN], ids=["opt1", "yubin"])
 def footage(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[tuple[Footage, Path]]:
@@ -89,10 +92,7 @@ def spans(page: Page) -> list[tuple[str, float]]:
     return [(before["text"], (after["time"] - before["time"]) / 1000) for before, after in pairwise(told)]
 
 
-@pytest.mark.parametrize(
-    "is_given",
-    [pytest.param(True, id="given", marks=pytest.mark.thorough), pytest.param(False, id="recognised")],
-)
+@pytest.mark.parametrize("is_given", [*thorough(True), False], ids=["given", "recognised"])
 def test_who_holds_still_gets_a_result_with_a_verdict(
     playwright: Playwright, stack: str, footage: tuple[Footage, Path], is_given: bool
 ) -> None:
@@ -107,6 +107,8 @@ def test_who_holds_still_gets_a_result_with_a_verdict(
             page.locator("#use-board").wait_for(timeout=1000 * SUGGESTION_S)
             expect(page.locator("#remedy")).to_contain_text(made.words)
             page.locator("#use-board").click()
+        if not THOROUGH:  # half a minute without a new view later it ends without a click
+            page.locator("#finish").click()
         page.locator("#done:not([hidden]) #verdict").wait_for(timeout=1000 * RESULT_S)
         seconds = time.monotonic() - began
         calibration = json.loads(page.locator("#json").text_content() or "")

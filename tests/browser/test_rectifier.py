@@ -164,7 +164,8 @@ def memory(pid: int) -> int:
     return below + (4096 * int(pages.read_text().split()[1]) if pages.exists() else 0)
 
 
-@pytest.mark.parametrize("scale", [0.25, pytest.param(1, marks=pytest.mark.thorough)])
+@pytest.mark.thorough
+@pytest.mark.parametrize("scale", [0.25, 1])
 def test_two_hundred_leave_nothing_behind(playwright: Any, stack: str, tmp_path: Path, scale: float) -> None:
     if not Path("/proc/self/statm").exists():
         pytest.skip("memory is read from /proc, which this system lacks")

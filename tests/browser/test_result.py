@@ -12,25 +12,21 @@ from playwright.sync_api import BrowserContext, Download, Page, expect
 
 from calibsolver.formats import FORMAT_NAMES
 from tests.helpers.browser.captures import capture
-from tests.helpers.browser.pictures import PASSING, SCHEMES, SIZES, picture
+from tests.helpers.browser.pictures import SIZES, picture
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.specimens import answer, camera, result, result_of_camera
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
 from tests.helpers.marks import thorough
 
-from .conftest import TOKEN
-
 MAX_HEIGHTS = {"desk": 1800, "hand": 2800}  # px, of a result whichever tab is open
 KEY = {"camera": "Result Test Camera (1234:0001)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 
 
 @pytest.fixture(scope="module")
-def state(stack: str) -> dict[str, Any]:
+def state(api: httpx.Client) -> dict[str, Any]:
     """Last state of a session that made a calibration."""
-    bearer = {"authorization": f"Bearer {TOKEN}"}
-    with httpx.Client(base_url=f"{stack}/v1", headers=bearer, timeout=60) as api:
-        return capture(api, Truth(), KEY, seed=7)
+    return capture(api, Truth(), KEY, seed=7)
 
 
 @pytest.mark.parametrize("language", ["uk", *thorough("en", "de")])
@@ -89,9 +85,7 @@ def test_a_result_with_its_report(page: Page) -> None:
     assert left_out.count() == 1, "one view was left out as a whole"
     expect(left_out.locator(".plot.bad")).to_have_count(1)
     expect(page.locator("td.std").first).to_contain_text("±")
-    for scheme in SCHEMES:
-        page.emulate_media(color_scheme=scheme)
-        picture(page, f"result-{scheme}", ["desk", "hand"] if scheme == "light" else ["hand"], full=True)
+    picture(page, "result", full=True)
 
 
 SHOWN_TWICE = page_function("show_twice")
@@ -170,7 +164,7 @@ def test_what_it_is_without_a_view_is_shown_and_saved(
     said = page.locator("#without-status").text_content() or ""
     errors = [float(value) for value in re.findall(r"([\d.]+)\spx[;.]", said)[:2]]
     assert errors == pytest.approx([after, before], rel=0.05)
-    picture(page, "result-without", PASSING, full=True)
+    picture(page, "result-without", full=True)
     page.locator("#format").select_option("ros")
     with page.expect_download() as download:
         page.locator("#download").click()
@@ -223,9 +217,10 @@ def test_a_stored_calibration_is_shown_and_saved_in_every_format_or_says_why_not
         assert ("up to" in said[form]) == (float(answer_.headers["x-conversion-error"]) > 0.1)
     assert all("says exactly" in said[form] for form in ("calibdb", "opencv-yaml", "opencv-json", "ros"))
     assert "cannot hold the lens exactly" in said["gltf"], "two numbers are a centred pinhole"
-    picture(page, "result-saved", PASSING, full=True)
+    picture(page, "result-saved", full=True)
 
 
+@pytest.mark.thorough
 def test_a_format_that_cannot_be_is_explained_in_the_page(context: BrowserContext) -> None:
     page = context.new_page()
     answer(page, "**/v1/calibrations/x", result)

@@ -17,7 +17,7 @@ from tests.helpers.browser.pictures import SIZES, WIDE, picture
 from tests.helpers.browser.specimens import answer, rig
 from tests.helpers.browser.waiting import until
 
-RIG = "/rig/?virtual=1&rate=10&img_size=640x480&error=0.5"
+RIG = "/rig/?virtual=1&rate=5&img_size=320x240&error=0.5"
 TRUE_POSE = "async (position) => (await import('/rig/scene.js')).cameraPose(position)"
 MAX_SIGMAS = 5.0  # of the six parameters of a pose
 MAX_SHIFT = 0.02  # of the distance
@@ -57,7 +57,7 @@ def test_stereo_camera_with_both_pictures_in_one_stream_is_calibrated(
     page.locator("#moment-list li").first.wait_for()
     aspects = "all => all.map((one) => one.clientWidth / one.clientHeight)"
     shapes = page.locator(".picture .stage").evaluate_all(aspects)
-    assert np.allclose(shapes, 640 / 480, atol=0.02), "each half by itself"
+    assert np.allclose(shapes, 320 / 240, atol=0.02), "each half by itself"
     page.evaluate(HIDE, True)  # so that it is not over before it is looked at
     picture(page, "rig-during", ["desk"])
     before = moments(page)

@@ -11,13 +11,13 @@ import httpx
 import pytest
 from playwright.sync_api import Page
 
-from tests.helpers.browser.captures import agreed, capture
+from tests.helpers.browser.captures import calibrated, capture
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.truth import Truth
 
-from .conftest import ROOT, TOKEN
+from .conftest import ROOT
 from .test_ar import WEBCAM
 
 KEY = {"camera": "SDK Test Camera (1234:0007)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
@@ -96,15 +96,10 @@ REFITTED = page_function("refit")
 
 
 @pytest.fixture(scope="module")
-def known(stack: str) -> dict[str, object]:
+def known(api: httpx.Client) -> dict[str, object]:
     """The key of a camera that was calibrated often enough."""
     key = KEY | {"camera": LABEL}
-    bearer = {"authorization": f"Bearer {TOKEN}"}
-    with httpx.Client(base_url=f"{stack}/v1", headers=bearer, timeout=60) as api:
-        for seed in range(5):
-            state = capture(api, Truth(k1=-0.1), key, seed)
-            assert state["distortion_model"] == "rectilinear"
-        agreed(api, key)
+    calibrated(api, Truth(k1=-0.1), key)
     return key
 
 

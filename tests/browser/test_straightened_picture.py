@@ -9,10 +9,14 @@ from playwright.sync_api import Page
 from tests.helpers.browser.photographs import textured_board
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.specimens import answer, camera, result_of_camera
-from tests.helpers.data import data_dir, external_data
+from tests.helpers.data import EXTERNAL, data_dir, external_data
+from tests.helpers.marks import thorough
+
+#: stands in for the real one
+DRAWN = ["drawn"] if EXTERNAL is None else thorough("drawn")
 
 
-@pytest.fixture(params=["drawn", pytest.param("real", marks=external_data)])
+@pytest.fixture(params=[*DRAWN, pytest.param("real", marks=external_data)])
 def photograph(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     """A photograph of 1280 x 720 px: drawn, or that of a real camera."""
     if request.param == "real":

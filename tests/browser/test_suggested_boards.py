@@ -12,14 +12,13 @@ from calibdb_client import Board
 from tests.helpers import board_pictures
 from tests.helpers.browser import stop_and_go
 from tests.helpers.browser.frame_rate import WATCH
+from tests.helpers.marks import thorough
 
 #: three seconds of the camera's 8 per second; 8 to 13 were measured
 MAX_FRAMES = 24
 MAX_SECONDS = 4.0
-SHOWN = {
-    "10 × 7 chessboard": Board((10, 7), kind="chessboard"),
-    "8 × 8 ChArUco, DICT_4X4_50, markers 0.75": Board((8, 8), 0.75),
-}
+CHESSBOARD, CHARUCO = "10 × 7 chessboard", "8 × 8 ChArUco, DICT_4X4_50, markers 0.75"
+SHOWN = {CHESSBOARD: Board((10, 7), kind="chessboard"), CHARUCO: Board((8, 8), 0.75)}
 # Instructions, each with its time, ms, and the frames that were looked at before
 LISTEN = """
   window.texts = [];
@@ -50,7 +49,7 @@ def suggestion(playwright: Playwright, stack: str, folder: Path, words: str) -> 
     return (ended - began) / 1000, last - first
 
 
-@pytest.mark.parametrize("words", SHOWN)
+@pytest.mark.parametrize("words", [*thorough(CHESSBOARD), CHARUCO])
 def test_board_is_suggested_after_few_frames(
     playwright: Playwright, stack: str, tmp_path: Path, words: str
 ) -> None:

@@ -7,14 +7,13 @@ from pathlib import Path
 from textwrap import dedent
 from typing import Any
 
-import httpx
 import numpy as np
 import pytest
 from playwright.sync_api import Page
 
 from infra.web_build.rig_vectors import RIGS_PATH
 from tests.helpers.browser.elsewhere import serving
-from tests.helpers.browser.webxr import LABEL, SHARED, calibrated, script
+from tests.helpers.browser.webxr import LABEL, SHARED, known_camera, script
 
 from .conftest import ROOT
 
@@ -35,10 +34,10 @@ def sample(containing: str) -> str:
 
 
 @pytest.fixture
-def known(page: Page, api: httpx.Client) -> dict[str, Any]:
+def known(page: Page) -> dict[str, Any]:
     """Give the calibration of the camera that the page opens."""
     page.add_init_script(CAMERA)
-    return calibrated(api)
+    return known_camera(page)
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 from typing import Any
 
 import cv2
-import httpx
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -12,7 +11,7 @@ from playwright.sync_api import Page, Route, ViewportSize
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.scripts import FOLDER
 from tests.helpers.browser.waiting import until
-from tests.helpers.browser.webxr import LABEL, calibrated, script
+from tests.helpers.browser.webxr import LABEL, known_camera, script
 
 from .conftest import OUTPUT, ROOT
 
@@ -45,8 +44,8 @@ def middles(picture: npt.NDArray[np.uint8], channel: int) -> Array:
 
 
 @pytest.fixture
-def known(api: httpx.Client) -> dict[str, Any]:
-    return calibrated(api)
+def known(page: Page) -> dict[str, Any]:
+    return known_camera(page)
 
 
 def shown(page: Page, marks: Array, *, rectify: bool) -> tuple[Array, Array]:
@@ -71,6 +70,7 @@ def shown(page: Page, marks: Array, *, rectify: bool) -> tuple[Array, Array]:
     return found
 
 
+@pytest.mark.thorough
 def test_a_scene_is_where_a_pinhole_sees_it(page: Page, known: dict[str, Any]) -> None:
     seen = POINTS @ np.array(known["camera_matrix"]).T
     pixels = seen[:, :2] / seen[:, 2:]

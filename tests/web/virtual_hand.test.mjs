@@ -32,7 +32,7 @@ test("a hand arrives when it says, and trembles there as much as it is said to",
     one.follow(TARGET, 1000);
     const settled = 1000 + travel + astray + 10;
     one.pose(1000 + astray + 1);
-    const away = Array.from({ length: 40 }, (_, i) => rms(see(LENS, one.pose(settled + 33 * i)), see(LENS, TARGET)));
+    const away = Array.from({ length: 12 }, (_, i) => rms(see(LENS, one.pose(settled + 110 * i)), see(LENS, TARGET)));
     const limit = 2.5 * (tremor + sway);
     assert.ok(Math.max(...away) <= limit + 1e-9, `${kind}: ${Math.max(...away)} px`);
     assert.ok(tremor === 0 || Math.max(...away) > tremor, kind);

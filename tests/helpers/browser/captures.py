@@ -67,6 +67,13 @@ def agreed(api: httpx.Client, key: dict[str, Any], model: str = "rectilinear") -
     return known
 
 
+def calibrated(api: httpx.Client, truth: Truth, key: dict[str, Any]) -> dict[str, Any]:
+    """Calibrate a camera five times; return what the calibrations agree on."""
+    for seed in range(5):
+        capture(api, truth, key, seed)
+    return agreed(api, key)
+
+
 def listed(api: httpx.Client, words: str) -> None:
     """Wait until a camera of a name is listed with what is known of it: pages keep what they get."""
 

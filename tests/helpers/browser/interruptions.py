@@ -7,11 +7,9 @@ from typing import Any
 
 from playwright.sync_api import Page, Request, expect
 
-from .truth import SMALL, Truth
+from .truth import SMALL
 
 VIRTUAL = f"/calibrate/?{SMALL.query(seed=1)}"
-#: without a size in its address, as most links are
-UNSIZED = f"/calibrate/?{Truth().query(seed=1)}"
 #: not reached in the time that a test takes
 ENDLESS = f"{VIRTUAL}&target_error=0.01"
 #: in its picture; on a machine that is busy, as the plainer outline that slow devices get

@@ -40,7 +40,7 @@ class Truth:
         lens = {"fx": self.fx, "cx": self.cx, "cy": self.cy, "k1": self.k1, "k2": 0}
         width, height = self.size
         size = {} if self.size == Truth.size else {"img_size": f"{width}x{height}"}
-        return urlencode({"virtual": 1, "rate": 10, "hand": "quick"} | size | lens | more)
+        return urlencode({"virtual": 1, "rate": 5, "hand": "quick"} | size | lens | more)
 
 
 #: at half the size, which costs a quarter: for what does not depend on the number of pixels
