@@ -258,8 +258,7 @@ def run(
         asked = match_picture(board, drawn, camera, target)
         rvec, tvec = user.hold(board, asked, rng)
         view = detect(board, camera, rvec, tvec, rng, noise, wild, blur, hand, corners)
-        wanted = target if guide is None else capture.next_target(session.views, estimate)
-        decision = capture.judge(session.views, wanted, view, estimate.excluded, quarantined, history)
+        decision = capture.judge(session.views, target, view, estimate.excluded, quarantined, history)
         if decision.estimate is None or decision.estimate.calibration is None:
             session.reasons.append(str(decision.reason))
             quarantined += [view] if decision.quarantine else []

@@ -134,7 +134,7 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
     writer = cv2.VideoWriter("board.avi", cv2.VideoWriter.fourcc(*"MJPG"), 1, board_pictures.SIZE)
     for n, tilt in enumerate(board_pictures.TILTS):
         picture = board_pictures.picture(Board(), tilt, 9.0 + 0.8 * n)
-        for _ in range(5):
+        for _ in range(4):
             writer.write(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
     writer.release()
     plain = ["--offline", "--model", "rectilinear", "--squares", "9x6"]

@@ -157,6 +157,7 @@ def test_file_that_is_no_recording_is_refused(content: str, tmp_path: Path) -> N
 
 
 @external_data
+@pytest.mark.thorough
 def test_real_photographs_give_opencvs_focal_length(working: Path) -> None:
     """With the board as drawn, OpenCV's; in its shape, one that the error bars reach."""
     photographs = data_dir() / "photos" / "charuco_1280x720"
@@ -183,10 +184,10 @@ def test_real_photographs_give_opencvs_focal_length(working: Path) -> None:
 
 def test_failure_names_the_model_that_fits(working: Path, capfd: pytest.CaptureFixture[str]) -> None:
     left = recording_of("jy_left")
-    replace(left, views=left.views[::2]).save(working / "left.json")
+    replace(left, views=left.views[::4]).save(working / "left.json")
     assert main(["submit", "left.json", "--offline", "--model", "rectilinear"]) == 0
     assert "--model omnidirectional explains these pictures better" in capfd.readouterr().err
     wide = recording_of("babel_ov_plane")
-    replace(wide, views=wide.views[::2]).save(working / "wide.json")
+    replace(wide, views=wide.views[::8]).save(working / "wide.json")
     assert main(["submit", "wide.json", "--offline", "--model", "rectilinear"]) == 7
     assert "--model fisheye fits them" in capfd.readouterr().err

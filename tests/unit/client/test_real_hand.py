@@ -55,7 +55,7 @@ def test_capture_without_another_view_for_30_s_ends(monkeypatch: pytest.MonkeyPa
 
     def follow(scene: Scene) -> str:
         camera.words = scene.instruction if listener.views < 4 else ""
-        camera.frames += 3 if listener.views >= 4 else 0  # none of which shows anything new
+        camera.frames += 7 if listener.views >= 4 else 0  # none of which shows anything new
         return ""
 
     def count(status: Status) -> None:

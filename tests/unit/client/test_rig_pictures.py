@@ -75,7 +75,7 @@ def test_rig_of_fisheyes_is_calibrated_from_two_folders(
     monkeypatch.chdir(tmp_path)
     for side in ("left", "right"):
         Path(side).mkdir()
-        for path in sorted((data_dir() / "photos" / f"chessboard_omnidir_{side}").iterdir())[::2]:
+        for path in sorted((data_dir() / "photos" / f"chessboard_omnidir_{side}").iterdir())[::4]:
             (Path(side) / path.name).symlink_to(path)
     assert main(["rig", "left", "right", "-o", "rig.yaml"]) == 0
     rig = Rig.load("rig.calibdb.json")

@@ -107,8 +107,8 @@ EXPLAINED = "moving principal point"  # which a turn of the board explains, up t
     ("good_first", "kind", "seeds"),
     [
         *((n, kind, (3,)) for n in (0, 2) for kind in HOSTILE if kind != EXPLAINED),
-        # The sessions of seed 3 take as long as all others together.
-        (0, EXPLAINED, (4,)),
+        # These sessions take longest; that of seed 7 takes least.
+        (2, EXPLAINED, (7,)),
         *thorough((0, EXPLAINED, (3, 4, 5)), (2, EXPLAINED, (3, 4, 5))),
     ],
 )
@@ -197,7 +197,7 @@ def test_exactly_the_wrong_views_are_refused_or_excluded(seed: int, focal: float
 
 def test_three_views_of_a_changed_camera_are_outvoted() -> None:
     """Three views of another camera come first; four that agree outvote them."""
-    session = Session(seed=5)
+    session = Session(seed=7)
     for _ in range(3):
         session.submit(session.honest(other_camera(620.0)))
     assert session.finish(max_attempts=16) < 0.6
