@@ -151,7 +151,7 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
     assert "cannot be read as a video" in capfd.readouterr().err
     # through an object with read(), as a camera: its own time, its end
     capture = cv2.VideoCapture("board.avi")
-    result = offline.calibrate(capture, board=Board(), show="none")
+    result = offline.calibrate(capture, board=Board(), show="none", model="rectilinear")
     assert result.used == 6
     capture.release()
 

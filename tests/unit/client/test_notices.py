@@ -53,7 +53,7 @@ def test_orientation_of_a_photograph_is_mentioned(capfd: pytest.CaptureFixture[s
         path.with_suffix(".jpg").write_bytes(with_orientation(jpeg, 6))
         path.unlink()
     assert turned_by_camera(sorted(Path("photos").iterdir()))
-    assert main(["calibrate", "photos", "--offline", "-v"]) == 0
+    assert main(["calibrate", "photos", "--offline", "-v", "--squares", "9x6"]) == 0
     told = capfd.readouterr()
     assert "EXIF orientation" in told.err
     rows = re.findall(r"^\d\d\.jpg +\d+ +\d+ +(0\.\d+)$", told.out, re.MULTILINE)

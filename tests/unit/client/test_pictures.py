@@ -20,6 +20,7 @@ from tests.helpers import board_pictures
 from tests.helpers.data import data_dir, external_data
 from tests.helpers.recordings import recording_of
 
+BOARD = ["--squares", "9x6"]
 PHOTOGRAPHS = ["--squares", "8x8", "--marker-ratio", "0.75", "--dictionary", "DICT_4X4_1000"]
 
 
@@ -57,14 +58,14 @@ def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest
     assert main(["submit", str(path), "--offline", "--model", "rectilinear", "--json"]) == 0
     assert np.allclose(json.loads(capfd.readouterr().out)["camera_matrix"], calibration.camera_matrix)
     assert main(["submit", str(path)]) == 2, "nobody said which camera it is"
-    assert main(["calibrate", str(folder), "--offline", "--model", "rectilinear", "--squares", "9x6"]) == 0
+    assert main(["calibrate", str(folder), "--offline", "--model", "rectilinear", *BOARD]) == 0
     assert len(list(working.iterdir())) == 2, "an earlier capture is never replaced"
 
 
 def test_service_that_is_not_there_loses_no_corner(
     folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["calibrate", str(folder), "--label", "Camera", "-o", "kept.json"]) == 2
+    assert main(["calibrate", str(folder), *BOARD, "--label", "Camera", "-o", "kept.json"]) == 2
     assert "calibdb submit kept.json" in capfd.readouterr().err
     assert len(Recording.load(working / "kept.json").views) == 6
     assert [path.name for path in working.iterdir()] == ["kept.json"]
@@ -85,7 +86,7 @@ def test_interruption_keeps_what_was_found(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("calibdb_client.cli.calibrate.read", stop)
-    assert main(["calibrate", str(folder), "--offline", "-o", "kept.json"]) == 130
+    assert main(["calibrate", str(folder), *BOARD, "--offline", "-o", "kept.json"]) == 130
     assert "calibdb submit kept.json" in capfd.readouterr().err
     assert len(Recording.load(working / "kept.json").views) == 5
 
@@ -105,7 +106,7 @@ def test_other_sizes_and_other_files_are_left_out_and_said(
     (mixed / "broken.jpg").write_bytes(b"\xff\xd8 no picture")
     (mixed / "zero.png").write_bytes(b"")
     (mixed / "notes.txt").write_text("no picture, and not read")
-    assert main(["calibrate", str(mixed), "--offline", "-o", "camera.json"]) == 0
+    assert main(["calibrate", str(mixed), *BOARD, "--offline", "-o", "camera.json"]) == 0
     told = capfd.readouterr().err
     assert "1 pictures of another size than 640x480" in told
     assert "2 files are not images: broken.jpg, zero.png" in told
@@ -117,7 +118,7 @@ def test_too_few_pictures_and_another_board_are_said(
     folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     three = [str(path) for path in sorted(folder.iterdir())[:3]]
-    assert main(["calibrate", *three, "--offline"]) == 7
+    assert main(["calibrate", *three, *BOARD, "--offline"]) == 7
     assert "detected in 3 pictures, and 4 are needed" in capfd.readouterr().err
     assert main(["calibrate", *three, "--offline", "--dictionary", "DICT_7X7_50"]) == 7
     assert "--dictionary" in capfd.readouterr().err

@@ -64,6 +64,6 @@ def test_capture_without_another_view_for_30_s_ends(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(listener, "show", follow)
     monkeypatch.setattr(listener, "taken", count)
-    result = offline.calibrate(camera, board=Board(), show=listener, clock=camera.clock)
+    result = offline.calibrate(camera, board=Board(), model="rectilinear", show=listener, clock=camera.clock)
     assert len(taken_at) == result.used >= 4
     assert 30 < camera.clock() - taken_at[-1] < 31

@@ -77,7 +77,7 @@ def test_rig_of_fisheyes_is_calibrated_from_two_folders(
         Path(side).mkdir()
         for path in sorted((data_dir() / "photos" / f"chessboard_omnidir_{side}").iterdir())[::4]:
             (Path(side) / path.name).symlink_to(path)
-    assert main(["rig", "left", "right", "-o", "rig.yaml"]) == 0
+    assert main(["rig", "left", "right", "--kind", "chessboard", "--squares", "9x7", "-o", "rig.yaml"]) == 0
     rig = Rig.load("rig.calibdb.json")
     assert baseline(rig) == pytest.approx(4.076, rel=0.01)
     assert {camera.distortion_model for camera in rig.calibrations} <= {"fisheye", "omnidirectional"}

@@ -6,8 +6,8 @@ import pytest
 from calibsolver import Camera, View, fit
 from calibsolver.consensus.agreement import compare, difference
 from calibsolver.consensus.pooling import Member, Rule, pool
-from tests.helpers.data import available, corner_views, external_data
-from tests.helpers.marks import thorough
+from tests.helpers.data import corner_views, external_data
+from tests.helpers.marks import corner_sets, thorough
 from tests.helpers.solver import attacks, populations, synthetic
 
 
@@ -133,7 +133,7 @@ REAL = {"jy_left": "fisheye", "babel_ov_plane": "fisheye"} | dict.fromkeys(
 )
 
 
-@pytest.mark.parametrize("name", available(REAL))
+@pytest.mark.parametrize("name", corner_sets(REAL))
 @pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
 def test_contributors_of_one_real_camera_agree(name: str, seed: int) -> None:
     """Five contributors with three to five views each, drawn at random."""

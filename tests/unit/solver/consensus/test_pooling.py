@@ -8,8 +8,8 @@ import pytest
 from calibsolver import CalibrationError, Camera, View, fit
 from calibsolver.consensus.agreement import compare
 from calibsolver.consensus.pooling import Member, Rule, pool
-from tests.helpers.data import available, corner_views
-from tests.helpers.marks import thorough
+from tests.helpers.data import corner_views
+from tests.helpers.marks import corner_sets, thorough
 from tests.helpers.solver import hands, populations, synthetic
 
 SIZE = (1280, 720)
@@ -139,7 +139,7 @@ def test_difference_is_in_pixels_after_the_best_rotation() -> None:
 MODELS = {"mint_isaw": "rectilinear", "jy_left": "fisheye", "babel_ov_plane": "omnidirectional"}
 
 
-@pytest.mark.parametrize("name", available(MODELS))
+@pytest.mark.parametrize("name", corner_sets(MODELS))
 def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
     """The photographs of one camera, dealt out to five members: they agree, and nothing is lost.
 

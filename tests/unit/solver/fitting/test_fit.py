@@ -10,7 +10,8 @@ from _pytest.mark import ParameterSet
 from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.fitting import normal_equations
 from calibsolver.fitting.fit import MIN_POINTS
-from tests.helpers.data import available, corner_views
+from tests.helpers.data import corner_views
+from tests.helpers.marks import corner_sets
 from tests.helpers.solver import export_sources, synthetic
 
 RECTILINEAR = [
@@ -41,7 +42,7 @@ RATIONAL = [
 FISHEYE_FLAGS: Any = cv2 if hasattr(cv2, "CALIB_RECOMPUTE_EXTRINSIC") else cv2.fisheye  # OpenCV 5, and 4
 
 
-@pytest.mark.parametrize("name", available(RECTILINEAR))
+@pytest.mark.parametrize("name", corner_sets(RECTILINEAR))
 def test_rectilinear_equals_opencv(name: str) -> None:
     views, size = corner_views(name)
     objects = [v.object_points.astype(np.float32) for v in views]
@@ -52,7 +53,7 @@ def test_rectilinear_equals_opencv(name: str) -> None:
     np.testing.assert_allclose(ours.camera.matrix, matrix, atol=0.05)
 
 
-@pytest.mark.parametrize("name", available(RATIONAL))
+@pytest.mark.parametrize("name", corner_sets(RATIONAL))
 def test_rational_equals_opencv(name: str) -> None:
     views, size = corner_views(name)
     objects = [v.object_points.astype(np.float32) for v in views]
@@ -66,7 +67,7 @@ def test_rational_equals_opencv(name: str) -> None:
     assert ours.camera.matrix[0, 0] == pytest.approx(matrix[0, 0], abs=0.05)
 
 
-@pytest.mark.parametrize("name", available(["jy_left", "pv_picam_320"]))
+@pytest.mark.parametrize("name", corner_sets(["jy_left", "pv_picam_320"]))
 def test_rational_beats_opencv_in_a_narrow_valley(name: str) -> None:
     views, size = corner_views(name)
     objects = [v.object_points.astype(np.float32) for v in views]
@@ -75,7 +76,7 @@ def test_rational_beats_opencv_in_a_narrow_valley(name: str) -> None:
     assert fit(views, size, "rational", robust=False).avg_reprojection_error < rms + 1e-6
 
 
-@pytest.mark.parametrize("name", available(RECTILINEAR))
+@pytest.mark.parametrize("name", corner_sets(RECTILINEAR))
 def test_fisheye_equals_opencv(name: str) -> None:
     views, size = corner_views(name)
     objects = [v.object_points[None] for v in views]
@@ -97,7 +98,7 @@ def test_fisheye_equals_opencv(name: str) -> None:
 OPENCV_THROWS = {"babel_ov_plane": 0.49, "ocam_fisheye2": 0.33}  # px rms
 
 
-@pytest.mark.parametrize("name", available(OPENCV_THROWS))
+@pytest.mark.parametrize("name", corner_sets(OPENCV_THROWS))
 def test_fisheye_fits_views_refused_by_opencv(name: str) -> None:
     views, size = corner_views(name)
     ours = fit(views, size, "fisheye", robust=False)
@@ -105,7 +106,7 @@ def test_fisheye_fits_views_refused_by_opencv(name: str) -> None:
     assert ours.camera.distortion.shape == (4,)
 
 
-@pytest.mark.parametrize("name", available(["pv_charuco_480", "pv_charuco_1280", "jy_left"]))
+@pytest.mark.parametrize("name", corner_sets(["pv_charuco_480", "pv_charuco_1280", "jy_left"]))
 def test_robust_fit_of_clean_views_is_the_same_camera(name: str) -> None:
     views, size = corner_views(name)
     model = "fisheye" if name == "jy_left" else "rectilinear"
@@ -114,7 +115,7 @@ def test_robust_fit_of_clean_views_is_the_same_camera(name: str) -> None:
     assert robust.avg_reprojection_error < 1.02 * plain.avg_reprojection_error
 
 
-@pytest.mark.parametrize("name", available(["pv_charuco_480", "pv_charuco_1280", "opencv_right"]))
+@pytest.mark.parametrize("name", corner_sets(["pv_charuco_480", "pv_charuco_1280", "opencv_right"]))
 def test_wild_points_hardly_move_the_projection(name: str) -> None:
     """One point in twenty is 3 to 50 px off: the error counts them all, the camera hardly feels them.
 
@@ -176,7 +177,7 @@ def test_scale_of_the_board_only_scales_translations() -> None:
 
 
 @pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
-@pytest.mark.parametrize("name", available(["opencv_left", "pv_charuco_480", "jy_left", "arizonat_fe"]))
+@pytest.mark.parametrize("name", corner_sets(["opencv_left", "pv_charuco_480", "jy_left", "arizonat_fe"]))
 def test_one_real_view_is_a_whole_camera(name: str, model: str) -> None:
     """The prior carries what a single view does not: near the truth, and the uncertainty is owned up to."""
     views, size = corner_views(name)

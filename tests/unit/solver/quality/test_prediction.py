@@ -8,7 +8,7 @@ from calibsolver.capture import Capture
 from calibsolver.quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
 from tests.helpers.data import corner_views
 from tests.helpers.marks import thorough
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import populations, synthetic
 
 BOARD = Board()
 CAMERAS = synthetic.rectilinear_cameras()
@@ -18,10 +18,10 @@ def test_views_are_as_far_off_as_predicted() -> None:
     """Fitted to n views, the next is off by as much as predicted, rms; hardly ever by twice as much."""
     ratios = []
     for i, camera in list(enumerate(CAMERAS))[::2]:
-        session = synthetic.run(camera, np.random.default_rng(i), views=5)
+        views = populations.views(camera, np.random.default_rng(i), count=5)
         for n in (2, 3, 4):
-            calibration = fit(session.views[:n], camera.img_size)
-            view = session.views[n]
+            calibration = fit(views[:n], camera.img_size)
+            view = views[n]
             ratios.append(prediction_ratio(calibration, view, np.ones(len(view), bool), 0.05))
     assert 0.8 < np.sqrt(np.mean(np.square(ratios))) < 1.25
     assert np.mean(np.array(ratios) > MAX_PREDICTION_RATIO) <= 0.03
