@@ -68,6 +68,7 @@ def test_cameras_that_share_too_little_are_refused(pair: list[Recording]) -> Non
 
 
 @external_data
+@pytest.mark.thorough
 def test_rig_of_fisheyes_is_calibrated_from_two_folders(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -274,16 +274,15 @@ def test_wrong_seed_harms_no_capture(focal_widths: float) -> None:
     k = CAMERA.intrinsics
     k[:2] = focal_widths * CAMERA.img_size[0]
     wrong = Camera.from_intrinsics(CAMERA.model, k, CAMERA.img_size)
-    for draw in (3, 4):
-        ended: list[int] = []
-        for seed in (None, wrong):
-            capture = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=seed)
-            run = synthetic.run(CAMERA, np.random.default_rng(draw), views=4, max_views=15, capture=capture)
-            assert run.stopped is not None
-            ended.append(run.stopped)
-            assert run.rms[-1] < 0.6
-            assert "outlier" not in run.reasons
-        assert ended[1] <= ended[0] + 1
+    ended: list[int] = []
+    for seed in (None, wrong):
+        capture = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=seed)
+        run = synthetic.run(CAMERA, np.random.default_rng(3), views=4, max_views=15, capture=capture)
+        assert run.stopped is not None
+        ended.append(run.stopped)
+        assert run.rms[-1] < 0.6
+        assert "outlier" not in run.reasons
+    assert ended[1] <= ended[0] + 1
     # Views all over the image, near no target.
     misled = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=wrong)
     target = misled.next_target([], misled.estimate([]))

@@ -106,7 +106,8 @@ EXPLAINED = "moving principal point"  # which a turn of the board explains, up t
 @pytest.mark.parametrize(
     ("good_first", "kind", "seeds"),
     [
-        *((n, kind, (3,)) for n in (0, 2) for kind in HOSTILE if kind != EXPLAINED),
+        *((0, kind, (3,)) for kind in HOSTILE if kind != EXPLAINED),
+        *thorough(*((2, kind, (3,)) for kind in HOSTILE if kind != EXPLAINED)),
         # These sessions take longest; that of seed 7 takes least.
         (2, EXPLAINED, (7,)),
         *thorough((0, EXPLAINED, (3, 4, 5)), (2, EXPLAINED, (3, 4, 5))),
@@ -260,7 +261,7 @@ def test_excluded_view_still_gets_an_error() -> None:
     assert error < 2
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
 def test_rational_model_converges_on_noiseless_corners(seed: int) -> None:
     """A simulated camera: nothing but rounding and the prior determines what is not seen."""
     session = Session(seed=seed)

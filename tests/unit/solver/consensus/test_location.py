@@ -1,6 +1,7 @@
 """Location of contributors: equal weights whatever their boards, bounded influence, liars among specimens."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ def scaled(factor: float) -> Camera:
     return Camera.from_intrinsics(CAMERA.model, k, SIZE)
 
 
+@cache
 def fitted(camera: Camera, contributor: str, seed: int, corners: int = 40) -> FittedMember:
     rng = np.random.default_rng(seed)
     board = worlds.draw_board(rng, corners)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from calibsolver import View, fit, models
 from tests.helpers.data import corner_views
 
-budget = settings(max_examples=3)
+budget = settings(max_examples=2)
 
 
 @pytest.mark.parametrize("model", models.NAMES)

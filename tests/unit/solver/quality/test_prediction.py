@@ -55,8 +55,7 @@ def test_too_simple_model_gets_a_suggestion() -> None:
     taken: list[View] = []
     estimate, suggested, advice = rules.estimate([]), None, set[str]()
     for view in views[:12]:
-        target = rules.next_target(taken, estimate)
-        decision = rules.judge(taken, target, view, estimate.excluded)
+        decision = rules.judge(taken, None, view, estimate.excluded)
         if decision.estimate is not None:
             taken, estimate = [*taken, view], decision.estimate
             suggested = suggested or estimate.suggested_model
