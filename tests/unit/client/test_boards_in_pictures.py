@@ -121,11 +121,12 @@ def test_partly_hidden_markers_suffice() -> None:
 
 
 def test_chessboard_on_which_pictures_differ_is_asked_for() -> None:
-    pictures = [
+    drawn = [
         board_pictures.picture(Board(squares, kind="chessboard"), tilt, 1.2 * squares[0])
         for squares in ((9, 7), (9, 6))
         for tilt in TILTS
     ]
+    pictures = [cv2.resize(picture, (384, 288), interpolation=cv2.INTER_AREA) for picture in drawn]
     with pytest.raises(CaptureError, match=r"9x7 or 9x6 squares.*Count its squares"):
         recognise(pictures)
 

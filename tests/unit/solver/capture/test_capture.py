@@ -118,17 +118,6 @@ def test_bad_view_is_refused_with_its_reason(
     assert c.judge(views, target, hold(target)).accepted
 
 
-def test_copies_of_a_view_do_not_converge(session: synthetic.Session) -> None:
-    c, views = capture(), list(session.views[:1])
-    for _ in range(9):
-        target = c.next_target(views, c.estimate(views))
-        decision = c.judge(views, target, views[0])
-        if decision.accepted:
-            views.append(views[0])
-    assert not c.estimate(views).converged
-    assert len(views) < 4
-
-
 @pytest.mark.parametrize("focal", [500, 1600, *thorough(1000)])
 def test_noiseless_copies_do_not_converge(focal: int) -> None:
     # Their residuals are nothing, so by these alone a single pose would seem to tell everything.
@@ -209,27 +198,6 @@ def test_hostile_numbers_end_in_refusals(model: str) -> None:
         decision = c.judge([], target, View(p, q))
         assert not decision.accepted
         assert c.estimate([View(p, q)]).converged is False
-
-
-def test_capture_converges_between_shuffled_views() -> None:
-    c, rng = capture(), np.random.default_rng(8)
-    views: list[View] = []
-    for i in range(16):
-        estimate = c.estimate(views)
-        if estimate.converged:
-            break
-        target = c.next_target(views, estimate)
-        asked = synthetic.match_picture(BOARD, c.camera(estimate), CAMERA, target)
-        good = synthetic.detect(BOARD, CAMERA, asked.rvec, asked.tvec, rng)
-        bad = View(good.object_points, good.image_points[rng.permutation(len(good))])
-        view = bad if i % 2 == 0 else good
-        decision = c.judge(views, target, view)
-        assert decision.accepted == (view is good)
-        if decision.accepted:
-            views.append(view)
-    assert c.estimate(views).converged
-    error = synthetic.projection_error(CAMERA, c.camera(c.estimate(views)))
-    assert error.mean() < 0.6
 
 
 def test_unknown_guidance_raises_value_error() -> None:
