@@ -148,15 +148,13 @@ def test_corners_are_numbered_as_the_solver_numbers_them(board: Board) -> None:
 @external_data
 @pytest.mark.parametrize(
     ("name", "squares", "count"),
-    [
+    thorough(
         ("arizonat_fe", (8, 6), 10),
-        *thorough(
-            ("mint_isaw", (11, 8), 14),
-            ("picam_640", (8, 8), 25),
-            ("omnidir_left", (9, 7), 12),
-            ("omnidir_right", (9, 7), 12),
-        ),
-    ],
+        ("mint_isaw", (11, 8), 14),
+        ("picam_640", (8, 8), 25),
+        ("omnidir_left", (9, 7), 12),
+        ("omnidir_right", (9, 7), 12),
+    ),
 )
 def test_every_chessboard_in_real_photographs_is_recognised_and_detected(
     name: str, squares: tuple[int, int], count: int

@@ -64,7 +64,7 @@ def test_it_travels_in_a_megabyte() -> None:
     assert sum(sizes.values()) <= MAX_BYTES
 
 
-@pytest.mark.parametrize("count", [2, *thorough(12)])
+@pytest.mark.parametrize("count", [1, *thorough(12)])
 def test_corners_in_drawn_pictures_are_those_of_the_python_package(count: int, tmp_path: Path) -> None:
     drawn = photographs.draw(tmp_path, count)
     assert corners_agree(drawn, BOARD, tmp_path) > 33 * count
