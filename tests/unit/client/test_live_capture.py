@@ -76,6 +76,7 @@ def test_capture_that_loses_its_camera_goes_on_later(
     assert Recording.load(tmp_path / "kept.json") == kept
 
 
+@pytest.mark.usefixtures("no_suggestion")
 def test_interrupted_capture_hands_over_its_views() -> None:
     camera = VirtualCamera()
     listener = Listener(camera)
@@ -127,6 +128,7 @@ def test_command_keeps_a_live_capture_and_says_how_to_go_on(
     assert 4 <= len(recording.views) <= 8
 
 
+@pytest.mark.usefixtures("no_suggestion")
 def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:

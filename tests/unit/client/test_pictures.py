@@ -20,7 +20,7 @@ from tests.helpers import board_pictures
 from tests.helpers.data import data_dir, external_data
 from tests.helpers.recordings import recording_of
 
-BOARD = ["--squares", "9x6"]
+BOARD = ["--model", "rectilinear", "--squares", "9x6"]
 PHOTOGRAPHS = ["--squares", "8x8", "--marker-ratio", "0.75", "--dictionary", "DICT_4X4_1000"]
 
 
@@ -58,7 +58,7 @@ def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest
     assert main(["submit", str(path), "--offline", "--model", "rectilinear", "--json"]) == 0
     assert np.allclose(json.loads(capfd.readouterr().out)["camera_matrix"], calibration.camera_matrix)
     assert main(["submit", str(path)]) == 2, "nobody said which camera it is"
-    assert main(["calibrate", str(folder), "--offline", "--model", "rectilinear", *BOARD]) == 0
+    assert main(["calibrate", str(folder), "--offline", *BOARD]) == 0
     assert len(list(working.iterdir())) == 2, "an earlier capture is never replaced"
 
 
@@ -91,6 +91,7 @@ def test_interruption_keeps_what_was_found(
     assert len(Recording.load(working / "kept.json").views) == 5
 
 
+@pytest.mark.usefixtures("no_suggestion")
 def test_other_sizes_and_other_files_are_left_out_and_said(
     folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -47,6 +47,7 @@ def capture(camera: RealCamera) -> tuple[float, float]:
     return float(np.sqrt(np.mean(error**2))), stated["rms"]
 
 
+@pytest.mark.usefixtures("no_suggestion")
 def test_capture_without_another_view_for_30_s_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(guide_module, "TARGET_ERROR_WIDTHS", 1e-9)
     camera = VirtualCamera(seed=2)

@@ -38,6 +38,7 @@ def test_report_without_corners_is_refused(tmp_path: Path) -> None:
         write_report(tmp_path / "report.html", Calibration(RECORD))
 
 
+@pytest.mark.usefixtures("no_suggestion")
 def test_bent_board_is_named_by_the_command_and_the_report(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
