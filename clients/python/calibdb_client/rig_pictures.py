@@ -11,7 +11,7 @@ from . import pictures
 from .board import Board
 from .errors import CaptureError, UsageError
 from .images import board_of
-from .key import AUTO, UNNAMED, CameraKey
+from .key import AUTO, UNNAMED, CameraKey, checked_model
 from .model_choice import chosen_model
 from .pictures import PLATFORM, FoundViews, picture_paths
 from .recording import RecordedView, Recording
@@ -146,7 +146,7 @@ def fit_rig(
     cameras = [
         {
             "img_size": list(recording.key.img_size),
-            "distortion_model": chosen_model(recording, model)[0],
+            "distortion_model": chosen_model(recording, AUTO)[0] if model == AUTO else checked_model(model),
             "start": None,
         }
         for recording in recordings

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import json
 import struct
 from collections.abc import Iterator
@@ -143,10 +144,10 @@ def jpeg(picture: Grey, orientation: int = 1) -> bytes:
     return data[:2] + b"\xff\xe1" + struct.pack(">H", len(body) + 2) + body + data[2:]
 
 
-def draw(folder: Path) -> list[Path]:
-    """Write twelve photographs; every third was taken with the camera turned, which its EXIF data says."""
+def draw(folder: Path, count: int = 12) -> list[Path]:
+    """Write up to twelve photographs; every third was taken with the camera turned, as its EXIF data says."""
     paths = []
-    for index, (rotation, translation) in enumerate(_poses()):
+    for index, (rotation, translation) in enumerate(itertools.islice(_poses(), count)):
         path = folder / f"drawn-{index:02}.jpg"
         path.write_bytes(jpeg(photograph(rotation, translation, seed=index), 6 if index % 3 == 2 else 1))
         paths.append(path)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibsolver import CalibrationError, Camera, fit
+from calibsolver import CalibrationError, fit
 from tests.helpers.solver import populations, synthetic
 
 POPULATIONS = {
@@ -52,8 +52,7 @@ def measure(model: str, captures: int, views: int = 8, noise: float = 0.2, seed:
     """`captures` captures of `views` views, corner noise in px, each of a camera of its own."""
     rng = np.random.default_rng(seed)
     ratio, z, out_of_domain, failed = [], [], 0, 0
-    cameras: list[Camera] = POPULATIONS[model](captures, seed=seed)
-    for camera in cameras:
+    for camera in POPULATIONS[model](captures, seed=seed):
         try:
             c = fit(populations.views(camera, rng, noise, views), camera.img_size, model)
         except CalibrationError:

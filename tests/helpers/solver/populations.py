@@ -3,6 +3,7 @@
 import csv
 from collections import defaultdict
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 
@@ -68,9 +69,10 @@ def views(
     return out
 
 
+@cache
 def rational_cameras(
     count: int = 12, seed: int = 0, img_size: tuple[int, int] = synthetic.IMG_SIZE
-) -> list[Camera]:
+) -> tuple[Camera, ...]:
     """Webcams from wide to narrow whose further coefficients are small, as calibrations of them find."""
     rng = np.random.default_rng(seed)
     cameras: list[Camera] = []
@@ -81,12 +83,13 @@ def rational_cameras(
             d = np.array([k1, k2, p1, p2, 0, 0, 0, 0])
             d += np.array([0.15, 0.06, 0, 0, 0.015, 0.15, 0.06, 0.015]) * rng.normal(size=8)
             cameras += seen_all(Camera("rational", camera.matrix, d, img_size))
-    return [cameras[i] for i in rng.permutation(len(cameras))[:count]]
+    return tuple(cameras[i] for i in rng.permutation(len(cameras))[:count])
 
 
+@cache
 def omnidirectional_cameras(
     count: int = 12, seed: int = 0, img_size: tuple[int, int] = synthetic.IMG_SIZE
-) -> list[Camera]:
+) -> tuple[Camera, ...]:
     """Cameras of 120 to 190 degrees over the diagonal, xi from 0.8 to 2.2 as wide lenses have it."""
     rng = np.random.default_rng(seed)
     cameras: list[Camera] = []
@@ -95,7 +98,7 @@ def omnidirectional_cameras(
         cameras += seen_all(
             of_diagonal("omnidirectional", d, np.radians(rng.uniform(120, 190)), rng, img_size)
         )
-    return cameras
+    return tuple(cameras)
 
 
 def of_diagonal(

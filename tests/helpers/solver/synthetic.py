@@ -7,6 +7,7 @@ by some 3 degrees and 3 %.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
@@ -24,7 +25,10 @@ BORDER_PX = 2.0
 """Border in which neither corners nor markers are found."""
 
 
-def rectilinear_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE) -> list[Camera]:
+@cache
+def rectilinear_cameras(
+    count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE
+) -> tuple[Camera, ...]:
     """Cameras from wide to narrow, each with some distortion, as far as real ones bend."""
     rng = np.random.default_rng(seed)
     w, h = img_size
@@ -44,7 +48,7 @@ def rectilinear_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int
         while least_stretch(camera := Camera("rectilinear", matrix, [k1, k2, p1, p2, 0], img_size)) < 0.3:
             k1, k2 = 0.95 * k1, k2 + 0.002
         cameras.append(camera)
-    return cameras
+    return tuple(cameras)
 
 
 def least_stretch(camera: Camera) -> float:
@@ -59,7 +63,10 @@ def least_stretch(camera: Camera) -> float:
     return float((1 + s * (3 * k1 + s * (5 * k2 + s * 7 * k3))).min())
 
 
-def fisheye_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE) -> list[Camera]:
+@cache
+def fisheye_cameras(
+    count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE
+) -> tuple[Camera, ...]:
     """Kannala-Brandt cameras of 118 to 166 degrees over the image's diagonal."""
     rng = np.random.default_rng(seed)
     w, h = img_size
@@ -73,7 +80,7 @@ def fisheye_cameras(count: int = 12, seed: int = 0, img_size: tuple[int, int] = 
         cy = (h - 1) / 2 + 0.012 * w * rng.normal()
         matrix = np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
         cameras.append(Camera("fisheye", matrix, k, img_size))
-    return cameras
+    return tuple(cameras)
 
 
 def detect(
@@ -258,8 +265,7 @@ def run(
         asked = match_picture(board, drawn, camera, target)
         rvec, tvec = user.hold(board, asked, rng)
         view = detect(board, camera, rvec, tvec, rng, noise, wild, blur, hand, corners)
-        wanted = target if guide is None else capture.next_target(session.views, estimate)
-        decision = capture.judge(session.views, wanted, view, estimate.excluded, quarantined, history)
+        decision = capture.judge(session.views, target, view, estimate.excluded, quarantined, history)
         if decision.estimate is None or decision.estimate.calibration is None:
             session.reasons.append(str(decision.reason))
             quarantined += [view] if decision.quarantine else []

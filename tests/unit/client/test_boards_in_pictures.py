@@ -21,9 +21,9 @@ KINDS = (
     Board((9, 6), kind="chessboard"),
     Board((8, 8), kind="chessboard"),
     Board((6, 4), kind="aprilgrid"),
-    Board((5, 5), kind="aprilgrid", tag_spacing=0.5, inverted=True),
+    Board((4, 3), kind="aprilgrid", tag_spacing=0.5, inverted=True),
 )
-TILTS = board_pictures.TILTS[:3]
+TILTS = board_pictures.TILTS[:2]
 
 
 def truth(
@@ -40,7 +40,7 @@ def truth(
 def test_corners_of_every_kind_are_where_they_were_drawn(board: Board) -> None:
     distance = 1.2 * max(board.size)
     bound = 0.3 if board.kind == "aprilgrid" else 0.1  # a tag's outer corner has no second edge to hold it
-    for tilt in TILTS[:2]:
+    for tilt in TILTS:
         found = Detector(board).find(board_pictures.picture(board, tilt, distance))
         assert found is not None
         assert len(found.ids) > 0.6 * board.corner_count
@@ -62,7 +62,7 @@ def test_chessboard_found_in_a_shrunk_picture_has_the_same_corners(inverted: boo
         assert np.abs(fast.points - exact.points).max() < 0.05
 
 
-@pytest.mark.parametrize("board", [KINDS[i] for i in (0, 1, 2, 3, 6)], ids=str)
+@pytest.mark.parametrize("board", [KINDS[i] for i in (1, 2, 3, 6)], ids=str)
 def test_board_of_every_kind_is_recognised(board: Board) -> None:
     pictures = [board_pictures.picture(board, tilt, 1.2 * max(board.size)) for tilt in TILTS]
     found = recognise(pictures)
@@ -111,7 +111,7 @@ def test_partly_hidden_markers_suffice() -> None:
     """Half of a board is covered in each picture, another half each time."""
     board = Board((9, 6))
     pictures = []
-    for n, tilt in enumerate(TILTS):
+    for n, tilt in enumerate(board_pictures.TILTS[:3]):
         picture = board_pictures.picture(board, tilt, 1.2 * max(board.size)).copy()
         w = picture.shape[1]
         picture[:, : w // 2 if n % 2 else 0] = 128
@@ -121,11 +121,12 @@ def test_partly_hidden_markers_suffice() -> None:
 
 
 def test_chessboard_on_which_pictures_differ_is_asked_for() -> None:
-    pictures = [
+    drawn = [
         board_pictures.picture(Board(squares, kind="chessboard"), tilt, 1.2 * squares[0])
         for squares in ((9, 7), (9, 6))
-        for tilt in TILTS[:2]
+        for tilt in TILTS
     ]
+    pictures = [cv2.resize(picture, (384, 288), interpolation=cv2.INTER_AREA) for picture in drawn]
     with pytest.raises(CaptureError, match=r"9x7 or 9x6 squares.*Count its squares"):
         recognise(pictures)
 
@@ -147,11 +148,13 @@ def test_corners_are_numbered_as_the_solver_numbers_them(board: Board) -> None:
 @external_data
 @pytest.mark.parametrize(
     ("name", "squares", "count"),
-    [
+    thorough(
         ("arizonat_fe", (8, 6), 10),
         ("mint_isaw", (11, 8), 14),
-        *thorough(("picam_640", (8, 8), 25), ("omnidir_left", (9, 7), 12), ("omnidir_right", (9, 7), 12)),
-    ],
+        ("picam_640", (8, 8), 25),
+        ("omnidir_left", (9, 7), 12),
+        ("omnidir_right", (9, 7), 12),
+    ),
 )
 def test_every_chessboard_in_real_photographs_is_recognised_and_detected(
     name: str, squares: tuple[int, int], count: int
@@ -166,6 +169,7 @@ def test_every_chessboard_in_real_photographs_is_recognised_and_detected(
 
 
 @external_data
+@pytest.mark.thorough
 def test_spacing_of_an_aprilgrid_is_found_behind_a_fisheye() -> None:
     """TUM-VI: printed with spacing 0.3; published focal length 382 px."""
     paths = picture_paths([data_dir() / "photos" / "aprilgrid_tumvi"])
@@ -183,7 +187,7 @@ def test_spacing_of_an_aprilgrid_is_found_behind_a_fisheye() -> None:
 
 @pytest.mark.parametrize("spacing", [0.43, *thorough(0.2, 0.25)])
 def test_spacing_of_an_aprilgrid_is_estimated(spacing: float) -> None:
-    board = Board((5, 4), kind="aprilgrid", tag_spacing=spacing)
+    board = Board((4, 3), kind="aprilgrid", tag_spacing=spacing)
     drawn = [board_pictures.picture(board, tilt, 8.5) for tilt in TILTS]
     result = recognise(drawn)
     assert result is not None
@@ -191,6 +195,6 @@ def test_spacing_of_an_aprilgrid_is_estimated(spacing: float) -> None:
 
 
 def test_spacing_on_which_pictures_disagree_is_refused() -> None:
-    boards = [Board((5, 4), kind="aprilgrid", tag_spacing=spacing) for spacing in (0.2, 0.5)]
+    boards = [Board((4, 3), kind="aprilgrid", tag_spacing=spacing) for spacing in (0.2, 0.5)]
     drawn = [board_pictures.picture(board, tilt, 8.5) for board in boards for tilt in TILTS[:1]]
     assert recognise(drawn) is None

@@ -38,6 +38,7 @@ def test_circles_are_detected_where_they_were_drawn(board: Board) -> None:
     assert np.sqrt(np.mean(np.sum(off**2, axis=1))) < 0.35
 
 
+@pytest.mark.usefixtures("no_suggestion")
 @pytest.mark.parametrize("board", [BOARDS[1], *thorough(BOARDS[0])], ids=str)
 def test_command_calibrates_pictures_of_circles(
     board: Board, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -97,13 +97,16 @@ def test_file_of_another_tool_is_converted_and_loaded(tmp_path: Path) -> None:
     assert main(["convert", str(tmp_path / "board.txt"), "--format", "ros"]) == 2
 
 
+@pytest.mark.usefixtures("no_suggestion")
 def test_command_calibrates_into_another_tools_file_and_keeps_the_corners(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     board_pictures.write(tmp_path / "photos", Board())
-    assert main(["calibrate", "photos", "--offline", "-o", "camera.yaml"]) == 2
-    assert main(["calibrate", "photos", "--offline", "-o", "camera.yaml", "--format", "ros"]) == 0
+    plain = ["--offline", "--model", "rectilinear", "--squares", "9x6"]
+    command = ["calibrate", "photos", *plain, "-o", "camera.yaml"]
+    assert main(command) == 2
+    assert main([*command, "--format", "ros"]) == 0
     content = yaml.safe_load(Path("camera.yaml").read_text())
     kept = Calibration.load("camera.calibdb.json")
     assert content["camera_matrix"]["data"] == kept.camera_matrix.ravel().tolist()

@@ -11,6 +11,7 @@ from calibdb_client.cli import main
 from calibdb_client.report import fit_again
 from tests.helpers.recordings import recording_of
 
+pytestmark = pytest.mark.usefixtures("no_suggestion")
 FEW = replace(recording_of("opencv_left"), views=recording_of("opencv_left").views[::2])
 
 

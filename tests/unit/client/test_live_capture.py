@@ -76,6 +76,7 @@ def test_capture_that_loses_its_camera_goes_on_later(
     assert Recording.load(tmp_path / "kept.json") == kept
 
 
+@pytest.mark.usefixtures("no_suggestion")
 def test_interrupted_capture_hands_over_its_views() -> None:
     camera = VirtualCamera()
     listener = Listener(camera)
@@ -127,6 +128,7 @@ def test_command_keeps_a_live_capture_and_says_how_to_go_on(
     assert 4 <= len(recording.views) <= 8
 
 
+@pytest.mark.usefixtures("no_suggestion")
 def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -134,7 +136,7 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
     writer = cv2.VideoWriter("board.avi", cv2.VideoWriter.fourcc(*"MJPG"), 1, board_pictures.SIZE)
     for n, tilt in enumerate(board_pictures.TILTS):
         picture = board_pictures.picture(Board(), tilt, 9.0 + 0.8 * n)
-        for _ in range(5):
+        for _ in range(4):
             writer.write(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
     writer.release()
     plain = ["--offline", "--model", "rectilinear", "--squares", "9x6"]
@@ -151,7 +153,7 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
     assert "cannot be read as a video" in capfd.readouterr().err
     # through an object with read(), as a camera: its own time, its end
     capture = cv2.VideoCapture("board.avi")
-    result = offline.calibrate(capture, board=Board(), show="none")
+    result = offline.calibrate(capture, board=Board(), show="none", model="rectilinear")
     assert result.used == 6
     capture.release()
 

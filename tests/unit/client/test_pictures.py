@@ -20,6 +20,7 @@ from tests.helpers import board_pictures
 from tests.helpers.data import data_dir, external_data
 from tests.helpers.recordings import recording_of
 
+BOARD = ["--model", "rectilinear", "--squares", "9x6"]
 PHOTOGRAPHS = ["--squares", "8x8", "--marker-ratio", "0.75", "--dictionary", "DICT_4X4_1000"]
 
 
@@ -57,14 +58,14 @@ def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest
     assert main(["submit", str(path), "--offline", "--model", "rectilinear", "--json"]) == 0
     assert np.allclose(json.loads(capfd.readouterr().out)["camera_matrix"], calibration.camera_matrix)
     assert main(["submit", str(path)]) == 2, "nobody said which camera it is"
-    assert main(["calibrate", str(folder), "--offline", "--model", "rectilinear", "--squares", "9x6"]) == 0
+    assert main(["calibrate", str(folder), "--offline", *BOARD]) == 0
     assert len(list(working.iterdir())) == 2, "an earlier capture is never replaced"
 
 
 def test_service_that_is_not_there_loses_no_corner(
     folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["calibrate", str(folder), "--label", "Camera", "-o", "kept.json"]) == 2
+    assert main(["calibrate", str(folder), *BOARD, "--label", "Camera", "-o", "kept.json"]) == 2
     assert "calibdb submit kept.json" in capfd.readouterr().err
     assert len(Recording.load(working / "kept.json").views) == 6
     assert [path.name for path in working.iterdir()] == ["kept.json"]
@@ -85,11 +86,12 @@ def test_interruption_keeps_what_was_found(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("calibdb_client.cli.calibrate.read", stop)
-    assert main(["calibrate", str(folder), "--offline", "-o", "kept.json"]) == 130
+    assert main(["calibrate", str(folder), *BOARD, "--offline", "-o", "kept.json"]) == 130
     assert "calibdb submit kept.json" in capfd.readouterr().err
     assert len(Recording.load(working / "kept.json").views) == 5
 
 
+@pytest.mark.usefixtures("no_suggestion")
 def test_other_sizes_and_other_files_are_left_out_and_said(
     folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -105,7 +107,7 @@ def test_other_sizes_and_other_files_are_left_out_and_said(
     (mixed / "broken.jpg").write_bytes(b"\xff\xd8 no picture")
     (mixed / "zero.png").write_bytes(b"")
     (mixed / "notes.txt").write_text("no picture, and not read")
-    assert main(["calibrate", str(mixed), "--offline", "-o", "camera.json"]) == 0
+    assert main(["calibrate", str(mixed), *BOARD, "--offline", "-o", "camera.json"]) == 0
     told = capfd.readouterr().err
     assert "1 pictures of another size than 640x480" in told
     assert "2 files are not images: broken.jpg, zero.png" in told
@@ -117,7 +119,7 @@ def test_too_few_pictures_and_another_board_are_said(
     folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     three = [str(path) for path in sorted(folder.iterdir())[:3]]
-    assert main(["calibrate", *three, "--offline"]) == 7
+    assert main(["calibrate", *three, *BOARD, "--offline"]) == 7
     assert "detected in 3 pictures, and 4 are needed" in capfd.readouterr().err
     assert main(["calibrate", *three, "--offline", "--dictionary", "DICT_7X7_50"]) == 7
     assert "--dictionary" in capfd.readouterr().err
@@ -157,6 +159,7 @@ def test_file_that_is_no_recording_is_refused(content: str, tmp_path: Path) -> N
 
 
 @external_data
+@pytest.mark.thorough
 def test_real_photographs_give_opencvs_focal_length(working: Path) -> None:
     """With the board as drawn, OpenCV's; in its shape, one that the error bars reach."""
     photographs = data_dir() / "photos" / "charuco_1280x720"
@@ -183,10 +186,10 @@ def test_real_photographs_give_opencvs_focal_length(working: Path) -> None:
 
 def test_failure_names_the_model_that_fits(working: Path, capfd: pytest.CaptureFixture[str]) -> None:
     left = recording_of("jy_left")
-    replace(left, views=left.views[::2]).save(working / "left.json")
+    replace(left, views=left.views[::4]).save(working / "left.json")
     assert main(["submit", "left.json", "--offline", "--model", "rectilinear"]) == 0
     assert "--model omnidirectional explains these pictures better" in capfd.readouterr().err
     wide = recording_of("babel_ov_plane")
-    replace(wide, views=wide.views[::2]).save(working / "wide.json")
+    replace(wide, views=wide.views[::8]).save(working / "wide.json")
     assert main(["submit", "wide.json", "--offline", "--model", "rectilinear"]) == 7
     assert "--model fisheye fits them" in capfd.readouterr().err

@@ -47,6 +47,7 @@ def capture(camera: RealCamera) -> tuple[float, float]:
     return float(np.sqrt(np.mean(error**2))), stated["rms"]
 
 
+@pytest.mark.usefixtures("no_suggestion")
 def test_capture_without_another_view_for_30_s_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(guide_module, "TARGET_ERROR_WIDTHS", 1e-9)
     camera = VirtualCamera(seed=2)
@@ -55,7 +56,7 @@ def test_capture_without_another_view_for_30_s_ends(monkeypatch: pytest.MonkeyPa
 
     def follow(scene: Scene) -> str:
         camera.words = scene.instruction if listener.views < 4 else ""
-        camera.frames += 3 if listener.views >= 4 else 0  # none of which shows anything new
+        camera.frames += 7 if listener.views >= 4 else 0  # none of which shows anything new
         return ""
 
     def count(status: Status) -> None:
@@ -64,6 +65,6 @@ def test_capture_without_another_view_for_30_s_ends(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(listener, "show", follow)
     monkeypatch.setattr(listener, "taken", count)
-    result = offline.calibrate(camera, board=Board(), show=listener, clock=camera.clock)
+    result = offline.calibrate(camera, board=Board(), model="rectilinear", show=listener, clock=camera.clock)
     assert len(taken_at) == result.used >= 4
     assert 30 < camera.clock() - taken_at[-1] < 31

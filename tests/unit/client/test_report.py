@@ -4,11 +4,13 @@ import re
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 
 from calibdb_client import Board, Calibration, CameraKey, Recording, UsageError
 from calibdb_client.cli import main
 from calibdb_client.recording import RecordedView
 from calibdb_client.report import write_report
+from calibsolver import plots
 from tests.helpers.service.client import Truth
 from tests.helpers.service.published import held
 from tests.unit.client.test_calibration import RECORD
@@ -36,12 +38,14 @@ def test_report_without_corners_is_refused(tmp_path: Path) -> None:
         write_report(tmp_path / "report.html", Calibration(RECORD))
 
 
+@pytest.mark.usefixtures("no_suggestion")
 def test_bent_board_is_named_by_the_command_and_the_report(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A board as drawn, and one whose middle rises by 0.08 squares, 0.7 % of its length off a plane."""
     monkeypatch.chdir(tmp_path)
     in_mm = ["--square-mm", "30"]
+    monkeypatch.setattr(plots, "report", lambda *_: Figure())
     said = []
     for name, sag in (("flat.json", 0.0), ("bent.json", 0.08)):
         views = tuple(

@@ -68,6 +68,7 @@ def test_cameras_that_share_too_little_are_refused(pair: list[Recording]) -> Non
 
 
 @external_data
+@pytest.mark.thorough
 def test_rig_of_fisheyes_is_calibrated_from_two_folders(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -75,9 +76,9 @@ def test_rig_of_fisheyes_is_calibrated_from_two_folders(
     monkeypatch.chdir(tmp_path)
     for side in ("left", "right"):
         Path(side).mkdir()
-        for path in sorted((data_dir() / "photos" / f"chessboard_omnidir_{side}").iterdir())[::2]:
+        for path in sorted((data_dir() / "photos" / f"chessboard_omnidir_{side}").iterdir())[::4]:
             (Path(side) / path.name).symlink_to(path)
-    assert main(["rig", "left", "right", "-o", "rig.yaml"]) == 0
+    assert main(["rig", "left", "right", "--kind", "chessboard", "--squares", "9x7", "-o", "rig.yaml"]) == 0
     rig = Rig.load("rig.calibdb.json")
     assert baseline(rig) == pytest.approx(4.076, rel=0.01)
     assert {camera.distortion_model for camera in rig.calibrations} <= {"fisheye", "omnidirectional"}

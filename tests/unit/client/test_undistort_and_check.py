@@ -65,7 +65,7 @@ def test_pictures_are_not_replaced_and_other_sizes_refused() -> None:
     assert main(["undistort", "photos", "--with", "absent.yaml", "-o", "out"]) == 2
 
 
-@pytest.mark.usefixtures("folder")
+@pytest.mark.usefixtures("folder", "no_suggestion")
 def test_calibration_at_hand_is_checked_on_fresh_views() -> None:
     whole = recording_of("opencv_left")
     first = replace(whole, views=whole.views[::2])

@@ -6,7 +6,8 @@ import pytest
 
 from calibsolver import CalibrationError, Camera, fit
 from calibsolver.undistortion import new_camera_matrix, remap_tables
-from tests.helpers.data import corner_views, external_data
+from tests.helpers.data import corner_views
+from tests.helpers.marks import corner_sets, thorough
 
 SIZE = (1280, 720)
 MATRIX = np.array([[950.0, 0, 652], [0, 948, 351], [0, 0, 1]])
@@ -73,9 +74,8 @@ def test_values_that_cannot_be_used_are_refused() -> None:
         remap_tables(FOLDED, np.zeros((3, 3)))
 
 
-@external_data
-@pytest.mark.parametrize("name", ["mint_isaw", "jy_left"])
-@pytest.mark.parametrize("model", CAMERAS)
+@pytest.mark.parametrize("name", corner_sets(["mint_isaw", "jy_left"]))
+@pytest.mark.parametrize("model", ["rectilinear", "fisheye", *thorough("rational", "omnidirectional")])
 def test_real_calibrations_have_a_new_matrix(name: str, model: str) -> None:
     views, size = corner_views(name)
     camera = fit(views, size, model).camera

@@ -16,7 +16,7 @@ from pydantic.json_schema import models_json_schema
 
 from calibdb import schema
 
-EXAMPLES = int(os.environ.get("CASES", "300")) // 20
+EXAMPLES = int(os.environ.get("CASES", "160")) // 20
 FUZZ = settings(
     max_examples=EXAMPLES,
     deadline=None,

@@ -66,10 +66,15 @@ def test_honest_view_is_accepted(session: synthetic.Session) -> None:
     assert len(decision.estimate.view_errors) == 3
 
 
-def refusals(session: synthetic.Session) -> dict[str, View]:
+@pytest.fixture(scope="module")
+def target(session: synthetic.Session) -> TargetPose:
+    """Target after three views."""
     c, views = capture(), session.views[:3]
-    target = c.next_target(views, c.estimate(views))
-    good, rng = hold(target), np.random.default_rng(1)
+    return c.next_target(views, c.estimate(views))
+
+
+def refusals(session: synthetic.Session, target: TargetPose) -> dict[str, View]:
+    views, good, rng = session.views[:3], hold(target), np.random.default_rng(1)
     p, q = good.object_points, good.image_points
     row = p[:, 1] == p[0, 1]
     tilted, apart = np.array([0.2, -0.1, 0.0]), np.array([-4.5, -3, 14.0])
@@ -100,10 +105,11 @@ def refusals(session: synthetic.Session) -> dict[str, View]:
         "duplicate",
     ],
 )
-def test_bad_view_is_refused_with_its_reason(session: synthetic.Session, kind: str) -> None:
+def test_bad_view_is_refused_with_its_reason(
+    session: synthetic.Session, target: TargetPose, kind: str
+) -> None:
     c, views = capture(), session.views[:3]
-    target = c.next_target(views, c.estimate(views))
-    decision = c.judge(views, target, refusals(session)[kind])
+    decision = c.judge(views, target, refusals(session, target)[kind])
     assert not decision.accepted
     expected = kind.split(":")[0].split(" ")[0]
     assert decision.reason in ({expected, "mirrored"} if "mixed" in kind or "another" in kind else {expected})
@@ -112,18 +118,7 @@ def test_bad_view_is_refused_with_its_reason(session: synthetic.Session, kind: s
     assert c.judge(views, target, hold(target)).accepted
 
 
-def test_copies_of_a_view_do_not_converge(session: synthetic.Session) -> None:
-    c, views = capture(), list(session.views[:1])
-    for _ in range(9):
-        target = c.next_target(views, c.estimate(views))
-        decision = c.judge(views, target, views[0])
-        if decision.accepted:
-            views.append(views[0])
-    assert not c.estimate(views).converged
-    assert len(views) < 4
-
-
-@pytest.mark.parametrize("focal", [500, 1000, 1600])
+@pytest.mark.parametrize("focal", [500, 1600, *thorough(1000)])
 def test_noiseless_copies_do_not_converge(focal: int) -> None:
     # Their residuals are nothing, so by these alone a single pose would seem to tell everything.
     c = capture()
@@ -139,7 +134,7 @@ def test_noiseless_copies_do_not_converge(focal: int) -> None:
         target = c.next_target(views, estimate)
 
 
-@pytest.mark.parametrize("width", [0.1, 0.2, 0.6])
+@pytest.mark.parametrize("width", [0.1, 0.6, *thorough(0.2)])
 def test_noiseless_first_view_does_not_make_others_outliers(width: float) -> None:
     c, rng = capture(), np.random.default_rng(3)
     target, rvec = c.next_target([], c.estimate([])), np.array([0.3, 0.4, 0.0])
@@ -164,7 +159,7 @@ def test_first_view_is_never_an_outlier(model: str, tilt: int) -> None:
     # Facing the camera it tells little, but it is never an outlier for want of a fit.
     c, rng = Capture(BOARD, SIZE, model), np.random.default_rng(tilt)
     target = c.next_target([], c.estimate([]))
-    for focal, width in itertools.product((500, 1000, 2000), (0.3, 0.5, 0.7, 0.9)):
+    for focal, width in itertools.product((500, 2000), (0.3, 0.5, 0.7, 0.9)):
         camera = Camera("rectilinear", np.array([[focal, 0, 640], [0, focal, 360], [0, 0, 1]]), D, SIZE)
         rvec = np.radians(tilt) * np.array([0.6, 0.8, 0.0])
         place = np.array([0, 0, 9 * focal / (width * 1280)])
@@ -203,27 +198,6 @@ def test_hostile_numbers_end_in_refusals(model: str) -> None:
         decision = c.judge([], target, View(p, q))
         assert not decision.accepted
         assert c.estimate([View(p, q)]).converged is False
-
-
-def test_capture_converges_between_shuffled_views() -> None:
-    c, rng = capture(), np.random.default_rng(8)
-    views: list[View] = []
-    for i in range(16):
-        estimate = c.estimate(views)
-        if estimate.converged:
-            break
-        target = c.next_target(views, estimate)
-        asked = synthetic.match_picture(BOARD, c.camera(estimate), CAMERA, target)
-        good = synthetic.detect(BOARD, CAMERA, asked.rvec, asked.tvec, rng)
-        bad = View(good.object_points, good.image_points[rng.permutation(len(good))])
-        view = bad if i % 2 == 0 else good
-        decision = c.judge(views, target, view)
-        assert decision.accepted == (view is good)
-        if decision.accepted:
-            views.append(view)
-    assert c.estimate(views).converged
-    error = synthetic.projection_error(CAMERA, c.camera(c.estimate(views)))
-    assert error.mean() < 0.6
 
 
 def test_unknown_guidance_raises_value_error() -> None:
@@ -268,16 +242,15 @@ def test_wrong_seed_harms_no_capture(focal_widths: float) -> None:
     k = CAMERA.intrinsics
     k[:2] = focal_widths * CAMERA.img_size[0]
     wrong = Camera.from_intrinsics(CAMERA.model, k, CAMERA.img_size)
-    for draw in (3, 4, 5):
-        ended: list[int] = []
-        for seed in (None, wrong):
-            capture = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=seed)
-            run = synthetic.run(CAMERA, np.random.default_rng(draw), views=4, max_views=15, capture=capture)
-            assert run.stopped is not None
-            ended.append(run.stopped)
-            assert run.rms[-1] < 0.6
-            assert "outlier" not in run.reasons
-        assert ended[1] <= ended[0] + 1
+    ended: list[int] = []
+    for seed in (None, wrong):
+        capture = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=seed)
+        run = synthetic.run(CAMERA, np.random.default_rng(3), views=4, max_views=15, capture=capture)
+        assert run.stopped is not None
+        ended.append(run.stopped)
+        assert run.rms[-1] < 0.6
+        assert "outlier" not in run.reasons
+    assert ended[1] <= ended[0] + 1
     # Views all over the image, near no target.
     misled = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=wrong)
     target = misled.next_target([], misled.estimate([]))

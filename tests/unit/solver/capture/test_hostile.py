@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import product
 
 import numpy as np
 import pytest
@@ -15,7 +16,6 @@ from tests.helpers.solver import synthetic
 BOARD = Board()
 CAMERA = synthetic.rectilinear_cameras()[6]
 SIZE = CAMERA.img_size
-HEAVY = pytest.mark.thorough
 WRONG = ("outlier", "mirrored", "degenerate", "duplicate")
 Hostile = Callable[["Session", View], View]
 
@@ -106,9 +106,10 @@ EXPLAINED = "moving principal point"  # which a turn of the board explains, up t
 @pytest.mark.parametrize(
     ("good_first", "kind", "seeds"),
     [
-        *((n, kind, (3,)) for n in (0, 2) for kind in HOSTILE if kind != EXPLAINED),
-        # The sessions of seed 3 take as long as all others together.
-        (0, EXPLAINED, (4,)),
+        *((0, kind, (3,)) for kind in HOSTILE if kind != EXPLAINED),
+        *thorough(*((2, kind, (3,)) for kind in HOSTILE if kind != EXPLAINED)),
+        # These sessions take longest; that of seed 7 takes least.
+        (2, EXPLAINED, (7,)),
         *thorough((0, EXPLAINED, (3, 4, 5)), (2, EXPLAINED, (3, 4, 5))),
     ],
 )
@@ -171,12 +172,14 @@ def undo_of_the_majority_restores_the_first(session: Session) -> None:
     assert nothing.calibration is None
 
 
+WRONG_CAMERAS = [(0, 600.0), (1, 2200.0)]
+
+
 @pytest.mark.parametrize(
     ("seed", "focal"),
     [
-        pytest.param(seed, focal, marks=() if (seed, focal) in ((0, 600.0), (1, 2200.0)) else HEAVY)
-        for seed in (0, 1, 4)
-        for focal in (450.0, 600.0, 2200.0)
+        *WRONG_CAMERAS,
+        *thorough(*sorted({*product((0, 1, 4), (450.0, 600.0, 2200.0))} - {*WRONG_CAMERAS})),
     ],
 )
 def test_exactly_the_wrong_views_are_refused_or_excluded(seed: int, focal: float) -> None:
@@ -197,7 +200,7 @@ def test_exactly_the_wrong_views_are_refused_or_excluded(seed: int, focal: float
 
 def test_three_views_of_a_changed_camera_are_outvoted() -> None:
     """Three views of another camera come first; four that agree outvote them."""
-    session = Session(seed=5)
+    session = Session(seed=7)
     for _ in range(3):
         session.submit(session.honest(other_camera(620.0)))
     assert session.finish(max_attempts=16) < 0.6
@@ -260,7 +263,7 @@ def test_excluded_view_still_gets_an_error() -> None:
     assert error < 2
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
 def test_rational_model_converges_on_noiseless_corners(seed: int) -> None:
     """A simulated camera: nothing but rounding and the prior determines what is not seen."""
     session = Session(seed=seed)

@@ -7,15 +7,15 @@ import pytest
 
 from calibsolver import Calibration, CalibrationError, View, fit
 from calibsolver.consensus import Member, Rule, fit_memory, pool
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import populations, synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[6]
 SIZE = CAMERA.img_size
 
 
 def member(seed: int) -> Member:
-    session = synthetic.run(CAMERA, np.random.default_rng(seed), views=4)
-    return Member(f"m{seed}", f"c{seed}", tuple(session.views))
+    views = populations.views(CAMERA, np.random.default_rng(seed), count=4)
+    return Member(f"m{seed}", f"c{seed}", tuple(views))
 
 
 @pytest.fixture

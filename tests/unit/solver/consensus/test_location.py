@@ -1,6 +1,7 @@
 """Location of contributors: equal weights whatever their boards, bounded influence, liars among specimens."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from calibsolver import Camera, fit
 from calibsolver.consensus import Member, Rule, difference, pool
 from calibsolver.consensus.location import MAX_VIEW_POINTS, Contributions, FittedMember, thin
+from tests.helpers.marks import thorough
 from tests.helpers.solver import populations, synthetic, worlds
 
 CAMERA = synthetic.rectilinear_cameras()[6]
@@ -24,6 +26,7 @@ def scaled(factor: float) -> Camera:
     return Camera.from_intrinsics(CAMERA.model, k, SIZE)
 
 
+@cache
 def fitted(camera: Camera, contributor: str, seed: int, corners: int = 40) -> FittedMember:
     rng = np.random.default_rng(seed)
     board = worlds.draw_board(rng, corners)
@@ -92,9 +95,7 @@ def test_dense_board_moves_the_answer_no_more_than_others() -> None:
         assert after.calibration.uncertainty().rms > 0.8 * before.calibration.uncertainty().rms
 
 
-@pytest.mark.parametrize(
-    "number", [0, 1, pytest.param(2, marks=pytest.mark.thorough), pytest.param(3, marks=pytest.mark.thorough)]
-)
+@pytest.mark.parametrize("number", [0, *thorough(1, 2, 3)])
 def test_liars_in_honest_worlds_move_no_reliable_answer(number: int) -> None:
     """`make bench DOCS=consensus` has a thousand."""
     rng = np.random.default_rng((19, number))

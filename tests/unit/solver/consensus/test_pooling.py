@@ -8,8 +8,8 @@ import pytest
 from calibsolver import CalibrationError, Camera, View, fit
 from calibsolver.consensus.agreement import compare
 from calibsolver.consensus.pooling import Member, Rule, pool
-from tests.helpers.data import available, corner_views
-from tests.helpers.marks import thorough
+from tests.helpers.data import corner_views
+from tests.helpers.marks import corner_sets, thorough
 from tests.helpers.solver import hands, populations, synthetic
 
 SIZE = (1280, 720)
@@ -24,9 +24,9 @@ def unit(seed: int, focal: float = 1.0) -> Camera:
     return Camera.from_intrinsics("rectilinear", k, SIZE)
 
 
-def member(seed: int, focal: float = 1.0, contributor: str | None = None, views: int = 4) -> Member:
-    session = synthetic.run(unit(seed, focal), np.random.default_rng(seed), views=views)
-    return Member(f"m{seed}", contributor or f"c{seed}", tuple(session.views))
+def member(seed: int, focal: float = 1.0, contributor: str | None = None) -> Member:
+    views = populations.views(unit(seed, focal), np.random.default_rng(seed), count=4)
+    return Member(f"m{seed}", contributor or f"c{seed}", tuple(views))
 
 
 @pytest.fixture(scope="module")
@@ -66,9 +66,7 @@ def test_lying_minority_changes_nothing(honest: list[Member]) -> None:
     np.testing.assert_array_equal(together.calibration.camera.intrinsics, alone.calibration.camera.intrinsics)
 
 
-@pytest.mark.parametrize(
-    "focal", [1.15, *(pytest.param(focal, marks=pytest.mark.thorough) for focal in (1.03, 1.01))]
-)
+@pytest.mark.parametrize("focal", [1.15, *thorough(1.03, 1.01)])
 def test_returning_contributors_do_not_outvote_others(honest: list[Member], focal: float) -> None:
     """Nine calibrations of three contributors against one each of five."""
     returning = [member(90 + i, focal=focal, contributor=f"liar {i % 3}") for i in range(9)]
@@ -124,9 +122,7 @@ def test_other_models_pool_the_same_views(model: str) -> None:
 
 def test_difference_is_in_pixels_after_the_best_rotation() -> None:
     camera = synthetic.rectilinear_cameras()[6]
-    session = synthetic.run(camera, np.random.default_rng(0), views=6)
-    c = session.calibration
-    assert c is not None
+    c = fit(populations.views(camera, np.random.default_rng(0)), SIZE)
     shifted = camera.intrinsics
     shifted[0] *= 1.01
     shifted[2] += 8
@@ -143,7 +139,7 @@ def test_difference_is_in_pixels_after_the_best_rotation() -> None:
 MODELS = {"mint_isaw": "rectilinear", "jy_left": "fisheye", "babel_ov_plane": "omnidirectional"}
 
 
-@pytest.mark.parametrize("name", available(MODELS))
+@pytest.mark.parametrize("name", [*corner_sets(["mint_isaw", "jy_left"]), *thorough("babel_ov_plane")])
 def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
     """The photographs of one camera, dealt out to five members: they agree, and nothing is lost.
 

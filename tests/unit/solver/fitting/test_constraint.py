@@ -6,9 +6,10 @@ import pytest
 
 from calibsolver import Board, CalibrationError, Camera, View, fit, rotation
 from calibsolver.fitting.constraint import Fix
-from tests.helpers.data import available, corner_views
+from tests.helpers.data import corner_views
+from tests.helpers.marks import corner_sets
 
-SETS = available(["opencv_left", "jy_left", "pv_charuco_480", "pv_picam_640", "derlunz"])
+SETS = corner_sets(["opencv_left", "jy_left", "pv_charuco_480", "pv_picam_640", "derlunz"])
 CRITERIA = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 300, 1e-14)
 CASES: dict[str, tuple[Fix, int]] = {
     "center": ("center", cv2.CALIB_FIX_PRINCIPAL_POINT),
@@ -63,7 +64,7 @@ def test_focal_lengths_of_a_start_are_held(name: str) -> None:
 
 
 @pytest.mark.parametrize("model", ["rectilinear", "fisheye", "rational", "omnidirectional"])
-@pytest.mark.parametrize("name", available(["jy_left", "opencv_left"]))
+@pytest.mark.parametrize("name", corner_sets(["jy_left", "opencv_left"]))
 def test_robust_fit_holds_the_value_and_has_no_variance_there(name: str, model: str) -> None:
     views, size = corner_views(name)
     found = fit(views, size, model, fix={"cx": size[0] / 2 + 3, "aspect": 1.0})

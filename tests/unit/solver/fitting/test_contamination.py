@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from calibsolver import View, fit
-from tests.helpers.data import available, corner_views
+from tests.helpers.data import corner_views
+from tests.helpers.marks import corner_sets
 from tests.helpers.solver import synthetic
 
 MODELS = {
@@ -18,7 +19,7 @@ MODELS = {
 }
 
 
-@pytest.mark.parametrize("name", available(MODELS))
+@pytest.mark.parametrize("name", corner_sets(MODELS))
 def test_points_3_to_50_px_off_leave_no_trace(name: str) -> None:
     """One in twenty: the fit is the one of the other points alone, to 0.02 px over the image.
 
@@ -42,7 +43,7 @@ def test_points_3_to_50_px_off_leave_no_trace(name: str) -> None:
     assert lost < max(0.1, 0.35 * clean.uncertainty().rms)
 
 
-@pytest.mark.parametrize("name", available(n for n in MODELS if n != "pv_charuco_480"))
+@pytest.mark.parametrize("name", corner_sets(n for n in MODELS if n != "pv_charuco_480"))
 def test_every_fifth_view_shifted_by_a_corner(name: str) -> None:
     """All corners of it carry the next one's name; those at the ends of rows land on the next row."""
     views, size = corner_views(name)

@@ -6,17 +6,15 @@ import pytest
 from calibsolver import fit, models
 from calibsolver.fitting import domain
 from calibsolver.quality.cross_validation import held_out
-from tests.helpers.data import available, corner_views
-from tests.helpers.marks import thorough
+from tests.helpers.data import corner_views
+from tests.helpers.marks import corner_sets
 
 
 def without_prior(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(domain, "covering", lambda *_: None)
 
 
-@pytest.mark.parametrize(
-    "name", available(["mint_isaw"]) + thorough(*available(["derlunz", "ocam_fisheye2"]))
-)
+@pytest.mark.parametrize("name", corner_sets(["mint_isaw", "derlunz", "ocam_fisheye2"]))
 def test_rational_domain_covers_the_image_at_no_cost(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     views, size = corner_views(name)
     found, error = fit(views, size, "rational"), held_out(views, size, "rational").rms

@@ -10,8 +10,9 @@ from _pytest.mark import ParameterSet
 from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.fitting import normal_equations
 from calibsolver.fitting.fit import MIN_POINTS
-from tests.helpers.data import available, corner_views
-from tests.helpers.solver import export_sources, synthetic
+from tests.helpers.data import corner_views
+from tests.helpers.marks import corner_sets
+from tests.helpers.solver import export_sources, populations, synthetic
 
 RECTILINEAR = [
     "opencv_left",
@@ -41,7 +42,7 @@ RATIONAL = [
 FISHEYE_FLAGS: Any = cv2 if hasattr(cv2, "CALIB_RECOMPUTE_EXTRINSIC") else cv2.fisheye  # OpenCV 5, and 4
 
 
-@pytest.mark.parametrize("name", available(RECTILINEAR))
+@pytest.mark.parametrize("name", corner_sets(RECTILINEAR))
 def test_rectilinear_equals_opencv(name: str) -> None:
     views, size = corner_views(name)
     objects = [v.object_points.astype(np.float32) for v in views]
@@ -52,7 +53,7 @@ def test_rectilinear_equals_opencv(name: str) -> None:
     np.testing.assert_allclose(ours.camera.matrix, matrix, atol=0.05)
 
 
-@pytest.mark.parametrize("name", available(RATIONAL))
+@pytest.mark.parametrize("name", corner_sets(RATIONAL))
 def test_rational_equals_opencv(name: str) -> None:
     views, size = corner_views(name)
     objects = [v.object_points.astype(np.float32) for v in views]
@@ -66,7 +67,7 @@ def test_rational_equals_opencv(name: str) -> None:
     assert ours.camera.matrix[0, 0] == pytest.approx(matrix[0, 0], abs=0.05)
 
 
-@pytest.mark.parametrize("name", available(["jy_left", "pv_picam_320"]))
+@pytest.mark.parametrize("name", corner_sets(["jy_left", "pv_picam_320"]))
 def test_rational_beats_opencv_in_a_narrow_valley(name: str) -> None:
     views, size = corner_views(name)
     objects = [v.object_points.astype(np.float32) for v in views]
@@ -75,7 +76,7 @@ def test_rational_beats_opencv_in_a_narrow_valley(name: str) -> None:
     assert fit(views, size, "rational", robust=False).avg_reprojection_error < rms + 1e-6
 
 
-@pytest.mark.parametrize("name", available(RECTILINEAR))
+@pytest.mark.parametrize("name", corner_sets(RECTILINEAR))
 def test_fisheye_equals_opencv(name: str) -> None:
     views, size = corner_views(name)
     objects = [v.object_points[None] for v in views]
@@ -97,7 +98,7 @@ def test_fisheye_equals_opencv(name: str) -> None:
 OPENCV_THROWS = {"babel_ov_plane": 0.49, "ocam_fisheye2": 0.33}  # px rms
 
 
-@pytest.mark.parametrize("name", available(OPENCV_THROWS))
+@pytest.mark.parametrize("name", corner_sets(OPENCV_THROWS))
 def test_fisheye_fits_views_refused_by_opencv(name: str) -> None:
     views, size = corner_views(name)
     ours = fit(views, size, "fisheye", robust=False)
@@ -105,39 +106,13 @@ def test_fisheye_fits_views_refused_by_opencv(name: str) -> None:
     assert ours.camera.distortion.shape == (4,)
 
 
-@pytest.mark.parametrize("name", available(["pv_charuco_480", "pv_charuco_1280", "jy_left"]))
+@pytest.mark.parametrize("name", corner_sets(["pv_charuco_480", "pv_charuco_1280", "jy_left"]))
 def test_robust_fit_of_clean_views_is_the_same_camera(name: str) -> None:
     views, size = corner_views(name)
     model = "fisheye" if name == "jy_left" else "rectilinear"
     plain, robust = fit(views, size, model, robust=False), fit(views, size, model)
     np.testing.assert_allclose(robust.camera.matrix, plain.camera.matrix, rtol=0.005, atol=1e-9)
     assert robust.avg_reprojection_error < 1.02 * plain.avg_reprojection_error
-
-
-@pytest.mark.parametrize("name", available(["pv_charuco_480", "pv_charuco_1280", "opencv_right"]))
-def test_wild_points_hardly_move_the_projection(name: str) -> None:
-    """One point in twenty is 3 to 50 px off: the error counts them all, the camera hardly feels them.
-
-    A twentieth of the measurements is lost with them: the bound is what the clean ones leave open.
-    """
-    views, size = corner_views(name)
-    clean = fit(views, size)
-    rng = np.random.default_rng(5)
-    dirty = []
-    for view in views:
-        angle, bad = rng.uniform(0, 2 * np.pi, len(view)), rng.uniform(size=len(view)) < 0.05
-        off = rng.uniform(3, 50, len(view))[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        dirty.append(View(view.object_points, view.image_points + np.where(bad[:, None], off, 0)))
-    found = fit(dirty, size)
-    assert found.avg_reprojection_error > 10 * clean.avg_reprojection_error
-    assert synthetic.projection_error(clean.camera, found.camera).mean() < clean.uncertainty().rms
-    # What least squares makes of it, to show that the points are wild enough to matter.
-    if name == "opencv_right":
-        with pytest.raises(CalibrationError, match="explains nothing"):
-            fit(dirty, size, robust=False)
-    else:
-        plain = fit(dirty, size, robust=False)
-        assert synthetic.projection_error(clean.camera, plain.camera).mean() > 0.5
 
 
 def test_error_is_over_all_points_and_poses_are_board_to_camera() -> None:
@@ -155,28 +130,8 @@ def test_error_is_over_all_points_and_poses_are_board_to_camera() -> None:
     assert c.avg_reprojection_error == pytest.approx(np.sqrt(square / count), rel=1e-9)
 
 
-def test_order_of_views_and_points_does_not_matter() -> None:
-    views, size = corner_views("opencv_left")
-    rng = np.random.default_rng(1)
-    mixed = []
-    for i in rng.permutation(len(views)):
-        order = rng.permutation(len(views[i]))
-        mixed.append(View(views[i].object_points[order], views[i].image_points[order]))
-    a, b = fit(views, size), fit(mixed, size)
-    np.testing.assert_allclose(a.camera.intrinsics, b.camera.intrinsics, rtol=1e-6, atol=1e-6)
-
-
-def test_scale_of_the_board_only_scales_translations() -> None:
-    views, size = corner_views("opencv_right")
-    a = fit(views, size)
-    b = fit([View(25.4 * v.object_points, v.image_points) for v in views], size)
-    np.testing.assert_allclose(a.camera.intrinsics, b.camera.intrinsics, rtol=1e-7, atol=1e-7)
-    np.testing.assert_allclose(25.4 * a.poses[:, 3:], b.poses[:, 3:], rtol=1e-6)
-    np.testing.assert_allclose(a.poses[:, :3], b.poses[:, :3], atol=1e-7)
-
-
 @pytest.mark.parametrize("model", ["rectilinear", "fisheye"])
-@pytest.mark.parametrize("name", available(["opencv_left", "pv_charuco_480", "jy_left", "arizonat_fe"]))
+@pytest.mark.parametrize("name", corner_sets(["opencv_left", "pv_charuco_480", "jy_left", "arizonat_fe"]))
 def test_one_real_view_is_a_whole_camera(name: str, model: str) -> None:
     """The prior carries what a single view does not: near the truth, and the uncertainty is owned up to."""
     views, size = corner_views(name)
@@ -189,9 +144,8 @@ def test_one_real_view_is_a_whole_camera(name: str, model: str) -> None:
 
 
 def test_truth_without_noise_is_found() -> None:
-    rng = np.random.default_rng(2)
     camera = synthetic.rectilinear_cameras()[4]
-    views = synthetic.run(camera, rng, noise=0.0, views=8).views
+    views = populations.views(camera, np.random.default_rng(2), noise=0.0, count=8)
     c = fit(views, camera.img_size, robust=False)
     assert len(c.poses) == 8
     assert c.avg_reprojection_error < 1e-6
@@ -240,7 +194,7 @@ def bad_views() -> list[ParameterSet]:
     good, rng = good_view(), np.random.default_rng(0)
     p, q = good.object_points, good.image_points
     few = View(p[: MIN_POINTS - 1], q[: MIN_POINTS - 1])
-    scattered = [View(p, rng.uniform(0, 700, q.shape)) for _ in range(9)]
+    scattered = [View(p, rng.uniform(0, 700, q.shape)) for _ in range(5)]
     return [
         pytest.param([], {"no_views"}, id="no views"),
         pytest.param([good, few], {"too_few_points"}, id="too few points"),
@@ -250,7 +204,7 @@ def bad_views() -> list[ParameterSet]:
         pytest.param([View(p, 1e300 * q)], {"out_of_range"}, id="pixels out of range"),
         pytest.param([View(1e200 * p, q)], {"out_of_range"}, id="board out of range"),
         pytest.param(scattered[:1], IMPLAUSIBLE, id="one view of scattered points"),
-        pytest.param(scattered, IMPLAUSIBLE, id="nine views of scattered points"),
+        pytest.param(scattered, IMPLAUSIBLE, id="five views of scattered points"),
     ]
 
 

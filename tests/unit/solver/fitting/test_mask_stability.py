@@ -7,6 +7,7 @@ import pytest
 
 from calibsolver import Calibration, Camera, View, fit
 from tests.helpers import data
+from tests.helpers.marks import thorough
 
 FOCAL_WIDTHS = (0.6, 0.8, 1.1)
 SHIFT_DEVIATIONS = 1e-3
@@ -26,8 +27,7 @@ WHOLE = [
     ("opencv_left", "fisheye", EVERY),
     ("opencv_right", "rectilinear", EVERY),
     ("opencv_right", "fisheye", EVERY),
-    ("babel_ov_plane", "fisheye", EVERY),
-    ("babel_ov_plane", "omnidirectional", EVERY),
+    *thorough(("babel_ov_plane", "fisheye", EVERY), ("babel_ov_plane", "omnidirectional", EVERY)),
 ]
 
 

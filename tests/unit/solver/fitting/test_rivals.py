@@ -9,12 +9,13 @@ from calibsolver.fitting.coverage import Coverage, record_covered
 from calibsolver.fitting.rivals import Hull, Rival, Rivals
 from calibsolver.quality.rivals import with_rivals
 from tests.bench.extrapolation import corner_hull, errors
-from tests.helpers.data import available, corner_views
+from tests.helpers.data import corner_views
+from tests.helpers.marks import corner_sets
 
 GRID = (20, 15)
 
 
-@pytest.mark.parametrize("name", available(["opencv_left", "jy_left"]))
+@pytest.mark.parametrize("name", corner_sets(["opencv_left", "jy_left"]))
 def test_error_outside_the_hull_is_below_the_stated_maximum(name: str) -> None:
     """Half of the views, against all with the best model: opencv_left 25 px off, the covariance says 2.9."""
     views, size = corner_views(name)

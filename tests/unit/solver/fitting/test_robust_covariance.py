@@ -63,7 +63,7 @@ def test_errors_in_hands_are_predicted(hand: hands.Hand) -> None:
     ratios = []
     for count in (4, 10):
         rng = np.random.default_rng(count)
-        cameras = synthetic.rectilinear_cameras(24, seed=count)
+        cameras = synthetic.rectilinear_cameras(12, seed=count)
         ratios += [error_ratio(camera, rng, hand, count) for camera in cameras]
     assert 0.5 < np.median(ratios) < 1.3
     assert np.mean(np.array(ratios) > 2) <= 0.05

@@ -8,13 +8,7 @@ from hypothesis import strategies as st
 from calibsolver import View, fit, models
 from tests.helpers.data import corner_views
 
-budget = settings(max_examples=3)
-SETS = {
-    "rectilinear": "opencv_right",
-    "fisheye": "jy_left",
-    "rational": "jy_left",
-    "omnidirectional": "jy_left",
-}
+budget = settings(max_examples=2)
 
 
 @pytest.mark.parametrize("model", models.NAMES)
@@ -22,6 +16,7 @@ SETS = {
 @budget
 def test_order_changes_nothing(model: str, seed: int, robust: bool) -> None:
     views, size = corner_views("opencv_right" if model == "rectilinear" else "jy_left")
+    views = views[::3]
     rng = np.random.default_rng(seed)
     order = rng.permutation(len(views))
     mixed, mixes = [], []

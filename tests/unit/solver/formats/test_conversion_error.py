@@ -16,10 +16,11 @@ from calibsolver.fitting.observations import Observations
 from calibsolver.formats import ExportSource
 from calibsolver.formats.grid import grid
 from tests.helpers.data import corner_views
+from tests.helpers.marks import thorough
 from tests.helpers.solver import hands, populations, synthetic
 from tests.helpers.solver.export_sources import IMG_SIZE, captured, image_rays, subject
 
-GRID = (200, 150)
+GRID = (100, 75)
 TURNS = {
     "upright": image_transform.identity(IMG_SIZE),
     "turned": image_transform.rotate(IMG_SIZE, 90),
@@ -108,7 +109,7 @@ def rms_before_and_after(arrays: dict[str, Any]) -> tuple[float, float]:
     return rms[0], rms[1]
 
 
-@pytest.mark.parametrize("turn", TURNS)
+@pytest.mark.parametrize("turn", ["upright", "turned", *thorough("mirrored")])
 def test_mrcal_inputs_of_a_wide_fisheye_are_at_their_optimum(turn: str) -> None:
     size = wide().camera.img_size
     transform = {
@@ -120,7 +121,7 @@ def test_mrcal_inputs_of_a_wide_fisheye_are_at_their_optimum(turn: str) -> None:
     before, after = rms_before_and_after(inputs(file))
     assert before < 1.01 * after
     assert after < 0.25
-    assert file.error == pytest.approx(formats.write(wide(), "mrcal").error, rel=1e-9)
+    assert file.error == pytest.approx(held(wide(), "mrcal").error, rel=1e-9)
 
 
 def test_mrcal_inputs_of_real_photographs_are_at_their_optimum() -> None:
@@ -133,7 +134,7 @@ def test_mrcal_inputs_of_real_photographs_are_at_their_optimum() -> None:
 @pytest.mark.parametrize("name", ["kalibr", "gyroflow", "artoolkit"])
 def test_turned_picture_is_converted_to_the_turned_camera(name: str) -> None:
     upright = formats.write(subject("rational"), name)
-    for transform in TURNS.values():
+    for transform in (TURNS["turned"], TURNS["mirrored"]):
         turned = formats.write(subject("rational"), name, transform)
         assert turned.error == pytest.approx(upright.error, rel=1e-9)
         assert turned.coverage == upright.coverage

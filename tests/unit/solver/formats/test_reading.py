@@ -17,7 +17,8 @@ from calibsolver.formats.grid import grid
 from calibsolver.formats.reading import read, read_text
 from infra.ops import OpsError
 from infra.ops.files import read_file
-from tests.helpers.data import available, corner_set, corner_views
+from tests.helpers.data import corner_set, corner_views
+from tests.helpers.marks import corner_sets, thorough
 from tests.helpers.solver.export_sources import IMG_SIZE, subject
 
 READABLE = {
@@ -32,7 +33,7 @@ READABLE = {
 }
 
 
-@pytest.mark.parametrize("model", models.NAMES)
+@pytest.mark.parametrize("model", ["rectilinear", "fisheye", *thorough("rational", "omnidirectional")])
 @pytest.mark.parametrize("name", READABLE)
 def test_written_files_round_trip(tmp_path: Path, name: str, model: str) -> None:
     mine, path = subject(model), tmp_path / f"camera{READABLE[name]}"
@@ -91,7 +92,7 @@ def test_gyroflow_profile_without_flag_has_a_centred_axis() -> None:
 SQUARES = {"opencv_left": (10, 7), "pv_charuco_1280": (8, 8)}
 
 
-@pytest.mark.parametrize("name", available(SQUARES))
+@pytest.mark.parametrize("name", corner_sets(SQUARES))
 def test_corners_of_real_photographs_match_their_board(name: str) -> None:
     held = corner_set(name)["views"]
     recognised = grid(tuple(corner_views(name)[0]))

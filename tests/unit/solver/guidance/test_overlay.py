@@ -1,5 +1,6 @@
 """Overlay: the picture agrees with the target's coordinates."""
 
+from functools import cache
 from typing import Literal
 
 import cv2
@@ -8,6 +9,7 @@ import pytest
 
 from calibsolver import Board, Camera, guidance, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose, overlay
+from tests.helpers.marks import thorough
 from tests.helpers.solver import synthetic
 
 BOARD = Board()
@@ -19,6 +21,7 @@ def decode(data: bytes) -> np.ndarray:
     return picture
 
 
+@cache
 def targets(kind: str) -> list[tuple[Camera, TargetPose]]:
     cameras = synthetic.rectilinear_cameras() if kind == "rectilinear" else synthetic.fisheye_cameras()
     out = []
@@ -129,7 +132,7 @@ def test_jpeg_has_at_most_60_kb() -> None:
             assert len(overlay.render(BOARD, camera, target)) <= 60 * 1024
 
 
-@pytest.mark.parametrize("image_format", ["jpeg", "png"])
+@pytest.mark.parametrize("image_format", ["jpeg", *thorough("png")])
 def test_large_picture_is_drawn_smaller(image_format: Literal["jpeg", "png"]) -> None:
     """In the same shape, the board in the same place."""
     size = (8192, 6144)

@@ -8,7 +8,7 @@ from calibsolver.capture import Capture
 from calibsolver.quality.prediction import MAX_PREDICTION_RATIO, prediction_ratio
 from tests.helpers.data import corner_views
 from tests.helpers.marks import thorough
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import populations, synthetic
 
 BOARD = Board()
 CAMERAS = synthetic.rectilinear_cameras()
@@ -18,10 +18,10 @@ def test_views_are_as_far_off_as_predicted() -> None:
     """Fitted to n views, the next is off by as much as predicted, rms; hardly ever by twice as much."""
     ratios = []
     for i, camera in list(enumerate(CAMERAS))[::2]:
-        session = synthetic.run(camera, np.random.default_rng(i), views=5)
+        views = populations.views(camera, np.random.default_rng(i), count=5)
         for n in (2, 3, 4):
-            calibration = fit(session.views[:n], camera.img_size)
-            view = session.views[n]
+            calibration = fit(views[:n], camera.img_size)
+            view = views[n]
             ratios.append(prediction_ratio(calibration, view, np.ones(len(view), bool), 0.05))
     assert 0.8 < np.sqrt(np.mean(np.square(ratios))) < 1.25
     assert np.mean(np.array(ratios) > MAX_PREDICTION_RATIO) <= 0.03
@@ -55,8 +55,7 @@ def test_too_simple_model_gets_a_suggestion() -> None:
     taken: list[View] = []
     estimate, suggested, advice = rules.estimate([]), None, set[str]()
     for view in views[:12]:
-        target = rules.next_target(taken, estimate)
-        decision = rules.judge(taken, target, view, estimate.excluded)
+        decision = rules.judge(taken, None, view, estimate.excluded)
         if decision.estimate is not None:
             taken, estimate = [*taken, view], decision.estimate
             suggested = suggested or estimate.suggested_model
@@ -83,7 +82,7 @@ def error_after(views: list[View], camera: Camera) -> float:
 @pytest.mark.parametrize("factor", [0.6, *thorough(1.0, 1.3)])
 def test_seed_starts_a_capture_and_does_not_end_it(factor: float) -> None:
     """Right or wrong, the prior leaves no trace in the result."""
-    for i in (1, 6, 10):
+    for i in (1, 10):
         camera = CAMERAS[i]
         prior = squashed(camera, factor)
         rules = Capture(BOARD, camera.img_size, seed=prior)

@@ -38,7 +38,7 @@ def test_cause_is_named_in_four_of_five_captures(hand: hands.Hand, cause: str | 
 def test_capture_advises_what_to_do_about_the_cause(hand: hands.Hand, cause: str | None) -> None:
     """The advice comes first, and says the same as the report. A shape of the board is taken into account."""
     told = []
-    for i, camera in enumerate(synthetic.rectilinear_cameras()):
+    for i, camera in enumerate(synthetic.rectilinear_cameras()[::2]):
         views = populations.views(camera, np.random.default_rng(i), hand=hand)
         estimate = Capture(populations.BOARD, camera.img_size).estimate(views).with_cause(views)
         if estimate.calibration is None:

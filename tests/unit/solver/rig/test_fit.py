@@ -13,6 +13,7 @@ from calibsolver.models import get
 from calibsolver.rig import transfer
 from calibsolver.rig.problem import RigMember, RigProblem, pack_moments
 from calibsolver.rig.start import RigidMotion
+from tests.helpers.marks import thorough
 from tests.helpers.solver import hands, rigs, synthetic
 
 BOARD = Board((9, 6))
@@ -106,7 +107,7 @@ class TestSyntheticRigs:
         assert set(found.set_aside.values()) == {"contradicts"}
         assert error < 0.6
 
-    @pytest.mark.parametrize("count", [4, 6])
+    @pytest.mark.parametrize("count", [4, *thorough(6)])
     def test_sets_a_late_view_aside_to_which_the_fit_could_bend(self, count: int) -> None:
         """One picture is 200 ms old while a hand moves squares of 3 cm at 5 cm/s."""
         for seed in range(5):
