@@ -176,7 +176,7 @@ def test_batch_of_a_lens_that_the_model_cannot_express_suggests_another(client: 
     client.open(camera="Wide", capture="recorded", img_size=list(size), board=board)
     sent = [
         {"ids": list(ids), "points": view.image_points.tolist()}
-        for ids, view in zip(found.ids[:12], views[:12], strict=True)
+        for ids, view in zip(found.ids[:8], views[:8], strict=True)
     ]
     answer = send(client, sent).json
     while len(answer["results"]) < len(sent):

@@ -18,11 +18,13 @@ from infra.server.server import Server
 from infra.web_build.docs.samples import samples
 from infra.web_build.example_calls import SCENARIO, TOKEN, calls, fill_in, learn
 from infra.web_build.openapi import EXAMPLES_PATH
-from infra.web_build.operations import OPERATIONS
-from infra.web_build.recorded_examples import prepare, prepare_call
+from infra.web_build.operations import EXAMPLE_CAMERA, OPERATIONS
+from infra.web_build.recorded_examples import CALIBRATIONS, prepare_call
 from tests.helpers.board_pictures import write
 from tests.helpers.documents import CODE, SITE, Block, blocks, sources
 from tests.helpers.marks import thorough
+from tests.helpers.service.client import Client
+from tests.helpers.service.published import calibration, publish
 
 EXAMPLES = json.loads(EXAMPLES_PATH.read_text())
 #: commands fail where the service refuses
@@ -65,7 +67,9 @@ class Site:
 @pytest.fixture(scope="module")
 def site() -> Iterator[Site]:
     with Server(environment={"NEW_TOKENS": "100"}) as stack, stack.serve() as url:
-        prepare(stack)
+        publish(stack, *(calibration(EXAMPLE_CAMERA, n, views=3) for n in range(CALIBRATIONS)))
+        assert Client(stack).lookup(camera=EXAMPLE_CAMERA).status == 200
+        stack.wait_until_idle(60)  # its label is an alias from here on
         yield Site(stack, url)
 
 

@@ -17,7 +17,7 @@ import pytest
 from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.helpers.service.foreign_files import MATRIX, ForeignFiles
 
-FILES = int(os.environ.get("FILES", "800"))
+FILES = int(os.environ.get("FILES", "300"))
 SEED = int(os.environ.get("SEED", "0"))
 LENGTH = 99_000
 MIXED = "a1.- \t[](){}\"'\n/\\:,;=<>#%&*!_eE+x\u00e9"

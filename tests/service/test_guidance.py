@@ -4,6 +4,7 @@ import json
 from typing import Any
 
 import numpy as np
+import pytest
 
 from calibdb.schema import SessionDocument
 from infra.server.server import Server
@@ -126,6 +127,7 @@ def elsewhere(number: int) -> dict[str, Any]:
     return {"rvec": rvec.tolist(), "tvec": tvec.tolist()}
 
 
+@pytest.mark.thorough
 def test_capture_off_the_target_ends_after_fifteen_views_with_advice(client: Client) -> None:
     """A user who ignores the outline is refused duplicates only."""
     client.open(camera="Camera off its targets", target_error=0.001)

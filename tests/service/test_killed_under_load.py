@@ -1,6 +1,6 @@
 """kill -9 of two processes under load: nothing acknowledged is lost, and every start succeeds.
 
-`CALIBDB_LOAD_KILLS` is the number of kills; 2 by default.
+`CALIBDB_LOAD_KILLS` is the number of kills; 1 by default.
 """
 
 import os
@@ -21,7 +21,7 @@ from tests.helpers.service.rigs import MIN_SEEN, RigTruth
 from tests.helpers.stack.processes import LocalProcess
 from tests.service.test_durability import rotate_until_cut_off
 
-KILLS = int(os.environ.get("CALIBDB_LOAD_KILLS", "2"))
+KILLS = int(os.environ.get("CALIBDB_LOAD_KILLS", "1"))
 LEAST = 8
 """Acknowledged writes before a kill."""
 

@@ -28,7 +28,7 @@ from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.published import calibration, publish
 from tests.helpers.service.rigs import RigTruth
 
-CASES = int(os.environ.get("CASES", "100"))
+CASES = int(os.environ.get("CASES", "60"))
 MAX_ANSWER_S = 120
 """Seconds to wait for an answer: only a failure takes them, and a busy machine is none."""
 SEED = int(os.environ.get("SEED", "0"))
