@@ -19,8 +19,9 @@ def certificates() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
-def stack() -> Iterator[Server]:
-    with Server() as stack:
+def stack(request: pytest.FixtureRequest) -> Iterator[Server]:
+    """A server that runs no jobs if the module says `JOBS = False`: it then computes no consensus."""
+    with Server(worker=None if getattr(request.module, "JOBS", True) else 1) as stack:
         yield stack
 
 

@@ -11,6 +11,7 @@ from calibsolver.formats.grid import grid
 from tests.helpers.data import corner_views
 from tests.helpers.service.client import Answer, Client, Truth
 
+JOBS = False
 Corners = dict[str, Any]
 
 

@@ -18,6 +18,7 @@ from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.published import store
 from tests.helpers.solver.export_sources import captured, truth
 
+JOBS = False
 USUAL = b'{"squares":[9,6],"marker_ratio":0.65,"dictionary":"DICT_4X4_50","legacy":false}'
 APRILGRID = {"kind": "aprilgrid", "squares": [6, 6], "dictionary": "DICT_APRILTAG_36h11"}
 CHESSBOARD = {"kind": "chessboard", "squares": [10, 7]}

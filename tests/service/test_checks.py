@@ -36,7 +36,7 @@ def calibrated(stack: Server, camera: str, *which: int, begun: int = NOW, **trut
 @pytest.fixture(scope="module")
 def stack() -> Iterator[Server]:
     """Two calibrations are enough here; five only take longer."""
-    with Server(environment={"MIN_CALIBRATIONS": "2"}) as stack:
+    with Server(environment={"MIN_CALIBRATIONS": "2"}, worker=1) as stack:
         yield stack
 
 

@@ -67,7 +67,7 @@ class Site:
 @pytest.fixture(scope="module")
 def site() -> Iterator[Site]:
     with Server(environment={"NEW_TOKENS": "100"}) as stack, stack.serve() as url:
-        publish(stack, *(calibration(EXAMPLE_CAMERA, n, views=3) for n in range(CALIBRATIONS)))
+        publish(stack, *(calibration(EXAMPLE_CAMERA, n) for n in range(CALIBRATIONS)))
         assert Client(stack).lookup(camera=EXAMPLE_CAMERA).status == 200
         stack.wait_until_idle(60)  # its label is an alias from here on
         yield Site(stack, url)
@@ -208,7 +208,8 @@ def test_python_of_a_document_runs(
     monkeypatch.setenv("CALIBDB_URL", site.url)
     monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    write(tmp_path / "photos", Board(squares=(8, 8), marker_ratio=0.75, dictionary="DICT_4X4_1000"))
+    board = Board(squares=(8, 8), marker_ratio=0.75, dictionary="DICT_4X4_1000")
+    write(tmp_path / "photos", board, count=5)
     found = [block for block in blocks(source) if block.language == "python" and block.reason is None]
     assert found
     for block in found:

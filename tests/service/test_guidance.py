@@ -12,6 +12,8 @@ from tests.helpers.service.client import Client, Truth, until
 from tests.helpers.service.known import consensus, fit
 from tests.helpers.service.published import PLATFORM, held, store
 
+JOBS = False
+
 
 def latest(stack: Server, camera: str) -> SessionDocument:
     """The document of the one session of a camera."""
@@ -105,6 +107,7 @@ def test_finished_capture_stores_its_report(stack: Server, client: Client) -> No
     assert [view["index"] for view in report["views"]] == [view["index"] for view in state["views"]]
 
 
+@pytest.mark.thorough
 def test_capture_ends_when_its_error_stops_falling(client: Client) -> None:
     client.open(camera="Camera never good enough", target_error=0.001)
     truth = Truth(seed=4)
@@ -217,6 +220,7 @@ def test_seed_that_does_not_pose_the_first_view_is_dropped(stack: Server, client
     assert abs(client.state()["calibration"]["camera_matrix"][0][0] / 950 - 1) < 0.02
 
 
+@pytest.mark.thorough
 def test_the_published_method_can_be_chosen(client: Client) -> None:
     client.open(guidance="pose-selection")
     pose = client.pose().json

@@ -25,7 +25,7 @@ from tests.helpers.service import published
 from tests.helpers.service.client import BRIEF, EDGE, Client, Truth
 from tests.helpers.service.index_items import Key, items, remove
 from tests.helpers.service.known import fit
-from tests.helpers.service.published import PLATFORM, asked, mode_of, store, views
+from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store, views
 from tests.helpers.service.strangers import context
 from tests.helpers.solver.export_sources import subject
 
@@ -73,7 +73,6 @@ def history(tmp_path_factory: pytest.TempPathFactory) -> History:
         return History(before, anew, answers(stack), folder / "dump")
 
 
-calibration = partial(published.calibration, views=3)
 publish = partial(published.publish, models=schema.DISTORTION_MODELS)
 
 

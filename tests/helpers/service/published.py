@@ -69,7 +69,7 @@ def fitted(
 
 @functools.lru_cache(maxsize=256)
 def calibration(
-    camera: str, n: int, views: int = 5, begun: int = NOW, **truth: Any
+    camera: str, n: int, views: int = 3, begun: int = NOW, **truth: Any
 ) -> schema.CalibrationDocument:
     """The `n`th calibration of a camera, of a contributor of its own, `n` seconds after the first was begun.
 
