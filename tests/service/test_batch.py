@@ -169,6 +169,7 @@ def counted(judged: list[object]) -> Any:
     return run
 
 
+@pytest.mark.thorough
 def test_batch_of_a_lens_that_the_model_cannot_express_suggests_another(client: Client) -> None:
     """The advice follows all views of the batch, as it follows each single view."""
     views, size = corner_views("jy_left")

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import pytest
 
 from tests.helpers.service.client import BRIEF, Client, Truth
 from tests.helpers.service.remote import Remote
@@ -97,6 +98,7 @@ def check(remote: Remote, heard: Acknowledged) -> None:
         assert int(name or 0) - int(token.get("name", 0)) in (0, 1)
 
 
+@pytest.mark.thorough
 def test_nothing_acknowledged_is_lost(tmp_path: Path) -> None:
     data_dir, rng = tmp_path / "data", random.Random(5)
     environment = {"WORKERS": "2", "NEW_TOKENS": "1000"}

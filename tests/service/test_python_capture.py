@@ -114,6 +114,7 @@ def test_check_takes_three_glances_of_different_tilts(served: str, stack: Server
         assert check.calibration.id
 
 
+@pytest.mark.thorough
 def test_service_that_goes_away_leaves_every_view(served: str, monkeypatch: pytest.MonkeyPatch) -> None:
     camera = VirtualCamera(seed=2)
     listener = Listener(camera)
