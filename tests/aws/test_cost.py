@@ -21,11 +21,11 @@ MAX_COMPUTE_USD = {"a million lookups": 0.1, "a finished calibration": 0.0001}
 def test_a_lookup_and_a_calibration_are_affordable() -> None:
     prices = yaml.safe_load(PRICES.read_text())
     with lasting_tokens():
-        uses = measure(lookups=20)
+        uses = measure(lookups=5, pooled=2)
     lookup, calibration = uses["a million lookups"], uses["a finished calibration"]
-    assert lookup.requests == lookup.invocations == 20
+    assert lookup.requests == lookup.invocations == 5
     # One Query each, nothing written, nothing else asked.
-    assert [service for service, _ in lookup.waits] == ["dynamodb"] * 20
+    assert [service for service, _ in lookup.waits] == ["dynamodb"] * 5
     assert (lookup.writes, lookup.puts, lookup.gets) == (0, 0, 0)
     assert MAX_USD["a million lookups"] == 2.0
     for name, most in MAX_COMPUTE_USD.items():

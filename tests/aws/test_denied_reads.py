@@ -34,7 +34,7 @@ def in_lambda(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def known(stack: LocalStack, camera: str, count: int = 2) -> list[Any]:
     """Calibrations of a camera, and the consensus that rests on them."""
-    documents = [calibration(camera, n, views=3) for n in range(count)]
+    documents = [calibration(camera, n) for n in range(count)]
     for document in documents:
         store(stack).calibrations.publish(document)
     store(stack).refit.now(asked(mode_of(documents[0]), "rectilinear"))
@@ -56,7 +56,7 @@ def in_turn(reads: int) -> Iterator[Callable[[int], bool]]:
 def test_refit_of_denied_reads_stores_nothing(stack: LocalStack, capsys: pytest.CaptureFixture[str]) -> None:
     documents = known(stack, "Denied")
     mode = mode_of(documents[0])
-    store(stack).calibrations.publish(calibration("Denied", 2, views=3))
+    store(stack).calibrations.publish(calibration("Denied", 2))
     before = store(stack).consensuses.at(mode)
     assert [c.total for c in before] == [2]
     counted(capsys)
@@ -76,7 +76,7 @@ def test_refit_of_a_lost_object_stores_nothing(stack: LocalStack) -> None:
     """The index names a calibration that the bucket does not hold: nobody knows what it said."""
     documents = known(stack, "Lost")
     mode = mode_of(documents[0])
-    store(stack).calibrations.index(calibration("Lost", 2, views=3))
+    store(stack).calibrations.index(calibration("Lost", 2))
     before = store(stack).consensuses.at(mode)
     with pytest.raises(UnavailableError):
         store(stack).refit.now(asked(mode, "rectilinear"))
@@ -86,7 +86,7 @@ def test_refit_of_a_lost_object_stores_nothing(stack: LocalStack) -> None:
 def test_queued_refit_heals_by_itself(stack: LocalStack) -> None:
     documents = known(stack, "Queued")
     mode = mode_of(documents[0])
-    store(stack).calibrations.publish(calibration("Queued", 2, views=3))
+    store(stack).calibrations.publish(calibration("Queued", 2))
     before = store(stack).consensuses.at(mode)
     failed = len(stack.failures())
     with faults.denied(lambda _: True):
@@ -118,7 +118,7 @@ def test_lookup_that_needs_a_denied_read_is_unavailable(stack: LocalStack) -> No
 def test_export_of_a_denied_calibration_is_unavailable(
     stack: LocalStack, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    there, withdrawn = (calibration("Exported", n, views=3) for n in range(2))
+    there, withdrawn = (calibration("Exported", n) for n in range(2))
     for document in (there, withdrawn):
         store(stack).calibrations.publish(document)
     store(stack).calibrations.withdraw(withdrawn, "wrong: mirrored", 0)

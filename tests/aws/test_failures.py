@@ -126,7 +126,7 @@ def test_storage_outage_returns_503_and_changes_nothing(stack: LocalStack, fault
 
 
 def test_stale_reads_cause_no_wrong_answer(stack: LocalStack) -> None:
-    camera, documents = "Lagging", [calibration("Lagging", n, views=3) for n in range(5)]
+    camera, documents = "Lagging", [calibration("Lagging", n) for n in range(5)]
     client = Client(stack)
     for document in documents[:3]:
         store(stack).calibrations.publish(document)

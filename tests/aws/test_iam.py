@@ -61,8 +61,8 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
             token = ApiToken(token_id, secret_hash("secret"), plan="page")
             store(stack).tokens.create(token)
         for n in range(5):
-            store(stack).calibrations.publish(calibration("Well known", n, views=3))
-        mode = mode_of(calibration("Well known", 0, views=3))
+            store(stack).calibrations.publish(calibration("Well known", n))
+        mode = mode_of(calibration("Well known", 0))
         with recorder.recording():
             invoke("RefitFunction", asked(mode, "rectilinear").model_dump(mode="json"))
             use(stack)
@@ -82,10 +82,10 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
             stack.functions["RefitFunction"]({**asked(mode).model_dump(mode="json"), "queued": True})
             stack.wait_until_idle(60)
             # The answers at the edge change, and go.
-            store(stack).calibrations.publish(calibration("Well known", 5, views=3))
+            store(stack).calibrations.publish(calibration("Well known", 5))
             invoke("RefitFunction", asked(mode, "rectilinear").model_dump(mode="json"))
             for n in range(6):
-                store(stack).calibrations.withdraw(calibration("Well known", n, views=3), "wrong", 0)
+                store(stack).calibrations.withdraw(calibration("Well known", n), "wrong", 0)
             invoke("RefitFunction", asked(mode).model_dump(mode="json"))
         yield recorder.needed
 
@@ -204,7 +204,7 @@ def manage(stack: LocalStack) -> None:
 
 def use_again(stack: LocalStack) -> None:
     client = Client(stack, api_token=TOKEN)
-    key = calibration("Well known", 0, views=3).camera_key
+    key = calibration("Well known", 0).camera_key
     assert client.lookup(camera="Unknown (046d:0825)", redirect=False).status == 404
     for _ in range(2):
         assert client.lookup(camera="Well known", platform=PLATFORM).status == 200

@@ -34,9 +34,9 @@ def test_stack_is_restored_from_the_replica_alone(tmp_path: Path, monkeypatch: p
     with Server(tmp_path / "lost") as stack:
         for document in documents:
             store(stack).calibrations.publish(document)
-        store(stack).refit.now(asked(mode_of(documents[0])))
+        store(stack).refit.now(asked(mode_of(documents[0]), "rectilinear"))
         store(stack).calibrations.withdraw(documents[5], "wrong", 1)
-        store(stack).refit.now(asked(mode_of(documents[0])))
+        store(stack).refit.now(asked(mode_of(documents[0]), "rectilinear"))
         before = Client(stack).lookup(**question)
         assert before.status == 200
         files = stack.storage.objects

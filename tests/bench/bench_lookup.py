@@ -8,10 +8,10 @@ from calibdb.schema import GroupsDocument
 from calibdb.settings import Settings
 from calibdb.store import Store
 from infra.server.server import Server
+from tests.bench.large_table import crowd
 from tests.bench.table import Row, p50
 from tests.helpers.service.client import Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus
-from tests.helpers.service.large_table import crowd
 
 CAMERAS = 100_000
 

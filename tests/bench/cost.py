@@ -53,7 +53,6 @@ _RESOURCES = {
 }
 _CAMERA = {"camera": "Priced camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 _MEASURED_ALIASES = 5
-_POOLED_CALIBRATIONS = 5  # calibrations, that a lookup hits
 _IDLE_TIMEOUT_S = 120.0  # after which a consensus is surely computed
 _READS = {"GetItem", "Query"}
 _MB_PER_VCPU = 1769  # MB, AWS Lambda developer guide, "Configure Lambda function memory"
@@ -183,16 +182,19 @@ def run_capture(meter: Meter, seed: int) -> None:
     raise RuntimeError("a capture did not end")
 
 
-def measure(lookups: int = 200) -> dict[str, Usage]:
-    """Measure some lookups that hit, together, and the last of several calibrations of a camera."""
-    with LocalStack() as stack:
+def measure(lookups: int = 200, pooled: int = 5) -> dict[str, Usage]:
+    """Measure some lookups that hit, together, and the last of several calibrations of a camera.
+
+    `pooled`: number of calibrations that make a reliable consensus.
+    """
+    with LocalStack({"MIN_CALIBRATIONS": str(pooled)}) as stack:
         meter = Meter(stack)
         with meter.running():
-            for seed in track(range(_POOLED_CALIBRATIONS), "captures", _POOLED_CALIBRATIONS):
+            for seed in track(range(pooled), "captures", pooled):
                 run_capture(meter, seed)
             stack.wait_until_idle(_IDLE_TIMEOUT_S)
         with meter.running() as calibration:
-            run_capture(meter, _POOLED_CALIBRATIONS)
+            run_capture(meter, pooled)
             stack.wait_until_idle(_IDLE_TIMEOUT_S)
         meter.ask("POST", "/v1/lookup", DEVELOPMENT_TOKEN, _CAMERA)
         stack.wait_until_idle(_IDLE_TIMEOUT_S)  # its label is an alias now

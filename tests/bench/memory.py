@@ -58,7 +58,7 @@ def main() -> None:
         data_dir = Path(place, "data")
         with Server(data_dir) as stack:
             for n in range(5):
-                store(stack).calibrations.publish(document := calibration(LABEL, n, views=3))
+                store(stack).calibrations.publish(document := calibration(LABEL, n))
             store(stack).refit.now(asked(mode_of(document)))
         with LocalProcess(data_dir, {"WORKERS": str(WORKERS)}) as server:
             lookups(server.url, WORKERS * REQUESTS)

@@ -1,5 +1,7 @@
 """The whole stack in memory, one for each module of tests, and a client of it."""
 
+import functools
+import ssl
 from collections.abc import Iterator
 
 import pytest
@@ -8,9 +10,18 @@ from infra.server.server import Server
 from tests.helpers.service.client import Client
 
 
+@pytest.fixture(scope="session", autouse=True)
+def certificates() -> Iterator[None]:
+    """Certificates of this machine, read once: each HTTP client reads them for 20 ms."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ssl, "create_default_context", functools.cache(ssl.create_default_context))
+        yield
+
+
 @pytest.fixture(scope="module")
-def stack() -> Iterator[Server]:
-    with Server() as stack:
+def stack(request: pytest.FixtureRequest) -> Iterator[Server]:
+    """A server that runs no jobs if the module says `JOBS = False`: it then computes no consensus."""
+    with Server(worker=None if getattr(request.module, "JOBS", True) else 1) as stack:
         yield stack
 
 

@@ -10,6 +10,8 @@ from tests.helpers.marks import thorough
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 from tests.helpers.service.in_process import request
 
+JOBS = False
+
 BOARD = {"squares": [9, 6], "marker_ratio": 0.65, "dictionary": "DICT_4X4_50", "legacy": False}
 WITH_A_FIT = {"board_shape"}
 """Keys of a state that are missing until its views show the board's shape."""

@@ -19,6 +19,8 @@ from tests.helpers.data import data_dir, external_data
 from tests.helpers.marks import thorough
 from tests.helpers.service.client import BRIEF, TOKEN, Answer, Client, Truth
 
+JOBS = False
+
 NEED_CORNERS = {"corners-vnl"}
 
 

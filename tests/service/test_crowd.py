@@ -13,11 +13,13 @@ from tests.helpers.stack.processes import LocalProcess
 def test_acknowledged_views_are_stored_once(tmp_path: Path) -> None:
     with LocalProcess(tmp_path / "data") as server:
         # Most captures end after a view: what goes wrong goes wrong in single requests.
-        outcome = drive(server.url, DEVELOPMENT_TOKEN, sessions=24, clients=24, cameras=2, finished=0.1)
+        outcome = drive(
+            server.url, DEVELOPMENT_TOKEN, sessions=12, clients=12, cameras=2, finished=0.1, seed=2
+        )
         assert server.stop() == 0
     finished = [one for one in outcome.heard if one.calibration_id]
-    assert len(outcome.heard) == 24
-    assert 1 <= len(finished) <= 8
+    assert len(outcome.heard) == 12
+    assert 1 <= len(finished) <= 4
     for fault in ("cut off", "unheard", "twice"):
         assert outcome.counts[fault] > 0.04 * outcome.counts["requests"]
     assert missing_or_double(tmp_path / "data", outcome.heard) == []
@@ -25,7 +27,7 @@ def test_acknowledged_views_are_stored_once(tmp_path: Path) -> None:
 
 def test_any_stack_can_be_driven(stack: Server, capsys: pytest.CaptureFixture[str]) -> None:
     with stack.serve() as url:
-        assert main([url, "--sessions", "2", "--clients", "2", "--faults", "0"]) == 0
-        assert "2 captures in" in capsys.readouterr().out
+        assert main([url, "--sessions", "1", "--clients", "1", "--faults", "0"]) == 0
+        assert "1 captures in" in capsys.readouterr().out
         assert main([url, "--token", "cdb_no_token", "--sessions", "1"]) == 1
         assert "403" in capsys.readouterr().err

@@ -32,7 +32,7 @@ from tests.helpers.service.published import calibration, publish
 
 ROWS = 120
 #: random damages; all 100 with `DAMAGES=100`
-DAMAGES = int(os.environ.get("DAMAGES", "30"))
+DAMAGES = int(os.environ.get("DAMAGES", "12"))
 LOG = f"{FILE_NAME}-wal"
 
 
@@ -209,7 +209,7 @@ def test_backup_of_a_running_server_answers_alike(tmp_path: Path, capsys: pytest
     backup, restored = tmp_path / "backup.tar", tmp_path / "restored"
     with Server(tmp_path / "data") as server:
         for camera in ("Backed up one", "Backed up two"):
-            publish(server, *(calibration(camera, n, views=3) for n in range(5)))
+            publish(server, *(calibration(camera, n) for n in range(5)))
         before = answers(server)
         assert len(before) == 2
         write_backup(tmp_path / "data", backup)

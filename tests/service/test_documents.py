@@ -18,11 +18,13 @@ from infra.server.server import Server
 from infra.web_build.docs.samples import samples
 from infra.web_build.example_calls import SCENARIO, TOKEN, calls, fill_in, learn
 from infra.web_build.openapi import EXAMPLES_PATH
-from infra.web_build.operations import OPERATIONS
-from infra.web_build.recorded_examples import prepare, prepare_call
+from infra.web_build.operations import EXAMPLE_CAMERA, OPERATIONS
+from infra.web_build.recorded_examples import CALIBRATIONS, prepare_call
 from tests.helpers.board_pictures import write
 from tests.helpers.documents import CODE, SITE, Block, blocks, sources
 from tests.helpers.marks import thorough
+from tests.helpers.service.client import Client
+from tests.helpers.service.published import calibration, publish
 
 EXAMPLES = json.loads(EXAMPLES_PATH.read_text())
 #: commands fail where the service refuses
@@ -65,7 +67,9 @@ class Site:
 @pytest.fixture(scope="module")
 def site() -> Iterator[Site]:
     with Server(environment={"NEW_TOKENS": "100"}) as stack, stack.serve() as url:
-        prepare(stack)
+        publish(stack, *(calibration(EXAMPLE_CAMERA, n) for n in range(CALIBRATIONS)))
+        assert Client(stack).lookup(camera=EXAMPLE_CAMERA).status == 200
+        stack.wait_until_idle(60)  # its label is an alias from here on
         yield Site(stack, url)
 
 
@@ -204,7 +208,8 @@ def test_python_of_a_document_runs(
     monkeypatch.setenv("CALIBDB_URL", site.url)
     monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    write(tmp_path / "photos", Board(squares=(8, 8), marker_ratio=0.75, dictionary="DICT_4X4_1000"))
+    board = Board(squares=(8, 8), marker_ratio=0.75, dictionary="DICT_4X4_1000")
+    write(tmp_path / "photos", board, count=5)
     found = [block for block in blocks(source) if block.language == "python" and block.reason is None]
     assert found
     for block in found:

@@ -263,7 +263,7 @@ def test_clock_that_jumps_stops_neither_lookups_nor_jobs(tmp_path: Path) -> None
     with Server(tmp_path / "data", environment={"MIN_CALIBRATIONS": "2"}, clock=clock) as stack:
         for jump in (0.0, 86_400.0, -86_400.0):
             for n in range(2):
-                document = calibration(f"{label} {jump:.0f}", n, views=3)
+                document = calibration(f"{label} {jump:.0f}", n)
                 store(stack).calibrations.publish(document)
             store(stack).refit.later(asked(mode_of(document)))
             ahead = jump  # the job is queued by now, and perhaps runs

@@ -22,6 +22,7 @@ from calibsolver.quality.rivals import with_rivals
 from tests.helpers.service.client import CAMERA, Client
 from tests.helpers.solver import hands, populations, synthetic
 
+JOBS = False
 LENS = synthetic.rectilinear_cameras()[5]
 VIEWS = populations.views(LENS, np.random.default_rng(0), hand=hands.MOVING)
 

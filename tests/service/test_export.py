@@ -20,6 +20,8 @@ from tests.helpers.service import published
 from tests.helpers.service.client import BRIEF, TOKEN, Client, Truth
 from tests.helpers.service.in_process import request
 
+JOBS = False
+
 
 @pytest.fixture(scope="module")
 def calibration(stack: Server) -> str:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from calibdb.schema import DISTORTION_MODELS
 from calibdb.store.keys import vote_object
 from infra.ops import withdrawal
 from infra.ops.__main__ import main
@@ -30,7 +31,7 @@ def test_forgetting_covers_revoked_tokens(
     token = capsys.readouterr().out.strip()
     others = calibration("Another's camera Z77", 0)
     with standing_clock(), Server(folder) as stack:  # uses are counted by the hour
-        publish(stack, others)
+        publish(stack, others, models=DISTORTION_MODELS)
         before = stored(stack)
         client = Client(stack, api_token=token)
         Truth().calibrate(client, **BRIEF)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from infra.server.server import Server
 from tests.helpers.service.client import Client
 
-EXAMPLES = 4 * int(os.environ.get("CASES", "300")) // 20
+EXAMPLES = 4 * int(os.environ.get("CASES", "150")) // 20
 FUZZ = settings(
     max_examples=EXAMPLES,
     deadline=None,

@@ -4,12 +4,15 @@ import json
 from typing import Any
 
 import numpy as np
+import pytest
 
 from calibdb.schema import SessionDocument
 from infra.server.server import Server
 from tests.helpers.service.client import Client, Truth, until
 from tests.helpers.service.known import consensus, fit
 from tests.helpers.service.published import PLATFORM, held, store
+
+JOBS = False
 
 
 def latest(stack: Server, camera: str) -> SessionDocument:
@@ -104,6 +107,7 @@ def test_finished_capture_stores_its_report(stack: Server, client: Client) -> No
     assert [view["index"] for view in report["views"]] == [view["index"] for view in state["views"]]
 
 
+@pytest.mark.thorough
 def test_capture_ends_when_its_error_stops_falling(client: Client) -> None:
     client.open(camera="Camera never good enough", target_error=0.001)
     truth = Truth(seed=4)
@@ -126,6 +130,7 @@ def elsewhere(number: int) -> dict[str, Any]:
     return {"rvec": rvec.tolist(), "tvec": tvec.tolist()}
 
 
+@pytest.mark.thorough
 def test_capture_off_the_target_ends_after_fifteen_views_with_advice(client: Client) -> None:
     """A user who ignores the outline is refused duplicates only."""
     client.open(camera="Camera off its targets", target_error=0.001)
@@ -215,6 +220,7 @@ def test_seed_that_does_not_pose_the_first_view_is_dropped(stack: Server, client
     assert abs(client.state()["calibration"]["camera_matrix"][0][0] / 950 - 1) < 0.02
 
 
+@pytest.mark.thorough
 def test_the_published_method_can_be_chosen(client: Client) -> None:
     client.open(guidance="pose-selection")
     pose = client.pose().json

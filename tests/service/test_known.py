@@ -33,7 +33,7 @@ DAY_S = 86_400
 @pytest.fixture(scope="module")
 def stack() -> Iterator[Server]:
     with Server() as stack:
-        publish(stack, *(calibration(CAMERA, n, views=3) for n in range(5)))
+        publish(stack, *(calibration(CAMERA, n) for n in range(5)))
         yield stack
 
 
@@ -101,7 +101,7 @@ def test_lookup_reads_twice_and_writes_nothing(stack: Server) -> None:
 
 def test_withdrawn_camera_is_gone(stack: Server) -> None:
     label = "To be withdrawn (046d:0826)"
-    documents = [calibration(label, n, views=3) for n in range(5)]
+    documents = [calibration(label, n) for n in range(5)]
     publish(stack, *documents)
     posted(stack, label)
     path = f"/known/v1/{alias_digest(label, PLATFORM)}/1280x720/0/rectilinear.json"

@@ -9,6 +9,8 @@ from calibdb.schema import CalibrationDocument, SessionDocument
 from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
 from tests.helpers.service.published import calibration, store
 
+JOBS = False
+
 CONSENT = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
 
 

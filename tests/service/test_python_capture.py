@@ -25,7 +25,6 @@ from calibdb_client.capture.outline import TEXTS
 from calibdb_client.cli import main
 from infra.server.server import Server
 from tests.helpers import board_pictures
-from tests.helpers.marks import thorough
 from tests.helpers.service.client import Client as Raw
 from tests.helpers.service.client import until
 from tests.helpers.virtual_person import Listener, VirtualCamera
@@ -115,6 +114,7 @@ def test_check_takes_three_glances_of_different_tilts(served: str, stack: Server
         assert check.calibration.id
 
 
+@pytest.mark.thorough
 def test_service_that_goes_away_leaves_every_view(served: str, monkeypatch: pytest.MonkeyPatch) -> None:
     camera = VirtualCamera(seed=2)
     listener = Listener(camera)
@@ -140,12 +140,13 @@ def test_service_that_goes_away_leaves_every_view(served: str, monkeypatch: pyte
     assert kept[-1] == away.value.recording
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("served")
 @pytest.mark.parametrize(
     ("board", "described"),
     [
         (Board((9, 6), kind="chessboard"), []),
-        *thorough((Board((5, 4), kind="aprilgrid"), ["--kind", "aprilgrid", "--squares", "5x4"])),
+        (Board((5, 4), kind="aprilgrid"), ["--kind", "aprilgrid", "--squares", "5x4"]),
     ],
     ids=["chessboard", "aprilgrid"],
 )
@@ -196,6 +197,7 @@ async def _async_capture(url: str, camera: VirtualCamera, listener: Listener, be
         return result, ticks
 
 
+@pytest.mark.thorough
 def test_asynchronous_twin_resumes_a_capture(served: str, captured: Captured) -> None:
     # The board is where it was for the last view, which is wanted again.
     camera = VirtualCamera(seed=2)

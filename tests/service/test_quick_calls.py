@@ -22,8 +22,8 @@ def stack(monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
     monkeypatch.setattr("calibdb.service.WRITE_INTERVAL_S", 3600.0)
     with Server() as stack:
         for n in range(5):
-            store(stack).calibrations.publish(document := calibration(CAMERA, n, views=3))
-        store(stack).refit.now(asked(mode_of(document)))
+            store(stack).calibrations.publish(document := calibration(CAMERA, n))
+        store(stack).refit.now(asked(mode_of(document), "rectilinear", "fisheye"))
         stack.wait_until_idle(60)
         yield stack
 

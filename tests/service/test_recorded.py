@@ -11,6 +11,7 @@ from tests.helpers.data import available, corner_views
 from tests.helpers.marks import thorough
 from tests.helpers.service.client import Client, Truth
 
+JOBS = False
 NAMES = available(["opencv_left", "pv_charuco_480"])
 """The second: 16 photographs of which a guided capture's rule used nine."""
 

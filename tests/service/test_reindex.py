@@ -4,6 +4,7 @@ import json
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +21,15 @@ from infra.ops.dump import dump
 from infra.ops.reindex import reindex
 from infra.ops.restore import load
 from infra.server.server import Server
+from tests.helpers.service import published
 from tests.helpers.service.client import BRIEF, EDGE, Client, Truth
 from tests.helpers.service.index_items import Key, items, remove
 from tests.helpers.service.known import fit
-from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, publish, store, views
+from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store, views
 from tests.helpers.service.strangers import context
 from tests.helpers.solver.export_sources import subject
+
+pytestmark = pytest.mark.thorough  # tests/service/test_reindex_at_random.py shows much of it in less
 
 RULES = {
     "MIN_CALIBRATIONS": "3",
@@ -67,6 +71,9 @@ def history(tmp_path_factory: pytest.TempPathFactory) -> History:
         anew = items(stack)
         dump(operator, folder / "dump", private=True)
         return History(before, anew, answers(stack), folder / "dump")
+
+
+publish = partial(published.publish, models=schema.DISTORTION_MODELS)
 
 
 def calibrated(stack: Server) -> None:

@@ -18,7 +18,8 @@ from tests.helpers.data import ROOT
 from tests.helpers.service.client import TOKEN
 from tests.helpers.service.rigs import RigTruth
 
-MOMENTS = 5
+JOBS = False
+MOMENTS = 4
 FILES = {
     "json": ("json", "{"),
     "opencv_stereo": ("yml", "%YAML:1.0"),

@@ -137,6 +137,7 @@ def test_sessions_started_at_once_are_one(client: Client) -> None:
     assert [answer.status for answer in answers] == [201] * 6
 
 
+@pytest.mark.thorough
 def test_skipped_pose_writes_less_than_50_kb_however_many_views_there_are(stack: Server) -> None:
     """Objects of the session, and its index item, after views of a dense board."""
     client, truth = Client(stack), Truth(squares=(50, 49), noise=0.05)

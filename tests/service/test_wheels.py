@@ -25,6 +25,7 @@ from tests.helpers import board_pictures
 from tests.helpers.data import data_dir, external_data
 from tests.helpers.service.client import Client, until
 from tests.helpers.service.in_process import request
+from tests.helpers.stack.processes import without_checkout
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "clients/python/examples"
@@ -61,8 +62,8 @@ def run(
     *command: str | Path, folder: Path, status: int = 0, **variables: str
 ) -> subprocess.CompletedProcess[str]:
     """Run a program with nothing of this checkout in its way."""
-    names = {name: value for name, value in os.environ.items() if not name.startswith(("CALIBDB", "PYTHON"))}
-    done = subprocess.run(command, cwd=folder, env=names | variables, capture_output=True, text=True)
+    named = without_checkout(os.environ) | variables
+    done = subprocess.run(command, cwd=folder, env=named, capture_output=True, text=True)
     assert done.returncode == status, done.stderr
     return done
 

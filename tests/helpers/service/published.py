@@ -14,10 +14,12 @@ from calibsolver import Board, fit
 from infra.server.server import Server
 from tests.helpers.service.client import Truth
 
+IMG_SIZE = (1280, 720)
 NOW = 1_700_000_000
 PLATFORM = "X11; Linux x86_64"
 TILTS = ((0.5, 0.1, 0.1), (-0.4, 0.5, 0.0), (0.1, -0.6, 0.2), (0.0, 0.5, -0.3), (0.4, -0.4, 0.0))
 BOARD = Board()
+MODELS = ("rectilinear",)
 Vector = tuple[float, float, float]
 
 
@@ -25,13 +27,13 @@ def store(stack: Server) -> Store:
     return Store.of(Settings.from_environment(stack.environment))
 
 
-def publish(stack: Server, *documents: schema.CalibrationDocument) -> None:
+def publish(stack: Server, *documents: schema.CalibrationDocument, models: Sequence[str] = MODELS) -> None:
     """Publish calibrations, and compute the consensuses of their modes."""
     at_rest = store(stack)
     for document in documents:
         at_rest.calibrations.publish(document)
     for mode in dict.fromkeys(map(mode_of, documents)):
-        at_rest.refit.now(asked(mode))
+        at_rest.refit.now(asked(mode, *models))
 
 
 def put(store: Store, *documents: schema.ConsensusDocument) -> None:
@@ -55,9 +57,19 @@ def views(truth: Truth, count: int = 3, tilts: Sequence[Vector] = TILTS) -> list
     return [{"ids": ids, "points": points} for ids, points in held(truth, count, tilts)]
 
 
+@functools.cache
+def fitted(
+    n: int, views: int, **truth: Any
+) -> tuple[tuple[tuple[list[int], list[list[float]]], ...], schema.FitRecord]:
+    """Views of a camera, and the fit to them, made once in a process."""
+    seen = tuple(held(Truth(seed=n, **truth), views))
+    record = fit([BOARD.view(ids, points) for ids, points in seen], IMG_SIZE).record()
+    return seen, schema.FitRecord.model_validate(record)
+
+
 @functools.lru_cache(maxsize=256)
 def calibration(
-    camera: str, n: int, views: int = 5, begun: int = NOW, **truth: Any
+    camera: str, n: int, views: int = 3, begun: int = NOW, **truth: Any
 ) -> schema.CalibrationDocument:
     """The `n`th calibration of a camera, of a contributor of its own, `n` seconds after the first was begun.
 
@@ -65,17 +77,15 @@ def calibration(
 
     `truth`: what differs from the camera that `Truth` is.
     """
-    seen = held(Truth(seed=n, **truth), views)
-    size = (1280, 720)
+    seen, record = fitted(n, views, **truth)
     key = camera_key(camera, PLATFORM)
-    record = fit([BOARD.view(ids, points) for ids, points in seen], size).record()
     name = hashlib.sha256(f"{camera}/{n}".encode()).hexdigest()[:12]
     return schema.CalibrationDocument(
         id=f"{key}-{begun + n:08x}{name}",
         camera_key=key,
         camera=camera,
         platform=PLATFORM,
-        img_size=size,
+        img_size=IMG_SIZE,
         zoom=0.0,
         distortion_model="rectilinear",
         board=schema.Board(),
@@ -86,7 +96,7 @@ def calibration(
             schema.ViewDocument(index=i, ids=tuple(ids), points=tuple((x, y) for x, y in points))
             for i, (ids, points) in enumerate(seen)
         ),
-        fits={"rectilinear": schema.FitRecord.model_validate(record)},
+        fits={"rectilinear": record},
         solver=calibsolver.FIT_VERSION,
         contributor=hashlib.sha256(f"contributor {n}".encode()).hexdigest(),
         time=begun + n + 60,

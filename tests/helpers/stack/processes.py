@@ -25,6 +25,16 @@ runpy.run_module("infra.server", run_name="__main__")
 """
 
 
+def without_checkout(environment: Mapping[str, str]) -> dict[str, str]:
+    """Environment by which no Python finds this checkout; compiled modules stay where they are."""
+    hidden = ("CALIBDB", "PYTHON")
+    return {
+        name: value
+        for name, value in environment.items()
+        if not name.startswith(hidden) or name == "PYTHONPYCACHEPREFIX"
+    }
+
+
 class LocalProcess:
     """`python -m infra.server` on a free port, ready when the block begins; killed when it ends.
 

@@ -18,6 +18,8 @@ from infra.server.server import Server
 from tests.helpers.service.client import CAMERA, TOKEN, Client
 from tests.helpers.service.rigs import RigTruth
 
+JOBS = False
+
 MAX_MOMENTS = 10
 
 
@@ -193,9 +195,10 @@ def test_views_of_two_cameras_at_once_are_both_taken(stack: Server) -> None:
     assert [m["positions"] for m in rig.state()["moments"]] == [[0, 1]] * 3
 
 
+@pytest.mark.thorough
 def test_board_that_moved_between_two_pictures_is_set_aside_and_said(stack: Server) -> None:
     rig = RigTruth(stack, seed=6).open()
-    for number in range(5):
+    for number in range(4):
         rig.moment(f"m{number}")
     pose = rig.held()
     rig.moment("moved", pose, positions=[0])

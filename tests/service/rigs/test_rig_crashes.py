@@ -119,7 +119,7 @@ def test_forgetting_a_rig_survives_a_crash_at_every_write(stack: Server) -> None
 
 def test_session_started_anew_while_its_rig_ends_is_another_capture(stack: Server) -> None:
     rig = RigTruth(stack, seed=22).open()
-    for n in range(5):
+    for n in range(4):
         rig.moment(f"m{n}")
     with mock.patch("calibdb.store.endings.publish_rig", side_effect=UnavailableError("killed")):
         assert rig.call("POST", "/finish").status == 503

@@ -8,10 +8,8 @@ from typing import Any
 
 import pytest
 
-from infra.ops.reindex import reindex
 from infra.server.server import Server
 from tests.helpers.service import published
-from tests.helpers.service.strangers import context
 
 DOCUMENT = (Path(__file__).parents[3] / "docs/api.md").read_text()
 LABEL = "HD Pro Webcam C920 (046d:082d)"
@@ -26,9 +24,7 @@ def block(heading: str) -> str:
 
 def test_documented_curl_goes_from_nothing_to_a_calibration() -> None:
     with Server() as stack, stack.serve() as url:
-        for n in range(5):
-            published.store(stack).calibrations.publish(published.calibration(LABEL, n, views=3))
-        reindex(context(stack))
+        published.publish(stack, *(published.calibration(LABEL, n) for n in range(5)))
         opening = block("The HTTP API").replace("http://127.0.0.1:8000", url)
         assert opening.splitlines()[0] == f"API={url}/v1"
 
@@ -51,9 +47,7 @@ def test_documented_curl_goes_from_nothing_to_a_calibration() -> None:
 
 def test_curl_alone_goes_from_nothing_to_a_calibration() -> None:
     with Server() as stack, stack.serve() as url:
-        for n in range(5):
-            published.store(stack).calibrations.publish(published.calibration("Known to all", n, views=3))
-        reindex(context(stack))
+        published.publish(stack, *(published.calibration("Known to all", n) for n in range(5)))
 
         def curl(path: str, body: object, *options: str) -> Any:
             command = ["curl", "-sS", "--fail", url + path, "-H", "content-type: application/json"]
