@@ -195,7 +195,6 @@ def test_views_of_two_cameras_at_once_are_both_taken(stack: Server) -> None:
     assert [m["positions"] for m in rig.state()["moments"]] == [[0, 1]] * 3
 
 
-@pytest.mark.thorough
 def test_board_that_moved_between_two_pictures_is_set_aside_and_said(stack: Server) -> None:
     rig = RigTruth(stack, seed=6).open()
     for number in range(4):
