@@ -110,7 +110,8 @@ EXPLAINED = "moving principal point"  # which a turn of the board explains, up t
         *thorough(*((2, kind, (3,)) for kind in HOSTILE if kind != EXPLAINED)),
         # These sessions take longest; that of seed 7 takes least.
         (2, EXPLAINED, (7,)),
-        *thorough((0, EXPLAINED, (3, 4, 5)), (2, EXPLAINED, (3, 4, 5))),
+        *thorough((0, EXPLAINED, (3, 4)), (2, EXPLAINED, (3, 4, 5))),
+        pytest.param(0, EXPLAINED, (5,), marks=[HEAVY, HIDDEN]),
     ],
 )
 def test_session_converges_after_hostile_views(kind: str, good_first: int, seeds: tuple[int, ...]) -> None:
