@@ -87,6 +87,8 @@ def test_language_sizes_keys_and_popovers_in_the_middle_of_a_capture(page: Page)
     page.keyboard.press("u")
     hear(page, "notice", "^The last view was undone.$")
 
+    page.evaluate(HIDE, False)
+    wait_for_views(page, 1)
     page.goto("/calibrate/?lang=de")
     page.locator("#go-on", has_text="Fortfahren").click()
     page.locator("#controls:not([hidden])").wait_for()

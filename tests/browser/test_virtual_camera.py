@@ -21,6 +21,7 @@ from tests.helpers.marks import thorough
 from ..conftest import THOROUGH
 
 RATE = 10  # frames/s, of a webcam in poor light
+HAND = "person" if THOROUGH else "quick"
 KEYPOINTS = {"index", "ids", "points"}
 SESSION = {"camera", "platform", "img_size", "zoom", "board", "distortion_model", "track", "target_error"}
 
@@ -101,17 +102,15 @@ def expect_known_after_five(
     assert "cannot be asked now" in error
 
 
-@pytest.mark.parametrize(
-    ("truth", "hand"), [(SMALL, "quick"), *thorough((Truth(), "person"))], ids=["640", "1280"]
-)
+@pytest.mark.parametrize("truth", [SMALL, *thorough(Truth())], ids=["640", "1280"])
 def test_chromium_hands_free_with_nothing_but_keypoints_until_the_camera_is_known(
-    page: Page, api: httpx.Client, stack: str, truth: Truth, hand: str
+    page: Page, api: httpx.Client, stack: str, truth: Truth
 ) -> None:
     sent: list[Request] = []
     page.on("request", lambda request: sent.append(request))
     page.on("websocket", lambda socket: pytest.fail(f"a socket to {socket.url}"))
     page.add_init_script(WATCH)
-    page.goto(f"/calibrate/?{truth.query(hand=hand, rate=RATE, k3=1e-6)}")
+    page.goto(f"/calibrate/?{truth.query(hand=HAND, rate=RATE, k3=1e-6)}")
     page.wait_for_selector("#done:not([hidden]), #failed:not([hidden])")
     seconds, frames = page.evaluate("[performance.now() / 1000, window.pace.frames]")
     assert page.locator("#done").is_visible(), page.locator("#failure").text_content()
@@ -140,7 +139,7 @@ ENDED = """async () => {
 
 
 def test_hands_free_in_firefox(stack: str, in_firefox: InFirefox) -> None:
-    there = f"{stack}/calibrate/?{SMALL.query(seed=5, rate=RATE)}"
+    there = f"{stack}/calibrate/?{SMALL.query(seed=5, hand=HAND, rate=RATE)}"
     outcome = in_firefox(there, ENDED, LOOKS)
     assert outcome["failure"] == ""
     assert_true(json.loads(outcome["json"]), outcome["count"], *outcome["taken"], "Firefox")
