@@ -18,11 +18,10 @@ SELECTED = {"thorough": THOROUGH, "external_data": EXTERNAL is not None}
 
 #: modules that take longest: what begins last must be short
 LONGEST = (
-    *("test_all_pages", "test_pages", "test_interruptions", "test_result", "test_controls", "test_photos"),
-    *("test_board", "test_ar", "test_diagnosis", "test_rig", "test_other_boards", "test_virtual_camera"),
-    *("test_boards_in_pictures", "test_pictures", "test_guidance", "test_agreement", "test_pooling"),
-    *("test_server_wheel", "test_loop", "test_documents", "test_durability", "test_killed_while_finishing"),
-    *("test_live_capture", "test_report", "test_hostile", "test_model_selection"),
+    *("test_all_pages", "test_virtual_camera", "test_result", "test_interruptions", "test_controls"),
+    *("test_pages", "test_board", "test_ar", "test_rig", "test_sdk", "test_developers", "test_faults"),
+    *("test_import", "test_guidance", "test_hostile", "test_boards_in_pictures", "test_live_capture"),
+    *("test_agreement", "test_documents", "test_server_wheel", "test_durability", "test_iam"),
 )
 
 #: allocations between two searches for garbage. Storage in memory makes so many objects that Python's own 700

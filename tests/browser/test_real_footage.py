@@ -16,8 +16,6 @@ from tests.helpers.browser import stop_and_go
 from tests.helpers.data import data_dir, external_data
 from tests.helpers.marks import thorough
 
-from ..conftest import THOROUGH
-
 pytestmark = [external_data, pytest.mark.alone]
 
 RESULT_S = 90.0
@@ -107,8 +105,6 @@ def test_who_holds_still_gets_a_result_with_a_verdict(
             page.locator("#use-board").wait_for(timeout=1000 * SUGGESTION_S)
             expect(page.locator("#remedy")).to_contain_text(made.words)
             page.locator("#use-board").click()
-        if not THOROUGH:  # half a minute without a new view later it ends without a click
-            page.locator("#finish").click()
         page.locator("#done:not([hidden]) #verdict").wait_for(timeout=1000 * RESULT_S)
         seconds = time.monotonic() - began
         calibration = json.loads(page.locator("#json").text_content() or "")

@@ -16,6 +16,9 @@ from tests.helpers.solver import synthetic
 BOARD = Board()
 CAMERA = synthetic.rectilinear_cameras()[6]
 SIZE = CAMERA.img_size
+HIDDEN = pytest.mark.xfail(
+    strict=True, reason="Eight wrong views hide one another. The capture ends 7 px off, and states 14 px."
+)
 WRONG = ("outlier", "mirrored", "degenerate", "duplicate")
 Hostile = Callable[["Session", View], View]
 
@@ -111,7 +114,7 @@ EXPLAINED = "moving principal point"  # which a turn of the board explains, up t
         # These sessions take longest; that of seed 7 takes least.
         (2, EXPLAINED, (7,)),
         *thorough((0, EXPLAINED, (3, 4)), (2, EXPLAINED, (3, 4, 5))),
-        pytest.param(0, EXPLAINED, (5,), marks=[HEAVY, HIDDEN]),
+        pytest.param(0, EXPLAINED, (5,), marks=[pytest.mark.thorough, HIDDEN]),
     ],
 )
 def test_session_converges_after_hostile_views(kind: str, good_first: int, seeds: tuple[int, ...]) -> None:
