@@ -1,5 +1,7 @@
 """Boards in drawn pictures, whose corners are known: found to a fraction of a pixel, and recognised."""
 
+from types import SimpleNamespace
+
 import cv2
 import numpy as np
 import pytest
@@ -118,6 +120,22 @@ def test_partly_hidden_markers_suffice() -> None:
         picture[:, w if n % 2 else w // 2 :] = 128
         pictures.append(picture)
     assert recognise(pictures) == board
+
+
+def test_corners_between_two_markers_stay_where_single_markers_contradict(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """OpenCV then returns no corner: None instead of arrays."""
+    picture = board_pictures.picture(Board(), TILTS[0], 12)
+    detector = Detector(Board())
+    whole = detector.find(picture)
+    nothing = SimpleNamespace(detectBoard=lambda *_: (None, None, (), None))
+    monkeypatch.setattr(detector, "_next_to_markers", nothing)
+    found = detector.find(picture)
+    assert whole is not None
+    assert found is not None
+    assert set(found.ids) <= set(whole.ids)
+    assert len(found.ids) > 0.6 * Board().corner_count
 
 
 def test_chessboard_on_which_pictures_differ_is_asked_for() -> None:

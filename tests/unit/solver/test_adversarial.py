@@ -108,8 +108,11 @@ def check_fit(rng: np.random.Generator, model: str, views: list[View]) -> None:
         assert error.code in REASONS  # noqa: PT017
         return
     u = c.uncertainty()
-    for numbers in (c.camera.intrinsics, c.poses, c.view_errors, [c.avg_reprojection_error, u.rms, u.max]):
+    for numbers in (c.camera.intrinsics, [c.avg_reprojection_error, u.rms, u.max]):
         assert np.isfinite(numbers).all()
+    posed = np.array([c.cut_views.get(i) != "degenerate" for i in range(len(views))])
+    assert (np.isfinite(c.poses) == posed[:, None]).all()
+    assert (np.isfinite(c.view_errors) == posed).all()
     std = np.sqrt(np.diagonal(c.covariance))
     assert np.linalg.eigvalsh(c.covariance / std[:, None] / std).min() > -1e-9
     target = guidance.ProjectionUncertainty(BOARD, SIZE, model).next_pose(views, c)
@@ -185,6 +188,11 @@ def test_views_without_a_start_raise_calibration_error() -> None:
     with pytest.raises(CalibrationError) as caught:
         fit(views, SIZE, "omnidirectional")
     assert caught.value.code in REASONS
+
+
+def test_step_beyond_the_largest_number_is_refused() -> None:
+    """A step of the focal length by a factor of more than e^709."""
+    check_input("rational", "other names", 19265871)
 
 
 def test_contradictory_views_end_in_a_reason() -> None:

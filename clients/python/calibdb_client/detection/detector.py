@@ -93,10 +93,12 @@ class Detector:
 
         Only if a corner lies between two markers, as chance does not put them.
         """
-        _, ids, *markers = self._between_markers.detectBoard(grey)
+        points, ids, *markers = self._between_markers.detectBoard(grey)
         if ids is None or len(ids) == 0:
             return None
-        points, ids, _, _ = self._next_to_markers.detectBoard(grey, None, None, *markers)
+        more_points, more_ids, _, _ = self._next_to_markers.detectBoard(grey, None, None, *markers)
+        if more_ids is not None:  # else the homographies of single markers contradict one another
+            points, ids = more_points, more_ids
         return np.asarray(ids).reshape(-1), np.asarray(points, dtype=np.float32).reshape(-1, 2)
 
     def _circles(self, grey: Any) -> tuple[Any, Any] | None:

@@ -51,6 +51,8 @@ MAX_ACCELERATION_RATIO = 0.75
 """Length of the geodesic acceleration / length of the step, at most: else neither is trusted."""
 SHORT_STEP = 1e-6
 """Relative change of the focal length up to which a straight step is as good as a curved one."""
+LONG_STEP = 700.0
+"""Step from which it is straight: its exponential overflows, and the step is refused."""
 FINITE_DIFFERENCE = 0.1
 """Share of a step over which its second derivative is taken."""
 
@@ -442,7 +444,8 @@ class Problem(LeastSquares):
         lens = float(by_d @ change[4:]) / magnified
         across, down = float(change[0] / k[0]), float(change[1] / k[1])
         stretched, longer = (across + down) / 2, (across + down) / 2 + lens
-        if max(abs(stretched), abs(longer)) > SHORT_STEP:
+        is_short = max(abs(stretched), abs(longer)) <= SHORT_STEP
+        if not is_short and max(abs(across), abs(down)) + abs(lens) < LONG_STEP:
             order, grown = 2 * prior.weights(self.model).order, math.exp(longer)
             moved[4:] = (moved[4:] - k[4:] * (order * stretched)) * math.exp(stretched) ** order
             shrunk = magnified / self.model.magnification(moved[4:])[0]
