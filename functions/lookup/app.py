@@ -1,15 +1,13 @@
 """Lookup: the calibration of the camera that a page just opened, or the way to one.
 
-A lookup that hits is one Query. No lookup writes for itself: tokens are read twice a minute, and lookups are
-counted in memory and flushed in batches (`calibdb.access.token_cache`). A hit by POST under a label and
-platform that are new is reported to `refit`, which stores them as an alias. From then on the camera is also
-found by `GET /known/v1/<digest>/…`, which has no credential, and which caches keep.
+A hit is one Query and no write: tokens are cached, lookups counted in memory (`calibdb.access.token_cache`).
+A hit by POST under a new label and platform makes `refit` store them as an alias. From then on the camera is
+also found by `GET /known/v1/<digest>/…`, which has no credential and which caches keep.
 """
 
 from __future__ import annotations
 
 import functools
-import hashlib
 
 from starlette.responses import Response
 
@@ -28,14 +26,14 @@ from calibdb.schema import (
     RefitRequest,
     UnknownCamera,
 )
-from calibdb.schema.lookup import Reason
 
 # By browsers, and at the edge for the same token from the same origin; both may be refused.
-_PUBLIC_CACHE = {"Cache-Control": "public, max-age=20", "Vary": "Authorization, Origin"}
+_CACHED = {"Cache-Control": "public, max-age=20", "Vary": "Authorization, Origin"}
 
 # Browsers keep an answer for a minute, the edge for five: a withdrawn camera is gone from both in six.
 _KNOWN_CACHE = "public, max-age=60, s-maxage=300, stale-while-revalidate=60, stale-if-error=86400"
-_UNKNOWN_CACHE = "public, max-age=60, s-maxage=60"
+_KNOWN = {"Cache-Control": _KNOWN_CACHE, "Access-Control-Allow-Origin": "*"}
+_UNKNOWN = {"Cache-Control": "public, max-age=60, s-maxage=60", "Access-Control-Allow-Origin": "*"}
 
 
 def ask(call: application.Call) -> Response:
@@ -54,29 +52,23 @@ def visit(call: application.Call) -> Response:
 def _answer(call: application.Call, request: LookupRequest) -> Response:
     require_corners(request.board, request.img_size, request.views)
     found = _find(call, request)
-    now = call.service.clock()
-    if found.answer is not None:
+    now, answer = call.service.clock(), found.answer
+    if answer is not None:
         metrics.count(now, Lookups=1)
-        answer = found.answer
         if request.estimate == "always":
             answer = answer.model_copy(update={"estimate": estimate_for(request, ())})
-        return application.json_response(
-            answer, headers=_PUBLIC_CACHE if call.request.method != "POST" else None
-        )
+        return application.json_response(answer, 200, _CACHED if call.request.method != "POST" else None)
     url = call.service.settings.guidance_url + "?" + request.key_query
-    likely = estimate_for(request, found.known, _fitting_group(call, request, found))
-    if request.miss == "ok":
-        metrics.count(now, Lookups=1, Misses=1)
-        return application.json_response(
-            NoCalibration(guidance_url=url, reason=found.reason, detail=found.detail, estimate=likely)
-        )
+    likely = estimate_for(request, found.known, _group(call, request, found))
     miss = Miss(guidance_url=url, reason=found.reason, detail=found.detail, estimate=likely)
-    if not (request.redirect and call.flag("redirect", default=True)):
-        metrics.count(now, Lookups=1, Misses=1)
-        facts = miss.model_dump(mode="json", include={"guidance_url", "reason", "estimate"})
-        raise NotFoundError(found.detail, kind="no-calibration", extensions=facts)
-    metrics.count(now, Lookups=1, Misses=1, Redirects=1)
-    return application.json_response(miss, 307, {"Location": url})
+    metrics.count(now, Lookups=1, Misses=1)
+    if request.miss == "ok":
+        return application.json_response(NoCalibration(**dict(miss)))
+    if request.redirect and call.flag("redirect", default=True):
+        metrics.count(now, Redirects=1)
+        return application.json_response(miss, 307, {"Location": url})
+    facts = miss.model_dump(mode="json", include={"guidance_url", "reason", "estimate"})
+    raise NotFoundError(found.detail, kind="no-calibration", extensions=facts)
 
 
 def _find(call: application.Call, request: LookupRequest) -> LookupResult:
@@ -101,15 +93,12 @@ def _find(call: application.Call, request: LookupRequest) -> LookupResult:
     return found
 
 
-def _fitting_group(
-    call: application.Call, request: LookupRequest, found: LookupResult
-) -> FittingGroup | None:
+def _group(call: application.Call, request: LookupRequest, found: LookupResult) -> FittingGroup | None:
     """Return the group of the camera's calibrations that fits the views sent, if they fall into groups."""
     if not request.views or found.reason != "disagree" or not found.key:
         return None
     call.require_thread()
-    asked = RefitRequest.of_views(found.key, request)
-    return call.service.store.refit.now(asked).fitting
+    return call.service.store.refit.now(RefitRequest.of_views(found.key, request)).fitting
 
 
 def known(call: application.Call) -> Response:
@@ -118,21 +107,11 @@ def known(call: application.Call) -> Response:
     private = call.service.settings.thresholds.min_contributors == 1
     found = find_by_digest(call.service.store, call.path("digest"), wanted, private=private)
     if found is None:
-        return _unknown("unknown_camera")
+        return application.json_response(UnknownCamera(reason="unknown_camera"), 404, _UNKNOWN)
     metrics.count(call.service.clock(), Lookups=1)
     if found.answer is None:
-        return _unknown(found.reason)
-    content = found.answer.model_dump_json().encode()
-    tag = f'"{hashlib.sha256(content).hexdigest()[:32]}"'
-    headers = {"Cache-Control": _KNOWN_CACHE, "ETag": tag, "Access-Control-Allow-Origin": "*"}
-    if call.request.headers.get("if-none-match") == tag:
-        return Response(status_code=304, headers=headers)
-    return Response(content, 200, headers, "application/json")
-
-
-def _unknown(reason: Reason) -> Response:
-    headers = {"Cache-Control": _UNKNOWN_CACHE, "Access-Control-Allow-Origin": "*"}
-    return application.json_response(UnknownCamera(reason=reason), 404, headers)
+        return application.json_response(UnknownCamera(reason=found.reason), 404, _UNKNOWN)
+    return application.tagged_response(call.request, found.answer, _KNOWN)
 
 
 handler = application.handler(

@@ -6,6 +6,7 @@ serves one event at a time, so nothing here is gained by waiting asynchronously.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import logging
 import os
@@ -49,6 +50,16 @@ Endpoint = Callable[[Call], Response]
 def json_response(model: BaseModel, status: int = 200, headers: Mapping[str, str] | None = None) -> Response:
     """Make the JSON response of `model`."""
     return Response(model.model_dump_json(), status, headers, "application/json")
+
+
+def tagged_response(request: Request, model: BaseModel, headers: Mapping[str, str]) -> Response:
+    """Make the JSON response of `model` with its ETag; 304 without a body if the request has that one."""
+    content = model.model_dump_json().encode()
+    tag = f'"{hashlib.sha256(content).hexdigest()[:32]}"'
+    tagged = {**headers, "ETag": tag}
+    if request.headers.get("if-none-match") == tag:
+        return Response(status_code=304, headers=tagged)
+    return Response(content, 200, tagged, "application/json")
 
 
 class _File(Protocol):
