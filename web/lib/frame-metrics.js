@@ -93,7 +93,7 @@ function boundingBox(points, width, height) {
 
 /**
  * Unevenness of the squares that are bright in the picture: the pixels of a filmed screen beat against the camera's.
- * Dark print reflects the room, which is no stripe; shading is taken out line by line.
+ * Dark print reflects the room, which is not a stripe; shading is taken out line by line.
  * @param {Grey} image @param {Board} board @param {{ids: number[], points: number[][]}} found
  * @returns {number | null} standard deviation along lines, of the contrast between bright and dark; median over the
  *   squares

@@ -110,9 +110,9 @@ def check_fit(rng: np.random.Generator, model: str, views: list[View]) -> None:
     u = c.uncertainty()
     for numbers in (c.camera.intrinsics, [c.avg_reprojection_error, u.rms, u.max]):
         assert np.isfinite(numbers).all()
-    posed = np.array([c.cut_views.get(i) != "degenerate" for i in range(len(views))])
-    assert (np.isfinite(c.poses) == posed[:, None]).all()
-    assert (np.isfinite(c.view_errors) == posed).all()
+    has_pose = np.array([c.cut_views.get(i) != "degenerate" for i in range(len(views))])
+    assert (np.isfinite(c.poses) == has_pose[:, None]).all()
+    assert (np.isfinite(c.view_errors) == has_pose).all()
     std = np.sqrt(np.diagonal(c.covariance))
     assert np.linalg.eigvalsh(c.covariance / std[:, None] / std).min() > -1e-9
     target = guidance.ProjectionUncertainty(BOARD, SIZE, model).next_pose(views, c)

@@ -56,10 +56,10 @@ def tagged_response(request: Request, model: BaseModel, headers: Mapping[str, st
     """Make the JSON response of `model` with its ETag; 304 without a body if the request has that one."""
     content = model.model_dump_json().encode()
     tag = f'"{hashlib.sha256(content).hexdigest()[:32]}"'
-    tagged = {**headers, "ETag": tag}
+    headers = {**headers, "ETag": tag}
     if request.headers.get("if-none-match") == tag:
-        return Response(status_code=304, headers=tagged)
-    return Response(content, 200, tagged, "application/json")
+        return Response(status_code=304, headers=headers)
+    return Response(content, 200, headers, "application/json")
 
 
 class _File(Protocol):
