@@ -224,14 +224,35 @@ test("a target not reached for 15 s is given up, unless no board is in sight", (
   assert.equal(decide(capturing(frames(NOTHING, 200)), 60_000), null);
 });
 
-test("instructions say what is missing, and stand for 400 ms", () => {
+/** Frames without a board, and looks for another one, every 500 ms */
+const missed = (until) =>
+  frames(NOTHING, until).flatMap((event) =>
+    event.time % 500 === 0 ? [event, { type: "looked", suggestion: null, time: event.time }] : [event],
+  );
+
+test("a board that is missed for less than three looks is looked for, not asked for", () => {
+  const code = (events) => capturing(events).ui.instruction.code;
+  assert.deepEqual(
+    [400, 1400, 1900].map((until) => code(missed(until))),
+    ["looking", "looking", "show"],
+  );
+  const seen = frames(frame(THERE), 600);
+  const lost = frames(NOTHING, 500, 700);
+  assert.equal(capturing([...missed(1500), ...seen, ...lost]).ui.instruction.code, "looking");
   const blind = capturing(frames(NOTHING, 500));
+  const taken = { ...blind, capture: { ...blind.capture, session: { ...blind.capture.session, views: [{}] } } };
+  const after = frames(NOTHING, 500, 700).reduce(reduce, taken);
+  assert.equal(after.ui.instruction.code, "show", "no other board is looked for after the first view");
+});
+
+test("instructions say what is missing, and stand for 400 ms", () => {
+  const blind = capturing(missed(1500));
   assert.equal(blind.ui.instruction.code, "show");
-  const first = reduce(blind, { type: "frame", detection: frame(ELSEWHERE), time: 550 });
+  const first = reduce(blind, { type: "frame", detection: frame(ELSEWHERE), time: 1550 });
   assert.equal(first.ui.instruction.code, "show");
-  const later = frames(frame(ELSEWHERE), 400, 600).reduce(reduce, first);
+  const later = frames(frame(ELSEWHERE), 400, 1600).reduce(reduce, first);
   assert.equal(later.ui.instruction.code, "tilt_left", "the largest difference first");
-  const there = frames(frame(THERE), 450, 1100).reduce(reduce, later);
+  const there = frames(frame(THERE), 450, 2100).reduce(reduce, later);
   assert.equal(there.ui.instruction.code, "hold");
   const sent = reduce(there, { type: "sent", corners: there.detector.corners });
   assert.equal(sent.ui.instruction.code, "wait", "what is taken need not be held any more");
@@ -262,11 +283,11 @@ test("what was said of one target does not stand for the next", () => {
   assert.equal(held.ui.instruction.code, "hold");
   const next = reduce(held, { type: "pose", pose: target(ELSEWHERE, 1), picture: "blob:2", time: 650 });
   assert.equal(next.ui.instruction.code, "tilt_right");
-  const unseen = reduce(capturing(frames(NOTHING, 500)), {
+  const unseen = reduce(capturing(missed(1500)), {
     type: "pose",
     pose: target(ELSEWHERE, 1),
     picture: "blob:2",
-    time: 650,
+    time: 1650,
   });
   assert.equal(unseen.ui.instruction.code, "show", "without a board in sight there is nothing new to say");
 });

@@ -1,5 +1,5 @@
 // Choice of the one instruction that is shown: the largest difference first, and steady enough to be read.
-import { isEnough } from "./state.js";
+import { isEnough, viewCount } from "./state.js";
 import { advice, asMirrored, settled } from "../lib/capture/target.js";
 
 /** @typedef {import("./state.js").Instruction} Instruction */
@@ -24,7 +24,7 @@ export const HINTS = new Set([
   "first",
 ]);
 
-const MIN_LOOKS = 3; // at a board with markers that is not found: until then it may be another one
+const MIN_LOOKS = 3; // for another board, before the first view: until then the board may be in the picture
 
 /**
  * @param {import("./state.js").State} state
@@ -50,7 +50,10 @@ function choose(state, holding) {
   if (isEnough(state)) return "enough";
   if (!pose || busy) return offline ? "away" : "wait"; // a view in flight need not be held any more
   if (trouble) return trouble;
-  if (corners.ids.length === 0) return markers === 0 ? "show" : looks < MIN_LOOKS ? "looking" : "slower";
+  if (corners.ids.length === 0) {
+    if (looks < MIN_LOOKS && viewCount(state) === 0) return "looking";
+    return markers === 0 ? "show" : "slower";
+  }
   if (!outline) return "more";
   if (holding) return "hold";
   const hint = pose.hint_code && HINTS.has(pose.hint_code) ? pose.hint_code : "match";
