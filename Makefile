@@ -43,7 +43,7 @@ run: $(SETUP) ## run the service on this machine: page and API on http://127.0.0
 
 test: ## run everything below up to browser
 	@$(MAKE) $(PAIRED) .node .drawn .site $(CHECKS)
-	@$(MAKE) --no-print-directory --jobs 3 .quiet-unit .quiet-service .in-browsers
+	@$(MAKE) --no-print-directory --jobs 4 .quiet-solver .quiet-unit .quiet-service .in-browsers
 
 lint: ## check style, types, imports, wording, the template, and dependencies for known vulnerabilities
 	@$(MAKE) $(PAIRED) $(CHECKS)
@@ -103,9 +103,12 @@ browser: $(SETUP) .in-browsers ## test the pages in Chromium and Firefox
 	$(PYTEST) $(MODULES) -m "not alone" tests/browser
 	$(PYTEST) -m alone tests/browser || test $$? = 5  # none of them without CALIBDB_DATA
 
-# With what the browsers leave of the processor: they wait for a third of their time.
+# With what the browsers leave of the processor: they wait for a third of their time. Three processes end together.
+.quiet-solver:
+	nice -n 19 $(PYTEST) tests/unit/solver
+
 .quiet-unit:
-	nice -n 19 $(PYTEST) tests/unit
+	nice -n 19 $(PYTEST) --ignore=tests/unit/solver tests/unit
 
 .quiet-service:
 	nice -n 19 $(PYTEST) tests/service tests/aws
