@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from calibdb.camera_key import identify
 from calibdb.errors import NotFoundError
-from calibdb.lookup import camera_lookup
-from calibdb.schema import Calibration, CheckRequest, ConsensusDocument, RefitRequest
+from calibdb.lookup.camera_match import resolve, unanswerable_reason
+from calibdb.schema import Calibration, CheckRequest, ConsensusDocument
 from calibdb.store import Store, StreamMode
 
 
@@ -19,12 +19,12 @@ def find_checked(store: Store, request: CheckRequest, *, private: bool) -> tuple
     """
     size, zoom, model = request.img_size, request.zoom, request.distortion_model
     identity = identify(request.camera, request.platform)
-    if camera_lookup.unanswerable_reason(identity, private=private, resize_mode=request.resize_mode) is None:
+    if unanswerable_reason(identity, private=private, resize_mode=request.resize_mode) is None:
         read = store.cameras.known
-        resolved = camera_lookup.resolve(read, identity, size, zoom, model, private=private)
+        resolved = resolve(read, identity, size, zoom, model, private=private)
         mode = StreamMode(resolved.key, size, zoom)
         here = [c for c in resolved.known if (c.img_size, c.zoom) == (size, zoom)]
-        consensus = consensus_of_model(here, model) or (refit_now(store, mode, model) if here else None)
+        consensus = consensus_of_model(here, model) or (store.refit.consensus(mode, model) if here else None)
         if consensus is not None and consensus.calibration is not None:
             return mode, consensus.calibration
     raise NotFoundError(
@@ -36,9 +36,3 @@ def find_checked(store: Store, request: CheckRequest, *, private: bool) -> tuple
 def consensus_of_model(documents: Sequence[ConsensusDocument], model: str) -> ConsensusDocument | None:
     """Return the consensus of this model, None if there is none."""
     return next((d for d in documents if d.distortion_model == model), None)
-
-
-def refit_now(store: Store, mode: StreamMode, model: str) -> ConsensusDocument | None:
-    """Have the consensus computed with all that is known by now, and return it."""
-    request = RefitRequest(camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom, models=(model,))
-    return next(iter(store.refit.now(request).models.values()), None)

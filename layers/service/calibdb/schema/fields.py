@@ -42,6 +42,11 @@ class Open(Deferred):
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
 
+def is_none(value: object) -> bool:
+    """True if a member that older records and clients do not know is absent: it is left out."""
+    return value is None
+
+
 def _finite(value: JsonValue) -> JsonValue:
     if isinstance(value, dict):
         return {name: _finite(inner) for name, inner in value.items()}

@@ -24,10 +24,11 @@ from calibdb.schema.fields import (
     Strict,
     TargetError,
     Zoom,
+    is_none,
     join_device,
 )
 from calibdb.schema.licence import Licence, LicenceVersion, Licensed
-from calibdb.schema.membership import MomentId, RigJoin, RigMembership, is_none
+from calibdb.schema.membership import MomentId, RigJoin, RigMembership
 from calibdb.schema.observed_corners import ObservedCorners
 
 MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends long before
