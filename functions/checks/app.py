@@ -15,7 +15,7 @@ from calibdb.compute import view_checks
 from calibdb.compute.view_checks import MeasuredViews, computing_check
 from calibdb.errors import NotFoundError
 from calibdb.http import application
-from calibdb.lookup.checked_consensus import consensus_of_model, find_checked
+from calibdb.lookup.camera_match import consensus_of_model, find_checked
 from calibdb.rules.corners import require_corners
 from calibdb.rules.votes import view_digest, vote_id
 from calibdb.schema import CheckAnswer, CheckRequest, RefitRequest, VoteDocument
