@@ -8,7 +8,6 @@ there is nothing to compute.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from typing import Any
 
@@ -25,7 +24,7 @@ from calibdb.store.names import with_current_key
 def handler(event: dict[str, Any], _: object) -> dict[str, Any]:
     """List the requests to `refit`."""
     batch = BackfillBatch.model_validate(event)
-    calibrations = Service.of(os.environ).store.calibrations
+    calibrations = Service.of_process().store.calibrations
     stored_modes = sorted(
         set(modes(calibrations, [listed.key for listed in batch.items])),
         key=lambda mode: (mode.camera_key, mode.img_size, mode.zoom),

@@ -15,7 +15,7 @@ from calibdb.compute import view_checks
 from calibdb.compute.view_checks import MeasuredViews, computing_check
 from calibdb.errors import NotFoundError
 from calibdb.http import application
-from calibdb.lookup.checked_consensus import consensus_of_model, find_checked, refit_now
+from calibdb.lookup.camera_match import consensus_of_model, find_checked
 from calibdb.rules.corners import require_corners
 from calibdb.rules.votes import view_digest, vote_id
 from calibdb.schema import CheckAnswer, CheckRequest, RefitRequest, VoteDocument
@@ -36,7 +36,7 @@ def check(call: application.Call) -> Response:
         examined = view_checks.examine(request)
     scored = view_checks.score(request, examined, known, thresholds.max_check_ratio)
     counted = scored.fits is not None and vote(call, ticket, request, mode, examined)
-    current = refit_now(store, mode, request.distortion_model) if counted else None
+    current = store.refit.consensus(mode, request.distortion_model) if counted else None
     if current is None or current.calibration is None:
         current = consensus_of_model(store.consensuses.at(mode), request.distortion_model)
     if current is None or current.calibration is None:

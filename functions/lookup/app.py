@@ -14,18 +14,13 @@ from starlette.responses import Response
 from calibdb.errors import NotFoundError
 from calibdb.http import application, metrics
 from calibdb.lookup import reports
-from calibdb.lookup.camera_lookup import LookupQuery, LookupResult, find, find_by_digest
+from calibdb.lookup.camera_match import LookupQuery, LookupResult, find, find_by_digest
 from calibdb.lookup.estimation import estimate_for
 from calibdb.rules.corners import require_corners
-from calibdb.schema import (
-    ConsensusDocument,
-    FittingGroup,
-    LookupRequest,
-    Miss,
-    NoCalibration,
-    RefitRequest,
-    UnknownCamera,
-)
+from calibdb.schema.documents import ConsensusDocument
+from calibdb.schema.lookup import LookupRequest, Miss, NoCalibration, UnknownCamera
+from calibdb.schema.refit import FittingGroup, RefitRequest
+from calibdb.store import StreamMode
 
 # By browsers, and at the edge for the same token from the same origin; both may be refused.
 _CACHED = {"Cache-Control": "public, max-age=20", "Vary": "Authorization, Origin"}
@@ -50,7 +45,8 @@ def visit(call: application.Call) -> Response:
 
 
 def _answer(call: application.Call, request: LookupRequest) -> Response:
-    require_corners(request.board, request.img_size, request.views)
+    if request.views:
+        require_corners(request.board, request.img_size, request.views)
     found = _find(call, request)
     now, answer = call.service.clock(), found.answer
     if answer is not None:
@@ -72,14 +68,13 @@ def _answer(call: application.Call, request: LookupRequest) -> Response:
 
 
 def _find(call: application.Call, request: LookupRequest) -> LookupResult:
-    service, zoom, model = call.service, request.zoom, request.distortion_model
+    service = call.service
     store, least = service.store, service.settings.thresholds.min_contributors
     read = functools.cache(store.cameras.known)
 
     def compute(key: str, size: tuple[int, int]) -> ConsensusDocument | None:
         call.require_thread()
-        refit = RefitRequest(camera=key, img_size=size, zoom=zoom, models=(model,))
-        return store.refit.now(refit).models.get(model)
+        return store.refit.consensus(StreamMode(key, size, request.zoom), request.distortion_model)
 
     found = find(read, LookupQuery.of(request), private=least == 1, compute=compute)
     report = None

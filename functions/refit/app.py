@@ -9,7 +9,6 @@ that fails every time goes to the dead-letter queue. What is computed stays. The
 from __future__ import annotations
 
 import json
-import os
 from typing import Any
 
 from calibdb.compute.mode_group import fitting_group
@@ -34,7 +33,7 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
         (record,) = event["Records"]
         event = json.loads(record["body"])["requestPayload"]
     request = RefitRequest.model_validate(event)
-    service = Service.of(os.environ)
+    service = Service.of_process()
     mode = StreamMode(request.camera, request.img_size, request.zoom)
     consensuses: Consensuses = {}
     fitting = None

@@ -302,17 +302,16 @@ def opened_for_functions(folder: Folder, queue: Jobs, environment: Mapping[str, 
     storage = Storage(
         SqliteTable(database), SqliteObjects(database, KEYPOINTS), queue, SqliteObjects(database, SITE)
     )
-    Service.forget()
     with variables_set(environment), opened(storage):
         yield storage
-    Service.forget()
 
 
 @contextmanager
 def variables_set(wanted: Mapping[str, str]) -> Iterator[None]:
-    """Set variables of the environment within the block."""
+    """Set variables of the environment within the block; the functions of this process read them again."""
     before = {name: os.environ.get(name) for name in wanted}
     os.environ.update(wanted)
+    Service.forget()
     try:
         yield
     finally:
@@ -321,3 +320,4 @@ def variables_set(wanted: Mapping[str, str]) -> Iterator[None]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
+        Service.forget()

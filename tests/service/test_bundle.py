@@ -16,7 +16,7 @@ from calibdb.lookup import well_known_ids
 from calibdb.settings import Thresholds
 from infra.ops.bundle import BundleResult, bundle
 from infra.ops.context import OpsContext
-from infra.server.server import Server
+from infra.server.server import Server, variables_set
 from tests.helpers.data import ROOT
 from tests.helpers.service import labels, published
 from tests.helpers.service.client import Client
@@ -149,8 +149,7 @@ def both(
     """Ask both, as many contributors being needed as the parameter says."""
     stack, known = filled
     path = tmp_path_factory.mktemp("bundle") / "cameras.json"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("MIN_CONTRIBUTORS", request.param)
+    with variables_set({"MIN_CONTRIBUTORS": request.param}):
         environment = stack.environment | {"MIN_CONTRIBUTORS": request.param}
         written = bundle(OpsContext.of(environment, secret_known=True), path, max_cameras=500)
         asked, client = requests(known), Client(stack)

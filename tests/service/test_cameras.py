@@ -8,7 +8,7 @@ import pytest
 from calibdb.camera_key import camera_key, identify
 from calibdb.schema import GroupsDocument
 from calibdb.store import Store
-from infra.server.server import Server
+from infra.server.server import Server, variables_set
 from tests.helpers.service import published
 from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus, fit
@@ -98,9 +98,7 @@ def test_badge_needs_no_credential_and_is_a_picture_whatever_is_asked(stack: Ser
     assert client.call("POST", f"/badge/{key}/1280x720.svg").status == 405
 
 
-def test_public_search_needs_two_contributors(
-    stack: Server, store: Store, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_public_search_needs_two_contributors(stack: Server, store: Store) -> None:
     label = "Visit X9 (1111:0009)"
     store.calibrations.publish(calibration(label))
     put(store, consensus(camera=label, reason="too_few", calibrations=1))
@@ -109,11 +107,11 @@ def test_public_search_needs_two_contributors(
     put(store, consensus(camera=other, reason="too_few", calibrations=2))
     found = [camera["camera"] for camera in browse(stack, "query=visit").json["cameras"]]
     assert sorted(found) == [label, other]
-    monkeypatch.setenv("MIN_CONTRIBUTORS", "3")
-    for query in ("query=visit", "limit=50"):
-        found = [camera["camera"] for camera in browse(stack, query).json["cameras"]]
-        assert other in found
-        assert label not in found
+    with variables_set({"MIN_CONTRIBUTORS": "3"}):
+        for query in ("query=visit", "limit=50"):
+            found = [camera["camera"] for camera in browse(stack, query).json["cameras"]]
+            assert other in found
+            assert label not in found
 
 
 @pytest.mark.parametrize(("said", "told"), [("wrong: seen in a mirror", "wrong"), ("Anna asked", "other")])

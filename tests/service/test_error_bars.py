@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from calibdb.compute.view_checks import examine
-from calibdb.lookup.relation import relate
+from calibdb.lookup.transfer import relate
 from calibdb.schema import Calibration, CheckRequest, FitRecord
 from calibsolver import Board, View, fit
 from calibsolver import Calibration as Fitted

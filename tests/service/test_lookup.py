@@ -1,14 +1,15 @@
 """Lookups through the gateway: what is read for them, what they answer, and that nothing is written."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 from calibdb.camera_key import camera_key
-from calibdb.lookup import camera_lookup, well_known_ids
+from calibdb.lookup import camera_match, well_known_ids
 from calibdb.settings import Thresholds
 from calibdb.store import Store
-from infra.server.server import Server
+from infra.server.server import Server, variables_set
 from tests.helpers.service import published
 from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus, fit
@@ -16,11 +17,18 @@ from tests.helpers.service.published import put
 from tests.helpers.service.storage_calls import storage_calls
 
 WINDOWS = "Windows NT 10.0; Win64; x64"
+PUBLIC = {"MIN_CONTRIBUTORS": "3"}
 
 
 @pytest.fixture(scope="module")
 def store(stack: Server) -> Store:
     return published.store(stack)
+
+
+@pytest.fixture
+def in_public() -> Iterator[None]:
+    with variables_set(PUBLIC):
+        yield
 
 
 def ask(stack: Server, camera: str, platform: str = LINUX, **asked: Any) -> Answer:
@@ -127,11 +135,9 @@ def test_uncomputable_model_is_tried_once(stack: Server, store: Store) -> None:
         assert asked == ["Query"]
 
 
-def test_second_usb_id_makes_a_name_ambiguous(
-    stack: Server, store: Store, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.usefixtures("in_public")
+def test_second_usb_id_makes_a_name_ambiguous(stack: Server, store: Store) -> None:
     """Once its calibrations, too, are reliable; captures with an invented id end nothing."""
-    monkeypatch.setenv("MIN_CONTRIBUTORS", "3")
     rules = Thresholds(min_contributors=3, contributor_period=0)
     label = "Twofold X3"
     known, other = f"{label} (1111:0003)", f"{label} (1111:0004)"
@@ -147,7 +153,7 @@ def test_second_usb_id_makes_a_name_ambiguous(
         with storage_calls(stack) as asked:
             answer = ask(stack, label)
         assert (answer.status, len(asked)) == (status, 2 if status == 200 else 1)
-    assert (answer.json["reason"], answer.json["detail"]) == ("unknown_camera", camera_lookup.SEVERAL)
+    assert (answer.json["reason"], answer.json["detail"]) == ("unknown_camera", camera_match.SEVERAL)
     assert ask(stack, known).status == 200
     # and back, when too few agree any more
     assert store.consensuses.drop(consensus(camera=other))
@@ -156,11 +162,9 @@ def test_second_usb_id_makes_a_name_ambiguous(
     assert ask(stack, label).status == 200
 
 
-def test_invented_usb_id_leaves_a_name_unambiguous(
-    stack: Server, store: Store, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.usefixtures("in_public")
+def test_invented_usb_id_leaves_a_name_unambiguous(stack: Server, store: Store) -> None:
     """A calibration under a name answers for an unknown id, but not for an id under another name."""
-    monkeypatch.setenv("MIN_CONTRIBUTORS", "3")
     label = "Onefold X4"
     store.calibrations.publish(calibration(label))
     put(store, consensus(camera=label))
@@ -174,16 +178,14 @@ def test_invented_usb_id_leaves_a_name_unambiguous(
     assert ask(stack, f"{label} (1111:0004)").status == 307
 
 
-def test_generic_name_is_unknown_in_public(
-    stack: Server, store: Store, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_generic_name_is_unknown_in_public(stack: Server, store: Store) -> None:
     put(store, consensus(camera="Integrated Camera"))
     assert ask(stack, "Integrated Camera").status == 200  # at home one knows which is meant
-    monkeypatch.setenv("MIN_CONTRIBUTORS", "3")
-    answer = ask(stack, "Integrated Camera", redirect=False)
-    assert (answer.status, answer.json["reason"]) == (404, "unknown_camera")
-    assert "USB id" in answer.json["detail"]
-    assert ask(stack, C920).status == 200
+    with variables_set(PUBLIC):
+        answer = ask(stack, "Integrated Camera", redirect=False)
+        assert (answer.status, answer.json["reason"]) == (404, "unknown_camera")
+        assert "USB id" in answer.json["detail"]
+        assert ask(stack, C920).status == 200
 
 
 def test_a_cropped_stream_is_kept_and_never_pooled(stack: Server, store: Store) -> None:

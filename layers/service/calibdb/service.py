@@ -66,18 +66,25 @@ class Service:
     _writes: deque[Callable[[], None]] | None = field(default=None, compare=False)
 
     @classmethod
-    def of(cls, environment: Mapping[str, str]) -> Service:
-        """Return the service of `environment`; one and the same for equal settings."""
-        if _of_server is not None and environment is os.environ:
+    def of_process(cls) -> Service:
+        """Return the service of this process; one and the same for equal settings.
+
+        The environment is read once, its secrets again every five minutes.
+        """
+        global _settings
+        if _of_server is not None:
             return _of_server
-        return _maker(Settings.from_environment(with_secrets(environment)))
+        current = _settings
+        if current is None or time.monotonic() >= current.until:
+            current = _settings = _ProcessSettings.read()
+        return _maker(current.settings)
 
     @classmethod
     @contextmanager
     def in_server(cls) -> Iterator[None]:
-        """Make `of(os.environ)` return one service, with a thread that writes what no response needs."""
+        """Make `of_process` return one service, with a thread that writes what no response needs."""
         global _of_server
-        settings = Settings.from_environment(with_secrets(os.environ))
+        settings = _ProcessSettings.read().settings
         plans = multiplied(settings.plan_factors)
         service = cls.build(settings, Store.of(settings), plans=plans, in_background=True)
         stopping = threading.Event()
@@ -121,7 +128,7 @@ class Service:
     @classmethod
     @contextmanager
     def override(cls, make: Callable[[Settings], Service]) -> Iterator[None]:
-        """Have `of` return `make(settings)` within the block, in every thread.
+        """Have `of_process` return `make(settings)` within the block, in every thread.
 
         For tests and measurements: a function's service with another clock or cache. `make` is called for
         each request; it may return the same service each time.
@@ -136,7 +143,9 @@ class Service:
 
     @classmethod
     def forget(cls) -> None:
-        """Forget the services that `of` has returned, as storage is another one from here on."""
+        """Forget the environment and the services of it, as both are others from here on."""
+        global _settings
+        _settings = None
         _remembered.cache_clear()
 
     @classmethod
@@ -275,6 +284,20 @@ class Service:
         return self.contributor(address, token.id), network(secret, address, token.id)
 
 
+@dataclass(frozen=True)
+class _ProcessSettings:
+    """Settings of this process, and the time by `time.monotonic` until which their secrets are current."""
+
+    settings: Settings
+    until: float
+
+    @classmethod
+    def read(cls) -> _ProcessSettings:
+        variables, until = with_secrets(os.environ)
+        return cls(Settings.from_environment(variables), until)
+
+
+_settings: _ProcessSettings | None = None
 _remembered = functools.lru_cache(maxsize=8)(Service.make)
 _of_server: Service | None = None
 _maker: Callable[[Settings], Service] = _remembered

@@ -97,7 +97,10 @@ class LocalStack:
         for layer in map(str, self.template.layers):
             if layer not in sys.path:
                 sys.path.append(layer)
+        from calibdb.service import Service  # now that the layers are on the path
 
+        Service.forget()
+        stack.callback(Service.forget)
         self.functions = {name: Function(spec) for name, spec in self.template.functions.items()}
         invokes = Invokes(self.functions, self._retry_pauses)
         storage = Storage()

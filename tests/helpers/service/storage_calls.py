@@ -1,7 +1,6 @@
 """Storage calls of a server's functions, counted where nothing else can be counted along."""
 
 import functools
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -60,7 +59,7 @@ def storage_calls(stack: Server) -> Iterator[list[str]]:
         return call()
 
     with intercepted(stack.storage, record), lasting_tokens(report=False):
-        Service.of(os.environ).api_token(TOKEN)
+        Service.of_process().api_token(TOKEN)
         names.clear()
         yield names
         stack.wait_until_idle(IDLE_S)

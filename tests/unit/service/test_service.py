@@ -1,5 +1,6 @@
 """Memory of a service between requests: a token for half a minute, and nothing else."""
 
+import math
 from dataclasses import replace
 from typing import Any, cast
 
@@ -95,6 +96,23 @@ def test_ticket_of_an_origin_token_is_bound_to_its_page(service: Service) -> Non
     assert service.ticket(ApiToken("t", ""), page).origin is None
 
 
-def test_equal_environments_are_one_service() -> None:
-    assert Service.of(ENVIRONMENT) is Service.of(dict(ENVIRONMENT))
-    assert Service.of(ENVIRONMENT) is not Service.of({**ENVIRONMENT, "TABLE_NAME": "other"})
+@pytest.mark.usefixtures("function_environment")
+def test_environment_is_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    service = Service.of_process()
+    monkeypatch.setenv("TABLE_NAME", "other")
+    assert Service.of_process() is service
+    Service.forget()
+    assert Service.of_process().settings.table_name == "other"
+
+
+@pytest.mark.usefixtures("function_environment")
+def test_equal_secrets_read_again_are_one_service(monkeypatch: pytest.MonkeyPatch) -> None:
+    current = {"SESSION_SECRETS": "a,b"}
+    monkeypatch.setattr(
+        "calibdb.service.with_secrets", lambda environment: ({**environment, **current}, -math.inf)
+    )
+    service = Service.of_process()
+    assert Service.of_process() is service
+    current["SESSION_SECRETS"] = "c,a"
+    assert Service.of_process() is not service
+    assert Service.of_process().settings.session_secrets == ("c", "a")

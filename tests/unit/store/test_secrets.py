@@ -2,6 +2,7 @@
 
 import heapq
 import itertools
+import math
 import random
 import threading
 from collections.abc import Sequence
@@ -65,7 +66,7 @@ def test_cached_secrets_are_used_during_an_outage() -> None:
 
 def test_secrets_without_path_come_from_the_environment() -> None:
     environment = {"SECRETS_PATH": "", "SESSION_SECRETS": "x"}
-    assert with_secrets(environment) is environment
+    assert with_secrets(environment) == (environment, math.inf)
 
 
 CROWD, QUOTA = 300, 40  # functions that start within a second; calls in a second that SSM gives an account

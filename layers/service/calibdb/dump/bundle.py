@@ -16,9 +16,8 @@ from typing import Any
 
 from calibdb.camera_key import identify, public_label
 from calibdb.camera_key.system import system_of
-from calibdb.lookup.answer import build_answer
-from calibdb.lookup.camera_lookup import resolve, unanswerable_reason
-from calibdb.lookup.selection import choose
+from calibdb.lookup.camera_match import choose, resolve, unanswerable_reason
+from calibdb.lookup.transfer import build_answer
 from calibdb.schema import Calibration, ConsensusDocument, Uncertainty
 from calibdb.schema.fields import ImgSize
 from calibdb.store import CameraRecords

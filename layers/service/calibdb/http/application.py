@@ -186,7 +186,7 @@ def _without_host(event: dict[str, Any]) -> dict[str, Any]:
 
 
 def _service() -> Service:
-    return Service.of(os.environ)
+    return Service.of_process()
 
 
 def problem_response(error: CalibdbError) -> Response:

@@ -13,7 +13,7 @@ from calibdb.estimate.estimator import EstimateQuery, estimate
 from calibdb.estimate.evidence import Evidence
 from calibdb.estimate.own import calibrated, other_size, reported, seen
 from calibdb.lookup.projection import axis_focal, distort_ray, is_projectable
-from calibdb.lookup.selection import closeness
+from calibdb.lookup.transfer import closeness
 from calibdb.schema import Calibration, ConsensusDocument, FittingGroup, LookupRequest
 from calibdb.schema.estimate import Estimate
 from calibdb.schema.lookup import CROPPED

@@ -10,7 +10,7 @@ from collections import Counter, OrderedDict
 from collections.abc import Callable
 
 from calibdb.camera_key import identify, public_label, public_platform
-from calibdb.lookup.camera_lookup import LookupResult
+from calibdb.lookup.camera_match import LookupResult
 from calibdb.lookup.camera_search import is_listed
 from calibdb.schema import LookupRequest, NewAlias, RefitRequest
 from calibdb.store import CameraRecords, Store

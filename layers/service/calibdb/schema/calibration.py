@@ -8,9 +8,8 @@ from pydantic import Field
 
 from calibdb.schema.board import Board
 from calibdb.schema.estimate import Estimate
-from calibdb.schema.fields import DistortionModel, ImgSize, Members, Open, Row
+from calibdb.schema.fields import DistortionModel, ImgSize, Members, Open, Row, is_none
 from calibdb.schema.licence import Licensed
-from calibdb.schema.membership import is_none
 
 Basis = Literal["consensus", "checked"]
 Relation = Literal["scale", "crop", "scale+crop", "neither"]

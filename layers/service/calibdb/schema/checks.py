@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration
 from calibdb.schema.documents import Votes
 from calibdb.schema.fields import (
-    DEVICE_TEXT,
-    DeviceModel,
     DistortionModel,
     ImgSize,
-    Label,
     Open,
     Row,
-    Strict,
-    Zoom,
-    join_device,
+    StreamRequest,
 )
 from calibdb.schema.licence import Licensed
 from calibdb.schema.lookup import ResizeMode
@@ -46,17 +41,9 @@ class GivenCalibration(Open):
     )
 
 
-class CheckRequest(Strict, Licensed):
+class CheckRequest(StreamRequest, Licensed):
     """A camera key and fresh views."""
 
-    camera: Label = Field(description="`MediaStreamTrack.label`")
-    platform: Label = Field(description="The parenthesised part of the user agent.")
-    device: DeviceModel | None = Field(None, description=DEVICE_TEXT)
-    img_size: ImgSize
-    zoom: Zoom = 0.0
-    distortion_model: DistortionModel = Field(
-        "rectilinear", description="Model of the lens; its name gives the order of the coefficients."
-    )
     resize_mode: ResizeMode | None = Field(
         None, description="`resizeMode` of the track: a stream that the browser crops is another picture."
     )
@@ -69,11 +56,6 @@ class CheckRequest(Strict, Licensed):
         description="Check this calibration instead of the camera's consensus, in its own model. Nothing is "
         "looked up or stored, and no vote counts.",
     )
-
-    @model_validator(mode="after")
-    def _join_device(self) -> Self:
-        join_device(self)
-        return self
 
 
 class CheckAnswer(Open):

@@ -8,10 +8,19 @@ from pydantic import Field
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration, FitRecord, Uncertainty
-from calibdb.schema.fields import CaptureKind, DistortionModel, Guidance, ImgSize, Members, Open, Pixel
+from calibdb.schema.fields import (
+    CaptureKind,
+    DistortionModel,
+    Guidance,
+    ImgSize,
+    Members,
+    Open,
+    Pixel,
+    is_none,
+)
 from calibdb.schema.licence import Licensed
 from calibdb.schema.lookup import Reason
-from calibdb.schema.membership import RigMembership, is_none
+from calibdb.schema.membership import RigMembership
 from calibdb.schema.session import Advice, End, SetAside, Track
 
 

@@ -6,8 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from calibdb.schema.fields import DistortionModel, ImgSize, Open, Row
-from calibdb.schema.membership import is_none
+from calibdb.schema.fields import DistortionModel, ImgSize, Open, Row, is_none
 
 EstimateBasis = Literal["calibrations", "views", "device", "other_size", "published", "family", "population"]
 

@@ -1,10 +1,10 @@
-"""The types of single fields, with their bounds, shared by all models."""
+"""The types of single fields, with their bounds, and bases of models."""
 
 from __future__ import annotations
 
 import math
 import unicodedata
-from typing import Annotated, Literal, Protocol, get_args
+from typing import Annotated, Literal, Protocol, TypeVar, get_args
 
 from pydantic import (
     AfterValidator,
@@ -13,6 +13,7 @@ from pydantic import (
     Field,
     JsonValue,
     StringConstraints,
+    model_validator,
 )
 from pydantic_core import PydanticCustomError
 
@@ -40,6 +41,11 @@ class Open(Deferred):
     """An answer or a stored document: fields that a later version added are passed over."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
+
+
+def is_none(value: object) -> bool:
+    """True if a member that older records and clients do not know is absent: it is left out."""
+    return value is None
 
 
 def _finite(value: JsonValue) -> JsonValue:
@@ -182,10 +188,28 @@ class Named(Protocol):
         """Model identifier."""
 
 
-def join_device(request: Named) -> None:
-    """Make the device that a request names a part of its platform."""
-    if request.device is None:
-        return
-    joined = with_device(request.platform, request.device)
-    if len(joined) <= MAX_LABEL:
-        object.__setattr__(request, "platform", joined)  # the model is frozen from here on
+NamedRequest = TypeVar("NamedRequest", bound=Named)
+
+
+def join_device(request: NamedRequest) -> NamedRequest:
+    """Make the device that a request names a part of its platform; a validator of the whole model."""
+    if request.device is not None:
+        joined = with_device(request.platform, request.device)
+        if len(joined) <= MAX_LABEL:
+            object.__setattr__(request, "platform", joined)  # the model is frozen from here on
+    return request
+
+
+class StreamRequest(Strict):
+    """A request about one stream of a camera and the model of its lens."""
+
+    camera: Label = Field(description="`MediaStreamTrack.label`")
+    platform: Label = Field(description="The parenthesised part of the user agent.")
+    device: DeviceModel | None = Field(None, description=DEVICE_TEXT)
+    img_size: ImgSize
+    zoom: Zoom = 0.0
+    distortion_model: DistortionModel = Field(
+        "rectilinear", description="Model of the lens; its name gives the order of the coefficients."
+    )
+
+    _join_device = model_validator(mode="after")(join_device)

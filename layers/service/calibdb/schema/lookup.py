@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 from urllib.parse import urlencode
 
 from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field, model_validator
@@ -132,10 +132,7 @@ class LookupRequest(Deferred):
             }
         )
 
-    @model_validator(mode="after")
-    def _join_device(self) -> Self:
-        join_device(self)
-        return self
+    _join_device = model_validator(mode="after")(join_device)
 
 
 class NoCalibration(Open):

@@ -20,11 +20,6 @@ MomentId = Annotated[
 Position = Annotated[int, Field(strict=True, ge=0, lt=MAX_RIG_CAMERAS), Whole]
 
 
-def is_none(value: object) -> bool:
-    """True if a member that older records and clients do not know is absent: it is left out."""
-    return value is None
-
-
 class RigJoin(Strict):
     """The rig that a session is to join: by its join code or by its id."""
 

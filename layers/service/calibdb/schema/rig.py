@@ -8,8 +8,8 @@ from pydantic import Field
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import BoardShape, Calibration
-from calibdb.schema.fields import DistortionModel, ImgSize, Open, Pixel, Row, Strict, Whole
-from calibdb.schema.membership import MAX_RIG_CAMERAS, MIN_RIG_CAMERAS, MomentId, is_none
+from calibdb.schema.fields import DistortionModel, ImgSize, Open, Pixel, Row, Strict, Whole, is_none
+from calibdb.schema.membership import MAX_RIG_CAMERAS, MIN_RIG_CAMERAS, MomentId
 from calibdb.schema.session import HintCode
 
 RigUnit = Literal["squares", "metres"]

@@ -9,8 +9,7 @@ from pydantic import Field
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import BoardShape, FitRecord
 from calibdb.schema.documents import EstimateDocument, Finish
-from calibdb.schema.fields import Open
-from calibdb.schema.membership import is_none
+from calibdb.schema.fields import Open, is_none
 from calibdb.schema.rig import Motion, RigState, RigTarget, RigUncertainty, SetAsideReason
 from calibdb.schema.session import SetAside
 

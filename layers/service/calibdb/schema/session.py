@@ -2,32 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import BoardShape, Calibration, Uncertainty
 from calibdb.schema.fields import (
-    DEVICE_TEXT,
     CaptureKind,
-    DeviceModel,
     DistortionModel,
     Guidance,
     ImgSize,
     Index,
-    Label,
     ModeName,
     Open,
     Pixel,
     Row,
+    StreamRequest,
     Strict,
     TargetError,
-    Zoom,
-    join_device,
+    is_none,
 )
 from calibdb.schema.licence import Licence, LicenceVersion, Licensed
-from calibdb.schema.membership import MomentId, RigJoin, RigMembership, is_none
+from calibdb.schema.membership import MomentId, RigJoin, RigMembership
 from calibdb.schema.observed_corners import ObservedCorners
 
 MAX_RECORDED_VIEWS = 200  # of a recorded session; a live one ends long before
@@ -91,17 +88,9 @@ class LicenceRequest(Strict, Licensed):
     licence: Licence = Field(description="The contributor agrees that the views may be given away.")
 
 
-class SessionRequest(Strict, Licensed):
+class SessionRequest(StreamRequest, Licensed):
     """Starts a guided capture of one camera."""
 
-    camera: Label = Field(description="`MediaStreamTrack.label`")
-    platform: Label = Field(description="The parenthesised part of the user agent.")
-    device: DeviceModel | None = Field(None, description=DEVICE_TEXT)
-    img_size: ImgSize
-    zoom: Zoom = 0.0
-    distortion_model: DistortionModel = Field(
-        "rectilinear", description="Model of the lens; its name gives the order of the coefficients."
-    )
     board: Board = Field(Board(), description="The board; default: a ChArUco board of 9 x 6 squares.")
     guidance: Guidance = Field("projection-uncertainty", description="How the next pose is chosen.")
     target_error: TargetError | None = Field(
@@ -124,11 +113,6 @@ class SessionRequest(Strict, Licensed):
         description="Public name of the camera's mode, such as `stabilisation on`. If the calibrations of "
         "the camera fall into groups, a group has the name that most of its contributors gave.",
     )
-
-    @model_validator(mode="after")
-    def _join_device(self) -> Self:
-        join_device(self)
-        return self
 
 
 class ViewRequest(ObservedCorners):

@@ -2,8 +2,7 @@
 
 from calibdb.store.aliases import Alias, Aliases
 from calibdb.store.calibrations import Calibrations
-from calibdb.store.cameras import CameraRecords, Cameras
-from calibdb.store.consensus import Consensuses
+from calibdb.store.cameras import CameraRecords, Cameras, Consensuses
 from calibdb.store.keys import StreamMode
 from calibdb.store.leases import Leases
 from calibdb.store.ports import Condition, Objects, Table

@@ -5,7 +5,9 @@ from __future__ import annotations
 import logging
 
 from calibdb.errors import UnavailableError
-from calibdb.schema import RefitAnswer, RefitRequest
+from calibdb.schema import ConsensusDocument, RefitAnswer, RefitRequest
+from calibdb.schema.fields import DistortionModel
+from calibdb.store.keys import StreamMode
 from calibdb.store.ports import Jobs
 
 _log = logging.getLogger(__name__)
@@ -35,3 +37,10 @@ class Refit:
         if content is None:
             raise UnavailableError("The service could not compute this model; try again.")
         return RefitAnswer.model_validate_json(content)
+
+    def consensus(self, mode: StreamMode, model: DistortionModel) -> ConsensusDocument | None:
+        """Have the consensus of one model computed and return it, as `now` does; None if there is none."""
+        request = RefitRequest(
+            camera=mode.camera_key, img_size=mode.img_size, zoom=mode.zoom, models=(model,)
+        )
+        return self.now(request).models.get(model)

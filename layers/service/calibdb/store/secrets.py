@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import logging
+import math
 import random
 import time
 from collections.abc import Callable, Mapping
@@ -47,19 +48,20 @@ class Secrets:
         self._sleep = sleep
         self._uniform = uniform
         self._known: Mapping[str, str] = {}
-        self._until = float("-inf")
+        self.until = -math.inf
+        """Time of the clock at which they are read again."""
 
     def __call__(self) -> Mapping[str, str]:
         """Return name, without the path, to value."""
         now = self._clock()
-        if now >= self._until:
+        if now >= self.until:
             try:
                 self._known = self._read()
             except UnavailableError:
                 if not self._known:
                     raise
                 _log.warning("secrets could not be reloaded", exc_info=True)
-            self._until = now + SECRETS_TTL_S
+            self.until = now + SECRETS_TTL_S
         return self._known
 
     def _read(self) -> Mapping[str, str]:
@@ -79,12 +81,16 @@ class Secrets:
         raise failed
 
 
-def with_secrets(environment: Mapping[str, str]) -> Mapping[str, str]:
-    """Return the environment with the secrets under its SECRETS_PATH; without one, as it is."""
+def with_secrets(environment: Mapping[str, str]) -> tuple[Mapping[str, str], float]:
+    """Return the environment with the secrets under its SECRETS_PATH; without one, as it is.
+
+    Also the time at which the secrets must be read again, by `time.monotonic`.
+    """
     path = environment.get("SECRETS_PATH")
     if not path:
-        return environment
-    return {**environment, **_cached_secrets(path, environment["AWS_REGION"])()}
+        return environment, math.inf
+    secrets = _cached_secrets(path, environment["AWS_REGION"])
+    return {**environment, **secrets()}, secrets.until
 
 
 def read_parameter(name: str, region: str) -> str:

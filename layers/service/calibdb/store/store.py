@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from calibdb.settings import Settings
 from calibdb.store.aliases import Aliases
 from calibdb.store.calibrations import Calibrations
-from calibdb.store.cameras import Cameras
-from calibdb.store.consensus import Consensuses
+from calibdb.store.cameras import Cameras, Consensuses
 from calibdb.store.leases import Leases
 from calibdb.store.miss_counts import MissCounts
 from calibdb.store.ports import Storage

@@ -28,10 +28,9 @@ def test_plan_of_one_user_grows_with_its_token_s() -> None:
 def test_environment_names_factors() -> None:
     settings = Settings.from_environment({**ENVIRONMENT, "PLAN_FACTORS": "page=50,free=2"})
     assert settings.plan_factors == (("page", 50), ("free", 2))
-    environment = {**ENVIRONMENT, "PLAN_FACTORS": "page=7"}
-    service = Service.of(environment)
+    service = Service.make(settings)
     token_plan = service._plans["page"].together.sessions
-    assert token_plan == 7_000
+    assert token_plan == 50_000
 
 
 @pytest.mark.parametrize("text", ["page", "page=0", "page=x", "=2"])

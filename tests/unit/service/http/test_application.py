@@ -10,6 +10,7 @@ from calibdb.errors import ConflictError, NotFoundError
 from calibdb.http import application
 from tests.unit.service.test_settings import ENVIRONMENT
 
+pytestmark = pytest.mark.usefixtures("function_environment")
 TYPES = ("image/jpeg", "image/png", "application/json")
 
 
@@ -35,12 +36,6 @@ HANDLER = application.handler(
     application.route("/crash", GET=crash),
     application.route("/blob", GET=blob),
 )
-
-
-@pytest.fixture(autouse=True)
-def environment(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name, value in ENVIRONMENT.items():
-        monkeypatch.setenv(name, value)
 
 
 HTTP = {"method": "GET", "sourceIp": "192.0.2.1"}

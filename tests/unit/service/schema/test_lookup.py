@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
 
-from calibdb.lookup.answer import build_answer
+from calibdb.lookup.transfer import build_answer
 from calibdb.schema import CamerasRequest, LookupAnswer, LookupRequest
 from tests.helpers.service.known import consensus
 

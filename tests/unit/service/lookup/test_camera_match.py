@@ -1,12 +1,13 @@
-"""Camera lookup: the key under which a camera is found, and how often the index is read for it."""
+"""Match of a lookup: the key under which a camera is found, reads of the index, choice of a consensus."""
 
 from typing import Any
 
 import pytest
 
 from calibdb.camera_key import identify
-from calibdb.lookup import camera_lookup
-from calibdb.schema import ConsensusDocument
+from calibdb.lookup import camera_match
+from calibdb.lookup.camera_match import choose
+from calibdb.schema import Calibration, ConsensusDocument, Uncertainty
 from calibdb.store import CameraRecords
 from tests.helpers.service.known import C920, LINUX, consensus, fit
 
@@ -25,7 +26,7 @@ def resolve(
         asked.append(key)
         return index.get(key, CameraRecords([]))
 
-    found = camera_lookup.resolve(read, identity, SIZE, 0.0, "rectilinear", private=private)  # type: ignore[arg-type]
+    found = camera_match.resolve(read, identity, SIZE, 0.0, "rectilinear", private=private)  # type: ignore[arg-type]
     assert len(asked) <= 2
     assert asked[0] == identity.key  # type: ignore[attr-defined]
     return found.key, found.choice.found, len(asked)
@@ -118,18 +119,16 @@ def test_generic_name_is_found_on_private_deployments_only() -> None:
     [
         ("HD Pro Webcam C920", False, None, None),
         ("HD Pro Webcam C920", False, "none", None),
-        ("HD Pro Webcam C920", False, "crop-and-scale", camera_lookup.RESIZED),
-        ("Integrated Camera", False, None, camera_lookup.AMBIGUOUS),
+        ("HD Pro Webcam C920", False, "crop-and-scale", camera_match.RESIZED),
+        ("Integrated Camera", False, None, camera_match.AMBIGUOUS),
         ("Integrated Camera", True, None, None),
-        ("OBS Virtual Camera", True, None, camera_lookup.VIRTUAL),
+        ("OBS Virtual Camera", True, None, camera_match.VIRTUAL),
     ],
 )
 def test_unanswerable_cameras_have_a_reason(
     label: str, private: bool, resize_mode: str | None, why: str | None
 ) -> None:
-    found = camera_lookup.unanswerable_reason(
-        identify(label, LINUX), private=private, resize_mode=resize_mode
-    )
+    found = camera_match.unanswerable_reason(identify(label, LINUX), private=private, resize_mode=resize_mode)
     assert found == why
 
 
@@ -139,3 +138,96 @@ def test_computable_model_is_an_answer() -> None:
         CHROME.key: CameraRecords([consensus(fit(model="rational", distortion=(0.0,) * 8))]),
     }
     assert resolve(index)[0] == CHROME.key
+
+
+def stored(
+    size: tuple[int, int],
+    model: str = "rectilinear",
+    reason: str | None = None,
+    zoom: float = 0.0,
+    total: int = 5,
+) -> ConsensusDocument:
+    calibration = Calibration(
+        img_size=size,
+        camera_matrix=((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+        distortion_coefficients=(),
+        distortion_model=model,
+        avg_reprojection_error=0.2,
+        id="id",
+        camera="camera",
+        platform="platform",
+        zoom=zoom,
+        calibrations=5,
+        contributors=3,
+        reliable=reason is None,
+        exact_size=True,
+        uncertainty=Uncertainty(rms=0.1, max=0.2),
+        calibration_time=0,
+    )
+    return ConsensusDocument(
+        camera_key="k",
+        img_size=size,
+        zoom=zoom,
+        distortion_model=model,
+        total=total,
+        latest=0,
+        reason=reason,
+        calibration=calibration,
+    )
+
+
+HD, FULL_HD, VGA, SD = (1280, 720), (1920, 1080), (640, 480), (854, 480)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "asked", "answered"),
+    [
+        ([HD, FULL_HD, VGA], HD, HD),
+        ([FULL_HD, VGA], HD, FULL_HD),  # same aspect before closer area
+        ([SD, VGA], HD, SD),
+        ([VGA], HD, VGA),
+        ([VGA, (1600, 1200)], (1024, 768), (1600, 1200)),  # 2.4 times the area, not a 2.6th
+        ([SD, FULL_HD, (3840, 2160)], (3000, 1687), (3840, 2160)),  # 16:9 to the pixel, and almost
+        ([(720, 1280), VGA], HD, VGA),
+    ],
+)
+def test_closest_size(
+    sizes: list[tuple[int, int]], asked: tuple[int, int], answered: tuple[int, int]
+) -> None:
+    known = [stored(size) for size in sizes]
+    for order in (known, known[::-1]):
+        choice = choose(order, asked, 0.0, "rectilinear")
+        assert choice.found is not None
+        assert choice.found.img_size == answered
+
+
+def test_only_reliable_consensuses_answer() -> None:
+    choice = choose([stored(HD, reason="disagree"), stored(VGA)], HD, 0.0, "rectilinear")
+    assert choice.found is not None
+    assert choice.found.img_size == VGA
+    choice = choose([stored(HD, reason="disagree"), stored(VGA, reason="too_few")], HD, 0.0, "rectilinear")
+    assert (choice.found, choice.reason) == (None, "disagree")
+
+
+def test_missing_model_is_computed_where_another_is_reliable() -> None:
+    assert choose([stored(HD)], FULL_HD, 0.0, "fisheye").missing_at == HD
+    assert choose([stored(HD, reason="too_few")], HD, 0.0, "fisheye").missing_at is None
+    both = [stored(HD), stored(HD, "fisheye", reason="disagree")]
+    choice = choose(both, HD, 0.0, "fisheye")
+    assert (choice.missing_at, choice.reason) == (None, "disagree")
+
+
+def test_outdated_model_is_recomputed() -> None:
+    # A session asks for both models; between the two a lookup must not hear yesterday's answer.
+    known = [stored(HD), stored(HD, "fisheye", reason="too_few", total=4)]
+    assert choose(known, HD, 0.0, "fisheye").missing_at == HD
+
+
+def test_another_zoom_never_answers() -> None:
+    assert choose([stored(HD, zoom=1.0)], HD, 0.0, "rectilinear").found is None
+    assert choose([stored(HD, zoom=1.0)], HD, 1.0, "rectilinear").found is not None
+
+
+def test_nothing_known() -> None:
+    choice = choose([], HD, 0.0, "rectilinear")
+    assert (choice.found, choice.missing_at, choice.reason) == (None, None, "unknown_camera")

@@ -1,7 +1,7 @@
-"""Lookup of a camera by USB id and name, or only by the name if it identifies the product.
+"""Match of a lookup: the camera, by USB id and name or only by the name, and its consensus for the request.
 
-Never a guess: a name of many products, or of two USB ids, finds no camera. Since
-anyone can invent an id, only well-known ids (`calibdb.lookup.well_known_ids`) rival each other.
+A name of many products, or of two USB ids, finds no camera: the match is never a guess. Anyone can invent an
+id, so only well-known ids (`calibdb.lookup.well_known_ids`) rival each other.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from calibdb.camera_key import Identity, identify
-from calibdb.lookup.answer import bracketing_zooms, build_answer, interpolate_zoom
-from calibdb.lookup.selection import Choice, choose
-from calibdb.schema import ConsensusDocument, LookupAnswer, LookupRequest
+from calibdb.errors import NotFoundError
+from calibdb.lookup.transfer import bracketing_zooms, build_answer, closeness, interpolate_zoom
+from calibdb.schema import Calibration, CheckRequest, ConsensusDocument, LookupAnswer, LookupRequest
 from calibdb.schema.fields import DISTORTION_MODELS, size_text, zoom_text
 from calibdb.schema.lookup import CROPPED, Reason
-from calibdb.store import CameraRecords, Store
+from calibdb.store import CameraRecords, Store, StreamMode
 
 VIRTUAL = "This is a virtual camera: a program without a lens of its own."
 AMBIGUOUS = "Many cameras have this name. Send a label with a USB id, or a platform with the device's model."
@@ -38,6 +38,15 @@ _MISS_DETAILS = {
 
 
 @dataclass(frozen=True)
+class Choice:
+    """Selected consensus, or a size at which the model is yet to be computed, or the reason for a miss."""
+
+    found: ConsensusDocument | None = None
+    missing_at: tuple[int, int] | None = None
+    reason: Reason = "unknown_camera"
+
+
+@dataclass(frozen=True)
 class CameraMatch:
     """The key under which something was found or is missing, all that is known there, and what answers."""
 
@@ -50,6 +59,42 @@ class CameraMatch:
     def has_answer(self) -> bool:
         """True if there is an answer, or will be once it is computed."""
         return self.choice.found is not None or self.choice.missing_at is not None
+
+
+def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: float, model: str) -> Choice:
+    """Select the result of a lookup.
+
+    Parameters
+    ----------
+    known
+        All consensuses of the camera.
+    img_size, zoom, model
+        The request. Another zoom is other optics and never a result. The exact size comes first, then
+        the closest: by aspect, then by area.
+
+    Returns
+    -------
+    Choice
+        `found`: a reliable consensus. `missing_at`: nothing is stored for this model at the best size at
+        which another model has a consensus. Else `reason`, of the exact size where it is known.
+
+    """
+    here: dict[tuple[tuple[int, int], str], ConsensusDocument] = {
+        (c.img_size, c.distortion_model): c for c in known if c.zoom == zoom
+    }
+    for size in sorted({size for size, _ in here}, key=lambda s: closeness(s, img_size)):
+        requested = here.get((size, model))
+        if requested is not None and requested.reliable:
+            return Choice(found=requested)
+        others = [c for (other, _), c in here.items() if other == size and c.reliable]
+        # Not computed yet, or not since the calibrations came in that made another model reliable.
+        if any(
+            requested is None or (requested.total, requested.latest) < (c.total, c.latest) for c in others
+        ):
+            return Choice(missing_at=size)
+    order = sorted(here.items(), key=lambda known: known[0][1] != model)
+    exact = [c.reason for (size, _), c in order if size == img_size and c.reason]
+    return Choice(reason=exact[0] if exact else "too_few" if here else "unknown_camera")
 
 
 def unanswerable_reason(identity: Identity, *, private: bool, resize_mode: str | None) -> str | None:
@@ -86,29 +131,33 @@ def resolve(
     return search.own
 
 
+@dataclass(frozen=True)
 class _Search:
     """One search for a camera: what is known under its own key, and reads of other keys."""
 
-    def __init__(
-        self,
-        read: Callable[[str], CameraRecords],
-        identity: Identity,
-        img_size: tuple[int, int],
-        zoom: float,
-        model: str,
-        private: bool,
-    ) -> None:
-        self.read = read
-        self.identity = identity
-        self.private = private
-        self._wanted = img_size, zoom, model
-        self.known = read(identity.key)
-        self.own = self.match(identity.key, self.known)
+    read: Callable[[str], CameraRecords]
+    identity: Identity
+    img_size: tuple[int, int]
+    zoom: float
+    model: str
+    private: bool
+
+    @functools.cached_property
+    def known(self) -> CameraRecords:
+        """All that is known under the camera's own key."""
+        return self.read(self.identity.key)
+
+    @functools.cached_property
+    def own(self) -> CameraMatch:
+        """The match under the camera's own key."""
+        return self.match(self.identity.key, self.known)
 
     def match(self, key: str, known: CameraRecords | None = None) -> CameraMatch:
         """Choose what answers among all that is known under `key`, read now unless given."""
         known = known or self.read(key)
-        return CameraMatch(key, known.consensuses, choose(known.consensuses, *self._wanted))
+        return CameraMatch(
+            key, known.consensuses, choose(known.consensuses, self.img_size, self.zoom, self.model)
+        )
 
     def prefer(self, other: CameraMatch) -> CameraMatch:
         """Return `other`, unless only the camera's own key says why there is no answer."""
@@ -277,3 +326,30 @@ def find_by_digest(
     query = replace(wanted, camera=alias.label, platform=alias.platform)
     read = functools.cache(store.cameras.known)
     return find(read, query, private=private, compute=lambda _key, _size: None)
+
+
+def find_checked(store: Store, request: CheckRequest, *, private: bool) -> tuple[StreamMode, Calibration]:
+    """Find the consensus to check, reliable or not, and its mode; raises NotFoundError if there is none.
+
+    It is found as a lookup would find it, but at no other size or zoom than the views'. As in a lookup, what
+    a browser cropped is another picture.
+    """
+    size, zoom, model = request.img_size, request.zoom, request.distortion_model
+    identity = identify(request.camera, request.platform)
+    if unanswerable_reason(identity, private=private, resize_mode=request.resize_mode) is None:
+        read = store.cameras.known
+        resolved = resolve(read, identity, size, zoom, model, private=private)
+        mode = StreamMode(resolved.key, size, zoom)
+        here = [c for c in resolved.known if (c.img_size, c.zoom) == (size, zoom)]
+        consensus = consensus_of_model(here, model) or (store.refit.consensus(mode, model) if here else None)
+        if consensus is not None and consensus.calibration is not None:
+            return mode, consensus.calibration
+    raise NotFoundError(
+        "The database has no consensus to check for this camera at this size; cropped streams have none.",
+        kind="no-calibration",
+    )
+
+
+def consensus_of_model(documents: Sequence[ConsensusDocument], model: str) -> ConsensusDocument | None:
+    """Return the consensus of this model, None if there is none."""
+    return next((d for d in documents if d.distortion_model == model), None)
