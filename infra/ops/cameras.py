@@ -140,8 +140,8 @@ def _stored_under(
 
 def _indexed_ids(context: OpsContext, camera_key: str) -> Iterator[str]:
     """Yield the ids of the calibrations that the index knows under a key."""
-    for sk in context.index.sort_keys(camera_pk(camera_key), "CALIBRATION#"):
-        yield sk.rpartition("#")[2]
+    for item in context.storage.table.query(camera_pk(camera_key), "CALIBRATION#", consistent=True):
+        yield str(item["sk"]).rpartition("#")[2]
 
 
 def title(mode: StreamMode) -> str:

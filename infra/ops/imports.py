@@ -19,13 +19,14 @@ from calibsolver.fitting.coverage import Coverage, record_covered
 from calibsolver.formats import ImportedFile
 from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.grid import grid
+from calibsolver.formats.reading import read_bytes
 from calibsolver.quality.model_selection import suggest_model
 from calibsolver.quality.report import describe
 from infra.ops import OpsError, reindex
 from infra.ops.context import OpsContext
-from infra.ops.files import read_file
 from infra.ops.seed import UNKNOWN_ERROR
 
+_MAX_FILE_BYTES = 64 * 2**20  # keypoints make files large
 #: views from which a fit can be believed without a guide having chosen them
 MIN_VIEWS = 4
 #: corners that a dictionary of 50 markers has room for, and the dictionary for larger boards
@@ -97,6 +98,24 @@ def import_file(
         f"calibration {document.id}: {len(document.views)} views{aside}, {document.distortion_model}, "
         f"{fitted.avg_reprojection_error:.3f} px rms"
     )
+
+
+def read_file(path: Path, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: B008 - a value that never changes
+    """Read a calibration file of any kind that `calibsolver.formats.reading` knows.
+
+    Raises OpsError, which says what is wrong with it.
+    """
+    try:
+        with path.open("rb") as file:
+            raw = file.read(_MAX_FILE_BYTES + 1)
+    except OSError as error:
+        raise OpsError(f"{path} cannot be read: {error.strerror}") from error
+    if len(raw) > _MAX_FILE_BYTES:
+        raise OpsError(f"{path} is larger than {_MAX_FILE_BYTES >> 20} MB")
+    try:
+        return read_bytes(raw, path.suffix, options)
+    except CalibrationError as error:
+        raise OpsError(f"{path}: {error}") from error
 
 
 def fingerprint(document: CalibrationDocument) -> str:

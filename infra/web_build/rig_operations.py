@@ -9,7 +9,6 @@ from infra.web_build.operation import Content, Operation
 from infra.web_build.parameters import SWITCH, Node, path, query
 
 _SESSION = ("sessionId",)
-_ASKED = (401, 403, 429, 500, 503)
 _RIG_STATE = Content("The rig's state.", schema.RigState, headers=("ETag",))
 _ID = path("id", {"type": "string"}, "Id of the rig.")
 _RIG_FILES = ("application/yaml", "application/zip", "model/gltf+json")
@@ -27,9 +26,9 @@ RIG_OPERATIONS = (
         "createRig",
         "Make a rig whose first camera is the session's; again gives a fresh join code",
         {201: Content("The rig, and the code by which other cameras join it.", schema.RigOpened)},
-        (400, *_ASKED, 404, 409, 413, 422),
         _SESSION,
         schema.RigRequest,
+        problems=(404, 409),
         tag="Rigs",
         description=(
             "Creates a rig of two to eight cameras. The session, which has no views yet, is camera 0 and "
@@ -46,9 +45,9 @@ RIG_OPERATIONS = (
         "showRig",
         "Cameras, moments, error, target and result of a rig",
         {200: _RIG_STATE, 304: Content("Nothing has changed since the state with the ETag sent.")},
-        (*_ASKED, 404, 409, 422),
         ("sessionId", "apiToken"),
         parameters=(_ID, query("skip", SWITCH, "`1`, of the leader: a target of another kind.")),
+        problems=(404, 409, 422),
         tag="Rigs",
         description=(
             "Returns the state of a rig: its cameras, its moments and what is set aside of them, the "
@@ -63,11 +62,11 @@ RIG_OPERATIONS = (
         "forgetRig",
         "Delete a running rig and its sessions",
         {204: Content("Forgotten.")},
-        (*_ASKED, 404, 409),
         _SESSION,
         parameters=(_ID,),
+        problems=(404, 409),
         tag="Rigs",
-        description=("Deletes a running rig with the sessions of its cameras. A finished rig stays."),
+        description="Deletes a running rig with the sessions of its cameras. A finished rig stays.",
         example_path={"id": "RIG_ID"},
     ),
     Operation(
@@ -76,10 +75,10 @@ RIG_OPERATIONS = (
         "openMoment",
         "Open a moment",
         {201: _RIG_STATE},
-        (400, *_ASKED, 404, 409, 413, 422),
         _SESSION,
         schema.MomentRequest,
         parameters=(_ID,),
+        problems=(404, 409),
         tag="Rigs",
         description=(
             "Opens a moment: one pose of the board, held still, under an id that the leader chooses. Each "
@@ -95,11 +94,11 @@ RIG_OPERATIONS = (
         "undoMoment",
         "Undo a moment in all cameras",
         {200: _RIG_STATE},
-        (*_ASKED, 404, 409, 422),
         _SESSION,
         parameters=(_ID, _moment()),
+        problems=(404, 409, 422),
         tag="Rigs",
-        description=("Undoes a moment. Its views are removed from all cameras, and late ones are refused."),
+        description="Undoes a moment. Its views are removed from all cameras, and late ones are refused.",
         example_path={"id": "RIG_ID", "moment": "m1"},
     ),
     Operation(
@@ -108,9 +107,9 @@ RIG_OPERATIONS = (
         "finishRig",
         "End a rig and publish its result",
         {200: _RIG_STATE},
-        (*_ASKED, 404, 409),
         _SESSION,
         parameters=(_ID,),
+        problems=(404, 409),
         tag="Rigs",
         description=(
             "Ends a rig whose cameras are all linked and have four agreeing views. Each camera's session is "
@@ -131,7 +130,6 @@ RIG_OPERATIONS = (
                 sometimes=("Content-Disposition", "X-Conversion-Error", "X-Conversion-Warning"),
             )
         },
-        (*_ASKED, 404, 409, 422),
         ("apiToken", "sessionId"),
         parameters=(
             _ID,
@@ -139,6 +137,7 @@ RIG_OPERATIONS = (
                 "format", {"type": "string", "enum": list(RIG_FORMATS)}, "File format; `json` unless given."
             ),
         ),
+        problems=(404, 409, 422),
         tag="Rigs",
         description=(
             "Returns the cameras as they were fitted together, and the pose of each relative to camera 0. "
