@@ -81,7 +81,7 @@ def views_of(recording: Recording, count: int) -> dict[str, Any]:
     views = most_different(recording, count)
     return {
         "board": recording.board.record(),
-        "views": [{"ids": list(view.ids), "points": [list(q) for q in view.points]} for view in views],
+        "views": [view.record() for view in views],
     }
 
 

@@ -33,7 +33,7 @@ def compare(recording: Recording, calibration: Calibration) -> Comparison:
 
     _require_size(recording, calibration)
     try:
-        views = recording.board.views([{"ids": view.ids, "points": view.points} for view in recording.views])
+        views = recording.observations()
         return comparison.compare(calibration.lens, views)
     except (calibsolver.CalibrationError, ValueError) as why:
         raise CaptureError(f"the views do not suffice for a check: {why}") from None
