@@ -52,6 +52,11 @@ def sdk_files(web: Path) -> Mapping[str, bytes]:
     return dict(_files(tuple(sorted(sources.items())))) if sources else {}
 
 
+def sdk_package(web: Path, version: str) -> bytes:
+    """Pack the SDK as npm installs it, under a version."""
+    return _package(_sources(web), version)
+
+
 def sdk_version(web: Path) -> str:
     """Return the name of the version, 0.2.0 of a release and 0.2.0-dev.1f0c7a3e of anything else."""
     return _version(_sources(web))
