@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 
 import calibsolver
 from calibdb.camera_key import identify, public_label, public_platform
-from calibdb.schema import Board, CalibrationDocument, FitRecord, PriorDocument, Track, ViewDocument
+from calibdb.schema import Board, CalibrationDocument, FitRecord, Track, ViewDocument
 from calibdb.schema.licence import Licence
 from calibdb.schema.session import SetAside
 from calibsolver import CalibrationError, Camera, View, fit, models
@@ -24,7 +24,7 @@ from calibsolver.quality.model_selection import suggest_model
 from calibsolver.quality.report import describe
 from infra.ops import OpsError, reindex
 from infra.ops.context import OpsContext
-from infra.ops.seed import UNKNOWN_ERROR
+from infra.ops.seed import UNKNOWN_ERROR, guess
 
 _MAX_FILE_BYTES = 64 * 2**20  # keypoints make files large
 #: views from which a fit can be believed without a guide having chosen them
@@ -211,16 +211,8 @@ def _guess(
         record = FitRecord.model_validate(_record(camera))
     except ValidationError as error:
         raise OpsError(f"{path}: {error.errors(include_url=False)[0]['msg']}") from error
-    prior = PriorDocument(
-        camera_key=identify(reported.camera, reported.platform).key,
-        camera=public_label(reported.camera),
-        platform=public_platform(reported.platform),
-        zoom=reported.zoom,
-        fit=record,
-        source=path.name,
-        measured=1,
-    )
     if not dry_run:
+        prior = guess(reported.camera, reported.platform, reported.zoom, record, path.name)
         context.store.priors.keep(prior)
     fx, fy = (camera.matrix[i, i] for i in range(2))
     size = f"{camera.img_size[0]} x {camera.img_size[1]}"
