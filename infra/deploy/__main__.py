@@ -19,10 +19,10 @@ from calibdb.settings import Thresholds, parse_plan_factors
 from infra.deploy import aws
 from infra.deploy.aws import DeployError
 from infra.deploy.deployment import deploy
-from infra.deploy.intrinsics import parse
 from infra.deploy.package import ROOT
 from infra.deploy.site import uploads
 from infra.deploy.steps import Target, steps
+from infra.deploy.template import parse
 from infra.release.checkout import CheckoutError, check_clean
 
 

@@ -15,9 +15,9 @@ from botocore.exceptions import ClientError
 
 from calibdb.store.aws import code
 from infra.deploy import aws
-from infra.deploy.intrinsics import parse
 from infra.deploy.package import ROOT
 from infra.deploy.steps import Target
+from infra.deploy.template import parse
 
 # Concurrent executions that Lambda leaves to functions without a reservation.
 # Source: AWS Lambda developer guide, "Configuring reserved concurrency".

@@ -18,6 +18,7 @@ SECRETS = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRETS", "EDGE_SECRET
 _READ_BY_CLOUDFORMATION = "EDGE_SECRET"
 _MAX_KEYS = 3  # of one list: the one in use, the next, the one before
 _INLINE = ("Probe", "CutoffFunction")  # their code stands in the template: they belong to no release
+FUNCTION, ALIAS = "AWS::Lambda::Function", "AWS::Lambda::Alias"
 UNCREATED = ("REVIEW_IN_PROGRESS", "DELETE_COMPLETE")  # status of a stack that has no resources
 
 
@@ -152,23 +153,29 @@ def physical_id(cloudformation: Any, stack: str, name: str) -> str:
     return str(response["StackResourceDetail"]["PhysicalResourceId"])
 
 
+def resources(cloudformation: Any, stack: str, kind: str | None = None) -> list[Mapping[str, str]]:
+    """Read the resources of the stack; with `kind`, those of one type."""
+    pages = cloudformation.get_paginator("list_stack_resources").paginate(StackName=stack)
+    every = [resource for page in pages for resource in page["StackResourceSummaries"]]
+    return [resource for resource in every if kind in (None, resource["ResourceType"])]
+
+
+def versions(lambda_: Any, function: str) -> list[int]:
+    """Read the numbers of a function's published versions."""
+    pages = lambda_.get_paginator("list_versions_by_function").paginate(FunctionName=function)
+    numbers = [version["Version"] for page in pages for version in page["Versions"]]
+    return [int(number) for number in numbers if number.isdecimal()]
+
+
 def releases(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, str]:
     """Read the release of each function: at its alias `live` where it has one, else as it is invoked."""
-    resources = [
-        r
-        for page in cloudformation.get_paginator("list_stack_resources").paginate(StackName=stack)
-        for r in page["StackResourceSummaries"]
-    ]
-    names = [
-        r["PhysicalResourceId"]
-        for r in resources
-        if r["ResourceType"] == "AWS::Lambda::Function" and r["LogicalResourceId"] not in _INLINE
-    ]
-    aliased = {
-        r["PhysicalResourceId"].split(":")[-2] for r in resources if r["ResourceType"] == "AWS::Lambda::Alias"
-    }
+    aliases = resources(cloudformation, stack, ALIAS)
+    aliased = {alias["PhysicalResourceId"].split(":")[-2] for alias in aliases}
     result = {}
-    for name in names:
+    for function in resources(cloudformation, stack, FUNCTION):
+        if function["LogicalResourceId"] in _INLINE:
+            continue
+        name = function["PhysicalResourceId"]
         qualifier = {"Qualifier": "live"} if name in aliased else {}
         configuration = lambda_.get_function_configuration(FunctionName=name, **qualifier)
         result[name] = configuration.get("Environment", {}).get("Variables", {}).get("RELEASE", "")
@@ -181,23 +188,10 @@ def step_back(cloudformation: Any, lambda_: Any, stack: str) -> dict[str, tuple[
     A function without an earlier version stays. Run again, it goes back one more version.
     """
     moved = {}
-    pages = cloudformation.get_paginator("list_stack_resources").paginate(StackName=stack)
-    aliases = [
-        r["PhysicalResourceId"]
-        for page in pages
-        for r in page["StackResourceSummaries"]
-        if r["ResourceType"] == "AWS::Lambda::Alias"
-    ]
-    for arn in sorted(aliases):
+    for arn in sorted(alias["PhysicalResourceId"] for alias in resources(cloudformation, stack, ALIAS)):
         function, name = arn.split(":")[-2:]
         current = int(lambda_.get_alias(FunctionName=function, Name=name)["FunctionVersion"])
-        versions = [
-            int(version["Version"])
-            for page in lambda_.get_paginator("list_versions_by_function").paginate(FunctionName=function)
-            for version in page["Versions"]
-            if version["Version"] != "$LATEST"
-        ]
-        earlier = max((version for version in versions if version < current), default=None)
+        earlier = max((n for n in versions(lambda_, function) if n < current), default=None)
         if earlier is None:
             continue
         routing: dict[str, Any] = {"AdditionalVersionWeights": {}}

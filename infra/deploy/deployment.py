@@ -46,12 +46,16 @@ def deploy(target: Target, template: str | None = None, leave_out: Collection[st
 
 def find_out(target: Target) -> Target:
     """Complete a target by what its account says: whether the stack is there, and where its site is."""
-    stack = aws.describe(boto3.client("cloudformation", target.region), target.stack)
+    stack = _describe(target)
     if stack is None or stack.status in aws.UNCREATED:
         return target
     domain = target.parameters.get("DomainName", stack.parameters.get("DomainName", ""))
     host = domain or stack.outputs.get("DistributionDomain")
     return replace(target, exists=True, site=f"https://{host}" if host else None)
+
+
+def _describe(target: Target) -> aws.Stack | None:
+    return aws.describe(boto3.client("cloudformation", target.region), target.stack)
 
 
 def _do(step: Step, target: Target, source: str) -> None:
@@ -73,8 +77,7 @@ def _do(step: Step, target: Target, source: str) -> None:
         case "secrets":
             aws.make_secrets(boto3.client("ssm", region), stack)
         case "upload":
-            described = aws.describe(boto3.client("cloudformation", region), stack)
-            if described is None:
+            if (described := _describe(target)) is None:
                 raise DeployError(f"there is no stack {stack}")
             made, stack_parameters = described.outputs, described.parameters
             s3, bucket = boto3.client("s3", region), made["WebBucketName"]
@@ -103,7 +106,7 @@ def _do(step: Step, target: Target, source: str) -> None:
 
 def release(target: Target, source: str) -> str:
     """Digest of what is deployed; raises KeyError if the address of the site is needed and not known."""
-    stack = aws.describe(boto3.client("cloudformation", target.region), target.stack)
+    stack = _describe(target)
     values = {**(stack.parameters if stack else {}), **target.effective}
     if stack and target.site is None and (url := stack.outputs.get("SiteUrl")):
         values["GuidanceUrl"] = f"{url}/calibrate/"
@@ -112,7 +115,7 @@ def release(target: Target, source: str) -> str:
 
 def _package(target: Target, source: str) -> str:
     named = release(target, source)
-    stack = aws.describe(boto3.client("cloudformation", target.region), target.stack)
+    stack = _describe(target)
     tracing = {**(stack.parameters if stack else {}), **target.parameters}.get("Tracing")
     TEMPLATE.parent.mkdir(parents=True, exist_ok=True)
     TEMPLATE.write_text(package_template(source, named, traced=tracing == "Active"), encoding="utf-8")
@@ -155,7 +158,7 @@ def _different(parameters: Mapping[str, str], target: Target) -> list[str]:
     """Names of parameters whose values differ in the stack."""
     if not parameters:
         return []
-    stack = aws.describe(boto3.client("cloudformation", target.region), target.stack)
+    stack = _describe(target)
     values = stack.parameters if stack else {}
     return [name for name, value in parameters.items() if values.get(name) != value]
 

@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from infra.deploy.intrinsics import parse_text
+from infra.deploy.template import parse_text
 from infra.web_build.site import WEB, page_keys
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -8,13 +8,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from calibdb.access.tokens import ApiToken, parse, secret_hash
+from calibdb.access.tokens import parse
 from calibdb.store import Tokens
 from calibdb.store.storage import storage_named
+from infra.ops.tokens import issue
 
 _PLAN, _CANARY_PLAN = "page", "free"
 _CANARY_PARAMETER = "CANARY_TOKEN"
-_ID_BYTES, _SECRET_BYTES = 8, 24
 
 
 def current_token(made: Mapping[str, str], region: str, settings: Mapping[str, str] | None) -> str:
@@ -65,8 +65,4 @@ def admit(tokens: Tokens, known: str, origins: Sequence[str], plan: str = _PLAN)
         if missing := [origin for origin in origins if origin not in token.origins]:
             tokens.change(replace(token, origins=(*token.origins, *missing)))
         return known
-    while True:
-        token_id, secret = secrets.token_hex(_ID_BYTES), secrets.token_hex(_SECRET_BYTES)
-        token = ApiToken(token_id, secret_hash(secret), tuple(origins), plan, int(time.time()))
-        if tokens.create(token):
-            return f"cdb_{token_id}_{secret}"
+    return issue(tokens, origins, plan, int(time.time()), secrets.token_hex)

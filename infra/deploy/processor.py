@@ -15,9 +15,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from calibsolver import Board, View, fit
-from infra.deploy.intrinsics import parse
-from infra.deploy.load_test import observe_board
 from infra.deploy.package import ROOT
+from infra.deploy.smoke_capture import observe_board
+from infra.deploy.template import parse
 
 REFERENCE_S = 0.066
 """Processor time of `workload` on the machine on which `calibdb.http.call.MAX_COMPUTE_S` was set, s."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from datetime import datetime, timedelta
 from typing import Any
+
+from infra.deploy import aws
 
 MAX_VERSIONS = 5  # of a function, besides those that an alias names: to roll back to
 MAX_ARTIFACT_AGE_DAYS = 90  # of what the deployed template does not name
@@ -19,20 +21,11 @@ def prune(clients: Mapping[str, Any], stack: str, now: datetime) -> tuple[int, i
     `clients`: of `cloudformation`, `lambda` and `s3`.
     """
     cloudformation = clients["cloudformation"]
-    versions = sum(
-        _prune_versions(clients["lambda"], function) for function in _functions(cloudformation, stack)
-    )
+    functions = aws.resources(cloudformation, stack, aws.FUNCTION)
+    versions = sum(_prune_versions(clients["lambda"], each["PhysicalResourceId"]) for each in functions)
     outputs = cloudformation.describe_stacks(StackName=_MANAGED)["Stacks"][0]["Outputs"]
     bucket = next(output["OutputValue"] for output in outputs if output["OutputKey"] == "SourceBucket")
     return versions, _prune_artifacts(cloudformation, clients["s3"], stack, bucket, now)
-
-
-def _functions(cloudformation: Any, stack: str) -> Iterator[str]:
-    pages = cloudformation.get_paginator("list_stack_resources").paginate(StackName=stack)
-    for page in pages:
-        for resource in page["StackResourceSummaries"]:
-            if resource["ResourceType"] == "AWS::Lambda::Function":
-                yield resource["PhysicalResourceId"]
 
 
 def _prune_versions(lambda_: Any, function: str) -> int:
@@ -41,9 +34,7 @@ def _prune_versions(lambda_: Any, function: str) -> int:
     named = {alias["FunctionVersion"] for alias in aliases}
     for alias in aliases:
         named |= set((alias.get("RoutingConfig") or {}).get("AdditionalVersionWeights") or {})
-    pages = lambda_.get_paginator("list_versions_by_function").paginate(FunctionName=function)
-    numbers = [version["Version"] for page in pages for version in page["Versions"]]
-    published = sorted((int(number) for number in numbers if number.isdecimal()), reverse=True)
+    published = sorted(aws.versions(lambda_, function), reverse=True)
     unused = [number for number in published if str(number) not in named]
     for number in unused[MAX_VERSIONS:]:
         lambda_.delete_function(FunctionName=function, Qualifier=str(number))

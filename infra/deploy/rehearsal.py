@@ -147,12 +147,7 @@ def problems() -> Iterator[str]:
     page = s3.head_object(Bucket=made["WebBucketName"], Key="calibrate/index.html")
     if page["ContentType"] != "text/html; charset=utf-8":
         yield f"a page is {page['ContentType']}"
-    print(f"{len(_resources())} resources, {len(made)} outputs")
-
-
-def _resources() -> list[object]:
-    pages = boto3.client("cloudformation").get_paginator("list_stack_resources")
-    return [r for page in pages.paginate(StackName=REHEARSAL.stack) for r in page["StackResourceSummaries"]]
+    print(f"{len(aws.resources(cloudformation, REHEARSAL.stack))} resources, {len(made)} outputs")
 
 
 def _settings() -> dict[str, str]:

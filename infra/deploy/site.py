@@ -17,7 +17,7 @@ from infra.deploy import hashed_names
 from infra.web_build import site
 from infra.web_build.precache_manifest import shell_of
 from infra.web_build.root_files import robots_text, security_text, sitemap
-from infra.web_build.sdk import VERSIONED
+from infra.web_build.sdk import VERSIONED, digest
 from infra.web_build.site_headers import FOREVER, media_type
 
 # Files whose names change with their contents are kept for good. Everything else the edge keeps until the
@@ -73,9 +73,9 @@ def uploads(
         and not path.is_relative_to(web / "messages")
     } | dict(site.made_files(web, options))
     origin = options.origin if options else ""
-    vendor = f"vendor-{digest({k: v for k, v in files.items() if k.startswith(_VENDOR)})}/"
+    vendor = f"vendor-{digest({k: v for k, v in files.items() if k.startswith(_VENDOR)})[:12]}/"
     own = hashed_names.hashed(files)
-    named = digest({**own, vendor: b""})
+    named = digest({**own, vendor: b""})[:12]
     files = hashed_names.rename(files, named)
     digests: dict[str, str] = {}
     for key in sorted(files, key=lambda key: (key.endswith(".html"), key)):
@@ -122,12 +122,3 @@ def _upload(key: str, content: bytes, vendor: str, named: str) -> Upload:
 def rename_vendor_folder(content: bytes, vendor: str) -> bytes:
     """Replace the name of the folder `vendor/` in a file of ours."""
     return re.sub(rb"(?<=[\"'/(])vendor/", vendor.encode(), content)
-
-
-def digest(files: Mapping[str, bytes]) -> str:
-    """Digest that changes when a file does, or its name."""
-    whole = hashlib.sha256()
-    for name in sorted(files):
-        whole.update(f"{name}\0{len(files[name])}\0".encode())
-        whole.update(files[name])
-    return whole.hexdigest()[:12]

@@ -5,7 +5,6 @@ Nothing is left behind but one capture, which `infra.deploy.smoke_capture` remov
 
 from __future__ import annotations
 
-import http.client
 import json
 import socket
 import ssl
@@ -14,6 +13,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
 from urllib.parse import urlsplit
+
+import httpx
 
 _SMOKE_TIMEOUT_S = 29.0  # s: the first request of all starts a function
 _PROPAGATION_TIMEOUT_S = 45.0  # s in which functions learn of a token that was changed
@@ -54,27 +55,37 @@ Ask = Callable[[str, str, Mapping[str, str], bytes | None], Response]
 """Method, path, headers and body to answer."""
 
 
-class Via(http.client.HTTPSConnection):
-    """A connection to a site by another name of its host; certificate and Host are the site's own."""
+def make_requester(url: str, via: str | None = None) -> Ask:
+    """Build a function that sends requests to `url`, which ends without slash; `via` as in `target`."""
+    context = ssl.create_default_context()
 
-    def __init__(self, host: str, via: str, timeout: float) -> None:
-        super().__init__(host, timeout=timeout)
-        self.via = via
+    def ask(
+        method: str, path: str, headers: Mapping[str, str] | None = None, body: bytes | None = None
+    ) -> Response:
+        address, host, extensions = target(url, via)
+        with httpx.Client(verify=context, timeout=_SMOKE_TIMEOUT_S, trust_env=False) as client:
+            response = client.request(
+                method,
+                f"{address}{path}",
+                content=body,
+                headers={**host, **(headers or {})},
+                extensions=extensions,
+            )
+        return Response(response.status_code, dict(response.headers), response.content)
 
-    def connect(self) -> None:
-        """Connect to the other name, and speak TLS with the site."""
-        line = socket.create_connection((self.via, self.port), self.timeout)
-        self.sock = ssl.create_default_context().wrap_socket(line, server_hostname=self.host)
+    return ask
 
 
-def connection(url: str, via: str | None = None) -> http.client.HTTPConnection:
-    """Make a connection to the host of `url`; by the name `via` where its own does not resolve yet."""
+def target(url: str, via: str | None) -> tuple[str, dict[str, str], dict[str, str]]:
+    """Return the address to connect to for a site, and headers and extensions of httpx's requests.
+
+    It is the name `via` where the site's own does not resolve yet; certificate and Host are the site's own.
+    """
     parts = urlsplit(url)
-    if parts.scheme != "https":
-        return http.client.HTTPConnection(parts.netloc, timeout=_SMOKE_TIMEOUT_S)
-    if via is not None and parts.netloc != via and not _resolves(parts.hostname or ""):
-        return Via(parts.netloc, via, _SMOKE_TIMEOUT_S)
-    return http.client.HTTPSConnection(parts.netloc, timeout=_SMOKE_TIMEOUT_S)
+    host = parts.hostname or ""
+    if parts.scheme != "https" or via is None or parts.netloc == via or _resolves(host):
+        return url, {}, {}
+    return f"https://{via}", {"Host": parts.netloc}, {"sni_hostname": host}
 
 
 def _resolves(host: str) -> bool:
@@ -85,25 +96,6 @@ def _resolves(host: str) -> bool:
     return True
 
 
-def make_requester(url: str, via: str | None = None) -> Ask:
-    """Build a function that sends requests to `url`, which ends without slash."""
-
-    def ask(
-        method: str, path: str, headers: Mapping[str, str] | None = None, body: bytes | None = None
-    ) -> Response:
-        line = connection(url, via)
-        try:
-            line.request(method, path, body, dict(headers or {}))
-            response = line.getresponse()
-            return Response(
-                response.status, {k.lower(): v for k, v in response.getheaders()}, response.read()
-            )
-        finally:
-            line.close()
-
-    return ask
-
-
 def problems(ask: Ask, site: Site, patience_s: float = _PROPAGATION_TIMEOUT_S) -> Iterator[str]:
     """Find the problems of the deployment."""
     try:
@@ -111,7 +103,7 @@ def problems(ask: Ask, site: Site, patience_s: float = _PROPAGATION_TIMEOUT_S) -
         yield from _other_origins(ask)
         yield from _redirects(ask)
         yield from _page(ask, site, patience_s)
-    except (OSError, http.client.HTTPException) as error:
+    except (OSError, httpx.HTTPError) as error:
         yield f"{site.url} does not answer ({error or type(error).__name__})"
     host = urlsplit(site.url).hostname or ""
     if site.distribution is not None and host != site.distribution and not _resolves(host):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import tarfile
 import tempfile
@@ -11,6 +10,7 @@ from pathlib import Path
 
 from calibdb.store.sqlite import FILE_NAME, FOLDER_NAME, backup
 from infra.ops import OpsError
+from infra.server.folder import lock_folder
 
 _SECRETS = "secrets.json"
 _PARTS = (FILE_NAME, FOLDER_NAME, _SECRETS)
@@ -43,12 +43,10 @@ def restore_backup(folder: Path, file: Path) -> Path | None:
     Raises OpsError.
     """
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    lock = os.open(folder / "lock", os.O_CREAT | os.O_RDWR, 0o600)
+    locked = lock_folder(folder, 0.0)
+    if locked is None:
+        raise OpsError(f"{folder} is in use: stop its server first")
     try:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            raise OpsError(f"{folder} is in use: stop its server first") from None
         with tempfile.TemporaryDirectory(dir=folder, prefix=".restore-") as place:
             try:
                 with tarfile.open(file) as archive:
@@ -67,5 +65,5 @@ def restore_backup(folder: Path, file: Path) -> Path | None:
             for part in _PARTS:
                 (Path(place) / part).replace(folder / part)
     finally:
-        os.close(lock)
+        os.close(locked)
     return previous

@@ -1,19 +1,26 @@
-"""Listings of cameras and their calibrations, for the operator."""
+"""Listings of cameras, their calibrations and their use at the edge, for the operator."""
 
 from __future__ import annotations
 
+import gzip
+import json
+import re
 import time
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from calibdb.camera_key.characters import visible
 from calibdb.schema import CalibrationDocument, ConsensusDocument
-from calibdb.store import StreamMode
+from calibdb.store import Aliases, StreamMode
 from calibdb.store.keys import WITHDRAWN, camera_pk, tombstone_object
 from infra.ops import OpsError, reindex
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext
+
+UNKNOWN = "unknown"  # cameras that no lookup has found
+_LOOKUP_PATH = re.compile(r"/known/v1/([0-9a-f]{32})/")
 
 
 @dataclass(frozen=True)
@@ -140,8 +147,8 @@ def _stored_under(
 
 def _indexed_ids(context: OpsContext, camera_key: str) -> Iterator[str]:
     """Yield the ids of the calibrations that the index knows under a key."""
-    for sk in context.index.sort_keys(camera_pk(camera_key), "CALIBRATION#"):
-        yield sk.rpartition("#")[2]
+    for item in context.storage.table.query(camera_pk(camera_key), "CALIBRATION#", consistent=True):
+        yield str(item["sk"]).rpartition("#")[2]
 
 
 def title(mode: StreamMode) -> str:
@@ -206,3 +213,27 @@ def describe_calibration(document: CalibrationDocument, withdrawn: bool) -> str:
         f"{record['distortion_model']}  fx {record['fx']:.1f}  rms {record['rms']:.2f} px"
         f"{'  withdrawn' if withdrawn else ''}"
     )
+
+
+def count_use(folder: Path, aliases: Aliases) -> Counter[str]:
+    """Count the requests of `GET /known/v1/…` by camera label, in all logs below a folder."""
+    digests = Counter(m[1] for path in _paths(folder) if (m := _LOOKUP_PATH.match(path)))
+    use: Counter[str] = Counter()
+    for digest, requests in digests.items():
+        alias = aliases.get(digest)
+        use[UNKNOWN if alias is None else alias.label] += requests
+    return use
+
+
+def _paths(folder: Path) -> Iterator[str]:
+    """Yield the path of each request, from lines of JSON as CloudFront writes them."""
+    logs = sorted(folder.rglob("*.gz"))
+    if not logs:
+        raise OpsError(f"no logs (*.gz) in {folder}: copy the bucket EdgeLogBucket there first")
+    for log in logs:
+        try:
+            with gzip.open(log, "rt", encoding="utf-8") as lines:
+                for line in lines:
+                    yield str(json.loads(line).get("cs-uri-stem", ""))
+        except (OSError, EOFError, ValueError, AttributeError) as error:
+            raise OpsError(f"not a log of CloudFront in JSON: {log}: {error}") from error

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import secrets
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from calibdb.settings import Settings
 from calibdb.store import Objects, Store
 from calibdb.store.keys import WITHDRAWN
-from calibdb.store.ports import Storage
+from calibdb.store.ports import READERS, Storage
 from calibdb.store.sqlite import SqliteObjects
 from calibdb.store.storage import storage_of
 from infra.console import Track, pass_through
-from infra.ops.index import Index
 
 CALIBRATIONS_PREFIX = "calibrations/"
+Key = tuple[str, str]  # pk, sk of an item
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,6 @@ class OpsContext:
     store: Store
     storage: Storage
     objects: Objects
-    index: Index
     now: int  # unix seconds
     random_hex: Callable[[int], str]  # of so many bytes
     echo: Callable[[str], None]
@@ -52,12 +52,16 @@ class OpsContext:
             store=Store.of(settings),
             storage=storage,
             objects=_replicated(storage.objects, settings),
-            index=Index(storage.table),
             now=int(time.time()),
             random_hex=secrets.token_hex,
             echo=echo,
             track=track,
         )
+
+    def remove_items(self, keys: Iterable[Key]) -> None:
+        """Remove the items of the table under these keys."""
+        with ThreadPoolExecutor(READERS) as workers:
+            list(workers.map(lambda key: self.storage.table.delete(*key), set(keys)))
 
 
 def _replicated(objects: Objects, settings: Settings) -> Objects:

@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 
 import calibsolver
 from calibdb.camera_key import identify, public_label, public_platform
-from calibdb.schema import Board, CalibrationDocument, FitRecord, PriorDocument, Track, ViewDocument
+from calibdb.schema import Board, CalibrationDocument, FitRecord, Track, ViewDocument
 from calibdb.schema.licence import Licence
 from calibdb.schema.session import SetAside
 from calibsolver import CalibrationError, Camera, View, fit, models
@@ -19,13 +19,14 @@ from calibsolver.fitting.coverage import Coverage, record_covered
 from calibsolver.formats import ImportedFile
 from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.grid import grid
+from calibsolver.formats.reading import read_bytes
 from calibsolver.quality.model_selection import suggest_model
 from calibsolver.quality.report import describe
 from infra.ops import OpsError, reindex
 from infra.ops.context import OpsContext
-from infra.ops.files import read_file
-from infra.ops.seed import UNKNOWN_ERROR
+from infra.ops.seed import UNKNOWN_ERROR, guess
 
+_MAX_FILE_BYTES = 64 * 2**20  # keypoints make files large
 #: views from which a fit can be believed without a guide having chosen them
 MIN_VIEWS = 4
 #: corners that a dictionary of 50 markers has room for, and the dictionary for larger boards
@@ -97,6 +98,24 @@ def import_file(
         f"calibration {document.id}: {len(document.views)} views{aside}, {document.distortion_model}, "
         f"{fitted.avg_reprojection_error:.3f} px rms"
     )
+
+
+def read_file(path: Path, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: B008 - a value that never changes
+    """Read a calibration file of any kind that `calibsolver.formats.reading` knows.
+
+    Raises OpsError, which says what is wrong with it.
+    """
+    try:
+        with path.open("rb") as file:
+            raw = file.read(_MAX_FILE_BYTES + 1)
+    except OSError as error:
+        raise OpsError(f"{path} cannot be read: {error.strerror}") from error
+    if len(raw) > _MAX_FILE_BYTES:
+        raise OpsError(f"{path} is larger than {_MAX_FILE_BYTES >> 20} MB")
+    try:
+        return read_bytes(raw, path.suffix, options)
+    except CalibrationError as error:
+        raise OpsError(f"{path}: {error}") from error
 
 
 def fingerprint(document: CalibrationDocument) -> str:
@@ -192,16 +211,8 @@ def _guess(
         record = FitRecord.model_validate(_record(camera))
     except ValidationError as error:
         raise OpsError(f"{path}: {error.errors(include_url=False)[0]['msg']}") from error
-    prior = PriorDocument(
-        camera_key=identify(reported.camera, reported.platform).key,
-        camera=public_label(reported.camera),
-        platform=public_platform(reported.platform),
-        zoom=reported.zoom,
-        fit=record,
-        source=path.name,
-        measured=1,
-    )
     if not dry_run:
+        prior = guess(reported.camera, reported.platform, reported.zoom, record, path.name)
         context.store.priors.keep(prior)
     fx, fy = (camera.matrix[i, i] for i in range(2))
     size = f"{camera.img_size[0]} x {camera.img_size[1]}"

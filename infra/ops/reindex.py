@@ -28,8 +28,7 @@ from calibdb.store import (
 )
 from calibdb.store.names import with_current_key
 from calibdb.store.ports import Item
-from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
-from infra.ops.index import Key
+from infra.ops.context import CALIBRATIONS_PREFIX, Key, OpsContext, count_objects
 
 # What a computation writes; all other items of a camera follow from single objects.
 _COMPUTED = ("CONSENSUS", "GROUPS")
@@ -96,7 +95,7 @@ def reindex(
         Write nothing and compute nothing; count what would be written and removed.
     """
     # First, so that later publications are not mistaken for entries that the bucket lacks.
-    indexed = set(context.index.keys("CAMERA"))
+    indexed = set(context.storage.table.keys("CAMERA"))
     recorder = _RecordingTable(context.storage.table, dry_run=dry_run)
     table = typed("Table", recorder)
     sessions = Sessions(table, context.objects).index(context.now)
@@ -119,7 +118,7 @@ def reindex(
     computed = {(item.pk, item.text) for item in modes}
     stale = {key for key in indexed if key not in recorder.written and _computed_of(key) not in computed}
     if not dry_run:
-        context.index.remove(stale)
+        context.remove_items(stale)
     consensuses = failed = 0
     wanted_modes = [] if dry_run else list(modes if only is None else (m for m in only if m in modes))
     for request in context.track(wanted_modes, "consensuses", len(wanted_modes)):

@@ -94,20 +94,27 @@ def seed(
             skipped["several lenses or modes under one name"] += len(members)
             continue
         middle = sorted(members, key=_focal)[len(members) // 2]
-        prior = PriorDocument(
-            camera_key=key,
-            camera=public_label(middle.camera),
-            platform=public_platform(middle.platform),
-            zoom=zoom,
-            fit=middle.fit,
-            source=source or path.name,
-            measured=len(members),
-        )
+        prior = guess(middle.camera, middle.platform, zoom, middle.fit, source or path.name, len(members))
         if not dry_run:
             context.store.priors.keep(prior)
         priors += 1
         cameras.add(key)
     return SeedResult(priors, len(cameras), rows, skipped)
+
+
+def guess(
+    camera: str, platform: str, zoom: float, fit: FitRecord, source: str, measured: int = 1
+) -> PriorDocument:
+    """Return the first guess for a camera, as a browser reports it."""
+    return PriorDocument(
+        camera_key=identify(camera, platform).key,
+        camera=public_label(camera),
+        platform=public_platform(platform),
+        zoom=zoom,
+        fit=fit,
+        source=source,
+        measured=measured,
+    )
 
 
 def _fields(path: Path, labels: tuple[str, str]) -> Iterator[tuple[int, dict[str, str]]]:

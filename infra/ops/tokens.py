@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from urllib.parse import urlsplit
 
 from calibdb.access import token_use
 from calibdb.access.plans import HOUR_S, PLANS
 from calibdb.access.tokens import ApiToken, secret_hash, with_secret
 from calibdb.schema.managed_token import TokenUse
+from calibdb.store import Tokens
 from infra.ops import OpsError
 from infra.ops.context import OpsContext
 
-_SECRET_BYTES = 24
+_ID_BYTES, _SECRET_BYTES = 8, 24
 
 
 def create(context: OpsContext, origins: Sequence[str], plan: str) -> str:
@@ -25,10 +26,16 @@ def create(context: OpsContext, origins: Sequence[str], plan: str) -> str:
         _check(origin)
     if plan not in PLANS:
         raise OpsError(f"there is no plan {plan!r}; there are {', '.join(PLANS)}")
+    return issue(context.store.tokens, origins, plan, context.now, context.random_hex)
+
+
+def issue(
+    tokens: Tokens, origins: Sequence[str], plan: str, now: int, random_hex: Callable[[int], str]
+) -> str:
+    """Store a new token under a random id and return it."""
     while True:
-        token_id, secret = context.random_hex(8), context.random_hex(_SECRET_BYTES)
-        token = ApiToken(token_id, secret_hash(secret), tuple(origins), plan, context.now)
-        if context.store.tokens.create(token):
+        token_id, secret = random_hex(_ID_BYTES), random_hex(_SECRET_BYTES)
+        if tokens.create(ApiToken(token_id, secret_hash(secret), tuple(origins), plan, now)):
             return f"cdb_{token_id}_{secret}"
 
 

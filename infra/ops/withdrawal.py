@@ -64,7 +64,7 @@ def restore(context: OpsContext, calibration_id: str) -> None:
     context.objects.purge_all_versions([tombstone])
     mode = reindex.mode_of(document)
     # Its item is marked, and marks are permanent: a new item is made.
-    context.index.remove([(mode.pk, f"CALIBRATION#{mode.text}#{calibration_id}")])
+    context.remove_items([(mode.pk, f"CALIBRATION#{mode.text}#{calibration_id}")])
     context.store.calibrations.index(document)
     _refit(context, mode)
 
@@ -163,8 +163,8 @@ def forget(context: OpsContext, contributors: set[str], *, dry_run: bool = False
     if dry_run:
         return done
     # Their shares of the hour.
-    used = (key for key in context.index.keys("TOKEN#") if key[1].startswith("SHARE#"))
-    context.index.remove(key for key in used if key[1].rpartition("#")[2] in contributors)
+    used = (key for key in context.storage.table.keys("TOKEN#") if key[1].startswith("SHARE#"))
+    context.remove_items(key for key in used if key[1].rpartition("#")[2] in contributors)
     reindex.reindex(context, only=affected)
     if counts["calibrations"] or counts["votes"]:
         replace_dumps(context)

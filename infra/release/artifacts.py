@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 import shutil
 import subprocess
-import tempfile
 import zipfile
 from pathlib import Path
 
 from infra.console import announce
 from infra.release import changelog, wheels
 from infra.release.checkout import ROOT, version
+from infra.web_build.sdk import sdk_package
+from infra.web_build.site import WEB
 
 RELEASE = ROOT / ".build" / "release"
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # of every entry, so that equal layers make equal archives
@@ -45,14 +45,7 @@ def _source(name: str) -> None:
 
 
 def _sdk() -> None:
-    """Pack the SDK under the version of the release, in a copy: the checkout stays clean."""
-    with tempfile.TemporaryDirectory() as folder:
-        _run("npm", "run", "--silent", "prepack", folder=ROOT / "web" / "sdk")
-        copy = Path(shutil.copytree(ROOT / "web" / "sdk", Path(folder) / "sdk"))
-        package = json.loads((copy / "package.json").read_text(encoding="utf-8"))
-        stamped = {**package, "version": version(), "scripts": {}}
-        (copy / "package.json").write_text(json.dumps(stamped, indent=2) + "\n", encoding="utf-8")
-        _run("npm", "pack", "--silent", "--ignore-scripts", "--pack-destination", str(RELEASE), folder=copy)
+    (RELEASE / f"calibdb-{version()}.tgz").write_bytes(sdk_package(WEB, version()))
 
 
 def _layers(name: str) -> None:
@@ -81,5 +74,5 @@ def _list_built() -> list[Path]:
     return sorted(path for path in RELEASE.iterdir() if path.is_file())
 
 
-def _run(*command: str, folder: Path = ROOT) -> None:
-    subprocess.run(command, cwd=folder, check=True)  # noqa: S603 - our own commands
+def _run(*command: str) -> None:
+    subprocess.run(command, cwd=ROOT, check=True)  # noqa: S603 - our own commands

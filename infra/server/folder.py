@@ -76,7 +76,7 @@ class Folder:
         try:
             path.mkdir(mode=0o700, parents=True, exist_ok=True)
             if not as_worker:
-                self.lock = _lock(path, 0.0 if as_guest else LOCK_TIMEOUT_S)
+                self.lock = lock_folder(path, 0.0 if as_guest else LOCK_TIMEOUT_S)
                 if self.lock is None and not as_guest:
                     raise FolderError(f"{path} is in use by another server")
                 as_worker = self.lock is None
@@ -159,7 +159,7 @@ class Folder:
             self.lock = None
 
 
-def _lock(path: Path, timeout_s: float) -> int | None:
+def lock_folder(path: Path, timeout_s: float) -> int | None:
     """Lock the folder; None if another process keeps it locked."""
     descriptor = os.open(path / "lock", os.O_CREAT | os.O_RDWR, 0o600)
     end = time.monotonic() + timeout_s

@@ -97,7 +97,7 @@ def _operation(operation: Operation, names: Any, example: Any) -> Node:
     problem = {PROBLEM: {"schema": reference(schema.Problem, "serialization")}}
     responses = {status: answer(content) for status, content in operation.answers.items()}
     responses |= {
-        status: {"description": PROBLEMS[status], "content": problem} for status in operation.problems
+        status: {"description": PROBLEMS[status], "content": problem} for status in operation.all_problems
     }
     shown = responses[min(operation.answers)].get("content", {}).get(JSON)
     if example is not None and shown is not None:

@@ -63,10 +63,10 @@ class Operation:
     name: str
     summary: str
     answers: dict[int, Content]
-    problems: tuple[int, ...] = ()
     credentials: tuple[str, ...] = ()
     body: type[BaseModel] | None = None
     parameters: tuple[Node, ...] = ()
+    problems: tuple[int, ...] = ()  # besides those of every call, of a credential and of a body
     body_required: bool = True
     tag: str = "Service"  # one of `TAGS`
     description: str = ""
@@ -74,3 +74,13 @@ class Operation:
     example_query: Mapping[str, str] = field(default_factory=dict)
     example_path: Mapping[str, str] = field(default_factory=dict)
     example_accept: str | None = None
+
+    @property
+    def all_problems(self) -> set[int]:
+        """Statuses of all problems that the call can have."""
+        problems = {500, 503, *self.problems}
+        if self.credentials:
+            problems |= {401, 403, 429}
+        if self.body:
+            problems |= {400, 413, 422}
+        return problems - self.answers.keys()

@@ -10,10 +10,11 @@ from __future__ import annotations
 from calibdb import schema
 from calibdb.schema.cameras import CamerasRequest
 from calibdb.schema.fields import MAX_INDEX
+from calibdb.schema.membership import MAX_MOMENT_LENGTH
+from calibdb.schema.rig import RIG_FORMATS
 from calibdb.store.aliases import alias_digest
 from infra.web_build.operation import JPEG, JSON, PNG, PROBLEM, SVG, Content, Operation
 from infra.web_build.parameters import SWITCH, path, query, query_of
-from infra.web_build.rig_operations import RIG_OPERATIONS
 
 EXAMPLE_CAMERA = "HD Pro Webcam C920 (046d:082d)"
 EXAMPLE_PLATFORM = "X11; Linux x86_64"
@@ -56,7 +57,6 @@ _REDIRECT = next(node for node in _LOOKUP if node["name"] == "redirect")
 _STATE = Content("The session's state.", schema.SessionState)
 _TOKEN, _SESSION, _MANAGEMENT = ("apiToken",), ("sessionId",), ("managementToken",)
 _MANAGED_TOKEN = Content("All about the token.", schema.ManagedToken)
-_ASKED = (401, 403, 429, 500, 503)
 _FOUND = {
     200: Content(
         "The calibration; with `miss=ok` also that nothing reliable is known.",
@@ -69,6 +69,143 @@ _FOUND = {
     ),
 }
 
+_RIG_STATE = Content("The rig's state.", schema.RigState, headers=("ETag",))
+_RIG_ID = path("id", {"type": "string"}, "Id of the rig.")
+_RIG_FILES = ("application/yaml", "application/zip", "model/gltf+json")
+_MOMENT = path(
+    "moment",
+    {"type": "string", "pattern": rf"^[A-Za-z0-9_-]{{1,{MAX_MOMENT_LENGTH}}}$"},
+    "Id of the moment.",
+)
+
+_RIGS = (
+    Operation(
+        "post",
+        "/v1/rigs",
+        "createRig",
+        "Make a rig whose first camera is the session's; again gives a fresh join code",
+        {201: Content("The rig, and the code by which other cameras join it.", schema.RigOpened)},
+        _SESSION,
+        schema.RigRequest,
+        problems=(404, 409),
+        tag="Rigs",
+        description=(
+            "Creates a rig of two to eight cameras. The session, which has no views yet, is camera 0 and "
+            "leads. Other cameras join with `POST /v1/session` and `rig: {code, position?}`, from any "
+            "device. The code is valid for 15 minutes and until all cameras have joined; the same request "
+            "again returns the same rig and a fresh code. The board must not look the same after half a "
+            "turn. With `square_size` lengths are in metres."
+        ),
+        example={"cameras": 2, "square_size": 0.03},
+    ),
+    Operation(
+        "get",
+        "/v1/rigs/{id}",
+        "showRig",
+        "Cameras, moments, error, target and result of a rig",
+        {200: _RIG_STATE, 304: Content("Nothing has changed since the state with the ETag sent.")},
+        ("sessionId", "apiToken"),
+        parameters=(_RIG_ID, query("skip", SWITCH, "`1`, of the leader: a target of another kind.")),
+        problems=(404, 409, 422),
+        tag="Rigs",
+        description=(
+            "Returns the state of a rig: its cameras, its moments and what is set aside of them, the "
+            "expected error, and the next pose of the board as each camera sees it. Poll once a second "
+            "with `If-None-Match`: 304 does not count against the plan."
+        ),
+        example_path={"id": "RIG_ID"},
+    ),
+    Operation(
+        "delete",
+        "/v1/rigs/{id}",
+        "forgetRig",
+        "Delete a running rig and its sessions",
+        {204: Content("Forgotten.")},
+        _SESSION,
+        parameters=(_RIG_ID,),
+        problems=(404, 409),
+        tag="Rigs",
+        description="Deletes a running rig with the sessions of its cameras. A finished rig stays.",
+        example_path={"id": "RIG_ID"},
+    ),
+    Operation(
+        "post",
+        "/v1/rigs/{id}/moments",
+        "openMoment",
+        "Open a moment",
+        {201: _RIG_STATE},
+        _SESSION,
+        schema.MomentRequest,
+        parameters=(_RIG_ID,),
+        problems=(404, 409),
+        tag="Rigs",
+        description=(
+            "Opens a moment: one pose of the board, held still, under an id that the leader chooses. Each "
+            "camera then sends its view of it with `POST /v1/session/views` and `moment`, at any later "
+            "time. A rig has at most 100 moments."
+        ),
+        example={"moment": "m1"},
+        example_path={"id": "RIG_ID"},
+    ),
+    Operation(
+        "delete",
+        "/v1/rigs/{id}/moments/{moment}",
+        "undoMoment",
+        "Undo a moment in all cameras",
+        {200: _RIG_STATE},
+        _SESSION,
+        parameters=(_RIG_ID, _MOMENT),
+        problems=(404, 409, 422),
+        tag="Rigs",
+        description="Undoes a moment. Its views are removed from all cameras, and late ones are refused.",
+        example_path={"id": "RIG_ID", "moment": "m1"},
+    ),
+    Operation(
+        "post",
+        "/v1/rigs/{id}/finish",
+        "finishRig",
+        "End a rig and publish its result",
+        {200: _RIG_STATE},
+        _SESSION,
+        parameters=(_RIG_ID,),
+        problems=(404, 409),
+        tag="Rigs",
+        description=(
+            "Ends a rig whose cameras are all linked and have four agreeing views. Each camera's session is "
+            "published as a calibration; the rig contains their poses."
+        ),
+        example_path={"id": "RIG_ID"},
+    ),
+    Operation(
+        "get",
+        "/v1/rigs/{id}/result",
+        "showRigResult",
+        "Result of a finished rig, or another tool's files of it",
+        {
+            200: Content(
+                "Cameras and where they are; several files come as one ZIP archive.",
+                schema.RigResult,
+                _RIG_FILES,
+                sometimes=("Content-Disposition", "X-Conversion-Error", "X-Conversion-Warning"),
+            )
+        },
+        ("apiToken", "sessionId"),
+        parameters=(
+            _RIG_ID,
+            query(
+                "format", {"type": "string", "enum": list(RIG_FORMATS)}, "File format; `json` unless given."
+            ),
+        ),
+        problems=(404, 409, 422),
+        tag="Rigs",
+        description=(
+            "Returns the cameras as they were fitted together, and the pose of each relative to camera 0. "
+            "`format` chooses files of OpenCV (`opencv_stereo`), ROS, Kalibr, COLMAP, mrcal or glTF."
+        ),
+        example_path={"id": "RIG_ID"},
+    ),
+)
+
 _TOKENS = (
     Operation(
         "post",
@@ -76,8 +213,8 @@ _TOKENS = (
         "createToken",
         "Make an API token for pages of some origins, and for programs",
         {201: Content("The token. Its two secrets are shown this once.", schema.TokenCreated)},
-        (400, 403, 413, 415, 422, 429, 500, 503),
         body=schema.TokenRequest,
+        problems=(403, 415, 429),
         tag="Tokens",
         description=(
             "Creates an API token for pages of some origins, and for programs. Origins of the machine "
@@ -93,7 +230,6 @@ _TOKENS = (
         "showToken",
         "Facts about a token, its limits, and its use by hour and day",
         {200: _MANAGED_TOKEN},
-        _ASKED,
         _MANAGEMENT,
         tag="Tokens",
         description=(
@@ -107,11 +243,10 @@ _TOKENS = (
         "changeToken",
         "Give a token other origins or another name",
         {200: _MANAGED_TOKEN},
-        (400, *_ASKED, 413, 422),
         _MANAGEMENT,
         schema.TokenChange,
         tag="Tokens",
-        description=("Replaces the origins or the name of a token. Origins that stay keep their state."),
+        description="Replaces the origins or the name of a token. Origins that stay keep their state.",
         example={"origins": ["http://localhost", "https://www.page.example"]},
     ),
     Operation(
@@ -120,10 +255,9 @@ _TOKENS = (
         "revokeToken",
         "Revoke a token for good, within a minute",
         {204: Content("Revoked.")},
-        _ASKED,
         _MANAGEMENT,
         tag="Tokens",
-        description=("Revokes a token for good, within a minute. The call is idempotent."),
+        description="Revokes a token for good, within a minute. The call is idempotent.",
     ),
     Operation(
         "post",
@@ -131,7 +265,6 @@ _TOKENS = (
         "verifyToken",
         "Look for the proofs of the origins that are pending",
         {200: _MANAGED_TOKEN},
-        _ASKED,
         _MANAGEMENT,
         tag="Tokens",
         description=(
@@ -145,7 +278,6 @@ _TOKENS = (
         "rotateToken",
         "Give a token another secret; without a body the one until now opens for a day more",
         {200: Content("The token with its new secret, shown this once.", schema.TokenRotated)},
-        (400, *_ASKED, 413, 422),
         _MANAGEMENT,
         schema.RotationRequest,
         body_required=False,
@@ -162,7 +294,6 @@ _TOKENS = (
         "showUsage",
         "Limits and use of an API token in this hour",
         {200: Content("Limits and use.", schema.UsageAnswer)},
-        _ASKED,
         _TOKEN,
         tag="Tokens",
         description=(
@@ -179,7 +310,6 @@ OPERATIONS = (
         "openSession",
         "Exchange an API token for the credential of one guided capture",
         {201: Content("A session id, signed and short-lived.", schema.SessionOpened)},
-        _ASKED,
         _TOKEN,
         tag="Capture",
         description=(
@@ -193,9 +323,9 @@ OPERATIONS = (
         "startSession",
         "Start a guided capture",
         {201: _STATE},
-        (400, *_ASKED, 409, 413, 422),
         _SESSION,
         schema.SessionRequest,
+        problems=(409,),
         tag="Capture",
         description=(
             'Starts the capture of one camera at one size and zoom. Use `capture: "recorded"` for views '
@@ -211,8 +341,8 @@ OPERATIONS = (
         "showSession",
         "State of a capture",
         {200: _STATE},
-        (*_ASKED, 404),
         _SESSION,
+        problems=(404,),
         tag="Capture",
         description=(
             "Returns the session's state: its views, its progress, the current calibration and its expected "
@@ -225,10 +355,10 @@ OPERATIONS = (
         "forgetSession",
         "Delete a session and its views",
         {204: Content("Forgotten.")},
-        (*_ASKED, 404, 409),
         _SESSION,
+        problems=(404, 409),
         tag="Capture",
-        description=("Ends the session and deletes its views. A published calibration stays."),
+        description="Ends the session and deletes its views. A published calibration stays.",
     ),
     Operation(
         "get",
@@ -242,9 +372,9 @@ OPERATIONS = (
                 (JPEG, PNG),
             )
         },
-        (*_ASKED, 404, 406, 409, 422),
         _SESSION,
         parameters=(query("skip", SWITCH, "`1`: a pose of another kind instead of the open one."),),
+        problems=(404, 406, 409, 422),
         tag="Capture",
         description=(
             "Returns the target pose of the board, which stays the same until a view answers it. `Accept` "
@@ -259,9 +389,9 @@ OPERATIONS = (
         "submitView",
         "Submit a view: the corners in one frame",
         {200: Content("The session's state, and whether the view is part of it.", schema.ViewAnswer)},
-        (400, *_ASKED, 404, 409, 413, 422),
         _SESSION,
         schema.ViewRequest,
+        problems=(404, 409),
         tag="Capture",
         description=(
             "Submits the board's corners in one frame: their ids, and their positions in px, where "
@@ -277,9 +407,9 @@ OPERATIONS = (
         "submitViews",
         "Submit several views of a recorded session; each has a result",
         {200: Content("The session's state, and the results of the views.", schema.BatchAnswer)},
-        (400, *_ASKED, 404, 409, 413, 422),
         _SESSION,
         schema.BatchRequest,
+        problems=(404, 409),
         tag="Capture",
         description=(
             "Submits several views of a session that was started with `capture: recorded`. The service "
@@ -294,13 +424,13 @@ OPERATIONS = (
         "undoView",
         "Undo a view",
         {200: _STATE},
-        (*_ASKED, 404, 409, 422),
         _SESSION,
         parameters=(
             path("index", {"type": "integer", "minimum": 0, "maximum": MAX_INDEX}, "Index of the view."),
         ),
+        problems=(404, 409, 422),
         tag="Capture",
-        description=("Removes a view from the session. Its index is not used again."),
+        description="Removes a view from the session. Its index is not used again.",
         example_path={"index": "0"},
     ),
     Operation(
@@ -309,8 +439,8 @@ OPERATIONS = (
         "finishSession",
         "End a session with the views that agree",
         {200: _STATE},
-        (*_ASKED, 404, 409),
         _SESSION,
+        problems=(404, 409),
         tag="Capture",
         description=(
             "Ends a session with the views that agree, publishes the calibration, and returns the state. "
@@ -323,9 +453,9 @@ OPERATIONS = (
         "licenseSession",
         "Add a licence to the views of a session",
         {200: _STATE},
-        (400, *_ASKED, 404, 409, 413, 422),
         _SESSION,
         schema.LicenceRequest,
+        problems=(404, 409),
         tag="Capture",
         description=(
             "Adds the licence to a session and to the calibration that it published. A licence cannot be "
@@ -339,7 +469,6 @@ OPERATIONS = (
         "lookup",
         "The calibration of a camera",
         _FOUND,
-        (400, *_ASKED, 413, 422),
         _TOKEN,
         schema.LookupRequest,
         (_REDIRECT,),
@@ -359,9 +488,9 @@ OPERATIONS = (
         "visitLookup",
         "The calibration of a camera, or a navigation to the guidance page",
         _FOUND,
-        (*_ASKED, 422),
         ("apiToken", "apiTokenInQuery", "apiTokenInOldQuery"),
         parameters=_LOOKUP,
+        problems=(422,),
         tag="Lookup",
         description=(
             "Same as `POST /v1/lookup`, with the names as query parameters. A browser can navigate to it "
@@ -391,12 +520,12 @@ OPERATIONS = (
                 sometimes=("Content-Disposition", "X-Conversion-Warning"),
             )
         },
-        (*_ASKED, 404, 410, 422),
         _TOKEN,
         parameters=(
             path("id", {"type": "string"}, "As a session or a lookup returned it."),
             *query_of(schema.ExportQuery),
         ),
+        problems=(404, 410, 422),
         tag="Database",
         description=(
             "Returns a stored calibration with the report of its session, or a consensus. `format` returns "
@@ -421,7 +550,6 @@ OPERATIONS = (
                 sometimes=("X-Conversion-Warning",),
             )
         },
-        (400, *_ASKED, 413, 422),
         _TOKEN,
         body=schema.ConvertRequest,
         tag="Database",
@@ -444,9 +572,9 @@ OPERATIONS = (
                 other=schema.ComparisonAnswer,
             )
         },
-        (400, *_ASKED, 404, 413, 422),
         _SESSION,
         schema.CheckRequest,
+        problems=(404,),
         tag="Capture",
         description=(
             "Compares the stored consensus of a camera with one to five fresh views, and counts the "
@@ -461,9 +589,9 @@ OPERATIONS = (
         "searchCameras",
         "Search cameras by name",
         {200: Content("The cameras found.", schema.CameraList)},
-        (*_ASKED, 422),
         _TOKEN,
         parameters=query_of(CamerasRequest),
+        problems=(422,),
         tag="Database",
         description=(
             "Finds cameras by name: each word of `query` must begin a word of the name. "
@@ -477,9 +605,9 @@ OPERATIONS = (
         "showCamera",
         "Everything about one camera",
         {200: Content("The camera, by size and zoom.", schema.CameraDetail)},
-        (*_ASKED, 404),
         _TOKEN,
         parameters=(path("key", {"type": "string"}, "As a search returned it."),),
+        problems=(404,),
         tag="Database",
         description=(
             "Returns everything that is known about a camera: by size and zoom, the calibrations, "
@@ -496,7 +624,6 @@ OPERATIONS = (
             200: Content("The calibration.", schema.LookupAnswer, headers=("ETag",)),
             404: Content("Ask by POST.", schema.UnknownCamera),
         },
-        (500, 503),
         parameters=(
             path("digest", {"type": "string"}, "Of label and platform: docs/api.md, Known cameras."),
             path("size", {"type": "string"}, "Width, x and height of the image, as in `1280x720`."),
@@ -521,7 +648,6 @@ OPERATIONS = (
         "showBadge",
         "Badge for a README",
         {200: Content("The badge; a grey one where nothing is known.", pictures=(SVG,))},
-        (500, 503),
         parameters=(
             path("key", {"type": "string"}, "As a search returned it."),
             path("file", {"type": "string"}, "Width, x, height and `.svg`, as in `1280x720.svg`."),
@@ -533,7 +659,7 @@ OPERATIONS = (
         ),
         example_path={"key": "CAMERA_KEY", "file": "1280x720.svg"},
     ),
-    *RIG_OPERATIONS,
+    *_RIGS,
     *_TOKENS,
     Operation(
         "get",
@@ -544,11 +670,11 @@ OPERATIONS = (
             200: Content("It is; with `deep=1`, so is every part.", schema.Health, other=schema.DeepHealth),
             503: Content("With `deep=1`: some part does not work.", schema.HealthProblem, media_type=PROBLEM),
         },
-        (422, 500),
         parameters=(
             query("deep", SWITCH, "`1`: check table, bucket, edge and solver, each with its latency."),
         ),
+        problems=(422,),
         tag="Service",
-        description=("Returns 200 if the service works. It needs no credential."),
+        description="Returns 200 if the service works. It needs no credential.",
     ),
 )

@@ -52,6 +52,11 @@ def sdk_files(web: Path) -> Mapping[str, bytes]:
     return dict(_files(tuple(sorted(sources.items())))) if sources else {}
 
 
+def sdk_package(web: Path, version: str) -> bytes:
+    """Pack the SDK as npm installs it, under a version."""
+    return _package(_sources(web), version)
+
+
 def sdk_version(web: Path) -> str:
     """Return the name of the version, 0.2.0 of a release and 0.2.0-dev.1f0c7a3e of anything else."""
     return _version(_sources(web))
@@ -95,12 +100,17 @@ def _sources(web: Path) -> dict[str, bytes]:
     }
 
 
-def _version(sources: Mapping[str, bytes]) -> str:
-    whole = hashlib.sha256()
-    for name, content in sorted(sources.items()):
+def digest(files: Mapping[str, bytes], start: bytes = b"") -> str:
+    """Digest that changes when a file does, or its name, or `start`."""
+    whole = hashlib.sha256(start)
+    for name, content in sorted(files.items()):
         whole.update(f"{name}\0{len(content)}\0".encode() + content)
+    return whole.hexdigest()
+
+
+def _version(sources: Mapping[str, bytes]) -> str:
     changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
-    mark = "" if is_released(changelog, __version__) else f"-dev.{whole.hexdigest()[:8]}"
+    mark = "" if is_released(changelog, __version__) else f"-dev.{digest(sources)[:8]}"
     return f"{__version__}{mark}"
 
 
@@ -131,7 +141,8 @@ def _files(sources: tuple[tuple[str, bytes], ...]) -> Mapping[str, bytes]:
 
 def _package(sources: Mapping[str, bytes], version: str) -> bytes:
     """Pack what npm installs, as `npm pack` does; what was packed before is taken from `.build`."""
-    cache_file = ROOT / ".build" / "sdk" / f"{version}-{_digest(sources)}.tgz"
+    named = digest(sources, (ROOT / "package-lock.json").read_bytes())[:16]
+    cache_file = ROOT / ".build" / "sdk" / f"{version}-{named}.tgz"
     if cache_file.is_file():
         return cache_file.read_bytes()
     described = json.loads(sources["package.json"]) | {"version": version, "scripts": {}}
@@ -179,10 +190,3 @@ def _types(sources: Mapping[str, bytes]) -> dict[str, bytes]:
             raise SdkError(f"types of the SDK cannot be made.\n{done.stdout.strip()}{done.stderr.strip()}")
         made = sorted((folder / "types").rglob("*.d.ts"))
         return {path.relative_to(folder).as_posix(): path.read_bytes() for path in made}
-
-
-def _digest(sources: Mapping[str, bytes]) -> str:
-    whole = hashlib.sha256((ROOT / "package-lock.json").read_bytes())
-    for name, content in sorted(sources.items()):
-        whole.update(f"{name}\0{len(content)}\0".encode() + content)
-    return whole.hexdigest()[:16]

@@ -215,15 +215,10 @@ def _build(web: Path, settings_text: str) -> dict[str, str]:
         hint = " Run `npm ci`." if "ERR_MODULE_NOT_FOUND" in made.stderr else ""
         raise SiteError(f"the site cannot be made.{hint}\n{made.stderr.strip()}")
     files: dict[str, str] = json.loads(made.stdout)
-    from infra.web_build import calibration_schema, dump_schema, openapi  # here: the models take their time
+    from infra.web_build import openapi, schemas  # here: the models take their time
 
-    schemas = {
-        calibration_schema.CALIBRATION_SCHEMA_KEY: calibration_schema.text(),
-        dump_schema.DUMP_SCHEMA_KEY: dump_schema.text(),
-        openapi.OPENAPI_KEY: openapi.text(),
-    }
     others = {key: text for key, text in generate_pages(web).items() if not key.endswith(".html")}
-    return others | files | schemas
+    return others | files | schemas.files() | {openapi.OPENAPI_KEY: openapi.text()}
 
 
 def _repository() -> str | None:

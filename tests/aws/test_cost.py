@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 import yaml
 
-from infra.deploy.intrinsics import parse
+from infra.deploy.template import parse
 from tests.bench import edge_month
 from tests.bench.cost import MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of, report
 from tests.bench.fixed_costs import ROOT, firewall, fixed_costs

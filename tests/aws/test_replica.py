@@ -8,7 +8,7 @@ import boto3
 import pytest
 
 from calibdb.errors import UnavailableError
-from infra.deploy.intrinsics import parse
+from infra.deploy.template import parse
 from infra.ops.__main__ import main
 from infra.ops.replica import ReplicatedObjects
 from infra.server.server import Server

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from infra.deploy.intrinsics import TemplateError
+from tests.aws.emulator.intrinsics import TemplateError
 from tests.aws.emulator.template import load
 
 TEMPLATE = """

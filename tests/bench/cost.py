@@ -20,7 +20,7 @@ import yaml
 from botocore.awsrequest import AWSPreparedRequest
 
 from infra.console import track
-from infra.deploy import load_test
+from infra.deploy.smoke_capture import observe_board
 from infra.server.server import DEVELOPMENT_TOKEN
 from tests.aws.emulator import LocalStack, intercept
 from tests.aws.emulator.storage import Answer
@@ -171,7 +171,7 @@ def run_capture(meter: Meter, seed: int) -> None:
     session = json.loads(meter.ask("POST", "/v1/auth", token))["session_id"]
     meter.ask("POST", "/v1/session", session, {**_CAMERA, "target_error": 1.0})
     index = 0
-    for ids, points in load_test.observe_board(seed):
+    for ids, points in observe_board(seed):
         for _ in range(2):
             meter.ask("GET", "/v1/session/pose", session)
         view = {"index": index, "ids": ids, "points": points}

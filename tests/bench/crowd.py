@@ -1,7 +1,7 @@
 """Many clients at once over a failing connection: every acknowledged view must be stored, once.
 
 `make bench DOCS=load` runs 2,000 captures from 64 clients against a server of its own, by
-`infra.deploy.load_test`, one request in five on a failing line; `SESSIONS=500 CLIENTS=64` runs a part.
+`tests.bench.captures`, one request in five on a failing line; `SESSIONS=500 CLIENTS=64` runs a part.
 """
 
 import os
@@ -12,8 +12,9 @@ from pathlib import Path
 
 from calibdb.settings import Settings
 from calibdb.store import Store
-from infra.deploy.load_test import CaptureRecord, drive
+from infra.deploy.smoke_capture import CaptureRecord
 from infra.server.server import DEVELOPMENT_TOKEN, Server
+from tests.bench.captures import drive
 from tests.helpers.stack.processes import LocalProcess
 
 

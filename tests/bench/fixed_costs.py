@@ -10,8 +10,8 @@ from typing import Any, get_args
 
 from calibdb.http import metrics
 from calibdb.schema.session import Refusal
-from infra.deploy.intrinsics import parse
 from infra.deploy.package import FRAGMENTS, ROOT
+from infra.deploy.template import parse
 
 #: files that together are the deployed template
 TEMPLATES = (Path("template.yaml"), *(path.relative_to(ROOT) for path in FRAGMENTS))

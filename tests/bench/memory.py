@@ -12,9 +12,9 @@ import threading
 import time
 from pathlib import Path
 
-from infra.deploy.load_test import drive
 from infra.server.server import DEVELOPMENT_TOKEN, Server
 from tests.bench import raw_load
+from tests.bench.captures import drive
 from tests.helpers.service.client import CAMERA, TOKEN
 from tests.helpers.service.published import asked, calibration, mode_of, store
 from tests.helpers.stack.processes import LocalProcess

@@ -15,12 +15,12 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, Route, expect
 
 from infra.web_build.openapi import EXAMPLES_PATH
-from infra.web_build.rig_vectors import RIGS_PATH
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import address, until
 from tests.helpers.documents import SITE, blocks
+from tests.helpers.rig_vectors import RIGS_PATH
 
 from .conftest import ROOT
 

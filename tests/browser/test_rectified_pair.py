@@ -11,9 +11,9 @@ from playwright.sync_api import Page
 from calibsolver import Camera
 from calibsolver.rig.rectification import rectify
 from calibsolver.rig.start import RigidMotion
-from infra.web_build.rig_vectors import RIGS_PATH
 from tests.helpers.browser.photographs import textured_board
 from tests.helpers.browser.scripts import page_function
+from tests.helpers.rig_vectors import RIGS_PATH
 
 from .test_rectifier import camera, decoded
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from infra.web_build.rig_vectors import RIGS_PATH
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.webxr import LABEL, SHARED, known_camera, script
+from tests.helpers.rig_vectors import RIGS_PATH
 
 from .conftest import ROOT
 

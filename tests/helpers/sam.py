@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from infra.deploy import package
-from infra.deploy.intrinsics import parse_text
+from infra.deploy.template import parse_text
 
 ROOT = Path(__file__).parents[2]
 

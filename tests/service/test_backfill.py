@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from calibdb import schema
-from infra.deploy.intrinsics import parse
+from infra.deploy.template import parse
 from infra.ops.__main__ import main
 from infra.server import jobs
 from infra.server.server import Server

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from infra.deploy.load_test import drive, main
 from infra.server.server import DEVELOPMENT_TOKEN, Server
+from tests.bench.captures import drive, main
 from tests.bench.crowd import missing_or_double
 from tests.helpers.stack.processes import LocalProcess
 

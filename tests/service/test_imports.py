@@ -17,8 +17,8 @@ from typing import Any
 
 import pytest
 
-from infra.deploy.intrinsics import parse_text
 from infra.deploy.package import complete_template
+from infra.deploy.template import parse_text
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = """

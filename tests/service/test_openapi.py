@@ -8,7 +8,7 @@ import pytest
 from calibdb import schema
 from calibsolver import Board, models
 from calibsolver.board import DICTIONARIES
-from infra.deploy.intrinsics import parse
+from infra.deploy.template import parse
 from infra.web_build import openapi
 from infra.web_build.site import ROOT
 

@@ -6,7 +6,7 @@ import json
 import re
 from pathlib import Path
 
-from infra.deploy.intrinsics import parse
+from infra.deploy.template import parse
 from infra.server.server import Server
 from tests.helpers.service.client import TOKEN, Client
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +15,7 @@ import calibsolver
 from calibsolver import undistortion
 from calibsolver.arrays import Array
 
+from .camera_record import CameraRecord
 from .errors import MissingPackageError, UsageError
 from .files import ExportedFile, read_whole, write_whole
 from .picture_change import UNCHANGED, PictureChange
@@ -32,18 +33,12 @@ _NATIVE = "calibdb"
 
 
 @dataclass(frozen=True, eq=False)
-class Calibration:
+class Calibration(CameraRecord):
     """A calibrated camera, and how far to trust it.
-
-    Attributes
-    ----------
-    record
-        All that the service answered, under its names (docs/api.md).
 
     Raises UsageError for a record that is not a calibration.
     """
 
-    record: Mapping[str, Any]
     _exporter: Exporter | None = field(default=None, repr=False)
     _recording: Recording | None = field(default=None, repr=False)
 
@@ -92,27 +87,6 @@ class Calibration:
         except UsageError as error:
             raise UsageError(f"not a calibration: {error}") from None
 
-    @cached_property
-    def camera_matrix(self) -> Array:
-        """(3, 3), px."""
-        return np.array(self.record["camera_matrix"], dtype=np.float64)
-
-    @cached_property
-    def distortion_coefficients(self) -> Array:
-        """(m,), in the model's order."""
-        return np.array(self.record["distortion_coefficients"], dtype=np.float64)
-
-    @property
-    def distortion_model(self) -> str:
-        """One of `rectilinear`, `fisheye`, `rational`, `omnidirectional`."""
-        return str(self.record["distortion_model"])
-
-    @property
-    def img_size(self) -> tuple[int, int]:
-        """Width and height, px."""
-        w, h = self.record["img_size"]
-        return int(w), int(h)
-
     @property
     def camera(self) -> str:
         """Label of the camera."""
@@ -153,18 +127,6 @@ class Calibration:
     def exact_size(self) -> bool:
         """True if this is the requested size; otherwise never rescale it blindly."""
         return bool(self.record.get("exact_size", True))
-
-    @cached_property
-    def lens(self) -> calibsolver.Camera:
-        """The camera model, of which `project` and `unproject` are shorthands.
-
-        Raises UsageError for a model that this version does not know.
-        """
-        try:
-            return calibsolver.Camera.from_record(self.record)
-        except calibsolver.CalibrationError as error:
-            upgrade = ": upgrade calibdb-client" if error.code == "unknown_model" else ""
-            raise UsageError(f"{error}{upgrade}") from None
 
     def project(self, points: object) -> Array:
         """Pixels (n, 2) of points (n, 3), camera frame; NaN where the lens sees nothing."""

@@ -57,9 +57,7 @@ def check(
 ) -> Flow[CheckResult]:
     """Have the service score its calibration on the views of a recording, of which three are sent."""
     body = {**body_of(recording, CHECK_VIEWS), "distortion_model": model, **consent}
-    reply = yield Request("POST", "v1/auth")
-    reply = yield Request("POST", "v1/checks", body, credential=str(reply.json["session_id"]))
-    record = reply.json
+    record = yield from ask(body)
     return CheckResult(
         record["fits"] == "fits",
         float(record["error"]),
@@ -69,6 +67,13 @@ def check(
         make(record["calibration"]),
         record,
     )
+
+
+def ask(body: Mapping[str, Any]) -> Flow[Mapping[str, Any]]:
+    """Open a session, and have the service check what the body of the request describes."""
+    reply = yield Request("POST", "v1/auth")
+    reply = yield Request("POST", "v1/checks", body, credential=str(reply.json["session_id"]))
+    return reply.json
 
 
 def body_of(recording: Recording, count: int) -> dict[str, Any]:
@@ -81,7 +86,7 @@ def views_of(recording: Recording, count: int) -> dict[str, Any]:
     views = most_different(recording, count)
     return {
         "board": recording.board.record(),
-        "views": [{"ids": list(view.ids), "points": [list(q) for q in view.points]} for view in views],
+        "views": [view.record() for view in views],
     }
 
 

@@ -1,13 +1,14 @@
-"""The client: the service's calls as methods."""
+"""The client: the service's calls as methods, each a conversation that the client drives."""
 
 from __future__ import annotations
 
+import functools
 import random
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec
 
 import httpx
 
@@ -19,6 +20,7 @@ from .checks import CheckResult
 from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Connection, failure
 from .errors import CalibDBError
 from .files import ExportedFile
+from .flows import Flow, T
 from .key import AUTO, DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of, live_model
 from .picture_change import PictureChange
 from .recording import Recording, ignore
@@ -35,7 +37,49 @@ if TYPE_CHECKING:
     from .rig_pictures import RigResult
 
 
-class Client:
+P = ParamSpec("P")
+
+
+class Service:
+    """Base of both clients: the connection to a service, and its cached answers.
+
+    `url`, `token`, `timeout`, `attempts` and `cache` as of `Client`.
+    """
+
+    def __init__(
+        self, url: str | None, token: str | None, timeout: float, attempts: int, cache: bool | str | Path
+    ) -> None:
+        self._connection = Connection.of(url, token, timeout, attempts)
+        folder = default_folder() if cache is True else cache
+        kept = None if folder is False else Cache(Path(folder), time.time)
+        self._edge = flows.Edge(self._connection.site, kept)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self._connection.site!r})"
+
+    @property
+    def site(self) -> str:
+        """Address of the service."""
+        return self._connection.site
+
+    def _calibration(self, record: Mapping[str, Any]) -> Calibration:
+        return Calibration(record)
+
+    def _rig(self, record: Mapping[str, Any]) -> Rig:
+        return Rig(record)
+
+
+def driven(call: Callable[Concatenate[Any, P], Flow[T]]) -> Callable[Concatenate[Client, P], T]:
+    """Make a method of `Client` that returns the result of a conversation."""
+
+    @functools.wraps(call)
+    def method(client: Client, /, *arguments: P.args, **options: P.kwargs) -> T:
+        return client._run(call(client, *arguments, **options))
+
+    return method
+
+
+class Client(Service):
     """A client of one service. Use it in a `with` statement, or call `close`.
 
     Parameters
@@ -53,7 +97,8 @@ class Client:
     transport, sleep
         For tests: replaces the network, and the pauses between attempts.
 
-    Every call raises the errors of `calibdb_client.errors`. A client may be used by one thread at a time.
+    A call is written as a conversation, `Flow[T]`; the client drives it and returns its result, `T`. Every
+    call raises the errors of `calibdb_client.errors`. A client may be used by one thread at a time.
     """
 
     def __init__(
@@ -67,13 +112,9 @@ class Client:
         transport: httpx.BaseTransport | None = None,
         sleep: Callable[[float], object] | None = None,
     ) -> None:
-        self._connection = Connection.of(url, token, timeout, attempts)
+        super().__init__(url, token, timeout, attempts, cache)
         self._http = httpx.Client(**self._connection.arguments(), transport=transport)
         self._sleep = sleep or time.sleep
-        self._edge = flows.Edge(self._connection.site, open_cache(cache))
-
-    def __repr__(self) -> str:
-        return f"Client({self._connection.site!r})"
 
     def __enter__(self) -> Self:
         return self
@@ -90,11 +131,7 @@ class Client:
         """Close the connections."""
         self._http.close()
 
-    @property
-    def site(self) -> str:
-        """Address of the service."""
-        return self._connection.site
-
+    @driven
     def lookup(
         self,
         camera: CameraKey | HasLabel | str,
@@ -106,7 +143,7 @@ class Client:
         device: str | None = None,
         reported: Mapping[str, float] | None = None,
         views: Recording | None = None,
-    ) -> Answer:
+    ) -> Flow[Answer]:
         """Look up the calibration of a camera.
 
         Parameters
@@ -128,12 +165,14 @@ class Client:
         """
         key = key_of(camera, platform, size, zoom).with_device(device)
         facts = flows.facts(reported, views)
-        return self._run(flows.lookup(key, checked_model(model), self._edge, self._calibration, facts))
+        return flows.lookup(key, checked_model(model), self._edge, self._calibration, facts)
 
-    def calibration(self, identifier: str) -> Calibration:
+    @driven
+    def calibration(self, identifier: str) -> Flow[Calibration]:
         """Read one stored calibration, or one consensus, by its id."""
-        return self._calibration(self._run(flows.calibration(identifier)))
+        return self._calibration((yield from flows.calibration(identifier)))
 
+    @driven
     def export(
         self,
         identifier: str,
@@ -143,7 +182,7 @@ class Client:
         resize: Sequence[int] | None = None,
         rotate: int = 0,
         mirror: bool = False,
-    ) -> ExportedFile:
+    ) -> Flow[ExportedFile]:
         """Read a calibration as another tool's file (docs/formats.md), of a changed picture if asked for.
 
         Parameters
@@ -160,24 +199,29 @@ class Client:
             True: left and right are swapped, as the last step.
         """
         change = PictureChange(crop, resize, rotate, mirror)
-        return self._run(flows.export(identifier, {"format": format, **change.query()}))
+        return flows.export(identifier, {"format": format, **change.query()})
 
-    def rig(self, identifier: str) -> Rig:
+    @driven
+    def rig(self, identifier: str) -> Flow[Rig]:
         """Read a rig, cameras that were calibrated together, by its id. Raises NotFoundError for none."""
-        return self._rig(self._run(flows.rig(identifier)))
+        return self._rig((yield from flows.rig(identifier)))
 
-    def rig_file(self, identifier: str, format: str) -> ExportedFile:  # noqa: A002 - the contract's name
+    @driven
+    def rig_file(self, identifier: str, format: str) -> Flow[ExportedFile]:  # noqa: A002 - the contract's name
         """Read a rig as another tool's file (docs/formats.md); several files are one ZIP archive."""
-        return self._run(flows.rig_file(identifier, format))
+        return flows.rig_file(identifier, format)
 
-    def cameras(self, query: str = "", limit: int = 50) -> list[Mapping[str, Any]]:
+    @driven
+    def cameras(self, query: str = "", limit: int = 50) -> Flow[list[Mapping[str, Any]]]:
         """Search the database for cameras whose names contain words that begin with those of `query`."""
-        return self._run(flows.cameras(query, limit))
+        return flows.cameras(query, limit)
 
-    def camera(self, key: str) -> Mapping[str, Any]:
+    @driven
+    def camera(self, key: str) -> Flow[Mapping[str, Any]]:
         """Read one camera of the database by its key."""
-        return self._run(flows.camera(key))
+        return flows.camera(key)
 
+    @driven
     def submit(
         self,
         recording: Recording,
@@ -186,7 +230,7 @@ class Client:
         *,
         licence: str | None = None,
         mode_name: str | None = None,
-    ) -> CaptureResult:
+    ) -> Flow[CaptureResult]:
         """Send the corners of a recording; those that agree become a calibration of the database.
 
         Parameters
@@ -205,9 +249,9 @@ class Client:
         Raises CaptureError if the views do not suffice.
         """
         extras = session.extras_of(licence, mode_name)
-        make = self._calibration
-        return self._run(session.submit(recording, model, make, progress, extras))
+        return session.submit(recording, model, self._calibration, progress, extras)
 
+    @driven
     def calibrate(
         self,
         camera: Any,
@@ -217,7 +261,7 @@ class Client:
         mode_name: str | None = None,
         keep: Keep | None = None,
         **options: Unpack[CaptureOptions],
-    ) -> CaptureResult:
+    ) -> Flow[CaptureResult]:
         """Calibrate a camera live, guided by the service, hands-free. Only the corners are sent.
 
         Parameters
@@ -239,9 +283,9 @@ class Client:
 
         extras = session.extras_of(licence, mode_name)
         operation = prepare(camera, **options)
-        flow = operation.by_service(live_model(model), keep or ignore, self._calibration, extras)
-        return self._run(flow)
+        return (yield from operation.by_service(live_model(model), keep or ignore, self._calibration, extras))
 
+    @driven
     def check(
         self,
         camera: Any,
@@ -249,7 +293,7 @@ class Client:
         model: str = DEFAULT_MODEL,
         licence: str | None = None,
         **options: Unpack[CaptureOptions],
-    ) -> CheckResult:
+    ) -> Flow[CheckResult]:
         """Check the database's calibration of a camera on three still frames. Parameters as of `calibrate`.
 
         A `Recording` is checked as it is. Raises NotFoundError if there is nothing to check.
@@ -258,11 +302,12 @@ class Client:
 
         consent = session.consent_of(licence)
         recording = recording_to_check(camera, **options)
-        return self._run(checks.check(recording, checked_model(model), self._calibration, consent))
+        return (yield from checks.check(recording, checked_model(model), self._calibration, consent))
 
+    @driven
     def check_against(
         self, camera: Any, calibration: Calibration | str, **options: Unpack[CaptureOptions]
-    ) -> Comparison:
+    ) -> Flow[Comparison]:
         """Check a calibration, or that of an id, on still frames of a camera, or a `Recording`.
 
         The service compares it with a fit of at most five views. No vote counts, nothing is stored.
@@ -271,9 +316,11 @@ class Client:
         from . import comparison
         from .capture.glances import recording_to_check
 
-        stored = self.calibration(calibration) if isinstance(calibration, str) else calibration
-        return self._run(comparison.by_service(recording_to_check(camera, **options), stored))
+        if isinstance(calibration, str):
+            calibration = Calibration((yield from flows.calibration(calibration)))
+        return (yield from comparison.by_service(recording_to_check(camera, **options), calibration))
 
+    @driven
     def calibrate_images(
         self,
         paths: str | Path | Iterable[str | Path],
@@ -285,7 +332,7 @@ class Client:
         model: str = AUTO,
         licence: str | None = None,
         mode_name: str | None = None,
-    ) -> CaptureResult:
+    ) -> Flow[CaptureResult]:
         """Calibrate a camera from pictures of a board. Only the corners are sent.
 
         Parameters
@@ -305,8 +352,9 @@ class Client:
         """
         from .images import recording_of
 
+        extras = session.extras_of(licence, mode_name)
         recording = recording_of(paths, camera, board, platform, zoom)
-        return self.submit(recording, model, licence=licence, mode_name=mode_name)
+        return (yield from session.submit(recording, model, self._calibration, consent=extras))
 
     def calibrate_rig(
         self,
@@ -330,7 +378,7 @@ class Client:
     def _rig(self, record: Mapping[str, Any]) -> Rig:
         return Rig(record, self.rig_file, self.export)
 
-    def _run(self, flow: flows.Flow[flows.T]) -> flows.T:
+    def _run(self, flow: Flow[T]) -> T:
         """Drive a conversation to its end."""
         try:
             request = next(flow)
@@ -342,7 +390,7 @@ class Client:
                 else:
                     request = flow.send(reply)
         except StopIteration as end:
-            result: flows.T = end.value
+            result: T = end.value
             return result
 
     def _exchange(self, request: Request) -> Reply:
@@ -366,10 +414,3 @@ class Client:
         except (httpx.HTTPError, httpx.InvalidURL, BodyTooLargeError) as error:
             return failure(error)
         return body.reply(response)
-
-
-def open_cache(cache: bool | str | Path) -> Cache | None:
-    """Return the cache that an argument `cache` names."""
-    if cache is False:
-        return None
-    return Cache(default_folder() if cache is True else Path(cache), time.time)

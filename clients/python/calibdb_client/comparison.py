@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from calibsolver.consensus.comparison import Comparison
 
-from .checks import body_of
+from .checks import ask, body_of
 from .errors import CaptureError, UsageError
 from .flows import Flow
-from .wire import Request
 
 if TYPE_CHECKING:
     from .calibration import Calibration
@@ -33,7 +32,7 @@ def compare(recording: Recording, calibration: Calibration) -> Comparison:
 
     _require_size(recording, calibration)
     try:
-        views = recording.board.views([{"ids": view.ids, "points": view.points} for view in recording.views])
+        views = recording.observations()
         return comparison.compare(calibration.lens, views)
     except (calibsolver.CalibrationError, ValueError) as why:
         raise CaptureError(f"the views do not suffice for a check: {why}") from None
@@ -48,9 +47,7 @@ def by_service(recording: Recording, calibration: Calibration) -> Flow[Compariso
     names = ("img_size", "camera_matrix", "distortion_coefficients", "distortion_model")
     record = {name: calibration.record[name] for name in names}
     body = {**body_of(recording, MAX_SENT_VIEWS), "calibration": record}
-    reply = yield Request("POST", "v1/auth")
-    reply = yield Request("POST", "v1/checks", body, credential=str(reply.json["session_id"]))
-    return _comparison(reply.json)
+    return _comparison((yield from ask(body)))
 
 
 def _comparison(record: Mapping[str, Any]) -> Comparison:

@@ -96,7 +96,7 @@ def write(
         camera = Camera.from_record(record)
         source = formats.ExportSource(
             camera=camera,
-            views=tuple(recording.board.view(v.ids, v.points) for v in recording.views) if recording else (),
+            views=tuple(recording.observations()) if recording else (),
             board=recording.board if recording else None,
             name=str(record.get("camera") or "camera"),
             identifier=str(record.get("id") or ""),

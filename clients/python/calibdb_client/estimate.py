@@ -2,32 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .camera_record import CameraRecord
 from .errors import UsageError
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, eq=False)
-class Estimate:
+class Estimate(CameraRecord):
     """Estimated camera with the interval of its field of view (docs/estimates.md).
 
-    Attributes
-    ----------
-    record
-        The service's answer, under its names (docs/api.md).
+    Its model is `rectilinear` or `fisheye`, or that of a calibration that it rests on.
 
     Raises UsageError for a record that is not an estimate.
     """
-
-    record: Mapping[str, Any]
 
     def __post_init__(self) -> None:
         try:
@@ -42,27 +32,6 @@ class Estimate:
     def __repr__(self) -> str:
         low, high = self.interval_90
         return f"Estimate({self.hfov_deg:.1f} degrees, 90 %: {low:.1f} to {high:.1f}, {self.basis})"
-
-    @cached_property
-    def camera_matrix(self) -> NDArray[np.float64]:
-        """(3, 3), px."""
-        return np.array(self.record["camera_matrix"], dtype=np.float64)
-
-    @cached_property
-    def distortion_coefficients(self) -> NDArray[np.float64]:
-        """(m,), in the model's order."""
-        return np.array(self.record["distortion_coefficients"], dtype=np.float64)
-
-    @property
-    def distortion_model(self) -> str:
-        """`rectilinear` or `fisheye`, or the model of a calibration that it rests on."""
-        return str(self.record["distortion_model"])
-
-    @property
-    def img_size(self) -> tuple[int, int]:
-        """Width and height, px."""
-        w, h = self.record["img_size"]
-        return int(w), int(h)
 
     @property
     def hfov_deg(self) -> float:

@@ -29,7 +29,7 @@ def chosen_model(recording: Recording, model: str) -> tuple[str, str | None]:
     if model != AUTO:
         checked_model(model)
     try:
-        views = recording.board.views([{"ids": view.ids, "points": view.points} for view in recording.views])
+        views = recording.observations()
         size = recording.key.img_size
         choice = suggest_model(views, size)
         errors: Mapping[str, float] = {

@@ -188,8 +188,7 @@ def read(
             board_views.empty.append(path.name)
         else:
             h, w = picture.shape[:2]
-            points = tuple((float(u), float(v)) for u, v in corners.points.tolist())
-            board_views.views.append(((w, h), RecordedView(path.name, corners.ids, points)))
+            board_views.views.append(((w, h), RecordedView.of(path.name, corners)))
         if progress:
             progress(n + 1, len(chosen))
 

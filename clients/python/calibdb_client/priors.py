@@ -19,7 +19,6 @@ from .pictures import PLATFORM, SUFFIXES
 
 _FILM_WIDTH_MM = 36.0
 _END = "END-OF-PHOTOGRAPHS"  # of a list in the shell script
-_COLMAP_MODELS = {"fisheye": "OPENCV_FISHEYE", "rational": "FULL_OPENCV"}
 
 
 @dataclass(frozen=True)
@@ -105,13 +104,13 @@ def colmap(groups: Sequence[PhotoGroup]) -> str:
     ]
     for number, group in enumerate(groups, 1):
         names = "\n".join(path.name for path in group.paths if path.name.isprintable() and path.name != _END)
+        model, parameters = _colmap_camera(group.camera)
         lines += [
             f"# {group.title}",
             f"cat > priors-{number}.txt <<'{_END}'\n{names}\n{_END}",
             'colmap feature_extractor --database_path "$1" --image_path "$2" '
             f"--image_list_path priors-{number}.txt --ImageReader.single_camera 1 "
-            f"--ImageReader.camera_model {_colmap_model(group.camera)} "
-            f"--ImageReader.camera_params {shlex.quote(_colmap_parameters(group.camera))}",
+            f"--ImageReader.camera_model {model} --ImageReader.camera_params {shlex.quote(parameters)}",
         ]
     fixed = all(group.answer.calibration is not None for group in groups)
     refine = " --Mapper.ba_refine_focal_length 0 --Mapper.ba_refine_extra_params 0" if fixed else ""
@@ -122,50 +121,29 @@ def colmap(groups: Sequence[PhotoGroup]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _colmap_model(camera: Calibration | Estimate) -> str:
-    if isinstance(camera, Estimate) and camera.distortion_model == "rectilinear":
-        return "SIMPLE_RADIAL"
+def _colmap_camera(camera: Calibration | Estimate) -> tuple[str, str]:
+    """Return COLMAP's model and its parameters; of an estimate without distortion one to begin with."""
+    from calibsolver.formats.colmap import parameters
+
     if camera.distortion_model == "omnidirectional":
         raise UsageError("COLMAP has no model for an omnidirectional camera: look up --model fisheye")
-    if camera.distortion_model == "rectilinear" and camera.distortion_coefficients[4] != 0:
-        return "FULL_OPENCV"
-    return _COLMAP_MODELS.get(camera.distortion_model, "OPENCV")
-
-
-def _colmap_parameters(camera: Calibration | Estimate) -> str:
-    """Parameters in COLMAP's order. Its pixel centres are at halves."""
-    m, d = camera.camera_matrix, [float(k) for k in camera.distortion_coefficients]
-    fx, fy, cx, cy = m[0, 0], m[1, 1], m[0, 2] + 0.5, m[1, 2] + 0.5
-    model = _colmap_model(camera)
-    if model == "SIMPLE_RADIAL":
-        return _numbers([fx, cx, cy, 0.0])
-    if model == "OPENCV":
-        return _numbers([fx, fy, cx, cy, *d[:4]])
-    return _numbers([fx, fy, cx, cy, *d, *[0.0] * (8 - len(d) if model == "FULL_OPENCV" else 0)])
+    model, values = parameters(camera.lens)
+    if isinstance(camera, Estimate) and camera.distortion_model == "rectilinear":
+        fx, _, cx, cy = values[:4]
+        model, values = "SIMPLE_RADIAL", [fx, cx, cy, 0.0]
+    return model, ",".join(f"{value:.8g}" for value in values)
 
 
 def opensfm(groups: Sequence[PhotoGroup]) -> str:
     """Return `camera_models_overrides.json` for OpenSfM, under the names that it gives to cameras."""
+    from calibsolver.formats.opensfm import members
+
     cameras = {}
     for group in groups:
-        camera, (w, h) = group.camera, group.photo.size
+        camera = group.camera
         if camera.distortion_model not in ("rectilinear", "fisheye"):
             raise UsageError(f"OpenSfM has no {camera.distortion_model} model: look up --model rectilinear")
-        m, d, side = camera.camera_matrix, [float(k) for k in camera.distortion_coefficients], max(w, h)
-        common = {
-            "width": w,
-            "height": h,
-            "focal_x": m[0, 0] / side,
-            "focal_y": m[1, 1] / side,
-            "c_x": (m[0, 2] - (w - 1) / 2) / side,
-            "c_y": (m[1, 2] - (h - 1) / 2) / side,
-        }
-        if camera.distortion_model == "fisheye":
-            names = dict(zip(("k1", "k2", "k3", "k4"), d, strict=True))
-            cameras[_opensfm_name(group.photo)] = {"projection_type": "fisheye_opencv", **common, **names}
-        else:
-            names = dict(zip(("k1", "k2", "p1", "p2", "k3"), d, strict=True))
-            cameras[_opensfm_name(group.photo)] = {"projection_type": "brown", **common, **names}
+        cameras[_opensfm_name(group.photo)] = members(camera.lens)
     return json.dumps(cameras, indent=4) + "\n"
 
 
@@ -202,10 +180,6 @@ def _sensor_widths(groups: Iterable[PhotoGroup]) -> list[tuple[str, str, float]]
     if not widths:
         raise UsageError("no photograph has a focal length in its EXIF data, which this program needs")
     return [(make, model, width) for (make, model), width in widths.items()]
-
-
-def _numbers(values: Iterable[float]) -> str:
-    return ",".join(f"{value:.8g}" for value in values)
 
 
 WRITERS: dict[str, Callable[[Sequence[PhotoGroup]], str]] = {

@@ -7,12 +7,17 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .board import Board
 from .errors import UsageError
 from .files import read_whole, write_whole
 from .key import CameraKey
+
+if TYPE_CHECKING:
+    from calibsolver import View
+
+    from .detection import Corners
 
 FORMAT = "calibdb-recording-1"
 _MEMBER = "recording"
@@ -33,6 +38,15 @@ class RecordedView:
     source: str
     ids: tuple[int, ...]
     points: tuple[tuple[float, float], ...]
+
+    @classmethod
+    def of(cls, source: str, corners: Corners) -> RecordedView:
+        """Return the view of corners that were found in a picture."""
+        return cls(source, corners.ids, tuple((float(u), float(v)) for u, v in corners.points.tolist()))
+
+    def record(self) -> dict[str, Any]:
+        """Return the corners as the members of a request."""
+        return {"ids": list(self.ids), "points": [list(point) for point in self.points]}
 
 
 @dataclass(frozen=True)
@@ -55,6 +69,10 @@ class Recording:
     board: Board
     views: tuple[RecordedView, ...]
     live: bool = False
+
+    def observations(self) -> list[View]:
+        """Return the views as calibsolver takes them. Raises ValueError for a corner that is given twice."""
+        return self.board.views(view.record() for view in self.views)
 
     @classmethod
     def load(cls, path: str | Path) -> Recording:
@@ -95,7 +113,7 @@ class Recording:
             "format": FORMAT,
             "board": self.board.record(),
             **({"live": True} if self.live else {}),
-            "views": [{"source": v.source, "ids": v.ids, "points": v.points} for v in self.views],
+            "views": [{"source": view.source, **view.record()} for view in self.views],
         }
         return json.dumps({**(calibration or {}), _MEMBER: member}, ensure_ascii=False).encode() + b"\n"
 

@@ -126,7 +126,7 @@ def fit_again(recording: Recording, calibration: Calibration) -> tuple[Fit, list
     from calibsolver.quality.rivals import with_rivals
 
     try:
-        views = recording.board.views([{"ids": view.ids, "points": view.points} for view in recording.views])
+        views = recording.observations()
         lens = calibration.lens
         bends = recording.board.kind not in CIRCLES
         fixed = calibration.record.get("fixed", ())

@@ -155,7 +155,7 @@ def fit_rig(
         "board": board.record(),
         "cameras": cameras,
         "moments": [
-            {"id": str(m), "views": {i: {"ids": v.ids, "points": v.points} for i, v in moment.items()}}
+            {"id": str(m), "views": {i: view.record() for i, view in moment.items()}}
             for m, moment in enumerate(used)
             if moment
         ],

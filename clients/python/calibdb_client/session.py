@@ -139,8 +139,7 @@ def submit(
     while waiting:
         count, contradicting = len(accepted), []
         while waiting:
-            corners = [{"ids": list(v.ids), "points": [list(q) for q in v.points]} for v in waiting]
-            body = {"index": len(accepted), "views": corners}
+            body = {"index": len(accepted), "views": [view.record() for view in waiting]}
             reply = yield Request("POST", "v1/session/batch", body, credential=session)
             results = reply.json["results"]
             for view, result in zip(waiting, results, strict=False):
@@ -213,7 +212,7 @@ def calibrate_offline(
     chosen, better = chosen_model(recording, lens.model if lens and model == AUTO else model)
     size = recording.key.img_size
     try:
-        views = recording.board.views([{"ids": view.ids, "points": view.points} for view in recording.views])
+        views = recording.observations()
         if recording.board.kind in CIRCLES:
             radius = recording.board.marker_ratio / 2
             fitted, corrected = fit_circles(views, size, radius, chosen, start=lens, fix=fix)

@@ -68,9 +68,9 @@ def show_use(
 ) -> None:
     """Count lookups at the edge by camera."""
     with open_run(as_json=as_json) as run:
-        from infra.ops import edge_use
+        from infra.ops import cameras
 
-        use = edge_use.count_use(logs, run.context.store.aliases).most_common()
+        use = cameras.count_use(logs, run.context.store.aliases).most_common()
         run.output.table(("camera", "#lookups"), use, (f"{count:>9}  {label}" for label, count in use))
         run.output.value([{"camera": label, "lookups": count} for label, count in use])
 

@@ -90,22 +90,6 @@ def slug(text: str, taken: set[str]) -> str:
     return anchor
 
 
-def anchors(source: str) -> set[str]:
-    """Return the anchors of a document's headings."""
-    return {heading.anchor for heading in _outline(_parser().parse(source))[0]}
-
-
-def links(source: str) -> list[str]:
-    """Return the targets of a document's links and images."""
-    targets = []
-    for token in _parser().parse(source):
-        for child in token.children or ():
-            target = child.attrGet("href" if child.type == "link_open" else "src")
-            if child.type in {"link_open", "image"} and target:
-                targets.append(str(target))
-    return targets
-
-
 def code(text: str, language: str) -> str:
     """Colour code by the classes of Pygments; plain where the language is not known."""
     if language not in LEXERS:

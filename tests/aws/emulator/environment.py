@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
-from infra.deploy.intrinsics import REGION
+from tests.aws.emulator.intrinsics import REGION
 
 # Variables that would lead boto3 away from the storage of this process.
 _MISLEADING = (

@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from typing import Any
 from urllib.parse import parse_qsl, unquote
 
-from infra.deploy.intrinsics import ACCOUNT
+from tests.aws.emulator.intrinsics import ACCOUNT
 
 API_ID = "local"
 

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from infra.deploy.intrinsics import ACCOUNT, REGION
+from tests.aws.emulator.intrinsics import ACCOUNT, REGION
 from tests.aws.emulator.template import FunctionSpec
 
 _log = logging.getLogger("tests.aws.emulator.functions")

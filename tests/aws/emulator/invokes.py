@@ -18,8 +18,8 @@ from urllib.parse import unquote, urlsplit
 
 from botocore.awsrequest import AWSPreparedRequest
 
-from infra.deploy.intrinsics import ACCOUNT, REGION
 from tests.aws.emulator.functions import Function, FunctionError
+from tests.aws.emulator.intrinsics import ACCOUNT, REGION
 from tests.aws.emulator.storage import Answer
 from tests.aws.emulator.template import FunctionSpec
 

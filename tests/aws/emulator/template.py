@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from infra.deploy.intrinsics import Resolver, TemplateError, parse_text, text
+from infra.deploy.template import parse_text
+from tests.aws.emulator.intrinsics import Resolver, TemplateError, text
 
 
 @dataclass(frozen=True)

@@ -54,7 +54,7 @@ def documented(method: str, path: str) -> set[int]:
     for operation in OPERATIONS:
         pattern = re.sub(r"\\{[^}]*\\}", "[^/]+", re.escape(operation.path))
         if operation.method.upper() == method and re.fullmatch(pattern, path):
-            return {*operation.answers, *operation.problems}
+            return {*operation.answers, *operation.all_problems}
     return {404, 405}
 
 

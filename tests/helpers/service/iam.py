@@ -14,9 +14,10 @@ from typing import Any
 import pytest
 from botocore.client import BaseClient
 
-from infra.deploy.intrinsics import ACCOUNT, REGION, Resolver, parse_text
 from infra.deploy.package import complete_template
+from infra.deploy.template import parse_text
 from tests.aws.emulator.functions import Function
+from tests.aws.emulator.intrinsics import ACCOUNT, REGION, Resolver
 
 ROOT = Path(__file__).parents[3]
 _running: contextvars.ContextVar[str | None] = contextvars.ContextVar("running", default=None)

@@ -62,8 +62,7 @@ def test_reindex_completes_a_rig_that_ended_and_mends_the_index(
     state = rig.state()
     assert state["status"] == "finished"
     assert names(stack, "rig_calibrations/", "calibrations/") == set()
-    keys = [key for key in context.index.keys("RIG#", "SESSION#") if key[0].startswith(("RIG#", "SESSION#"))]
-    context.index.remove(keys)
+    context.remove_items(key for pk in ("RIG#", "SESSION#") for key in context.storage.table.keys(pk))
     done = reindex.reindex(context)
     assert (done.rigs, done.sessions, done.published) == (2, 4, 2)
     assert names(stack, "rig_calibrations/") == {f"rig_calibrations/{rig.rig_id}.json"}

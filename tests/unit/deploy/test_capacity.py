@@ -2,9 +2,10 @@
 
 import pytest
 
-from infra.deploy import capacity, processor
+from infra.deploy import processor
 from infra.deploy.account_check import MIN_UNRESERVED, RESERVED
-from infra.deploy.capacity import ACCOUNT_CONCURRENCY, LARGE, LARGE_ACCOUNT_CONCURRENCY, defaults, limits
+from tests.bench import capacity
+from tests.bench.capacity import ACCOUNT_CONCURRENCY, LARGE, LARGE_ACCOUNT_CONCURRENCY, defaults, limits
 
 
 def test_plan_of_the_pages_is_the_first_limit_by_default() -> None:

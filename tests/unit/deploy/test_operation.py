@@ -11,10 +11,10 @@ import pytest
 from calibdb.errors import UnavailableError
 from calibdb.store import Cameras
 from infra.deploy import __main__ as command
-from infra.deploy.intrinsics import parse, parse_text
 from infra.deploy.package import complete_template
 from infra.deploy.site import uploads
 from infra.deploy.steps import Target, steps
+from infra.deploy.template import parse, parse_text
 from infra.release import checkout
 from infra.server.server import Server
 from tests.helpers.data import ROOT

@@ -11,7 +11,7 @@ import yaml
 from calibdb.camera_key import camera_key
 from calibdb.store.keys import calibration_object
 from infra.deploy import smoke_capture
-from infra.deploy.intrinsics import parse
+from infra.deploy.template import parse
 from tests.helpers.data import ROOT
 from tests.helpers.sam import as_created, complete, parsed
 

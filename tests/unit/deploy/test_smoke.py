@@ -94,9 +94,10 @@ def test_site_that_cannot_be_reached_is_a_problem_and_no_trace() -> None:
 
 def test_domain_without_records_is_asked_by_the_distributions_name() -> None:
     """`.invalid` never resolves (RFC 6761)."""
-    line = smoke.connection("https://calib.invalid", "d1.cloudfront.net")
-    assert isinstance(line, smoke.Via)
-    assert (line.host, line.via) == ("calib.invalid", "d1.cloudfront.net")
+    address, headers, extensions = smoke.target("https://calib.invalid", "d1.cloudfront.net")
+    assert address == "https://d1.cloudfront.net"
+    assert (headers, extensions) == ({"Host": "calib.invalid"}, {"sni_hostname": "calib.invalid"})
+    assert smoke.target("http://127.0.0.1:1", "d1.cloudfront.net") == ("http://127.0.0.1:1", {}, {})
     site = smoke.Site("https://calib.invalid", "d1.cloudfront.net")
     complaints = list(smoke.problems(lambda *_: smoke.Response(503, {}, b""), site, patience_s=0))
     assert "point it to d1.cloudfront.net" in complaints[-1]

@@ -7,7 +7,7 @@ import pytest
 
 from calibdb.settings import Settings, SettingsError, Thresholds
 from calibsolver.consensus import Rule
-from infra.deploy.intrinsics import parse
+from infra.deploy.template import parse
 
 ROOT = Path(__file__).parents[3]
 

@@ -9,8 +9,8 @@ import pytest
 
 from calibsolver import Camera, models
 from calibsolver.models.planar import Planar
-from infra.web_build.rig_vectors import RIGS_PATH, pair_record
 from tests.helpers.lens_vectors import EXAMPLE, SIZE, assert_agrees, recorded
+from tests.helpers.rig_vectors import RIGS_PATH, pair_record
 
 
 def test_recorded_rays_and_pixels_are_the_solvers() -> None:

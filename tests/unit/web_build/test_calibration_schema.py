@@ -8,7 +8,7 @@ import pytest
 
 from calibdb import schema
 from calibdb_client import offline
-from infra.web_build import calibration_schema, openapi, site
+from infra.web_build import openapi, schemas, site
 from tests.helpers.recordings import recording_of
 from tests.helpers.service.known import consensus
 from tests.helpers.service.published import calibration
@@ -73,5 +73,5 @@ def test_other_documents_are_invalid(changed: dict[str, Any]) -> None:
 
 
 def test_address_names_the_version() -> None:
-    assert SERVED["$id"] == f"/docs/schema/calibration-{calibration_schema.VERSION}.json"
+    assert SERVED["$id"] == f"/docs/schema/calibration-{schemas.CALIBRATION_VERSION}.json"
     assert SERVED["required"] == ["img_size", "camera_matrix", "distortion_coefficients", "distortion_model"]

@@ -64,11 +64,7 @@ def take_glances(operation: Operation, count: int = CHECK_VIEWS) -> Recording:
             if feedback.show(Scene(frame.picture, points, None, said, hold, status)) == "stop":
                 raise KeyboardInterrupt
             if another and corners is not None and outline is not None and still.held >= HOLD_S:
-                view = RecordedView(
-                    f"view {len(taken) + 1}",
-                    corners.ids,
-                    tuple((float(u), float(v)) for u, v in corners.points.tolist()),
-                )
+                view = RecordedView.of(f"view {len(taken) + 1}", corners)
                 recording = replace(recording, views=(*recording.views, view))
                 taken.append(outline)
                 still = Stillness()

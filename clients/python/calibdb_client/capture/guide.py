@@ -143,7 +143,7 @@ class ServiceGuide:
 
     def judge(self, target: Target, view: RecordedView) -> Flow[Judgement]:
         """Send the corners."""
-        body = {"index": target.index, "ids": list(view.ids), "points": [list(q) for q in view.points]}
+        body = {"index": target.index, **view.record()}
         reply = yield Request("POST", "v1/session/views", body, credential=self._session)
         self._state = answer = reply.json
         hint = answer.get("hint") or {}

@@ -211,8 +211,7 @@ class Live:
         """Keep the view, and have it judged."""
         aim = self._aim
         assert aim is not None  # noqa: S101
-        points = tuple((float(u), float(v)) for u, v in corners.points.tolist())
-        view = RecordedView(f"view {len(self.recording.views) + 1}", corners.ids, points)
+        view = RecordedView.of(f"view {len(self.recording.views) + 1}", corners)
         before = self.recording
         self.recording = replace(before, views=(*before.views, view))
         self._keep(self.recording)

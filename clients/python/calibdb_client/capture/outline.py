@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from calibsolver.arrays import Array
+from calibsolver.guidance import hints
 
 from ..board import MIN_CORNERS, Board, opencv
 
@@ -22,23 +23,13 @@ TURNED_RAD = 0.14
 TILTED_LOG = 0.06
 """and difference in the logarithm of how much longer one side is than the opposite one."""
 
-TEXTS = {
-    "left": "move the board left",
-    "right": "move the board right",
-    "up": "move the board up",
-    "down": "move the board down",
-    "closer": "bring the board closer",
-    "farther": "move the board farther away",
-    "turn_clockwise": "turn the board clockwise",
-    "turn_counterclockwise": "turn the board counterclockwise",
+TEXTS: dict[str, str] = {
+    **{code: text[0].lower() + text[1:] for code, text in hints.TEXTS.items()},
     "tilt_top": "tilt the top edge towards the camera",
     "tilt_bottom": "tilt the bottom edge towards the camera",
     "tilt_left": "tilt the left edge towards the camera",
     "tilt_right": "tilt the right edge towards the camera",
-    "show_more": "show more of the board",
     "hold_still": "hold the board still",
-    "unmirror": "turn off the camera's mirroring",
-    "first": "match the outline with the board",
 }
 """Instructions by code. Sides are those of the camera's picture."""
 

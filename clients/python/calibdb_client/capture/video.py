@@ -56,8 +56,7 @@ def read_video(
     finally:
         board_views.frames = len(observations)
         for number, size, corners in _choose(observations, numbers[1] if len(numbers) > 1 else 1):
-            points = tuple((float(u), float(v)) for u, v in corners.points.tolist())
-            board_views.views.append((size, RecordedView(f"frame {number + 1}", corners.ids, points)))
+            board_views.views.append((size, RecordedView.of(f"frame {number + 1}", corners)))
     return chosen
 
 

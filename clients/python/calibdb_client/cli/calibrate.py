@@ -21,6 +21,7 @@ from .capture_options import (
     add_fix,
     add_licence,
     add_mode_name,
+    add_offline,
     add_source,
     fix_of,
     kind_of,
@@ -42,9 +43,7 @@ def add(commands: Any) -> None:
         "to a file first, so that nothing is lost.",
     )
     add_source(parser)
-    parser.add_argument(
-        "--offline", action="store_true", help="calibrate here, with calibsolver; send nothing"
-    )
+    add_offline(parser)
     parser.add_argument("--mirrored", action="store_true", help="the pictures are mirrored: turn them back")
     options.add_file(parser, "a new one")
     add_fix(parser)

@@ -35,6 +35,13 @@ def add_model(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_offline(parser: argparse.ArgumentParser) -> None:
+    """Add the option that sends nothing."""
+    parser.add_argument(
+        "--offline", action="store_true", help="calibrate here, with calibsolver; send nothing"
+    )
+
+
 def add_fix(parser: argparse.ArgumentParser) -> None:
     """Add the options of what a calibration on this machine does not estimate."""
     parser.add_argument(

@@ -9,7 +9,7 @@ from ..errors import UsageError
 from ..key import UNNAMED
 from ..recording import Recording
 from . import live, options
-from .capture_options import add_licence, add_mode_name, add_model, add_show, licence_of
+from .capture_options import add_licence, add_mode_name, add_model, add_offline, add_show, licence_of
 from .output import Output
 
 
@@ -22,9 +22,7 @@ def add(commands: Any) -> None:
     )
     parser.add_argument("file", help="file that `calibdb calibrate` kept")
     parser.add_argument("camera", nargs="?", help="the camera; found by its label unless given")
-    parser.add_argument(
-        "--offline", action="store_true", help="calibrate here, with calibsolver; send nothing"
-    )
+    add_offline(parser)
     add_show(parser)
     add_model(parser)
     add_licence(parser)

@@ -14,7 +14,7 @@ from ..recording import Recording
 from . import options
 from .board import add_square
 from .calibrate import finish
-from .capture_options import add_fix, add_licence, add_mode_name, add_model, fix_of, licence_of
+from .capture_options import add_fix, add_licence, add_mode_name, add_model, add_offline, fix_of, licence_of
 from .output import Output
 
 
@@ -28,9 +28,7 @@ def add(commands: Any) -> None:
     parser.add_argument("file", help="file that `calibdb calibrate` wrote")
     parser.add_argument("--label", help="label of the camera, if another one than the file's")
     parser.add_argument("--platform", help=f"its platform, if not the file's ({PLATFORM})")
-    parser.add_argument(
-        "--offline", action="store_true", help="calibrate here, with calibsolver; send nothing"
-    )
+    add_offline(parser)
     add_model(parser)
     add_square(parser)
     add_fix(parser)

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 
+from ..camera import Camera
 from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import camera_from_opencv
@@ -38,21 +39,25 @@ class Colmap(Format):
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the file; `source`'s name is a comment."""
-        c = conversion.camera
-        k, d = np.asarray(c.matrix), np.asarray(c.distortion)
-        model = "OPENCV_FISHEYE" if c.model == "fisheye" else "FULL_OPENCV"
-        if c.model == "rectilinear":
-            if d[4] == 0:
-                model, d = "OPENCV", d[:4]
-            else:
-                d = np.append(d, np.zeros(3))
-        params = [k[0, 0], k[1, 1], k[0, 2] + HALF, k[1, 2] + HALF, *d]
+        (w, h), (model, params) = conversion.camera.img_size, parameters(conversion.camera)
         return text.lines(
             "# Camera list with one line of data per camera:",
             "#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]",
             self.comment(source, conversion),
-            f"1 {model} {c.img_size[0]} {c.img_size[1]} {' '.join(text.number(p) for p in params)}",
+            f"1 {model} {w} {h} {' '.join(text.number(p) for p in params)}",
         )
+
+
+def parameters(camera: Camera) -> tuple[str, list[float]]:
+    """Return the name of COLMAP's model of a camera that is not omnidirectional, and its parameters."""
+    k, d = camera.matrix, camera.distortion
+    model = "OPENCV_FISHEYE" if camera.model == "fisheye" else "FULL_OPENCV"
+    if camera.model == "rectilinear":
+        if d[4] == 0:
+            model, d = "OPENCV", d[:4]
+        else:
+            d = np.append(d, np.zeros(3))
+    return model, [k[0, 0], k[1, 1], k[0, 2] + HALF, k[1, 2] + HALF, *d]
 
 
 def lines_of_cameras(content: str) -> list[dict[str, object]]:

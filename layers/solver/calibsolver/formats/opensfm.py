@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..camera import Camera
 from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
 from .coefficients import camera_from_opencv
@@ -19,23 +20,27 @@ class OpenSfm(Format):
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write one camera under the source's name."""
-        c = conversion.camera
-        (w, h), k = c.img_size, np.asarray(c.matrix)
-        side = max(w, h)
-        names = ("k1", "k2", "p1", "p2", "k3") if c.model == "rectilinear" else ("k1", "k2", "k3", "k4")
-        value = {
-            "projection_type": "brown" if c.model == "rectilinear" else "fisheye_opencv",
-            "width": w,
-            "height": h,
-            "focal_x": k[0, 0] / side,
-            "focal_y": k[1, 1] / side,
-            "c_x": (k[0, 2] - (w - 1) / 2) / side,
-            "c_y": (k[1, 2] - (h - 1) / 2) / side,
-            **dict(zip(names, c.distortion.tolist(), strict=True)),
-        }
+        value = members(conversion.camera)
         if conversion.warning:
             value["warning"] = conversion.warning
         return text.dump({source.name or "camera": value})
+
+
+def members(camera: Camera) -> dict[str, object]:
+    """Return the members of a rectilinear camera or a fisheye."""
+    (w, h), k = camera.img_size, camera.matrix
+    side = max(w, h)
+    names = ("k1", "k2", "p1", "p2", "k3") if camera.model == "rectilinear" else ("k1", "k2", "k3", "k4")
+    return {
+        "projection_type": "brown" if camera.model == "rectilinear" else "fisheye_opencv",
+        "width": w,
+        "height": h,
+        "focal_x": k[0, 0] / side,
+        "focal_y": k[1, 1] / side,
+        "c_x": (k[0, 2] - (w - 1) / 2) / side,
+        "c_y": (k[1, 2] - (h - 1) / 2) / side,
+        **dict(zip(names, camera.distortion.tolist(), strict=True)),
+    }
 
 
 def read(data: object) -> ImportedFile:

@@ -10,7 +10,7 @@ import pytest
 from calibsolver.formats import ImportedFile
 from calibsolver.formats.base import ReaderOptions
 from infra.ops import OpsError
-from infra.ops.files import read_file
+from infra.ops.imports import read_file
 from tests.helpers.data import data_dir, external_data
 
 K = "900. 0. 630. 0. 905. 350. 0. 0. 1."

@@ -16,7 +16,7 @@ from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.grid import grid
 from calibsolver.formats.reading import read, read_text
 from infra.ops import OpsError
-from infra.ops.files import read_file
+from infra.ops.imports import read_file
 from tests.helpers.data import corner_set, corner_views
 from tests.helpers.marks import corner_sets, thorough
 from tests.helpers.solver.export_sources import IMG_SIZE, subject

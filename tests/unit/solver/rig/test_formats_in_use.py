@@ -21,7 +21,7 @@ from calibsolver.arrays import Array
 from calibsolver.rig import formats
 from calibsolver.rig.formats import RigSource
 from calibsolver.rig.start import RigidMotion
-from infra.web_build.rig_vectors import LENSES
+from tests.helpers.rig_vectors import LENSES
 from tests.helpers.solver import rigs
 from tests.unit.solver.formats.test_other_formats import system_mrcal
 from tests.unit.solver.rig.test_formats import unpack

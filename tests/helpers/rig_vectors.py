@@ -1,6 +1,6 @@
 """Test vectors tests/web/rigs.json: pairs of cameras of every model, and how the solver rectifies them.
 
-    python -m infra.web_build.rig_vectors
+    python -m tests.helpers.rig_vectors
 
 The SDK rectifies pairs itself; its tests compare with these. The first pair is that of OpenCV's samples,
 fitted to its corners.

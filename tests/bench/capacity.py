@@ -1,4 +1,4 @@
-"""Limits of a deployment under a number of captures per day, on paper: `python -m infra.deploy.capacity`.
+"""Limits of a deployment under a number of captures per day, on paper: `make bench DOCS=capacity`.
 
 Demand follows from a day of captures, capacity from the template's parameters, the plans and AWS's default
 quotas. Nothing is measured; durations are assumed. `LARGE` are parameters for a million captures per day.
@@ -6,17 +6,15 @@ quotas. Nothing is measured; durations are assumed. `LARGE` are parameters for a
 
 from __future__ import annotations
 
-import argparse
-import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from calibdb.access.plans import multiplied
 from calibdb.settings import parse_plan_factors
 from calibdb.store.quotas import SHARDS
 from infra.deploy.account_check import RESERVED
-from infra.deploy.intrinsics import parse
 from infra.deploy.package import ROOT
+from infra.deploy.template import parse
 
 DAILY_CAPTURES = 1_000_000
 PEAK = 3.0  # busiest hour / mean hour
@@ -108,15 +106,13 @@ def report(values: Mapping[str, str], account: int) -> Iterator[str]:
         yield f"  {limit.use:7.2f}  {limit.name:52} {limit.demand:10,.0f} of {limit.capacity:10,.0f}"
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main() -> None:
     """Print the limits by default, and with the parameters for a million captures per day."""
-    argparse.ArgumentParser(prog="python -m infra.deploy.capacity").parse_args(arguments)
     print(f"{DAILY_CAPTURES:,} captures per day, {PEAK:.0f} times the mean at the peak; demand / capacity:")
     print("\n".join(report(defaults(), ACCOUNT_CONCURRENCY)))
     print(f"with {' '.join(f'{n}={v}' for n, v in LARGE.items())}, {LARGE_ACCOUNT_CONCURRENCY} instances:")
     print("\n".join(report({**defaults(), **LARGE}, LARGE_ACCOUNT_CONCURRENCY)))
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -1,0 +1,44 @@
+"""CloudFormation templates as YAML: short forms such as `!Ref X` become their long forms."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+
+def parse(path: Path) -> dict[str, Any]:
+    """Return a template as it is written, short forms such as `!Ref` in their long form."""
+    return parse_text(path.read_text(encoding="utf-8"))
+
+
+def parse_text(template: str) -> dict[str, Any]:
+    """Return a template's text as it is written, short forms such as `!Ref` in their long form."""
+    document: dict[str, Any] = yaml.load(template, Loader=_Loader)  # noqa: S506
+    return document
+
+
+class _Loader(yaml.CSafeLoader):
+    """YAML with CloudFormation's short forms: `!Ref X`, `!GetAtt X.Arn`, `!Sub …` become their long forms.
+
+    libyaml's, as the template is read at each start of a stack.
+    """
+
+
+def _short_form(loader: _Loader, suffix: str, node: yaml.Node) -> dict[str, Any]:
+    value: Any
+    if isinstance(node, yaml.ScalarNode):
+        value = loader.construct_scalar(node)
+    elif isinstance(node, yaml.SequenceNode):
+        value = loader.construct_sequence(node, deep=True)
+    elif isinstance(node, yaml.MappingNode):
+        value = loader.construct_mapping(node, deep=True)
+    else:
+        raise ValueError(f"!{suffix} has an argument that is neither scalar, list nor map")
+    if suffix == "GetAtt" and isinstance(value, str):
+        value = value.split(".", 1)
+    return {suffix if suffix in ("Ref", "Condition") else f"Fn::{suffix}": value}
+
+
+_Loader.add_multi_constructor("!", _short_form)
