@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Concatenate
 
 import httpx
 
-from .client import Client, P, Service
+from .client import Client, P, Service, annotated
 from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, failure
 from .errors import CalibDBError
 from .flows import Flow, T
@@ -41,7 +41,7 @@ def awaited(
     async def method(client: AsyncClient, /, *arguments: P.args, **options: P.kwargs) -> T:
         return await client._run(conversation(client, *arguments, **options), in_thread)
 
-    return method
+    return annotated(method)
 
 
 class AsyncClient(Service):

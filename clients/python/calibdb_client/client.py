@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import inspect
 import random
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
 
 P = ParamSpec("P")
+Q = ParamSpec("Q")
 
 
 class Service:
@@ -76,6 +78,16 @@ def driven(call: Callable[Concatenate[Any, P], Flow[T]]) -> Callable[Concatenate
     def method(client: Client, /, *arguments: P.args, **options: P.kwargs) -> T:
         return client._run(call(client, *arguments, **options))
 
+    return annotated(method)
+
+
+def annotated(method: Callable[Q, T]) -> Callable[Q, T]:
+    """Let a method that was written as a conversation, `Flow[T]`, say that it returns `T`."""
+    said = method.__annotations__["return"]
+    result = said.removeprefix("Flow[").removesuffix("]") if said.startswith("Flow[") else said
+    method.__annotations__ = {**method.__annotations__, "return": result}
+    signature = inspect.signature(method)
+    method.__signature__ = signature.replace(return_annotation=result)  # type: ignore[attr-defined]
     return method
 
 

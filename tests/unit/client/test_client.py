@@ -1,6 +1,7 @@
 """The Python client without a service: edge, cache, retries, errors; the same for its asynchronous twin."""
 
 import asyncio
+import inspect
 import json
 import stat
 import subprocess
@@ -314,3 +315,12 @@ def test_import_loads_nothing_heavy_works_without_opencv_and_leaves_no_thread() 
         check=True,
         env={"PYTHONPATH": f"{ROOT}/clients/python:{ROOT}/layers/solver"},
     )
+
+
+@pytest.mark.parametrize("client", [Client, AsyncClient])
+def test_help_says_what_a_call_returns(client: type) -> None:
+    calls = [each for name, each in vars(client).items() if name[0] != "_" and inspect.isfunction(each)]
+    said = {each.__name__: inspect.signature(each).return_annotation for each in calls}
+    assert said["lookup"] == "Answer"
+    assert said["cameras"] == "list[Mapping[str, Any]]"
+    assert not [name for name, result in said.items() if "Flow" in result]
