@@ -2,10 +2,11 @@
 import { facts, lockFocus } from "../lib/camera.js";
 import { DetectorError, grab } from "../lib/detector.js";
 import { Pace, nextFrame } from "../lib/frames.js";
-import { decide, isSettled, lenience } from "./hold.js";
+import { decide, lenience } from "./hold.js";
 import { nextPlanned, trustedCalibration } from "./plan.js";
 import { RequestQueue } from "./request-queue.js";
 import { isEnough, isFinishable, isOfSize, isSharpestOffered, viewCount } from "./state.js";
+import { isSettled } from "../lib/capture/sight.js";
 import { motion } from "../lib/capture/stillness.js";
 import { Sharpest } from "../lib/rank.js";
 import { tint } from "./tint.js";
@@ -123,7 +124,10 @@ export class CaptureLoop {
     if (!this.#state.ui.plain && this.#pace.isSlow(taken)) this.#dispatch({ type: "slow" });
     if (this.#isFirst) performance.mark("first detection");
     this.#isFirst = false;
-    const { corners, outline, restless } = this.#state.detector;
+    const {
+      sight: { corners, outline },
+      detector: { restless },
+    } = this.#state;
     if (restless > 0 && metrics?.sharpness)
       this.#sharpest.add({ ...corners, outline, sharpness: metrics.sharpness }, size[0]);
     if (metrics?.sharpness) this.#sharpness = [...this.#sharpness, metrics.sharpness].slice(-SHARPNESS_FRAMES);
@@ -167,7 +171,7 @@ export class CaptureLoop {
     const {
       board,
       wanted: { flipped },
-      detector: {
+      sight: {
         diagnosis: { blindSince },
       },
     } = this.#state;
@@ -189,7 +193,7 @@ export class CaptureLoop {
   }
 
   #focus() {
-    if (this.#isFocused || !isSettled(this.#state)) return;
+    if (this.#isFocused || !isSettled(this.#state.sight, this.#state.board)) return;
     this.#isFocused = true;
     void this.#lockFocus();
   }
@@ -220,10 +224,11 @@ export class CaptureLoop {
 
   async #submit() {
     const {
-      capture: { pose, key },
-      detector,
+      capture: { key },
+      sight,
     } = this.#state;
-    if (!pose || !key) return;
+    const { target } = sight;
+    if (!target || !key) return;
     const detection = await this.#detect({ full: true });
     if (!detection || this.#signal.aborted) return;
     const { ids, points, size, metrics } = detection;
@@ -233,7 +238,7 @@ export class CaptureLoop {
     if (metrics?.sharpness && usual && metrics.sharpness < MIN_RELATIVE_SHARPNESS * usual) return;
     const corners = { ids, points };
     const steady = (MAX_MOTION_PX * key.img_size[0] * lenience(this.#state, performance.now())) / 1280;
-    if (ids.length === 0 || motion(detector.corners, corners) > steady) return;
+    if (ids.length === 0 || motion(sight.corners, corners) > steady) return;
     if (this.#state.link.offline) {
       this.#session.store(corners);
       const stored = this.#session.stored(this.#state.capture);
@@ -245,7 +250,7 @@ export class CaptureLoop {
       .send(
         () => {
           this.#dispatch({ type: "sent", corners });
-          return this.#session.submit(pose.index, corners);
+          return this.#session.submit(target.index, corners);
         },
         (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
       )
@@ -258,16 +263,16 @@ export class CaptureLoop {
     const { key } = this.#state.capture;
     if (!key || !isSharpestOffered(this.#state)) return;
     for (const corners of this.#sharpest.best(MAX_SHARPEST, key.img_size)) {
-      if (!this.#state.capture.pose) await this.#fetchTarget();
+      if (!this.#state.sight.target) await this.#fetchTarget();
       const {
         phase,
-        capture: { pose },
+        sight: { target },
       } = this.#state;
-      if (phase !== "capturing" || !pose || this.#signal.aborted) return;
+      if (phase !== "capturing" || !target || this.#signal.aborted) return;
       await this.#queue.send(
         () => {
           this.#dispatch({ type: "sent", corners });
-          return this.#session.submit(pose.index, corners);
+          return this.#session.submit(target.index, corners);
         },
         (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
       );
@@ -278,7 +283,7 @@ export class CaptureLoop {
   }
 
   #continue() {
-    if (!this.#signal.aborted && this.#state.phase === "capturing" && !this.#state.capture.pose)
+    if (!this.#signal.aborted && this.#state.phase === "capturing" && !this.#state.sight.target)
       void this.#fetchTarget();
   }
 

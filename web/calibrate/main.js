@@ -86,11 +86,11 @@ function dispatch(event) {
   } else if (state.phase !== "done" && shown?.phase === "done") outcome?.clear();
   render(parts, state, shown);
   const {
-    capture: { session: views, aim },
+    capture: { session: views },
+    sight: { aim },
     link: { stored },
   } = state;
-  if (views !== shown?.capture.session || aim !== shown?.capture.aim || stored !== shown?.link.stored)
-    film.render(state);
+  if (views !== shown?.capture.session || aim !== shown?.sight.aim || stored !== shown?.link.stored) film.render(state);
   if (shown?.ui.picture && shown.ui.picture !== state.ui.picture) URL.revokeObjectURL(shown.ui.picture);
   giveFeedback(event, shown);
   shown = state;

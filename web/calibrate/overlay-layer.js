@@ -14,7 +14,7 @@ const [MIN_FILL, MAX_FILL] = [0.04, 0.16]; // opacity of the target's area
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 export function renderTarget(parts, state, before) {
   const {
-    capture: { pose },
+    sight: { target },
     ui: { picture },
   } = state;
   if (picture !== before?.ui.picture) {
@@ -22,8 +22,7 @@ export function renderTarget(parts, state, before) {
     overlay.hidden = !picture;
     if (picture) overlay.src = picture;
   }
-  if (pose === before?.capture.pose) return;
-  drawTarget(parts, state.board, pose);
+  if (target !== before?.sight.target) drawTarget(parts, state.board, target);
 }
 
 /**
@@ -41,20 +40,16 @@ function fadeTarget({ overlay, target, ghost }, state, before) {
 /** Share of the target's squares that is shown, 0…1 in steps that are not worth more drawing. @param {State} state */
 export function visibility(state) {
   const most = viewCount(state) === 0 ? 1 : LATER_VISIBILITY;
-  return Math.round(most * Math.max(0, 1 - state.detector.overlap / GONE_AT) * 20) / 20;
+  return Math.round(most * Math.max(0, 1 - state.sight.overlap / GONE_AT) * 20) / 20;
 }
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 export function renderDetection(parts, state, before) {
   const { corners, arrows: group, seenOutline } = parts;
   fadeTarget(parts, state, before);
-  const {
-    detector,
-    ui,
-    capture: { aim, key },
-  } = state;
-  if (detector.corners === before?.detector.corners && ui.instruction === before?.ui.instruction) return;
-  drawCircles(corners, detector.corners.points);
-  seenOutline.setAttribute("points", polygon(detector.outline ?? []));
-  drawArrows(group, arrows(unmirrored(state), detector.outline, aim, key?.img_size[0] ?? 1280));
+  const { sight, ui } = state;
+  if (sight.corners === before?.sight.corners && ui.instruction === before?.ui.instruction) return;
+  drawCircles(corners, sight.corners.points);
+  seenOutline.setAttribute("points", polygon(sight.outline ?? []));
+  drawArrows(group, arrows(unmirrored(state), sight.outline, sight.aim, sight.size[0]));
 }

@@ -3,7 +3,7 @@
 import { lenienceAfter } from "../lib/capture/target.js";
 import { explain } from "../lib/faults.js";
 import { isUnavailable } from "../lib/session.js";
-import { answer, isReady, isSeen, isThere, remoteHold } from "./moments.js";
+import { answer, isAtTarget, isReady, isSeen, remoteHold } from "./moments.js";
 import { RigLink } from "./link.js";
 import { Outbox } from "./outbox.js";
 import { takeView, Watch } from "./watch.js";
@@ -245,7 +245,7 @@ export class RigCapture {
     const id = crypto.randomUUID();
     const unopenedAt = performance.now();
     this.#known.add(id);
-    this.#note(id, { atTarget: isThere(this.#sights) });
+    this.#note(id, { atTarget: isAtTarget(this.#sights) });
     onSign("hold");
     if (!this.#remote) {
       // No other device waits for this moment: the service can open it later.

@@ -1,5 +1,6 @@
 // Texts of the capture: the one instruction, a line below it, and what is said of each camera.
-import { advice, asMirrored, isAtTarget } from "../lib/capture/target.js";
+import { isThere } from "../lib/capture/sight.js";
+import { advice, asMirrored } from "../lib/capture/target.js";
 import { hasMessage, number, t } from "../lib/i18n.js";
 import { splitLabel, isVirtual } from "../lib/camera-name.js";
 import { isSeen, requiredHold } from "./moments.js";
@@ -50,7 +51,7 @@ export function instruct({ state, moment, opening, offline, finishing, sights, p
     .filter(({ sight }) => sight && isSeen(sight));
   if (seeing.length === 0) return unseen(state, [...sights.values()], members, leads);
   if (
-    seeing.some(({ sight }) => sight.target && isAtTarget(sight, sight.aim)) &&
+    seeing.some(({ sight }) => sight.target && isThere(sight)) &&
     requiredHold(
       seeing.map(({ sight }) => sight),
       patience,

@@ -4,7 +4,8 @@ import { nextProbe } from "../lib/capture/diagnosis.js";
 import { DetectorError } from "../lib/detector.js";
 import { nextFrame } from "../lib/frames.js";
 import { ResizeError } from "./model.js";
-import { BLIND, aimAt, isSeen, observeFrame } from "./moments.js";
+import { BLIND, aimAt, observeFrame } from "../lib/capture/sight.js";
+import { isSeen } from "./moments.js";
 import { motion } from "../lib/capture/stillness.js";
 
 /**
@@ -35,7 +36,7 @@ export class Watch {
   /** @param {Options} options */
   constructor(options) {
     this.#options = options;
-    for (const { position } of options.members) this.sights.set(position, BLIND);
+    for (const { position, size } of options.members) this.sights.set(position, { ...BLIND, size });
   }
 
   /**
@@ -94,9 +95,9 @@ export class Watch {
 
   /** Gives each camera its target, or none. @param {readonly import("./service.js").Target[]} targets */
   aim(targets) {
-    for (const { position, size } of this.#options.members) {
+    for (const { position } of this.#options.members) {
       const target = targets.find((each) => each.position === position) ?? null;
-      this.sights.set(position, aimAt(this.sight(position), target, this.#options.board, size));
+      this.sights.set(position, aimAt(this.sight(position), target, this.#options.board));
     }
   }
 
@@ -135,7 +136,7 @@ export async function takeView(stream, half, sight, detect) {
   const picture = await createImageBitmap(pictures[half]);
   const detection = await detect(pictures[half]);
   const corners = detection && { ids: detection.ids, points: detection.points };
-  if (corners && motion(sight.corners, corners) <= (MAX_MOTION_PX * sight.width) / 1280) return { corners, picture };
+  if (corners && motion(sight.corners, corners) <= (MAX_MOTION_PX * sight.size[0]) / 1280) return { corners, picture };
   picture.close();
   return null;
 }
