@@ -14,7 +14,7 @@ import { hasPlateau, isAlone, isComplete, isFinishable, silentPositions } from "
 import { boardInRig, relationOf } from "../../web/rig/relations.js";
 import { sceneOf } from "../../web/lib/scene-plot.js";
 import { boardPose, cameraPose, setupAt } from "../../web/rig/scene.js";
-import { labelOfHalf, placeOf } from "../../web/rig/streams.js";
+import { labelOfHalf, placeOf } from "../../web/lib/capture/streams.js";
 
 const POINTS = [0, 1, 2, 3, 4, 5].map((i) => [100 + 50 * i, 100 + 20 * (i % 2)]);
 const detection = (shift = 0) => ({

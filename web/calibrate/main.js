@@ -1,15 +1,16 @@
 // Capture page: effects around the reducer. Events go in, `decide` says what to do, `render` shows the state.
 import { boardFrom } from "../lib/board.js";
-import { CameraError, cameras, facts, open, play } from "../lib/camera.js";
+import { CameraError, cameras, open } from "../lib/camera.js";
 import { Detector, DetectorError } from "../lib/detector.js";
 import { language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
 import { isVirtual } from "../lib/camera-name.js";
-import { cameraKey, platformHere, withDevice } from "../sdk/key.js";
+import { withDevice } from "../sdk/key.js";
 import { Announcer } from "../lib/capture/announcer.js";
 import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
 import { openCaptureStore } from "../lib/capture/capture-store.js";
+import { Stream } from "../lib/capture/streams.js";
 import { nameBoard, takeSuggestion } from "./board-choice.js";
 import { Captures, captureKey } from "./captures.js";
 import { connectControls } from "./controls.js";
@@ -172,8 +173,9 @@ async function openCamera(signal, choice, opened) {
   signal.addEventListener("abort", close);
   // Before permission, the browser's own choice had no id. From now on it is this camera.
   if (!camera.virtual) chosen = camera.track.getSettings().deviceId || choice;
-  await play(parts.video, camera.stream);
-  return { camera, keepOpen: () => signal.removeEventListener("abort", close) };
+  const stream = new Stream(camera);
+  const [picture] = await stream.play([parts.video]);
+  return { camera, stream, picture, keepOpen: () => signal.removeEventListener("abort", close) };
 }
 
 /**
@@ -182,14 +184,12 @@ async function openCamera(signal, choice, opened) {
  * @param {AbortSignal} signal
  * @returns {Promise<SessionRequest>}
  */
-async function identify({ camera }, signal) {
-  // The frames' size counts: on a turned device some browsers' settings still give the sensor's.
-  const { videoWidth, videoHeight } = parts.video;
-  const img_size = /** @type {[number, number]} */ ([videoWidth, videoHeight]);
+async function identify({ camera, picture }, signal) {
   const device = camera.virtual ? "" : await (await import("../lib/phone-model.js")).askPhoneModel(signal);
   signal.throwIfAborted();
-  const key = { ...cameraKey(camera.track), platform: withDevice(await platformHere(), device), img_size };
-  const request = { ...requestFor(key), track: facts(camera.track) };
+  const { camera: label, size: img_size, platform, zoom, track } = picture;
+  const key = { camera: label, platform: withDevice(platform, device), img_size, zoom };
+  const request = { ...requestFor(key), track };
   dispatch({ type: "opened", key, request, mirrored: camera.mirrored, cropped: camera.cropped });
   camera.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
   return request;
@@ -199,7 +199,7 @@ async function identify({ camera }, signal) {
  * @param {OpenedCamera} opened @param {SessionRequest} request @param {AbortSignal} signal
  * @returns {Promise<"relayout" | null>} as `CaptureLoop.run`
  */
-async function run({ camera }, request, signal) {
+async function run({ stream }, request, signal) {
   if (!(await acquireLock(captureKey(request), signal))) throw new CameraError("elsewhere");
   dispatch({ type: "waiting", waiting: "service" });
   // The detector arrives while the session is opened and the first target is shown; the loop waits for it, and for its
@@ -216,7 +216,7 @@ async function run({ camera }, request, signal) {
     const notice = plainNotice("capture.got_size", { size: img_size.join(" × ") });
     dispatch({ type: "notice", notice, time: performance.now() });
   }
-  return new CaptureLoop(page, { session, detector: finder, camera, plan: await plan, signal }).run();
+  return new CaptureLoop(page, { session, detector: finder, stream, plan: await plan, signal }).run();
 }
 
 /**

@@ -1,8 +1,8 @@
 // Reducer of the guided capture: `(state, event) => state`. No clock, no DOM, no network.
-import { HEALTHY, troubleOf } from "../lib/capture/diagnosis.js";
+import { HEALTHY } from "../lib/capture/diagnosis.js";
 import { HOLD_MS, LONG_HOLD_MS, isRepeat, lenience, requiredHold, timeToRead } from "./hold.js";
 import { HINTS, SILENT, instruct } from "./instruction.js";
-import { BLIND, aimAt, isThere, observeFrame } from "../lib/capture/sight.js";
+import { BLIND, aimAt, doubt, isThere, observeFrame } from "../lib/capture/sight.js";
 import { isOfSize, offlineGoal, viewCount } from "./state.js";
 import { MOVING, motion } from "../lib/capture/stillness.js";
 import { asMirrored } from "../lib/capture/target.js";
@@ -136,7 +136,11 @@ export function reduce(state, event) {
     case "frame":
       return state.phase === "capturing" ? follow(state, event) : state;
     case "looked":
-      return suggest(state, event);
+      if (state.sight.corners.ids.length > 0) return state;
+      return change(state, {
+        sight: doubt(state.sight, event.suggestion, state.board, event.time),
+        detector: { suggestion: event.suggestion, looks: state.detector.looks + 1 },
+      });
     case "flip":
       return { ...state, wanted: { ...state.wanted, flipped: !state.wanted.flipped } };
     case "busy":
@@ -368,22 +372,6 @@ function follow(state, { detection, time }) {
   if (!isRepeat(state.sight.stillness.held, after)) return after;
   const duplicate = change(after, { capture: { lastRepeat: corners, repeats: capture.repeats + 1 } });
   return notify(duplicate, { key: "capture.refused_duplicate", kind: "bad" }, time);
-}
-
-/**
- * Another board, or a mirrored picture, is reported at once: several detections agree on it.
- * @param {State} state
- * @param {EventOf<"looked">} event
- * @returns {State}
- */
-function suggest(state, { suggestion, time }) {
-  const { diagnosis, corners } = state.sight;
-  if (corners.ids.length > 0) return state;
-  const trouble = suggestion && troubleOf(suggestion, state.board);
-  return change(state, {
-    sight: trouble ? { diagnosis: { ...diagnosis, probed: trouble, suspected: trouble, trouble, since: time } } : {},
-    detector: { suggestion, looks: state.detector.looks + 1 },
-  });
 }
 
 /** @param {State} state @param {EventOf<"answer">} event @returns {State} */

@@ -25,11 +25,11 @@ import { findParts } from "./parts.js";
 import { NOTHING_SHOWN, render } from "./render.js";
 import { RigService } from "./service.js";
 import { MIN_CAMERAS, Setup } from "./setup.js";
-import { HALVES } from "./streams.js";
+import { HALVES } from "../lib/capture/streams.js";
 
 /**
  * @typedef {import("./membership.js").RigRecord} RigRecord
- * @typedef {import("./streams.js").Choice} Choice
+ * @typedef {import("../lib/capture/streams.js").Choice} Choice
  * @typedef {import("./service.js").RigState} RigState
  * @typedef {{record: RigRecord, code?: string}} Beginning code: of the rig to join
  */
@@ -127,7 +127,7 @@ async function run({ record, code }, signal) {
   parts.openingText.textContent = t("capture.opening_service");
   const service = await openService(signal);
   const save = () => store.save(record);
-  const requests = shown.map(({ picture, stream }) => requestOf(picture, board, stream.choice));
+  const requests = shown.map(({ picture, choice }) => requestOf(picture, board, choice));
   invitation = null;
   isStopAsked = false;
   parts.stop.textContent = t("rig.stop");
@@ -153,6 +153,7 @@ async function run({ record, code }, signal) {
     save,
     board,
     detector,
+    openDetector: () => openDetector(parts, board, signal),
     members,
     virtual,
     signal,

@@ -2,14 +2,15 @@
 import { Detector } from "../lib/detector.js";
 import { t } from "../lib/i18n.js";
 import { Figure } from "./figure.js";
-import { HALVES, openStream } from "./streams.js";
+import { HALVES, openStream } from "../lib/capture/streams.js";
 
 /**
  * @typedef {import("./parts.js").Parts} Parts
- * @typedef {import("./streams.js").Stream} Stream
+ * @typedef {import("../lib/capture/streams.js").Stream} Stream
  * @typedef {import("../lib/board.js").SentBoard} Board
- * @typedef {{stream: Stream, figure: Figure, half: number, picture: import("./streams.js").Picture}} Shown half: index
- *   of the picture in the stream
+ * @typedef {import("../lib/capture/streams.js").Choice} Choice
+ * @typedef {{stream: Stream, choice: Choice, figure: Figure, half: number, picture:
+ *   import("../lib/capture/streams.js").Picture}} Shown half: index of the picture in the stream
  */
 
 /**
@@ -38,7 +39,7 @@ export async function openCameras(parts, { choices, members }, { parameters, boa
     const pictures = await stream.play(figures.map(({ video }) => video));
     pictures.forEach((picture, half) => {
       figures[half].shape(picture.size, stream.mirrored);
-      shown.push({ stream, figure: figures[half], half, picture });
+      shown.push({ stream, choice, figure: figures[half], half, picture });
     });
   }
   return { virtual, shown };

@@ -5,7 +5,7 @@ import { t } from "../lib/i18n.js";
 
 /**
  * @typedef {import("./parts.js").Parts} Parts
- * @typedef {import("./streams.js").Choice} Choice
+ * @typedef {import("../lib/capture/streams.js").Choice} Choice
  * @typedef {{id: string, label: string, used: HTMLInputElement, layout: HTMLSelectElement, lens: HTMLSelectElement}}
  *   Row
  */

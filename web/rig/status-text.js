@@ -35,7 +35,8 @@ export const labelText = (label) => (!label ? "" : isVirtual(label) ? t("rig.sim
  * Code of the instruction: a message `rig.say_<code>`, or `capture.say_<code>`.
  * @param {Model} model @param {readonly Member[]} members @param {boolean} leads
  */
-export function instruct({ state, moment, opening, offline, finishing, sights, patience }, members, leads) {
+export function instruct({ state, moment, opening, offline, finishing, sights, patience, stalled }, members, leads) {
+  if (stalled) return "stalled";
   if (finishing) return "finishing";
   if (!state) return offline ? "away" : "wait";
   if (opening || (moment && !moment.over)) return "hold";

@@ -4,11 +4,11 @@ import { composePoses, interpolatePose } from "../lib/pose.js";
 import { VirtualCamera } from "../lib/virtual/camera.js";
 import { labelOf } from "../lib/virtual/setup.js";
 import { boardPose, cameraPose, firstPose, setupAt } from "./scene.js";
-import { Stream } from "./streams.js";
+import { Stream } from "../lib/capture/streams.js";
 
 /**
  * @typedef {import("../lib/pose.js").Pose} Pose
- * @typedef {import("./streams.js").Choice} Choice
+ * @typedef {import("../lib/capture/streams.js").Choice} Choice
  */
 
 const TRAVEL_MS = 350; // from one pose to the next
@@ -58,7 +58,7 @@ export class VirtualRig {
     const stream =
       choice.layout === "one" ? streams[0] : joined(cameras, choice.layout === "side_by_side", rate, this.#place);
     const [track] = stream.getVideoTracks();
-    return new Stream(choice, {
+    const opened = {
       stream,
       track,
       virtual: cameras[0],
@@ -68,7 +68,8 @@ export class VirtualRig {
         for (const camera of cameras) camera.close();
         track.stop();
       },
-    });
+    };
+    return new Stream(opened, choice.layout);
   }
 
   /** Moves the board to a target. @param {readonly import("./service.js").Target[]} targets of the rig's cameras */

@@ -1,7 +1,7 @@
 // Sight of the board in one camera, frame by frame: where the board is, how still it is held, how far it is from its
 // target, and what keeps it from being seen. Pure: the time comes in.
 import { observedOutline } from "../board-outline.js";
-import { HEALTHY, diagnose } from "./diagnosis.js";
+import { HEALTHY, diagnose, troubleOf } from "./diagnosis.js";
 import { jaccard } from "./jaccard.js";
 import { MOVING, motion, observe } from "./stillness.js";
 import { difference } from "./target.js";
@@ -72,6 +72,23 @@ export function observeFrame(before, detection, time, board, lenience = 1) {
     markers: passed ? before.markers : markers,
     diagnosis: diagnose(before.diagnosis, detection, motion(before.corners, found), time),
   });
+}
+
+/**
+ * Another board, or a mirrored picture, is reported at once: several detections agree on it.
+ * @template {Target} T
+ * @param {Sight<T>} sight @param {import("../board-recognition.js").Recognised | null} suggestion what is there
+ *   instead of the board
+ * @param {import("../board.js").SentBoard} board @param {number} time ms
+ * @returns {Sight<T>}
+ */
+export function doubt(sight, suggestion, board, time) {
+  if (!suggestion || sight.corners.ids.length > 0) return sight;
+  const trouble = troubleOf(suggestion, board);
+  return {
+    ...sight,
+    diagnosis: { ...sight.diagnosis, probed: trouble, suspected: trouble, trouble, since: time },
+  };
 }
 
 /**
