@@ -351,7 +351,7 @@ function follow(state, { detection, time }) {
   const next = change(state, {
     sight,
     detector: {
-      boardless: markers === 0 && !diagnosis.probed && time - diagnosis.blindSince > BOARDLESS_MS,
+      boardless: markers === 0 && !diagnosis.other && time - diagnosis.blindSince > BOARDLESS_MS,
       ...(ids.length > 0 && { suggestion: null, looks: 0 }),
       restless:
         stillness.held >= LONG_HOLD_MS

@@ -87,7 +87,7 @@ export function doubt(sight, suggestion, board, time) {
   const trouble = troubleOf(suggestion, board);
   return {
     ...sight,
-    diagnosis: { ...sight.diagnosis, probed: trouble, suspected: trouble, trouble, since: time },
+    diagnosis: { ...sight.diagnosis, other: trouble, suspected: trouble, trouble, since: time },
   };
 }
 
