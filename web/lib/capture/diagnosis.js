@@ -10,6 +10,7 @@ import { isSameBoard } from "../board.js";
  * @property {string | null} suspected what the last frames look like
  * @property {number} since ms, when it was first suspected
  * @property {number} blindSince ms, since when no corner has been seen; infinite while some are
+ * @property {boolean} tiny markers are seen in the last frame, and their squares are too small to be measured
  * @property {string | null} other trouble that another board or a mirrored picture is; it stands until corners are seen
  * @property {number} seenAt ms, when the frame before was seen
  * @property {{time: number, speed: number}[]} speeds px/s at 1280 px image width, of the last frames with a board
@@ -21,6 +22,7 @@ export const HEALTHY = {
   suspected: null,
   since: 0,
   blindSince: Infinity,
+  tiny: false,
   other: null,
   seenAt: -Infinity,
   speeds: [],
@@ -65,6 +67,7 @@ export function diagnose(before, detection, motion, time) {
     since,
     blindSince,
     speeds,
+    tiny: isTiny(detection),
     other,
     seenAt: time,
   };
@@ -77,6 +80,10 @@ export function diagnose(before, detection, motion, time) {
  */
 const stillSaid = (before, suspected) => (suspected === null ? null : before.trouble);
 
+/** @param {Pick<Detection, "markers" | "metrics">} detection */
+const isTiny = ({ markers, metrics }) =>
+  markers > 0 && metrics !== undefined && metrics.square > 0 && metrics.square < SMALL;
+
 /**
  * @param {Detection} detection @param {number} blind ms without a corner @param {string | null} other
  * @param {Diagnosis["speeds"]} speeds
@@ -87,7 +94,7 @@ function suspect({ ids, markers, metrics }, blind, other, speeds) {
   if (ids.length === 0) {
     if (blind < PERSISTS) return null;
     if (other) return other;
-    if (markers > 0 && metrics.square > 0 && metrics.square < SMALL) return "far";
+    if (isTiny({ markers, metrics })) return "far";
     if (metrics.high < 2 * DARK && metrics.median < DARK) return "dark";
     if (metrics.overexposed > BURNT) return "bright";
     return metrics.sharpness !== null && metrics.sharpness < BLURRED ? "blurred" : null;

@@ -75,7 +75,8 @@ export function observeFrame(before, detection, time, board, lenience = 1) {
 }
 
 /**
- * Another board, or a mirrored picture, is reported at once: several detections agree on it.
+ * Another board, or a mirrored picture, is reported at once: several detections agree on it. A board that is too far
+ * away to be read may look like any other.
  * @template {Target} T
  * @param {Sight<T>} sight @param {import("../board-recognition.js").Recognised | null} suggestion what is there
  *   instead of the board
@@ -83,7 +84,7 @@ export function observeFrame(before, detection, time, board, lenience = 1) {
  * @returns {Sight<T>}
  */
 export function doubt(sight, suggestion, board, time) {
-  if (!suggestion || sight.corners.ids.length > 0) return sight;
+  if (!suggestion || sight.corners.ids.length > 0 || sight.diagnosis.tiny) return sight;
   const trouble = troubleOf(suggestion, board);
   return {
     ...sight,
