@@ -4,6 +4,7 @@ import { showProblem } from "../lib/board-text.js";
 import { CameraError, cameras, open, play, propose } from "../lib/camera.js";
 import { Detector, DetectorError } from "../lib/detector.js";
 import { part, sayFailure } from "../lib/dom.js";
+import { deviceFaultText } from "../lib/capture/device-fault.js";
 import { explain } from "../lib/faults.js";
 import { onLanguage, rough, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
@@ -121,8 +122,8 @@ function hfov(calibration) {
 
 /** @param {unknown} error */
 function errorText(error) {
-  if (error instanceof CameraError) return t(`capture.fault_${error.code}`, { detail: error.detail });
-  if (error instanceof DetectorError) return t(`capture.fault_${error.code}`, { detail: error.message });
+  const fault = deviceFaultText(error);
+  if (fault) return fault;
   if (error instanceof RectifierError) return t(error.lost ? "ar.gpu_lost" : "ar.no_webgl");
   return explain(error);
 }

@@ -1,6 +1,7 @@
 // Guided capture of one camera: sets the targets of its session, sends what is held still, and continues after failures.
 import { facts } from "../lib/camera.js";
 import { Engine } from "../lib/capture/engine.js";
+import { pressByKeys } from "../lib/capture/shortcuts.js";
 import { Sharpest } from "../lib/rank.js";
 import { Pace } from "../lib/frames.js";
 import { decide, lenience } from "./hold.js";
@@ -70,7 +71,7 @@ export class CaptureLoop {
     on(page.parts.skip, () => this.#skip());
     on(page.parts.finish, () => this.#finish());
     on(page.parts.sharpest, () => this.#useSharpest());
-    document.addEventListener("keydown", (event) => this.#handleKey(event), { signal });
+    pressByKeys({ u: page.parts.undo, n: page.parts.skip }, signal);
   }
 
   get #state() {
@@ -306,17 +307,5 @@ export class CaptureLoop {
   /** Dispatches, unless the capture has ended. @param {Event} event */
   #dispatch(event) {
     if (!this.#signal.aborted) this.#page.dispatch(event);
-  }
-
-  /** @param {KeyboardEvent} event */
-  #handleKey(event) {
-    if (event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
-    const fields = "input:not([type=checkbox]), select, textarea, [contenteditable]";
-    if (event.target instanceof Element && event.target.closest(fields)) return;
-    const key = event.key.toLowerCase();
-    if (key === "u") void this.#undo();
-    else if (key === "n") void this.#skip();
-    else return;
-    event.preventDefault();
   }
 }

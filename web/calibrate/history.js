@@ -2,14 +2,12 @@
 // there.
 import { inLanguage, language, pageUrl } from "../lib/i18n.js";
 import { isVirtual } from "../lib/camera-name.js";
+import { isLensType } from "../lib/lens-types.js";
 import { isLoopback } from "../lib/result/return-address.js";
-
-/** @typedef {import("./state.js").Wanted["distortion_model"]} LensType */
 
 /** Fragment of an address that resumes the saved capture. */
 export const RESUME = "#go-on";
 
-const LENS_TYPES = ["rectilinear", "rational", "fisheye", "omnidirectional"];
 const CAPTURE_PATH = location.pathname;
 
 /** @param {URLSearchParams} parameters */
@@ -68,9 +66,6 @@ export function isPracticeReturned(returnTo, asked) {
     (returnTo !== null && URL.canParse(returnTo, location.href) && isLoopback(new URL(returnTo, location.href)))
   );
 }
-
-/** @param {string | null} name @returns {name is LensType} */
-export const isLensType = (name) => LENS_TYPES.includes(name ?? "");
 
 /** @param {URLSearchParams} query @returns {import("./state.js").Wanted} the camera that the page was opened for */
 export function parseWanted(query) {

@@ -1,5 +1,5 @@
 // Type of the lens: chosen on the first sheet, or detected, which applies the service's suggestion automatically.
-import { isLensType } from "./history.js";
+import { isLensType } from "../lib/lens-types.js";
 
 /** @typedef {import("./state.js").State} State */
 

@@ -9,6 +9,7 @@ import { isVirtual } from "../lib/camera-name.js";
 import { withDevice } from "../sdk/key.js";
 import { Announcer } from "../lib/capture/announcer.js";
 import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
+import { deviceFault } from "../lib/capture/device-fault.js";
 import { openCaptureStore } from "../lib/capture/capture-store.js";
 import { Stream } from "../lib/capture/streams.js";
 import { nameBoard, takeSuggestion } from "./board-choice.js";
@@ -307,8 +308,8 @@ async function openSession(request, signal) {
  */
 function failureOf(error) {
   const detail = error instanceof Error ? error.message : String(error);
-  if (error instanceof CameraError) return { code: error.code, detail: error.detail };
-  if (error instanceof DetectorError) return { code: error.code, detail };
+  const fault = deviceFault(error);
+  if (fault) return fault;
   if (error instanceof OfflineError) return { code: "offline", detail };
   if (error instanceof SettingsError) return { code: "settings", detail };
   if (error instanceof ApiError) return { code: "service", detail: explain(error) };

@@ -15,7 +15,7 @@
  * @typedef {object} Wanted the camera that the page was opened for
  * @property {string | null} camera
  * @property {[number, number] | null} img_size
- * @property {"rectilinear" | "fisheye" | "rational" | "omnidirectional"} distortion_model
+ * @property {import("../lib/lens-types.js").LensType} distortion_model
  * @property {boolean} [flipped] the camera delivers mirrored pictures, which are turned back
  * @property {boolean} [automatic] another model is taken as soon as the service suggests it
  *

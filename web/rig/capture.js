@@ -99,7 +99,6 @@ export class RigCapture {
     });
     this.model.sights = this.#sights.all;
     this.model.waiting = this.#outbox.views;
-    addEventListener("online", () => this.#hurry(), { signal });
   }
 
   get #leader() {

@@ -7,8 +7,9 @@ import { CameraError } from "../lib/camera.js";
 import { Announcer } from "../lib/capture/announcer.js";
 import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
 import { openCaptureStore } from "../lib/capture/capture-store.js";
+import { deviceFaultText } from "../lib/capture/device-fault.js";
 import { Feedback } from "../lib/capture/feedback.js";
-import { DetectorError } from "../lib/detector.js";
+import { pressByKeys } from "../lib/capture/shortcuts.js";
 import { sayFailure } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
 import { inLanguage, language, onLanguage, t } from "../lib/i18n.js";
@@ -181,6 +182,7 @@ async function run({ record, code }, signal) {
   parts.newCode.onclick = async () => setInvitation(await freshCode(service, record));
   redraw();
   show("capturing");
+  pressByKeys({ u: parts.undo, n: parts.skip, t: parts.take }, signal);
   void keepAwake(signal);
   return capture.run();
 }
@@ -250,11 +252,9 @@ function fail(error, signal) {
 
 /** @param {unknown} error */
 function failureText(error) {
-  if (error instanceof CameraError) return t(`capture.fault_${error.code}`, { detail: error.detail });
-  if (error instanceof DetectorError) return t(`capture.fault_${error.code}`, { detail: error.message });
   if (error instanceof JoinError) return t(`rig.join_${error.code}`);
   if (error instanceof ResizeError) return t("rig.resized");
-  return explain(error);
+  return deviceFaultText(error) || explain(error);
 }
 
 /**
@@ -408,14 +408,6 @@ parts.undo.addEventListener("click", () => capture?.undo());
 parts.skip.addEventListener("click", () => void capture?.skip());
 parts.take.addEventListener("click", () => void capture?.open());
 parts.finish.addEventListener("click", () => void capture?.finish());
-document.addEventListener("keydown", (event) => {
-  if (parts.phases.capturing.hidden || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
-  if (event.target instanceof Element && event.target.closest("input:not([type=checkbox]), select, textarea")) return;
-  const button = { u: parts.undo, n: parts.skip, t: parts.take }[event.key.toLowerCase()];
-  if (!button || button.hidden || button.disabled) return;
-  button.click();
-  event.preventDefault();
-});
 feedback.bind(parts.senses);
 showRigPicture(parts.picture);
 for (const link of parts.boardLinks) link.search = boardQuery(board).toString();

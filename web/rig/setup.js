@@ -2,6 +2,7 @@
 import { CameraError, cameras } from "../lib/camera.js";
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
+import { LENS_TYPES } from "../lib/lens-types.js";
 
 /**
  * @typedef {import("./parts.js").Parts} Parts
@@ -13,7 +14,6 @@ import { t } from "../lib/i18n.js";
 export const MIN_CAMERAS = 2;
 export const MAX_CAMERAS = 8;
 const LAYOUTS = ["one", "side_by_side", "top_bottom"];
-const LENSES = ["rectilinear", "rational", "fisheye", "omnidirectional"];
 const CODE = /^[A-Z0-9]{6}$/;
 
 export class Setup {
@@ -90,13 +90,13 @@ export class Setup {
   #row(id, label, checked, before) {
     const used = el("input", { type: "checkbox", autocomplete: "off" });
     used.checked = before?.used.checked ?? checked;
-    const select = (/** @type {string} */ kind, /** @type {string[]} */ names) =>
+    const select = (/** @type {string} */ kind, /** @type {readonly string[]} */ names) =>
       el(
         "select",
         { "aria-label": `${t(`rig.${kind}`)}: ${label}` },
         ...names.map((name) => new Option(t(kind === "lens" ? `capture.lens_${name}` : `rig.layout_${name}`), name)),
       );
-    const [layout, lens] = [select("layout", LAYOUTS), select("lens", LENSES)];
+    const [layout, lens] = [select("layout", LAYOUTS), select("lens", LENS_TYPES)];
     if (before) [layout.value, lens.value] = [before.layout.value, before.lens.value];
     return { id, label, used, layout, lens };
   }

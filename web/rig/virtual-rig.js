@@ -1,7 +1,7 @@
 // Simulated rig: several virtual cameras that look at one board, whose hand follows the rig's targets.
 import { facts } from "../lib/camera.js";
 import { composePoses, interpolatePose } from "../lib/pose.js";
-import { VirtualCamera } from "../lib/virtual/camera.js";
+import { VirtualCamera, streamOf } from "../lib/virtual/camera.js";
 import { labelOf } from "../lib/virtual/setup.js";
 import { boardPose, cameraPose, firstPose, setupAt } from "./scene.js";
 import { Stream } from "../lib/capture/streams.js";
@@ -126,11 +126,8 @@ function joined(cameras, sideBySide, rate, place) {
     );
   draw();
   const timer = setInterval(draw, tick(rate));
-  const stream = canvas.captureStream(rate);
+  const stream = streamOf(canvas, rate, cameras[0].label);
   const [track] = stream.getVideoTracks();
-  Object.defineProperty(track, "label", { value: cameras[0].label });
-  const settings = { width: canvas.width, height: canvas.height, frameRate: rate, resizeMode: "none" };
-  Object.defineProperty(track, "getSettings", { value: () => settings });
   const stop = track.stop.bind(track);
   track.stop = () => {
     clearInterval(timer);
