@@ -1,7 +1,9 @@
 // Page /ar/, which shows what a calibration is for: the same drawing in three ways over the camera's picture.
 import { boardFrom, boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-text.js";
-import { CameraError, cameras, open, play, propose } from "../lib/camera.js";
+import { CameraError, cameras, open, play } from "../lib/camera.js";
+import { listCameras as fillCameras } from "../lib/camera-select.js";
+import { PageDetector } from "../lib/capture/page-detector.js";
 import { Detector, DetectorError } from "../lib/detector.js";
 import { part, sayFailure } from "../lib/dom.js";
 import { deviceFaultText } from "../lib/capture/device-fault.js";
@@ -53,8 +55,12 @@ const said = {
 };
 /** Run of one camera; a new run aborts the pending work of the old one. */
 let run = new AbortController();
-/** @type {Promise<Detector> | null} */
-let detector = null;
+const detector = new PageDetector(() =>
+  Detector.open(board, (fraction) => {
+    html("loading-meter").hidden = fraction >= 1;
+    part("loading", HTMLProgressElement).value = fraction;
+  }),
+);
 /** @type {Live | null} */
 let live = null;
 /** @type {() => void} */
@@ -138,18 +144,6 @@ function tell(off, shown) {
   writeOff();
 }
 
-/** OpenCV is loaded once. @returns {Promise<Detector>} */
-function openDetector() {
-  detector ??= Detector.open(board, (fraction) => {
-    html("loading-meter").hidden = fraction >= 1;
-    part("loading", HTMLProgressElement).value = fraction;
-  });
-  detector.catch(() => {
-    detector = null;
-  });
-  return detector;
-}
-
 /** @param {string} choice id of a camera */
 async function start(choice) {
   run.abort();
@@ -177,14 +171,6 @@ async function start(choice) {
   }
 }
 
-function closeDetector() {
-  void detector?.then(
-    (broken) => broken.close(),
-    () => {},
-  );
-  detector = null;
-}
-
 /**
  * @param {import("../lib/camera.js").OpenCamera} opened @param {AbortSignal} signal
  * @param {boolean} restarts whether another detector may take the place of one that stops
@@ -207,7 +193,7 @@ async function show({ track, virtual }, signal, restarts) {
   }
   said.hfov = hfov(calibration);
   turnTo("opening", { waiting: "loading" });
-  const finder = await openDetector();
+  const finder = await detector.open();
   if (signal.aborted) return "";
   let stop = 0;
   moveOn = () => virtual?.follow(stopAt(board, calibration, stop++));
@@ -228,7 +214,7 @@ async function show({ track, virtual }, signal, restarts) {
   } catch (error) {
     if (!(error instanceof DetectorError) || signal.aborted || !restarts) throw error;
     console.info("the detector is restarted:", error.message);
-    closeDetector();
+    detector.close();
     return "stopped";
   } finally {
     shown.dispose();
@@ -240,7 +226,7 @@ async function show({ track, virtual }, signal, restarts) {
 function fail(error, signal) {
   if (signal.aborted) return;
   run.abort();
-  if (error instanceof DetectorError) closeDetector();
+  if (error instanceof DetectorError) detector.close();
   turnTo("failed", { error });
 }
 
@@ -282,13 +268,7 @@ function redraw(how) {
 
 async function listCameras() {
   const choices = await cameras(parameters);
-  const proposed = propose(choices, parameters.get("camera"), camera.value);
-  camera.replaceChildren(
-    ...choices.map(({ id, label }) => new Option(id === "virtual" ? t("capture.virtual_name") : label, id)),
-  );
-  const none = proposed === "" && choices.every(({ id }) => id !== "");
-  if (none) camera.prepend(new Option(t("capture.no_camera"), ""));
-  camera.value = proposed;
+  const none = fillCameras(camera, choices, parameters.get("camera"));
   html("start").classList.toggle("primary", !none);
   for (const button of html("welcome").querySelectorAll(".virtually")) button.classList.toggle("primary", none);
   // The unplugged camera is back: the page restarts it without a click.
@@ -333,7 +313,7 @@ onLanguage(() => {
 });
 showProblem(html("problem"), problem);
 await listed;
-openDetector().catch((error) => console.info("detector not loaded yet:", error.message));
+detector.open().catch((error) => console.info("detector not loaded yet:", error.message));
 const returning = location.hash.includes("calibration=");
 if (parameters.has("virtual")) void start("virtual");
 else if (returning && camera.value) void start(camera.value);

@@ -8,6 +8,7 @@ import { openPage } from "../lib/page.js";
 import { isVirtual } from "../lib/camera-name.js";
 import { withDevice } from "../sdk/key.js";
 import { Announcer } from "../lib/capture/announcer.js";
+import { PageDetector } from "../lib/capture/page-detector.js";
 import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
 import { deviceFault } from "../lib/capture/device-fault.js";
 import { openCaptureStore } from "../lib/capture/capture-store.js";
@@ -65,8 +66,6 @@ let outcome = null;
 let state = initial(board, parseWanted(parameters));
 /** @type {State | null} */
 let shown = null;
-/** @type {Promise<Detector> | null} */
-let detector = null;
 /** The session of the last capture. @type {import("../lib/session.js").CaptureSession | null} */
 let session = null;
 /** Id of the camera that was requested last, and the size requested of it, px. */
@@ -115,28 +114,10 @@ function giveFeedback(event, before) {
   feedback.say(hint, language(), performance.now());
 }
 
-const page = { parts, state: () => state, dispatch, fail, openDetector };
-
-/** OpenCV is loaded once; a detector that failed is made again. @returns {Promise<Detector>} */
-function openDetector() {
-  const last = detector;
-  detector = (last ?? Promise.reject(new DetectorError("none yet")))
-    .then((made) => (made.closed ? Promise.reject(new DetectorError("closed")) : made))
-    .catch(() => Detector.open(state.board, (fraction) => dispatch({ type: "loading", fraction })));
-  detector.catch(() => {
-    detector = null;
-  });
-  return detector;
-}
-
-/** Closes the detector; the next capture makes a new one. */
-function closeDetector() {
-  void detector?.then(
-    (made) => made.close(),
-    () => {},
-  );
-  detector = null;
-}
+const detector = new PageDetector(() =>
+  Detector.open(state.board, (fraction) => dispatch({ type: "loading", fraction })),
+);
+const page = { parts, state: () => state, dispatch, fail, openDetector: () => detector.open() };
 
 /**
  * @typedef {object} Opened
@@ -205,7 +186,7 @@ async function run({ stream }, request, signal) {
   dispatch({ type: "waiting", waiting: "service" });
   // The detector arrives while the session is opened and the first target is shown; the loop waits for it, and for its
   // failure.
-  const finder = openDetector();
+  const finder = detector.open();
   finder.catch(() => {});
   const [{ CaptureLoop }, { loadPlan }] = await loadCapture();
   const plan = loadPlan().catch(() => []);
@@ -240,7 +221,7 @@ async function finish(end, { camera, keepOpen }, request) {
 
 /** Starts again with another board. @param {State["board"]} other @param {Notice} notice */
 function continueWithBoard(other, notice) {
-  closeDetector();
+  detector.close();
   dispatch({ type: "board", board: other });
   return capture(chosen, { notice });
 }
@@ -321,7 +302,7 @@ function failureOf(error) {
 function fail(error, signal) {
   if (signal.aborted) return;
   capture.cancel();
-  if (error instanceof DetectorError) closeDetector();
+  if (error instanceof DetectorError) detector.close();
   dispatch({ type: "failed", ...failureOf(error) });
 }
 
@@ -439,7 +420,7 @@ showFirstSheet(parts, {
   wanted: state.wanted,
   onBoard: (chosen) => {
     nameBoard(parameters, chosen);
-    closeDetector();
+    detector.close();
     dispatch({ type: "board", board: chosen });
   },
   onSender: () => render(parts, state, null),
@@ -450,4 +431,4 @@ showCaptureAddress(parameters);
 if (isResumed) void resume();
 else if (parameters.has("virtual")) void capture("virtual");
 // What a capture needs loads while the visitor reads. If that fails, the capture tries again and says why.
-else Promise.all([openDetector(), loadCapture()]).catch((error) => console.info("not loaded yet:", error.message));
+else Promise.all([detector.open(), loadCapture()]).catch((error) => console.info("not loaded yet:", error.message));

@@ -1,5 +1,5 @@
 // Rendering of the state into the page. Reads nothing back, decides nothing.
-import { propose } from "../lib/camera.js";
+import { listCameras } from "../lib/camera-select.js";
 import { sayFailure, write } from "../lib/dom.js";
 import { joinFacts, t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/camera-name.js";
@@ -74,12 +74,7 @@ function renderFailure({ failure, kept, failedVirtual }, state) {
 function renderCameras(parts, state) {
   const { camera, wanted, sender } = parts;
   const { cameras, interrupted } = state.ui;
-  const proposed = propose(cameras, state.wanted.camera ?? interrupted?.camera ?? null, camera.value);
-  camera.replaceChildren(...cameras.map((choice) => new Option(statusText.cameraLabel(choice), choice.id)));
-  // Until the browser has listed its cameras, nothing is said about them.
-  const isListed = cameras.length > 0 && cameras.every(({ id }) => id !== "");
-  if (proposed === "" && isListed) camera.prepend(new Option(t("capture.no_camera"), ""));
-  camera.value = proposed;
+  listCameras(camera, cameras, state.wanted.camera ?? interrupted?.camera ?? null);
   renderChoice(parts);
   write(wanted, statusText.wanted(state, !sender.hidden));
 }

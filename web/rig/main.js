@@ -12,12 +12,11 @@ import { Feedback } from "../lib/capture/feedback.js";
 import { pressByKeys } from "../lib/capture/shortcuts.js";
 import { sayFailure } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
-import { inLanguage, language, onLanguage, t } from "../lib/i18n.js";
+import { language, onLanguage, pageUrl, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
-import { OfflineError } from "../lib/network.js";
 import { showRigPicture } from "../lib/rig-picture.js";
-import { loadSettings, storedSettings } from "../lib/settings.js";
+import { lastSettings } from "../lib/settings.js";
 import { keepAwake, openCameras, openDetector } from "./opening.js";
 import { RigCapture } from "./capture.js";
 import { JoinError, enter, invite, requestOf } from "./membership.js";
@@ -81,7 +80,7 @@ function show(phase) {
 /** @param {Record<string, string>} query besides the board's */
 function address(query) {
   const kept = new URLSearchParams([...boardQuery(board), ...Object.entries(query)]);
-  return String(inLanguage(new URL(`${location.pathname}?${kept}`, location.origin).href, language()));
+  return pageUrl(`rig/?${kept}`).href;
 }
 
 /** Parameters of the simulated cameras: all devices of the rig see the same scene. */
@@ -94,11 +93,7 @@ const simulation = () =>
 
 /** The service, without a network by the settings of the last visit. @param {AbortSignal} signal */
 async function openService(signal) {
-  const { api, token } = await loadSettings().catch((error) => {
-    const last = error instanceof OfflineError ? storedSettings() : null;
-    if (!last) throw error;
-    return last;
-  });
+  const { api, token } = await lastSettings();
   return new RigService(new Api(api, { signal, timeout: 15_000 }), token);
 }
 
@@ -215,14 +210,7 @@ function setInvitation(invited) {
 async function finished(state, record) {
   begin.cancel();
   feedback.give("done");
-  history.replaceState(
-    null,
-    "",
-    inLanguage(
-      new URL(`${location.pathname}?id=${encodeURIComponent(state.rig_id)}`, location.origin).href,
-      language(),
-    ),
-  );
+  history.replaceState(null, "", pageUrl(`rig/?id=${encodeURIComponent(state.rig_id)}`));
   await showResult(state, record);
   // The rig has everything now.
   if (record) await store.remove(record.about);
@@ -351,7 +339,7 @@ async function stop() {
     // The rig expires at the service in any case.
     await giveUp(record).catch((error) => console.info("not given up at the service:", String(error)));
   }
-  location.assign(inLanguage(new URL(location.pathname, location.origin).href, language()));
+  location.assign(pageUrl("rig/"));
 }
 
 /** Reports to the service that this device's cameras have stopped. @param {RigRecord} record */

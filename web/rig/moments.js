@@ -35,7 +35,7 @@ export function requiredHold(sights, patience) {
 export const isAtTarget = (sights) => sights.some((sight) => isSeen(sight) && sight.target !== null && isThere(sight));
 
 /** Time for which the board has been still in the camera that sees it best, ms. @param {Sight[]} sights */
-export function holdTime(sights) {
+function holdTime(sights) {
   const steady = sights.filter((sight) => isSeen(sight) && sight.stillness.frames >= MIN_HELD_FRAMES);
   return Math.max(0, ...steady.map(({ stillness }) => stillness.held));
 }

@@ -2,7 +2,6 @@
 import { facts } from "../lib/camera.js";
 import { composePoses, interpolatePose } from "../lib/pose.js";
 import { VirtualCamera, streamOf } from "../lib/virtual/camera.js";
-import { labelOf } from "../lib/virtual/setup.js";
 import { boardPose, cameraPose, firstPose, setupAt } from "./scene.js";
 import { Stream } from "../lib/capture/streams.js";
 
@@ -136,6 +135,3 @@ function joined(cameras, sideBySide, rate, place) {
   };
   return stream;
 }
-
-/** Label of the simulated camera at a position. @param {URLSearchParams} parameters @param {number} position */
-export const virtualLabel = (parameters, position) => labelOf(setupAt(parameters, position));
