@@ -1,6 +1,7 @@
 // Choice of the one instruction that is shown: the largest difference first, and steady enough to be read.
 import { isEnough, viewCount } from "./state.js";
-import { advice, asMirrored, settled } from "../lib/capture/target.js";
+import { movement } from "../lib/capture/sight.js";
+import { settled } from "../lib/capture/target.js";
 
 /** @typedef {import("./state.js").Instruction} Instruction */
 
@@ -45,7 +46,6 @@ function choose(state, holding) {
     markers,
     outline,
     target,
-    aim,
     diagnosis: { trouble },
   } = state.sight;
   if (isEnough(state)) return "enough";
@@ -58,6 +58,5 @@ function choose(state, holding) {
   if (!outline) return "more";
   if (holding) return "hold";
   const hint = target.hint_code && HINTS.has(target.hint_code) ? target.hint_code : "match";
-  const code = aim ? advice(outline, aim) || "match" : hint;
-  return mirrored ? asMirrored(code) : code;
+  return movement(state.sight, mirrored, hint);
 }

@@ -13,7 +13,7 @@ import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
 import { deviceFault } from "../lib/capture/device-fault.js";
 import { openCaptureStore } from "../lib/capture/capture-store.js";
 import { Stream } from "../lib/capture/streams.js";
-import { nameBoard, takeSuggestion } from "./board-choice.js";
+import { Sizes, isLensDetected, nameBoard, offerLensTypes, takeSuggestion } from "./choices.js";
 import { Captures, captureKey } from "./captures.js";
 import { connectControls } from "./controls.js";
 import { Film } from "./film.js";
@@ -28,12 +28,10 @@ import {
   showCaptureAddress,
   showResultAddress,
 } from "./history.js";
-import { isLensDetected, offerLensTypes } from "./lens-choice.js";
 import { initial, reduce } from "./reducer.js";
 import { plainNotice } from "./state.js";
 import { findParts } from "./parts.js";
 import { render } from "./render.js";
-import { Sizes } from "./sizes.js";
 import { explain } from "../lib/faults.js";
 import { OfflineError } from "../lib/network.js";
 import { SettingsError } from "../lib/settings.js";
@@ -82,7 +80,7 @@ function dispatch(event) {
     outcome?.show(state);
     const returnTo = parameters.get("return_to");
     if (returnTo !== null)
-      void import("./practice.js").then(({ showPracticeEnd }) => showPracticeEnd(parts, state, returnTo));
+      void import("./sender.js").then(({ showPracticeEnd }) => showPracticeEnd(parts, state, returnTo));
     showResultAddress(parameters, state);
   } else if (state.phase !== "done" && shown?.phase === "done") outcome?.clear();
   render(parts, state, shown);
@@ -149,15 +147,12 @@ const capture = latest(
  */
 async function openCamera(signal, choice, opened) {
   const camera = opened ?? (await open(choice, { parameters, board: state.board, place: document.body, size }));
-  const close = () => camera.close();
-  if (signal.aborted) close();
-  signal.throwIfAborted();
-  signal.addEventListener("abort", close);
+  const stream = new Stream(camera);
+  const keepOpen = stream.closeWith(signal, (error) => fail(error, signal));
   // Before permission, the browser's own choice had no id. From now on it is this camera.
   if (!camera.virtual) chosen = camera.track.getSettings().deviceId || choice;
-  const stream = new Stream(camera);
   const [picture] = await stream.play([parts.video]);
-  return { camera, stream, picture, keepOpen: () => signal.removeEventListener("abort", close) };
+  return { camera, stream, picture, keepOpen };
 }
 
 /**
@@ -173,7 +168,6 @@ async function identify({ camera, picture }, signal) {
   const key = { camera: label, platform: withDevice(platform, device), img_size, zoom };
   const request = { ...requestFor(key), track };
   dispatch({ type: "opened", key, request, mirrored: camera.mirrored, cropped: camera.cropped });
-  camera.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
   return request;
 }
 

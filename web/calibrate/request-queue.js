@@ -2,7 +2,6 @@
 import { ApiError } from "../lib/api.js";
 import { isUnavailable } from "../lib/session.js";
 import { Pause, reconnectPause } from "../lib/capture/pause.js";
-import { ResponseTimeout } from "./response-timeout.js";
 
 /**
  * @typedef {object} Page what a capture needs of the page that it runs in
@@ -174,5 +173,39 @@ export class RequestQueue {
   /** Resolves when no request is in flight: the visitor's actions wait for their turn. */
   async drained() {
     while (this.#state.link.busy && !this.#options.signal.aborted) await this.#inFlight;
+  }
+}
+
+/** Timeout for responses of the service: restarted by each request and each response. */
+class ResponseTimeout {
+  #ms;
+  #onExpire;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #timer;
+  /** True if the time is over. */
+  expired = false;
+  #cancelled = false;
+
+  /** @param {number} ms @param {() => void} onExpire */
+  constructor(ms, onExpire) {
+    this.#ms = ms;
+    this.#onExpire = onExpire;
+    this.restart();
+  }
+
+  /** @param {number} [ms] for the request that is sent now */
+  restart(ms = this.#ms) {
+    if (this.expired || this.#cancelled) return;
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => {
+      this.expired = true;
+      this.#onExpire();
+    }, ms);
+  }
+
+  /** Stops waiting. */
+  cancel() {
+    this.#cancelled = true;
+    clearTimeout(this.#timer);
   }
 }

@@ -117,7 +117,7 @@ async function run({ record, code }, signal) {
     parameters,
     board,
     signal,
-    onEnded: () => fail(new CameraError("unplugged"), signal),
+    onUnplugged: (error) => fail(error, signal),
   });
   const detector = await openDetector(parts, board, signal);
   parts.openingText.textContent = t("capture.opening_service");

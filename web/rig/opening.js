@@ -16,12 +16,12 @@ import { HALVES, openStream } from "../lib/capture/streams.js";
 /**
  * Opens the cameras of a record, and shows all of them. They are closed when the capture ends.
  * @param {Parts} parts @param {import("./membership.js").RigRecord} record
- * @param {{parameters: URLSearchParams, board: Board, signal: AbortSignal, onEnded: () => void}} options onEnded:
- *   called when a camera is unplugged
+ * @param {{parameters: URLSearchParams, board: Board, signal: AbortSignal, onUnplugged: (error: Error) => void}}
+ *   options onUnplugged: called when a camera is unplugged
  * @returns {Promise<{virtual: import("./virtual-rig.js").VirtualRig | null, shown: Shown[]}>} virtual: the simulated
  *   rig, if it is one
  */
-export async function openCameras(parts, { choices, members }, { parameters, board, signal, onEnded }) {
+export async function openCameras(parts, { choices, members }, { parameters, board, signal, onUnplugged }) {
   const virtual = choices.some(({ id }) => id.startsWith("virtual")) ? await simulate(parameters, board) : null;
   /** @type {Shown[]} */
   const shown = [];
@@ -30,10 +30,7 @@ export async function openCameras(parts, { choices, members }, { parameters, boa
     const stream = virtual
       ? await virtual.open(choice, members[shown.length].position)
       : await openStream(choice, { parameters, place: document.body, board });
-    if (signal.aborted) stream.close();
-    signal.throwIfAborted();
-    signal.addEventListener("abort", () => stream.close());
-    stream.camera.track.addEventListener("ended", onEnded);
+    stream.closeWith(signal, onUnplugged);
     const figures = HALVES[choice.layout].map((half, index) => new Figure(shown.length + index, half));
     parts.pictures.append(...figures.map(({ root }) => root));
     const pictures = await stream.play(figures.map(({ video }) => video));

@@ -2,6 +2,7 @@
 import { codeBlocks } from "../lib/result/code-part.js";
 import { boardSentence } from "../lib/result/meaning.js";
 import { copyButton } from "../lib/result/menu.js";
+import { digitsFor } from "../lib/result/numbers.js";
 import { addCopyButton } from "../lib/code-block.js";
 import { ApiError } from "../lib/api.js";
 import { corners } from "../lib/board.js";
@@ -238,7 +239,7 @@ function relations({ extrinsics, unit }) {
  * @param {string} unit
  */
 function withError(value, error, unit) {
-  const digits = error > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(error)))) : 2;
+  const digits = digitsFor(error);
   const space = unit === "°" ? "" : "\u00a0";
   return `${number(value, digits)} ± ${number(error, digits)}${space}${unit}`;
 }

@@ -1,6 +1,5 @@
 // Texts of the capture: the one instruction, a line below it, and what is said of each camera.
-import { isThere } from "../lib/capture/sight.js";
-import { advice, asMirrored } from "../lib/capture/target.js";
+import { isThere, movement } from "../lib/capture/sight.js";
 import { hasMessage, number, t } from "../lib/i18n.js";
 import { splitLabel, isVirtual } from "../lib/camera-name.js";
 import { isSeen, requiredHold } from "./moments.js";
@@ -64,9 +63,7 @@ export function instruct({ state, moment, opening, offline, finishing, sights, p
     .sort((a, b) => a.sight.distance - b.sight.distance)[0];
   if (!aimed)
     return seeing.some(({ sight }) => sight.target) || !state.target ? "match" : leads ? "elsewhere" : "follow";
-  const code =
-    advice(/** @type {number[][]} */ (aimed.sight.outline), /** @type {number[][]} */ (aimed.sight.aim)) || "match";
-  return aimed.member.stream.mirrored ? asMirrored(code) : code;
+  return movement(aimed.sight, aimed.member.stream.mirrored);
 }
 
 /** @param {RigState} state @param {Sight[]} sights @param {readonly Member[]} members @param {boolean} leads */

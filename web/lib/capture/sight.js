@@ -4,7 +4,7 @@ import { observedOutline } from "../board-outline.js";
 import { HEALTHY, diagnose, troubleOf } from "./diagnosis.js";
 import { jaccard } from "./jaccard.js";
 import { MOVING, motion, observe } from "./stillness.js";
-import { difference } from "./target.js";
+import { advice, asMirrored, difference } from "./target.js";
 
 /**
  * @typedef {import("../board-outline.js").Corners} Corners
@@ -118,6 +118,16 @@ export const isThere = ({ outline, overlap, aim }) =>
 /** True if the board is where it was held then. @param {Sight} sight @param {Corners | null} hold */
 export const isNear = ({ corners, size }, hold) =>
   hold !== null && motion(hold, corners) < (MIN_DISPLACEMENT_PX * size[0]) / 1280;
+
+/**
+ * Code of the movement that leads to the target, as the preview shows it; "match": none stands out.
+ * @param {Sight} sight @param {boolean} isMirrored the preview is a mirror
+ * @param {string} [otherwise] code if board and target cannot be compared
+ */
+export function movement({ outline, aim }, isMirrored, otherwise = "match") {
+  const code = outline && aim ? advice(outline, aim) || "match" : otherwise;
+  return isMirrored ? asMirrored(code) : code;
+}
 
 /**
  * True if the board is held before the camera and is in focus, so that the focus may be locked.

@@ -123,6 +123,21 @@ export class Stream {
   close() {
     this.camera.close();
   }
+
+  /**
+   * Closes the camera when a capture ends, and reports if it is unplugged before.
+   * @param {AbortSignal} signal of the capture; throws its reason if it has ended already
+   * @param {(error: CameraError) => void} onUnplugged
+   * @returns {() => void} keeps the camera open for another capture
+   */
+  closeWith(signal, onUnplugged) {
+    const close = () => this.close();
+    if (signal.aborted) close();
+    signal.throwIfAborted();
+    signal.addEventListener("abort", close);
+    this.camera.track.addEventListener("ended", () => onUnplugged(new CameraError("unplugged")), { signal });
+    return () => signal.removeEventListener("abort", close);
+  }
 }
 
 /**
