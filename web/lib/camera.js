@@ -96,21 +96,25 @@ export async function open(id, { parameters, size: [width, height], place, board
     const virtual = new VirtualCamera(setupFrom(parameters), place, board);
     return opened(await virtual.open(), virtual);
   }
-  if (!navigator.mediaDevices?.getUserMedia) {
-    throw new CameraError("insecure");
-  }
   /** @type {MediaTrackConstraints & {resizeMode: string}} */
   const video = { width: { ideal: width }, height: { ideal: height }, resizeMode: "none" };
   if (id === "environment" || id === "user") video.facingMode = { ideal: id };
   else if (id) video.deviceId = { exact: id };
+  return opened(await requestStream(video), null);
+}
+
+/**
+ * A camera's stream, after the browser has asked for permission. Without permission cameras have no names.
+ * @param {MediaTrackConstraints | true} video
+ * @returns {Promise<MediaStream>} rejects with CameraError
+ */
+export async function requestStream(video) {
+  if (!navigator.mediaDevices?.getUserMedia) throw new CameraError("insecure");
   try {
-    const stream = await navigator.mediaDevices.getUserMedia({ video, audio: false });
-    return opened(stream, null);
+    return await navigator.mediaDevices.getUserMedia({ video, audio: false });
   } catch (error) {
     if (!(error instanceof DOMException)) throw error;
-    if (id && error instanceof OverconstrainedError && error.constraint === "deviceId") {
-      throw new CameraError("gone");
-    }
+    if (error instanceof OverconstrainedError && error.constraint === "deviceId") throw new CameraError("gone");
     throw new CameraError(ERROR_CODES[error.name] ?? "not_opened", error.message);
   }
 }

@@ -1,5 +1,6 @@
 // First sheet: the cameras of this device, what each delivers, and the other devices.
-import { CameraError, cameras } from "../lib/camera.js";
+import { cameras, requestStream } from "../lib/camera.js";
+import { deviceFaultText } from "../lib/capture/device-fault.js";
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 import { LENS_TYPES } from "../lib/lens-types.js";
@@ -69,20 +70,14 @@ export class Setup {
     setupProblem.textContent = "";
     camerasNote.textContent = t("rig.allowing");
     try {
-      if (!navigator.mediaDevices?.getUserMedia) throw new CameraError("insecure");
-      const stream = await navigator.mediaDevices.getUserMedia({ video: true });
+      const stream = await requestStream(true);
       await this.list();
       for (const track of stream.getTracks()) track.stop();
       if (this.#rows.length === 0) camerasNote.textContent = t("rig.none_found");
     } catch (error) {
-      const code =
-        error instanceof CameraError
-          ? error.code
-          : error instanceof DOMException && error.name === "NotFoundError"
-            ? "not_found"
-            : "not_allowed";
       camerasNote.textContent = "";
-      setupProblem.textContent = t(`capture.fault_${code}`);
+      setupProblem.textContent = deviceFaultText(error);
+      if (!setupProblem.textContent) throw error;
     }
   }
 

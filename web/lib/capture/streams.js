@@ -1,5 +1,5 @@
 // Streams of this device's cameras, and the pictures that they deliver: a stereo camera's stream has two.
-import { CameraError, facts, open, play } from "../camera.js";
+import { CameraError, facts, open, play, requestStream } from "../camera.js";
 import { grab } from "../detector.js";
 import { cameraKey, platformHere } from "../../sdk/key.js";
 
@@ -160,7 +160,7 @@ export async function openStream(choice, options) {
 
 /** Id of the device with a name; null where there is none. @param {string} label */
 async function idOf(label) {
-  const permission = await navigator.mediaDevices.getUserMedia({ video: true }); // without it devices have no names
+  const permission = await requestStream(true); // without it devices have no names
   const devices = await navigator.mediaDevices.enumerateDevices();
   for (const track of permission.getTracks()) track.stop();
   return devices.find((each) => each.kind === "videoinput" && each.label === label)?.deviceId ?? null;
