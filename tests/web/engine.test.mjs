@@ -95,11 +95,11 @@ test("each camera is looked at in each round, and no image is left open", async 
   const page = pageOf(2);
   await engineOf(page, cameras, detectorOf(detection())).run();
   assert.deepEqual(page.log, [...["seen 0", "seen 1", "seen 0", "act"], ...["seen 0", "seen 1", "seen 0", "act"]]);
-  // The detector takes an image over, so that the engine closes it once more, which does nothing in a browser.
+  // The detector closes an image, and the engine does so again, which does nothing in a browser.
   assert.ok(pair.open <= 0 && single.open <= 0);
 });
 
-test("a detector that stops is replaced three times, and its failure is the fourth's", async () => {
+test("a detector that stops is replaced three times; the fourth failure ends the capture", async () => {
   const broken = () => detectorOf(new DetectorError("gone"));
   const made = [];
   const openDetector = async () => {
@@ -153,6 +153,34 @@ test("the focus of a camera is locked once, when the board has been held before 
   });
   await engineOf(page, [{ stream, half: 0 }], detectorOf(detection())).run();
   assert.deepEqual([stream.locked, focused], [1, 1]);
+});
+
+test("other boards are looked for while the page wants it and no corner is seen", async () => {
+  const searched = async (found, isSearched) => {
+    const detector = detectorOf(found);
+    let looks = 0;
+    detector.sight = async (image) => {
+      image.close();
+      looks += 1;
+      return { family: null, markers: [], inverted: false, mirrored: false, size: SIZE, chessboard: null };
+    };
+    const suggestions = [];
+    const start = performance.now();
+    const page = pageOf(0, {
+      isOver: () => performance.now() - start > 800,
+      act: async () => {},
+      isSearched: () => isSearched,
+      suggest: (_, suggestion) => suggestions.push(suggestion),
+    });
+    await engineOf(page, [{ stream: streamOf(), half: 0 }], detector).run();
+    assert.equal(suggestions.length, looks);
+    return suggestions;
+  };
+  const blind = { ...detection(), ids: [], points: [], markers: 0 };
+  const suggestions = await searched(blind, true);
+  assert.ok(suggestions.length > 0 && suggestions.every((each) => each === null), "there is no board");
+  assert.deepEqual(await searched(blind, false), []);
+  assert.deepEqual(await searched(detection(), true), []);
 });
 
 test("the detector of a page is made once, and again after it has failed or was closed", async () => {

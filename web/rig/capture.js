@@ -150,7 +150,7 @@ export class RigCapture {
 
   /** True before the first moment while no camera of this device sees a corner. */
   isSearched() {
-    const isBlind = [...this.#sights.all.values()].every(({ corners }) => corners.ids.length === 0);
+    const isBlind = this.#sights.list.every(({ corners }) => corners.ids.length === 0);
     return isBlind && !this.model.moment && !this.model.state?.moments.length;
   }
 
@@ -247,11 +247,11 @@ export class RigCapture {
     } else if (record.leads && !opening && this.#isSettled) {
       // A single camera gives no relation to others, and a camera that has just joined has to look first.
       if (isAlone(state) || performance.now() - this.#joinedAt < this.#patience) return;
-      const sights = [...this.#sights.all.values()];
-      if (isReady(sights, this.#patience)) void this.open();
+      const { list } = this.#sights;
+      if (isReady(list, this.#patience)) void this.open();
       else if (
         performance.now() - this.#targetSince > STUCK_MS &&
-        sights.some((sight) => isSeen(sight) || sight.markers > 0)
+        list.some((sight) => isSeen(sight) || sight.markers > 0)
       )
         void this.skip();
     }
@@ -278,7 +278,7 @@ export class RigCapture {
     const id = crypto.randomUUID();
     const unopenedAt = performance.now();
     this.#known.add(id);
-    this.#note(id, { atTarget: isAtTarget([...this.#sights.all.values()]) });
+    this.#note(id, { atTarget: isAtTarget(this.#sights.list) });
     onSign("hold");
     if (!this.#remote) {
       // No other device waits for this moment: the service can open it later.

@@ -21,6 +21,10 @@ export class Sights {
     for (const { position, size } of cameras) this.all.set(position, { ...BLIND, size });
   }
 
+  get list() {
+    return [...this.all.values()];
+  }
+
   /** @param {number} position @returns {Sight} */
   at(position) {
     return this.all.get(position) ?? BLIND;

@@ -156,7 +156,7 @@ export class Engine {
    * last one.
    * @param {C} camera
    * @param {{lenience?: () => number, isKept?: boolean}} [options] lenience: how many times a steady hand's motion
-   *   counts as still; isKept: the image is wanted, too
+   *   counts as still; isKept: the image is returned as well
    * @returns {Promise<{corners: Corners, image: ImageBitmap | null} | null>} null: this frame will not do
    */
   async take(camera, { lenience = () => 1, isKept = false } = {}) {
@@ -208,9 +208,10 @@ export class Engine {
   async #search(camera) {
     const { board, isFlipped, signal } = this.#resources;
     const { blindSince } = this.#page.sight(camera).diagnosis;
-    if (this.#isSearching || !this.#page.isSearched(camera)) return;
     const known = this.#watches.get(camera);
-    if (known ? !known.isDue(blindSince, performance.now()) : blindSince === Infinity) return;
+    // In any case: it forgets what it has seen as soon as the board is seen.
+    const isDue = known ? known.isDue(blindSince, performance.now()) : blindSince !== Infinity;
+    if (!isDue || this.#isSearching || !this.#page.isSearched(camera)) return;
     this.#isSearching = true;
     try {
       const watch = known ?? new (await import("./board-watch.js")).BoardWatch();
