@@ -1,8 +1,7 @@
 // Page /ar/, which shows what a calibration is for: the same drawing in three ways over the camera's picture.
 import { boardFrom, boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-text.js";
-import { CameraError, cameras, open, play } from "../lib/camera.js";
-import { listCameras as fillCameras } from "../lib/camera-select.js";
+import { CameraError, cameras, offerCameras, open, play } from "../lib/camera.js";
 import { PageDetector } from "../lib/capture/page-detector.js";
 import { Detector, DetectorError } from "../lib/detector.js";
 import { part, sayFailure } from "../lib/dom.js";
@@ -268,7 +267,7 @@ function redraw(how) {
 
 async function listCameras() {
   const choices = await cameras(parameters);
-  const none = fillCameras(camera, choices, parameters.get("camera"));
+  const none = offerCameras(camera, choices, parameters.get("camera"));
   html("start").classList.toggle("primary", !none);
   for (const button of html("welcome").querySelectorAll(".virtually")) button.classList.toggle("primary", none);
   // The unplugged camera is back: the page restarts it without a click.

@@ -1,7 +1,7 @@
 // Guided capture of one camera: sets the targets of its session, sends what is held still, and continues after failures.
 import { facts } from "../lib/camera.js";
 import { Engine } from "../lib/capture/engine.js";
-import { pressByKeys } from "../lib/capture/shortcuts.js";
+import { pressByKeys } from "../lib/dom.js";
 import { Sharpest } from "../lib/rank.js";
 import { Pace } from "../lib/frames.js";
 import { decide, lenience } from "./hold.js";

@@ -2,7 +2,7 @@
 // shows the code, too, where there is no board.
 import { boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-text.js";
-import { offerFile } from "../lib/file-output.js";
+import { offerFile } from "../lib/files.js";
 import { onLanguage, t } from "../lib/i18n.js";
 import { WhichBoard } from "../lib/which-board.js";
 

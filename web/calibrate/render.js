@@ -1,5 +1,5 @@
 // Rendering of the state into the page. Reads nothing back, decides nothing.
-import { listCameras } from "../lib/camera-select.js";
+import { offerCameras } from "../lib/camera.js";
 import { sayFailure, write } from "../lib/dom.js";
 import { joinFacts, t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/camera-name.js";
@@ -74,7 +74,7 @@ function renderFailure({ failure, kept, failedVirtual }, state) {
 function renderCameras(parts, state) {
   const { camera, wanted, sender } = parts;
   const { cameras, interrupted } = state.ui;
-  listCameras(camera, cameras, state.wanted.camera ?? interrupted?.camera ?? null);
+  offerCameras(camera, cameras, state.wanted.camera ?? interrupted?.camera ?? null);
   renderChoice(parts);
   write(wanted, statusText.wanted(state, !sender.hidden));
 }

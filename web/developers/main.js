@@ -1,6 +1,6 @@
 // Page for developers: makes tokens, keeps them in this browser, and manages the one that is chosen.
 import { el, part, liveRegion } from "../lib/dom.js";
-import { offerFile } from "../lib/file-output.js";
+import { offerFile } from "../lib/files.js";
 import { onLanguage, t } from "../lib/i18n.js";
 import { OfflineError } from "../lib/network.js";
 import { openPage } from "../lib/page.js";

@@ -1,6 +1,6 @@
 // View of one token: secrets, origins with their proofs, code, use, limits, and its end.
 import { el } from "../lib/dom.js";
-import { offerFile } from "../lib/file-output.js";
+import { offerFile } from "../lib/files.js";
 import { joinFacts, hasMessage, language, t } from "../lib/i18n.js";
 import { copyButton } from "./copying.js";
 import { isLoopback } from "./origins.js";

@@ -73,7 +73,7 @@ function facing(asked) {
 /**
  * The camera to propose: the chosen one, else the requested one, else a real one. The virtual camera never replaces a
  * real one.
- * @param {Choice[]} choices @param {string | null} asked label @param {string} chosen id, "" for none yet
+ * @param {readonly Choice[]} choices @param {string | null} asked label @param {string} chosen id, "" for none yet
  * @returns {string} id; "" for none
  */
 export function propose(choices, asked, chosen) {
@@ -81,6 +81,25 @@ export function propose(choices, asked, chosen) {
     choices.find(({ id }) => id === chosen && chosen !== "") ?? choices.find(({ label }) => label === asked);
   const real = choices.find(({ id }) => id !== "virtual");
   return (found ?? real)?.id ?? (isVirtual(asked ?? "") ? "virtual" : "");
+}
+
+/**
+ * Lists cameras in a select element, and proposes one. Until the browser has listed its cameras, nothing is said about them.
+ * @param {HTMLSelectElement} select
+ * @param {readonly Choice[]} choices
+ * @param {string | null} asked label of the camera that the page was opened for
+ * @returns {boolean} true if there is no camera to propose
+ */
+export function offerCameras(select, choices, asked) {
+  const proposed = propose(choices, asked, select.value);
+  select.replaceChildren(
+    ...choices.map(({ id, label }) => new Option(id === "virtual" ? t("capture.virtual_name") : label, id)),
+  );
+  const isListed = choices.length > 0 && choices.every(({ id }) => id !== "");
+  const none = proposed === "" && isListed;
+  if (none) select.prepend(new Option(t("capture.no_camera"), ""));
+  select.value = proposed;
+  return none;
 }
 
 /**

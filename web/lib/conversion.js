@@ -1,6 +1,6 @@
 // Conversion of a file by the service: the readers of other programs' files are there, and nothing is stored.
 import { Api } from "./api.js";
-import { offerResponse } from "./file-output.js";
+import { offerResponse } from "./files.js";
 import { loadSettings } from "./settings.js";
 
 /**

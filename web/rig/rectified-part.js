@@ -1,7 +1,7 @@
 // Rectified pair of two cameras with epipolar lines: what one camera shows in a row is in the same row of the other.
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
-import { imageInput } from "../lib/image-input.js";
+import { imageInput } from "../lib/files.js";
 import { rectifyPair } from "../sdk/rig.js";
 import { cameraName } from "./status-text.js";
 

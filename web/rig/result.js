@@ -8,7 +8,7 @@ import { ApiError } from "../lib/api.js";
 import { corners } from "../lib/board.js";
 import { el } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
-import { offerResponse } from "../lib/file-output.js";
+import { offerResponse } from "../lib/files.js";
 import { joinFacts, number, onLanguage, rough, formatSize, t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/camera-name.js";
 import { Rig } from "../sdk/rig.js";

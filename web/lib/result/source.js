@@ -1,6 +1,6 @@
 // A stored calibration, with its report, and as a file in any format that the service writes.
 import { Api } from "../api.js";
-import { offerResponse } from "../file-output.js";
+import { offerResponse } from "../files.js";
 import { loadSettings } from "../settings.js";
 import { fileName } from "./numbers.js";
 
