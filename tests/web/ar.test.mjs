@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { misalignment } from "../../web/ar/misalignment.js";
 import { model } from "../../web/ar/model.js";
-import { rigidTransform, poseOf } from "../../web/ar/pose.js";
+import { rigidTransform, poseOf } from "../../web/lib/board-pose.js";
 import { stopAt } from "../../web/ar/tour.js";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { lensOf } from "../../web/sdk/projection.js";

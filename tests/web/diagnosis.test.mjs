@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
 import { arrows } from "../../web/calibrate/hint-arrows.js";
-import { HEALTHY, PROBES, diagnose, nextProbe } from "../../web/lib/capture/diagnosis.js";
+import { HEALTHY, diagnose } from "../../web/lib/capture/diagnosis.js";
 import { blackSquares } from "../../web/lib/target-preview.js";
 import { exposure, sharpness, frameMetrics, moire } from "../../web/lib/frame-metrics.js";
 import { Painter } from "../../web/lib/virtual/painter.js";
@@ -113,7 +113,7 @@ test("exposure is what the picture's histogram says", () => {
 function said(detection, { motion = 0, every = 33, from = HEALTHY } = {}) {
   let state = from;
   for (let time = 1000; time <= 3400; time += every)
-    state = diagnose(state, { size: SIZE, markers: 0, ids: [], points: [], probe: null, ...detection }, motion, time);
+    state = diagnose(state, { size: SIZE, markers: 0, ids: [], points: [], ...detection }, motion, time);
   return state.trouble;
 }
 const metrics = { share: 0, median: 110, high: 220, overexposed: 0, sharpness: 0.15, square: 0, moire: null };
@@ -138,11 +138,9 @@ test("each trouble is named once it lasts", () => {
   assert.equal(said(board, { motion: 20 }), "moving");
   assert.equal(said(board, { motion: 5 }), null);
   assert.equal(said(board, { motion: 20, every: 170 }), null, "slow, in a camera of few frames");
-  const probe = (kind, markers, corners) => ({ metrics, probe: { kind, markers, corners } });
-  assert.equal(said(probe("mirrored", 20, 30)), "mirrored");
-  assert.equal(said(probe("legacy", 20, 30)), "legacy");
-  assert.equal(said(probe("DICT_5X5_1000", 20, 0)), "wrong_board");
-  assert.equal(said(probe("DICT_5X5_1000", 1, 0)), null, "one marker is an accident");
+  for (const other of ["mirrored", "legacy", "wrong_board"])
+    assert.equal(said({ metrics }, { from: { ...HEALTHY, other } }), other);
+  assert.equal(said(board, { from: { ...HEALTHY, other: "legacy" } }), null, "the board itself is seen");
 });
 
 test("what is wrong is forgotten as soon as the board is well seen, and nothing is said at once", () => {
@@ -155,24 +153,6 @@ test("what is wrong is forgotten as soon as the board is well seen, and nothing 
   assert.equal(dark.trouble, null);
   const board = { ...foundAt(POSES[0]), markers: 27, size: SIZE, metrics: { ...metrics, square: 60, moire: 0 } };
   assert.equal(diagnose({ ...dark, trouble: "dark" }, board, 0, 5000).trouble, null);
-});
-
-test("something else is looked for only where no corner has been seen for a while, one thing after the other", () => {
-  assert.equal(nextProbe({ ...HEALTHY }, 10_000), null);
-  assert.equal(nextProbe({ ...HEALTHY, blindSince: 9_000 }, 10_000), null);
-  const asked = [];
-  let state = { ...HEALTHY, blindSince: 0 };
-  for (let time = 1300; time < 1300 + 700 * PROBES.length; time += 700) {
-    const kind = nextProbe(state, time);
-    asked.push(kind);
-    state = diagnose(
-      state,
-      { size: SIZE, markers: 0, ids: [], points: [], metrics, probe: { kind, markers: 0, corners: 0 } },
-      0,
-      time,
-    );
-  }
-  assert.deepEqual(asked, PROBES);
 });
 
 test("the metrics of a frame are read from it", () => {

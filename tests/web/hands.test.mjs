@@ -64,7 +64,7 @@ function capture(kind, seed) {
     }
     if (action !== "submit") continue;
     const view = seen(hand.pose(time + FRAME), 0, random);
-    if (motion(state.detector.corners, view) > 3 * lenience(state, time)) continue;
+    if (motion(state.sight.corners, view) > 3 * lenience(state, time)) continue;
     dispatch({ type: "stored", corners: view, stored: state.link.stored + 1, time });
     if (!isEnough(state)) next();
   }

@@ -3,17 +3,18 @@ import { test } from "node:test";
 import { ApiError, OfflineError } from "../../web/lib/api.js";
 import { DEFAULT_BOARD, corners as boardCorners } from "../../web/lib/board.js";
 import { composePoses, invertPose, transformPoint } from "../../web/lib/pose.js";
+import { BLIND, observeFrame } from "../../web/lib/capture/sight.js";
 import { MOVING } from "../../web/lib/capture/stillness.js";
 import { intrinsicsOf, projectionOf } from "../../web/lib/virtual/lens.js";
 import { RigLink } from "../../web/rig/link.js";
 import { JoinError, enter } from "../../web/rig/membership.js";
-import { BLIND, answer, isReady, observeFrame, remoteHold, requiredHold } from "../../web/rig/moments.js";
+import { answer, isReady, remoteHold, requiredHold } from "../../web/rig/moments.js";
 import { Outbox } from "../../web/rig/outbox.js";
 import { hasPlateau, isAlone, isComplete, isFinishable, silentPositions } from "../../web/rig/progress.js";
 import { boardInRig, relationOf } from "../../web/rig/relations.js";
 import { sceneOf } from "../../web/lib/scene-plot.js";
 import { boardPose, cameraPose, setupAt } from "../../web/rig/scene.js";
-import { labelOfHalf, placeOf } from "../../web/rig/streams.js";
+import { labelOfHalf, placeOf } from "../../web/lib/capture/streams.js";
 
 const POINTS = [0, 1, 2, 3, 4, 5].map((i) => [100 + 50 * i, 100 + 20 * (i % 2)]);
 const detection = (shift = 0) => ({
@@ -85,7 +86,6 @@ const LETTERS = [
 function boxOf(answers, letters = []) {
   const log = [];
   const saved = [];
-  let wake = () => {};
   const box = new Outbox(
     {
       send: async (letter) => {
@@ -98,20 +98,19 @@ function boxOf(answers, letters = []) {
       onSent() {},
       onRefused: (_, error) => log.push(`refused ${error.status}`),
       onLink: (offline) => log.push(offline ? "offline" : "online"),
-      wait: () => new Promise((done) => (wake = done)),
     },
     letters,
   );
-  return { box, log, saved, wake: () => wake() };
+  return { box, log, saved };
 }
 
 test("what was captured is delivered in order, and waits while the service is away", async () => {
-  const { box, log, saved, wake } = boxOf([{}, new OfflineError(), new ApiError(503, {}), {}, {}]);
+  const { box, log, saved } = boxOf([{}, new OfflineError(), new ApiError(503, {}), {}, {}]);
   box.post(...LETTERS);
   const sending = box.flush();
   for (let turn = 0; turn < 40; turn++) {
     await new Promise((done) => setImmediate(done));
-    wake();
+    box.retry();
   }
   await sending;
   assert.deepEqual(log, ["open a", "view 0", "offline", "view 0", "view 0", "online", "view 1"]);

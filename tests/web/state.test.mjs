@@ -57,7 +57,7 @@ const frames = (detection, ms, from = 0) =>
 
 test("a board held still on the target is sent after the hold, not before", () => {
   const before = capturing(frames(frame(THERE), HOLD_MS - 50));
-  assert.ok(before.detector.overlap > 0.99);
+  assert.ok(before.sight.overlap > 0.99);
   assert.equal(decide(before, HOLD_MS - 50), null);
   assert.ok(holdProgress(before) > 0.8 && holdProgress(before) < 1);
   assert.equal(decide(capturing(frames(frame(THERE), HOLD_MS)), HOLD_MS), "submit");
@@ -65,7 +65,7 @@ test("a board held still on the target is sent after the hold, not before", () =
 
 test("a tilted board held elsewhere is sent too, after longer; one that faces the camera is not", () => {
   const tilted = (ms) => capturing(frames(frame(ELSEWHERE), ms));
-  assert.ok(tilted(100).detector.overlap < 0.3);
+  assert.ok(tilted(100).sight.overlap < 0.3);
   assert.equal(decide(tilted(LONG_HOLD_MS - 50), LONG_HOLD_MS - 50), null);
   assert.equal(decide(tilted(LONG_HOLD_MS), LONG_HOLD_MS), "submit");
   assert.equal(decide(capturing(frames(frame(FACING), 2 * LONG_HOLD_MS)), 2 * LONG_HOLD_MS), null);
@@ -75,11 +75,11 @@ test("nothing is sent while a view is on its way, nor the same hold twice", () =
   const held = capturing(frames(frame(THERE), HOLD_MS));
   assert.equal(decide(reduce(held, { type: "busy" }), HOLD_MS), null);
   const answer = { ...SESSION, accepted: false, reason: "no_information" };
-  const refused = reduce(held, { type: "answer", answer, corners: held.detector.corners, time: 600 });
+  const refused = reduce(held, { type: "answer", answer, corners: held.sight.corners, time: 600 });
   const again = frames(frame(THERE), HOLD_MS, 650).reduce(reduce, refused);
   assert.equal(decide(again, 650 + HOLD_MS), null);
   assert.equal(refused.ui.notice.key, "capture.useless");
-  assert.equal(refused.capture.pose.index, 0, "a refused view leaves the target where it is");
+  assert.equal(refused.sight.target.index, 0, "a refused view leaves the target where it is");
   const moved = { rvec: [0.45, -0.5, 0.1], tvec: [-3.6, -2.6, 12] };
   const better = frames(frame(moved), HOLD_MS, 2000).reduce(reduce, again);
   assert.equal(decide(better, 2000 + HOLD_MS), "submit");
@@ -122,8 +122,8 @@ test("a capture ends after four holds in a row where the board was before, and s
   for (const detection of places) {
     hold(detection, LONG_HOLD_MS + 200);
     assert.equal(decide(state, time), "submit");
-    state = reduce(state, { type: "sent", corners: state.detector.corners });
-    state = reduce(state, { type: "answer", answer, corners: state.detector.corners, time });
+    state = reduce(state, { type: "sent", corners: state.sight.corners });
+    state = reduce(state, { type: "answer", answer, corners: state.sight.corners, time });
     state = reduce(state, { type: "pose", pose: target(THERE), picture: null, time });
     hold(detection, 2 * LONG_HOLD_MS); // the hold that was sent goes on
   }
@@ -137,7 +137,7 @@ test("a capture ends after four holds in a row where the board was before, and s
   assert.equal(decide(state, time), "finish");
   hold(frame(ELSEWHERE), 0);
   const taken = { ...answer, views: [...views, views[0]] };
-  const fresh = reduce(state, { type: "answer", answer: taken, corners: state.detector.corners, time });
+  const fresh = reduce(state, { type: "answer", answer: taken, corners: state.sight.corners, time });
   assert.equal(fresh.capture.repeats, 0, "a new view begins the count again");
 });
 
@@ -145,10 +145,10 @@ test("a pose whose view was refused can be tried again after another hold; one t
   const back = (reason) => {
     let state = capturing(frames(frame(ELSEWHERE), 2 * LONG_HOLD_MS));
     const answer = { ...SESSION, accepted: reason === null, reason };
-    state = reduce(state, { type: "answer", answer, corners: state.detector.corners, time: 3_000 });
+    state = reduce(state, { type: "answer", answer, corners: state.sight.corners, time: 3_000 });
     state = reduce(state, { type: "pose", pose: target(THERE), picture: null, time: 3_000 });
     state = frames(frame({ ...ELSEWHERE, tvec: [-9, -6, 20] }), 2 * LONG_HOLD_MS, 4_000).reduce(reduce, state);
-    state = reduce(state, { type: "sent", corners: state.detector.corners });
+    state = reduce(state, { type: "sent", corners: state.sight.corners });
     return frames(frame(ELSEWHERE), 2 * LONG_HOLD_MS, 8_000).reduce(reduce, state);
   };
   assert.deepEqual([decide(back("outlier"), 11_000), back("outlier").capture.repeats], ["submit", 0]);
@@ -172,11 +172,11 @@ test("a view that was taken off the target is said to be, with what helps more",
 test("a target refused in its own place is given up after 1 s if nothing helps, else after 3 s to read why", () => {
   const held = capturing(frames(frame(THERE), HOLD_MS));
   const answer = { ...SESSION, accepted: false, reason: "no_information" };
-  const refused = reduce(held, { type: "answer", answer, corners: held.detector.corners, time: 600 });
+  const refused = reduce(held, { type: "answer", answer, corners: held.sight.corners, time: 600 });
   assert.equal(decide(refused, 1_500), null);
   assert.equal(decide(refused, 1_700), "skip");
   const unlike = { ...answer, reason: "outlier", views: [{ index: 0, points: 40, rms: 0.1 }] };
-  const doubted = reduce(held, { type: "answer", answer: unlike, corners: held.detector.corners, time: 600 });
+  const doubted = reduce(held, { type: "answer", answer: unlike, corners: held.sight.corners, time: 600 });
   assert.equal(doubted.ui.notice.key, "capture.refused_outlier");
   assert.equal(decide(doubted, 3_500), null);
   assert.equal(decide(doubted, 3_700), "skip");
@@ -195,16 +195,16 @@ test("an accepted view takes the target away, and progress never falls but by un
   const taken = reduce(held, {
     type: "answer",
     answer: { ...SESSION, views, progress: 0.5, accepted: true, reason: null },
-    corners: held.detector.corners,
+    corners: held.sight.corners,
     time: 600,
   });
   assert.deepEqual(
-    [taken.capture.pose, taken.ui.picture, taken.capture.progress, taken.link.busy],
+    [taken.sight.target, taken.ui.picture, taken.capture.progress, taken.link.busy],
     [null, null, 0.5, false],
   );
   assert.equal(reduce(taken, { type: "session", session: { ...SESSION, views, progress: 0.4 } }).capture.progress, 0.5);
   const undone = reduce(taken, { type: "undone", session: SESSION, time: 700 });
-  assert.deepEqual([undone.capture.progress, undone.capture.lastHold, undone.capture.taken], [0, null, []]);
+  assert.deepEqual([undone.capture.progress, undone.sight.lastTaken, undone.capture.taken], [0, null, []]);
 });
 
 test("convergence ends the capture", () => {
@@ -212,7 +212,7 @@ test("convergence ends the capture", () => {
     type: "session",
     session: { ...SESSION, status: "converged", calibration: {}, progress: 1 },
   });
-  assert.deepEqual([done.phase, done.capture.progress, done.capture.pose], ["done", 1, null]);
+  assert.deepEqual([done.phase, done.capture.progress, done.sight.target], ["done", 1, null]);
   assert.equal(decide(done, 1e9), null);
   assert.equal(reduce(done, { type: "frame", detection: frame(THERE), time: 1 }), done);
 });
@@ -254,10 +254,10 @@ test("instructions say what is missing, and stand for 400 ms", () => {
   assert.equal(later.ui.instruction.code, "tilt_left", "the largest difference first");
   const there = frames(frame(THERE), 450, 2100).reduce(reduce, later);
   assert.equal(there.ui.instruction.code, "hold");
-  const sent = reduce(there, { type: "sent", corners: there.detector.corners });
+  const sent = reduce(there, { type: "sent", corners: there.sight.corners });
   assert.equal(sent.ui.instruction.code, "wait", "what is taken need not be held any more");
   assert.equal(sent.capture.unsteady, false, "it did not move");
-  const slid = { ids: there.detector.corners.ids, points: there.detector.corners.points.map(([x, y]) => [x + 4, y]) };
+  const slid = { ids: there.sight.corners.ids, points: there.sight.corners.points.map(([x, y]) => [x + 4, y]) };
   assert.equal(reduce(there, { type: "sent", corners: slid }).capture.unsteady, true);
 });
 
@@ -271,7 +271,7 @@ test("a board that is never held still is told so after 12 s, and its sharpest f
   assert.deepEqual([early, later, late].map(isRestless), [false, true, true]);
   assert.deepEqual([later, late].map(isSharpestOffered), [false, true]);
   assert.equal(
-    isSharpestOffered(reduce(late, { type: "sent", corners: late.detector.corners })),
+    isSharpestOffered(reduce(late, { type: "sent", corners: late.sight.corners })),
     false,
     "a view was held",
   );
@@ -350,11 +350,11 @@ test("who comes nearer, slowly, keeps the target", () => {
 test("without the service, views are kept and counted, and the target is the page's own", () => {
   const held = capturing(frames(frame(THERE), HOLD_MS));
   const away = reduce(held, { type: "offline", stored: 1 });
-  assert.deepEqual([away.link.offline, away.link.stored, away.capture.pose, away.ui.notice], [true, 1, null, null]);
+  assert.deepEqual([away.link.offline, away.link.stored, away.sight.target, away.ui.notice], [true, 1, null, null]);
   const planned = reduce(away, { type: "pose", pose: { ...target(ELSEWHERE), index: -1 }, picture: null, time: 900 });
   assert.equal(decide(frames(frame(ELSEWHERE), HOLD_MS, 1000).reduce(reduce, planned), 1000 + HOLD_MS), "submit");
   const stored = reduce(planned, { type: "stored", corners: frame(ELSEWHERE), stored: 2, time: 2000 });
-  assert.deepEqual([stored.link.stored, stored.capture.pose, stored.ui.notice.key], [2, null, "capture.view_stored"]);
+  assert.deepEqual([stored.link.stored, stored.sight.target, stored.ui.notice.key], [2, null, "capture.view_stored"]);
   const views = [
     { index: 0, points: 40, rms: 0.1 },
     { index: 1, points: 40, rms: 0.1 },
@@ -440,10 +440,10 @@ test("a view that is set aside later is said to be, once", () => {
 
 test("a board of the other layout is taken as such while nothing is lost by it", () => {
   const legacy = (stored) => {
-    const { detector, link, ...rest } = capturing();
+    const { sight, link, ...rest } = capturing();
     return {
       ...rest,
-      detector: { ...detector, diagnosis: { ...HEALTHY, trouble: "legacy" } },
+      sight: { ...sight, diagnosis: { ...HEALTHY, trouble: "legacy" } },
       link: { ...link, stored },
     };
   };
@@ -454,7 +454,7 @@ test("a board of the other layout is taken as such while nothing is lost by it",
 test("the time in a hidden tab does not count", () => {
   const state = reduce(capturing(frames(frame(FACING), 200)), { type: "visible", time: 60_000 });
   assert.equal(decide(state, 60_001), null);
-  assert.equal(state.detector.stillness.held, 0);
+  assert.equal(state.sight.stillness.held, 0);
 });
 
 test("a picture of another size ends the capture, and nothing of it is ever sent", () => {
@@ -473,7 +473,7 @@ test("starting over keeps the cameras and forgets the rest", () => {
   const state = reduce(capturing(frames(frame(THERE), 200)), { type: "cameras", cameras: [{ id: "a", label: "A" }] });
   const fresh = reduce(state, { type: "restart" });
   assert.deepEqual(
-    [fresh.phase, fresh.capture.pose, fresh.capture.session, fresh.ui.cameras.length],
+    [fresh.phase, fresh.sight.target, fresh.capture.session, fresh.ui.cameras.length],
     ["welcome", null, null, 1],
   );
 });
@@ -515,7 +515,7 @@ test("the target's squares are gone before the board lies on them", () => {
       ...capturing(),
       capture: { session: { views: Array(count).fill({}) } },
       link: { stored: 0 },
-      detector: { overlap },
+      sight: { overlap },
     });
   assert.deepEqual([at(0), at(0.25), at(0.5), at(0.9)], [1, 0.5, 0, 0]);
   assert.ok(at(0, 1) < at(0), "who has taken a view knows what a target is");

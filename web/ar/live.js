@@ -7,7 +7,7 @@ import { housePoints } from "./house.js";
 import { difference, misalignment } from "./misalignment.js";
 import { model } from "./model.js";
 import { MODES } from "./modes.js";
-import { poseOf } from "./pose.js";
+import { poseOf } from "../lib/board-pose.js";
 import { RectifierError } from "../sdk/warp.js";
 import { Scene } from "./scene.js";
 import { lensOf } from "../sdk/projection.js";

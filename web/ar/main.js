@@ -1,9 +1,11 @@
 // Page /ar/, which shows what a calibration is for: the same drawing in three ways over the camera's picture.
 import { boardFrom, boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-text.js";
-import { CameraError, cameras, open, play, propose } from "../lib/camera.js";
+import { CameraError, cameras, offerCameras, open, play } from "../lib/camera.js";
+import { PageDetector } from "../lib/capture/page-detector.js";
 import { Detector, DetectorError } from "../lib/detector.js";
 import { part, sayFailure } from "../lib/dom.js";
+import { deviceFaultText } from "../lib/capture/device-fault.js";
 import { explain } from "../lib/faults.js";
 import { onLanguage, rough, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
@@ -52,8 +54,12 @@ const said = {
 };
 /** Run of one camera; a new run aborts the pending work of the old one. */
 let run = new AbortController();
-/** @type {Promise<Detector> | null} */
-let detector = null;
+const detector = new PageDetector(() =>
+  Detector.open(board, (fraction) => {
+    html("loading-meter").hidden = fraction >= 1;
+    part("loading", HTMLProgressElement).value = fraction;
+  }),
+);
 /** @type {Live | null} */
 let live = null;
 /** @type {() => void} */
@@ -121,8 +127,8 @@ function hfov(calibration) {
 
 /** @param {unknown} error */
 function errorText(error) {
-  if (error instanceof CameraError) return t(`capture.fault_${error.code}`, { detail: error.detail });
-  if (error instanceof DetectorError) return t(`capture.fault_${error.code}`, { detail: error.message });
+  const fault = deviceFaultText(error);
+  if (fault) return fault;
   if (error instanceof RectifierError) return t(error.lost ? "ar.gpu_lost" : "ar.no_webgl");
   return explain(error);
 }
@@ -135,18 +141,6 @@ function tell(off, shown) {
   reportedAt = now;
   said.off = off;
   writeOff();
-}
-
-/** OpenCV is loaded once. @returns {Promise<Detector>} */
-function openDetector() {
-  detector ??= Detector.open(board, (fraction) => {
-    html("loading-meter").hidden = fraction >= 1;
-    part("loading", HTMLProgressElement).value = fraction;
-  });
-  detector.catch(() => {
-    detector = null;
-  });
-  return detector;
 }
 
 /** @param {string} choice id of a camera */
@@ -176,14 +170,6 @@ async function start(choice) {
   }
 }
 
-function closeDetector() {
-  void detector?.then(
-    (broken) => broken.close(),
-    () => {},
-  );
-  detector = null;
-}
-
 /**
  * @param {import("../lib/camera.js").OpenCamera} opened @param {AbortSignal} signal
  * @param {boolean} restarts whether another detector may take the place of one that stops
@@ -206,7 +192,7 @@ async function show({ track, virtual }, signal, restarts) {
   }
   said.hfov = hfov(calibration);
   turnTo("opening", { waiting: "loading" });
-  const finder = await openDetector();
+  const finder = await detector.open();
   if (signal.aborted) return "";
   let stop = 0;
   moveOn = () => virtual?.follow(stopAt(board, calibration, stop++));
@@ -227,7 +213,7 @@ async function show({ track, virtual }, signal, restarts) {
   } catch (error) {
     if (!(error instanceof DetectorError) || signal.aborted || !restarts) throw error;
     console.info("the detector is restarted:", error.message);
-    closeDetector();
+    detector.close();
     return "stopped";
   } finally {
     shown.dispose();
@@ -239,7 +225,7 @@ async function show({ track, virtual }, signal, restarts) {
 function fail(error, signal) {
   if (signal.aborted) return;
   run.abort();
-  if (error instanceof DetectorError) closeDetector();
+  if (error instanceof DetectorError) detector.close();
   turnTo("failed", { error });
 }
 
@@ -281,13 +267,7 @@ function redraw(how) {
 
 async function listCameras() {
   const choices = await cameras(parameters);
-  const proposed = propose(choices, parameters.get("camera"), camera.value);
-  camera.replaceChildren(
-    ...choices.map(({ id, label }) => new Option(id === "virtual" ? t("capture.virtual_name") : label, id)),
-  );
-  const none = proposed === "" && choices.every(({ id }) => id !== "");
-  if (none) camera.prepend(new Option(t("capture.no_camera"), ""));
-  camera.value = proposed;
+  const none = offerCameras(camera, choices, parameters.get("camera"));
   html("start").classList.toggle("primary", !none);
   for (const button of html("welcome").querySelectorAll(".virtually")) button.classList.toggle("primary", none);
   // The unplugged camera is back: the page restarts it without a click.
@@ -332,7 +312,7 @@ onLanguage(() => {
 });
 showProblem(html("problem"), problem);
 await listed;
-openDetector().catch((error) => console.info("detector not loaded yet:", error.message));
+detector.open().catch((error) => console.info("detector not loaded yet:", error.message));
 const returning = location.hash.includes("calibration=");
 if (parameters.has("virtual")) void start("virtual");
 else if (returning && camera.value) void start(camera.value);

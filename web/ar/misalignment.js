@@ -1,5 +1,5 @@
 // Misalignment of the drawing: distance between drawn and detected corners, or between two drawings of one house.
-import { rigidTransform } from "./pose.js";
+import { rigidTransform } from "../lib/board-pose.js";
 
 /**
  * @param {Pick<import("./modes.js").Mode, "seen" | "drawn">} mode

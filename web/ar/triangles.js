@@ -1,5 +1,5 @@
 // Triangles of the model, six numbers a vertex: place and colour.
-import { unit } from "./pose.js";
+import { unit } from "../lib/board-pose.js";
 
 /** @typedef {[number, number, number]} Point */
 /** @typedef {[red: number, green: number, blue: number]} Colour 0…1 */

@@ -1,13 +1,13 @@
-// Loop of one capture: detects the board, sends what is held still, sets the targets, and continues after failures.
-import { facts, lockFocus } from "../lib/camera.js";
-import { DetectorError, grab } from "../lib/detector.js";
-import { Pace, nextFrame } from "../lib/frames.js";
-import { decide, isSettled, lenience } from "./hold.js";
+// Guided capture of one camera: sets the targets of its session, sends what is held still, and continues after failures.
+import { facts } from "../lib/camera.js";
+import { Engine } from "../lib/capture/engine.js";
+import { pressByKeys } from "../lib/dom.js";
+import { Sharpest } from "../lib/rank.js";
+import { Pace } from "../lib/frames.js";
+import { decide, lenience } from "./hold.js";
 import { nextPlanned, trustedCalibration } from "./plan.js";
 import { RequestQueue } from "./request-queue.js";
-import { isEnough, isFinishable, isOfSize, isSharpestOffered, viewCount } from "./state.js";
-import { motion } from "../lib/capture/stillness.js";
-import { Sharpest } from "../lib/rank.js";
+import { isEnough, isFinishable, isSharpestOffered, viewCount } from "./state.js";
 import { tint } from "./tint.js";
 
 /**
@@ -17,52 +17,48 @@ import { tint } from "./tint.js";
  *
  * @typedef {object} Resources
  * @property {import("../lib/session.js").CaptureSession} session
- * @property {Promise<Detector>} detector the first target is shown while it is loaded
- * @property {import("../lib/camera.js").OpenCamera} camera
+ * @property {Promise<import("../lib/detector.js").Detector>} detector the first target is shown while it is loaded
+ * @property {import("../lib/capture/streams.js").Stream} stream of the camera
  * @property {import("./plan.js").Step[]} plan
  * @property {AbortSignal} signal
- *
- * @typedef {import("../lib/detector.js").Detector} Detector
  */
 
-const MAX_MOTION_PX = 3; // between the hold's last frame and the one that is sent, at 1280 px width
-const MIN_RELATIVE_SHARPNESS = 0.75; // of the hold's frames: less is one blurred frame, and the next one will do
-const SHARPNESS_FRAMES = 12; // over which the median sharpness is taken
 const MAX_SHARPEST = 12; // frames of a moving board: a few more than a capture takes
-const MAX_RESTARTS = 3; // of the detector in one capture: a fourth would not help
 
 export class CaptureLoop {
   #page;
   #session;
   #opening;
-  /** @type {Detector | null} */
-  #detector = null;
-  #camera;
+  #stream;
   #plan;
   #signal;
+  #camera;
+  #engine;
   #planned = 0;
-  #restarts = 0;
-  #isFocused = false;
-  #wasHidden = false;
   #isFirst = true;
   #isFinishing = false;
-  #isLooking = false;
-  /** @type {import("../lib/capture/board-watch.js").BoardWatch | null} loaded when no corner is seen */
-  #watch = null;
+  #isOtherLayout = false;
   #sharpest = new Sharpest();
-  /** @type {number[]} of the last frames */
-  #sharpness = [];
   #pace = new Pace();
   #queue;
 
   /** @param {Page} page @param {Resources} resources */
-  constructor(page, { session, detector, camera, plan, signal }) {
+  constructor(page, { session, detector, stream, plan, signal }) {
     this.#page = page;
     this.#session = session;
     this.#opening = detector;
-    this.#camera = camera;
+    this.#stream = stream;
     this.#plan = plan;
     this.#signal = signal;
+    this.#camera = { stream, half: 0 };
+    this.#engine = new Engine(this, {
+      cameras: [this.#camera],
+      board: () => this.#state.board,
+      detector,
+      openDetector: page.openDetector,
+      isFlipped: () => this.#state.wanted.flipped === true,
+      signal,
+    });
     this.#queue = new RequestQueue(page, session, {
       dispatch: (event) => this.#dispatch(event),
       signal,
@@ -75,15 +71,11 @@ export class CaptureLoop {
     on(page.parts.skip, () => this.#skip());
     on(page.parts.finish, () => this.#finish());
     on(page.parts.sharpest, () => this.#useSharpest());
-    document.addEventListener("keydown", (event) => this.#handleKey(event), { signal });
+    pressByKeys({ u: page.parts.undo, n: page.parts.skip }, signal);
   }
 
   get #state() {
     return this.#page.state();
-  }
-
-  get #video() {
-    return this.#page.parts.video;
   }
 
   /**
@@ -93,113 +85,74 @@ export class CaptureLoop {
   async run() {
     if (this.#state.link.offline) this.#queue.goOffline();
     else void this.#fetchTarget();
-    this.#detector = await this.#opening;
+    await this.#opening;
     this.#dispatch({ type: "loading", fraction: 1 });
     this.#dispatch({ type: "visible", time: performance.now() });
-    while (this.#state.phase === "capturing" && !this.#signal.aborted) {
-      await nextFrame(this.#video);
-      if (this.#signal.aborted || this.#isHidden()) continue;
-      const began = performance.now();
-      const detection = await this.#detect();
-      if (this.#signal.aborted) return null;
-      if (!detection) continue;
-      const taken = performance.now() - began;
-      this.#dispatch({ type: "frame", detection, time: performance.now() });
-      this.#measure(detection, taken);
-      this.#focus();
-      void this.#look();
-      const action = decide(this.#state, performance.now());
-      if (action === "relayout") return action;
-      if (action === "submit") await this.#submit();
-      else if (action === "finish") await this.#finish();
-      else if (action === "skip") void this.#fetchTarget({ skip: true });
-    }
-    return null;
+    await this.#engine.run();
+    return this.#isOtherLayout && !this.#signal.aborted ? "relayout" : null;
   }
 
-  /** @param {import("../lib/detector.js").Detection} detection @param {number} taken ms */
-  #measure({ metrics, size }, taken) {
+  isOver() {
+    return this.#isOtherLayout || this.#state.phase !== "capturing";
+  }
+
+  sight() {
+    return this.#state.sight;
+  }
+
+  /** @param {unknown} _ @param {import("../lib/detector.js").Detection} detection @param {number} taken ms */
+  observe(_, detection, taken) {
+    this.#dispatch({ type: "frame", detection, time: performance.now() });
     // If colouring the picture takes the time that detection needs, the target is drawn in a plainer way.
     if (!this.#state.ui.plain && this.#pace.isSlow(taken)) this.#dispatch({ type: "slow" });
     if (this.#isFirst) performance.mark("first detection");
     this.#isFirst = false;
-    const { corners, outline, restless } = this.#state.detector;
+    const { metrics, size } = detection;
+    const {
+      sight: { corners, outline },
+      detector: { restless },
+    } = this.#state;
     if (restless > 0 && metrics?.sharpness)
       this.#sharpest.add({ ...corners, outline, sharpness: metrics.sharpness }, size[0]);
-    if (metrics?.sharpness) this.#sharpness = [...this.#sharpness, metrics.sharpness].slice(-SHARPNESS_FRAMES);
   }
 
-  /** True if the tab is hidden: then no board is in front of it. */
-  #isHidden() {
-    const hidden = document.hidden;
-    if (this.#wasHidden && !hidden) {
-      this.#dispatch({ type: "visible", time: performance.now() });
-      this.#notify("capture.was_hidden");
-    }
-    this.#wasHidden = hidden;
-    return hidden;
+  async act() {
+    const action = decide(this.#state, performance.now());
+    if (action === "relayout") this.#isOtherLayout = true;
+    else if (action === "submit") await this.#submit();
+    else if (action === "finish") await this.#finish();
+    else if (action === "skip") void this.#fetchTarget({ skip: true });
   }
 
-  /**
-   * Runs one frame through the detector; null if the detector stopped and another one had to be made.
-   * @param {{full?: boolean}} [options]
-   */
-  async #detect(options) {
-    const detector = this.#detector ?? (await this.#opening);
-    try {
-      return await detector.detect(await grab(this.#video), { ...options, flip: this.#state.wanted.flipped });
-    } catch (error) {
-      if (!(error instanceof DetectorError) || this.#signal.aborted || ++this.#restarts > MAX_RESTARTS) throw error;
-      console.info("the detector is restarted:", error.message);
-    }
-    this.#dispatch({ type: "stalled", stalled: true });
-    detector.close();
-    this.#detector = await this.#page.openDetector();
-    this.#dispatch({ type: "stalled", stalled: false });
+  /** True before the first view: then another board may be meant. */
+  isSearched() {
+    return viewCount(this.#state) === 0;
+  }
+
+  /** @param {unknown} _ @param {import("../lib/board-recognition.js").Recognised | null} suggestion */
+  suggest(_, suggestion) {
+    this.#dispatch({ type: "looked", suggestion, time: performance.now() });
+  }
+
+  onReturn() {
     this.#dispatch({ type: "visible", time: performance.now() });
-    return null;
+    this.#notify("capture.was_hidden");
   }
 
-  /**
-   * Looks for another board if the expected one is not seen. The next frame reports a failure of the detector.
-   */
-  async #look() {
-    const {
-      board,
-      wanted: { flipped },
-      detector: {
-        diagnosis: { blindSince },
-      },
-    } = this.#state;
-    const detector = this.#detector;
-    if (!detector || this.#isLooking || viewCount(this.#state) > 0) return;
-    if (this.#watch ? !this.#watch.isDue(blindSince, performance.now()) : blindSince === Infinity) return;
-    this.#isLooking = true;
-    try {
-      const watch = (this.#watch ??= new (await import("../lib/capture/board-watch.js")).BoardWatch());
-      if (!watch.isDue(blindSince, performance.now())) return;
-      const sighting = await detector.sight(await grab(this.#video), { flip: flipped });
-      const time = performance.now();
-      this.#dispatch({ type: "looked", suggestion: watch.add(sighting, board, time), time });
-    } catch (error) {
-      if (!(error instanceof DetectorError)) throw error;
-    } finally {
-      this.#isLooking = false;
-    }
+  /** @param {boolean} stalled */
+  onStalled(stalled) {
+    this.#dispatch({ type: "stalled", stalled });
+    if (!stalled) this.#dispatch({ type: "visible", time: performance.now() });
   }
 
-  #focus() {
-    if (this.#isFocused || !isSettled(this.#state)) return;
-    this.#isFocused = true;
-    void this.#lockFocus();
+  onResized() {
+    this.#dispatch({ type: "failed", code: "resized" });
   }
 
-  /** Locks the focus. The track's recorded settings are from before: a session without views is replaced. */
-  async #lockFocus() {
-    const before = JSON.stringify(this.#session.request.track);
-    await lockFocus(this.#camera.track);
-    const track = facts(this.#camera.track);
-    if (this.#signal.aborted || JSON.stringify(track) === before) return;
+  /** The track's recorded settings are from before the focus was locked: a session without views is replaced. */
+  async onFocused() {
+    const track = facts(this.#stream.camera.track);
+    if (JSON.stringify(track) === JSON.stringify(this.#session.request.track)) return;
     await this.#queue.drained();
     if (this.#signal.aborted) return;
     this.#session.track(track);
@@ -219,21 +172,11 @@ export class CaptureLoop {
   }
 
   async #submit() {
-    const {
-      capture: { pose, key },
-      detector,
-    } = this.#state;
-    if (!pose || !key) return;
-    const detection = await this.#detect({ full: true });
-    if (!detection || this.#signal.aborted) return;
-    const { ids, points, size, metrics } = detection;
-    // Between the two frames the device may have turned, the hold may have ended, or the hand may have jerked.
-    if (!isOfSize(size, key)) return this.#dispatch({ type: "frame", detection, time: performance.now() });
-    const usual = [...this.#sharpness].sort((a, b) => a - b)[this.#sharpness.length >> 1];
-    if (metrics?.sharpness && usual && metrics.sharpness < MIN_RELATIVE_SHARPNESS * usual) return;
-    const corners = { ids, points };
-    const steady = (MAX_MOTION_PX * key.img_size[0] * lenience(this.#state, performance.now())) / 1280;
-    if (ids.length === 0 || motion(detector.corners, corners) > steady) return;
+    const { target } = this.#state.sight;
+    const taken =
+      target && (await this.#engine.take(this.#camera, { lenience: () => lenience(this.#state, performance.now()) }));
+    if (!taken) return;
+    const { corners } = taken;
     if (this.#state.link.offline) {
       this.#session.store(corners);
       const stored = this.#session.stored(this.#state.capture);
@@ -245,7 +188,7 @@ export class CaptureLoop {
       .send(
         () => {
           this.#dispatch({ type: "sent", corners });
-          return this.#session.submit(pose.index, corners);
+          return this.#session.submit(target.index, corners);
         },
         (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
       )
@@ -258,16 +201,16 @@ export class CaptureLoop {
     const { key } = this.#state.capture;
     if (!key || !isSharpestOffered(this.#state)) return;
     for (const corners of this.#sharpest.best(MAX_SHARPEST, key.img_size)) {
-      if (!this.#state.capture.pose) await this.#fetchTarget();
+      if (!this.#state.sight.target) await this.#fetchTarget();
       const {
         phase,
-        capture: { pose },
+        sight: { target },
       } = this.#state;
-      if (phase !== "capturing" || !pose || this.#signal.aborted) return;
+      if (phase !== "capturing" || !target || this.#signal.aborted) return;
       await this.#queue.send(
         () => {
           this.#dispatch({ type: "sent", corners });
-          return this.#session.submit(pose.index, corners);
+          return this.#session.submit(target.index, corners);
         },
         (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
       );
@@ -278,7 +221,7 @@ export class CaptureLoop {
   }
 
   #continue() {
-    if (!this.#signal.aborted && this.#state.phase === "capturing" && !this.#state.capture.pose)
+    if (!this.#signal.aborted && this.#state.phase === "capturing" && !this.#state.sight.target)
       void this.#fetchTarget();
   }
 
@@ -313,7 +256,7 @@ export class CaptureLoop {
   /** @param {import("../lib/session.js").Pose} pose @param {string | null} picture object URL */
   #setTarget(pose, picture) {
     this.#dispatch({ type: "pose", pose, picture, time: performance.now() });
-    this.#camera.virtual?.follow(pose);
+    this.#stream.camera.virtual?.follow(pose);
   }
 
   async #skip() {
@@ -364,17 +307,5 @@ export class CaptureLoop {
   /** Dispatches, unless the capture has ended. @param {Event} event */
   #dispatch(event) {
     if (!this.#signal.aborted) this.#page.dispatch(event);
-  }
-
-  /** @param {KeyboardEvent} event */
-  #handleKey(event) {
-    if (event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
-    const fields = "input:not([type=checkbox]), select, textarea, [contenteditable]";
-    if (event.target instanceof Element && event.target.closest(fields)) return;
-    const key = event.key.toLowerCase();
-    if (key === "u") void this.#undo();
-    else if (key === "n") void this.#skip();
-    else return;
-    event.preventDefault();
   }
 }

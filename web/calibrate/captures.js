@@ -2,7 +2,7 @@
 import { Api, ApiError, RETRY_DELAYS_S } from "../lib/api.js";
 import { OfflineError } from "../lib/network.js";
 import { CaptureSession, isUnavailable } from "../lib/session.js";
-import { storedSettings, loadSettings } from "../lib/settings.js";
+import { lastSettings } from "../lib/settings.js";
 
 /**
  * @typedef {import("../lib/session.js").SessionRequest} Request
@@ -105,12 +105,10 @@ export class Captures {
 async function fetchSettings({ signal, onRetry }) {
   for (let attempt = 0; ; attempt++) {
     try {
-      const found = await loadSettings({ timeout: SETTINGS_TIMEOUT_MS });
+      const found = await lastSettings({ timeout: SETTINGS_TIMEOUT_MS });
       if (attempt > 0) onRetry(null);
       return found;
     } catch (error) {
-      const last = error instanceof OfflineError && storedSettings();
-      if (last) return last;
       if (!(error instanceof OfflineError) || attempt === RETRY_DELAYS_S.length) throw error;
     }
     onRetry({ attempt: attempt + 1 });

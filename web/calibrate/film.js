@@ -62,7 +62,8 @@ export class Film {
   /** @param {State} state */
   render(state) {
     const {
-      capture: { session, aim, key, mirrored, progress },
+      capture: { session, key, mirrored, progress },
+      sight: { aim },
       link: { stored, offline },
     } = state;
     const used = session?.views.filter(({ set_aside }) => !set_aside) ?? [];

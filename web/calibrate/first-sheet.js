@@ -2,6 +2,7 @@
 // shows the code, too, where there is no board.
 import { boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-text.js";
+import { offerFile } from "../lib/files.js";
 import { onLanguage, t } from "../lib/i18n.js";
 import { WhichBoard } from "../lib/which-board.js";
 
@@ -61,7 +62,7 @@ function showWays({ boardLinks, addresses, paper, paperFile, codes }) {
     const [, papers] = await loading;
     const name = paperFor(papers, board);
     const { boardFile } = await import("../lib/board-print.js");
-    if (name !== undefined) download(boardFile(board, name), papers.fileName(name));
+    if (name !== undefined) offerFile(boardFile(board, name), papers.fileName(name));
   });
   const write = async () => {
     for (const link of boardLinks) link.search = boardQuery(board).toString();
@@ -89,11 +90,4 @@ function paperFor({ papersFor, usualPaper }, board) {
   const fitting = papersFor(board);
   const usual = usualPaper(navigator.languages);
   return fitting.includes(usual) ? usual : fitting[0];
-}
-
-/** @param {Blob} file @param {string} name */
-function download(file, name) {
-  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(file), download: name });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 60_000); // ms: no browser still reads it
 }

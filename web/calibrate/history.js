@@ -1,16 +1,12 @@
 // Address of the capture page: what it asks for, and of the result once there is one, so that a reload shows what is
 // there.
-import { inLanguage, language, pageUrl } from "../lib/i18n.js";
+import { pageUrl } from "../lib/i18n.js";
 import { isVirtual } from "../lib/camera-name.js";
+import { isLensType } from "../lib/lens-types.js";
 import { isLoopback } from "../lib/result/return-address.js";
-
-/** @typedef {import("./state.js").Wanted["distortion_model"]} LensType */
 
 /** Fragment of an address that resumes the saved capture. */
 export const RESUME = "#go-on";
-
-const LENS_TYPES = ["rectilinear", "rational", "fisheye", "omnidirectional"];
-const CAPTURE_PATH = location.pathname;
 
 /** @param {URLSearchParams} parameters */
 const queryOf = (parameters) => (parameters.size > 0 ? `?${parameters}` : "");
@@ -30,8 +26,7 @@ export function captureQuery(parameters) {
  * @param {URLSearchParams | string} parameters
  * @param {string} [fragment]
  */
-const captureAddress = (parameters, fragment = "") =>
-  inLanguage(new URL(CAPTURE_PATH + captureQuery(parameters) + fragment, location.origin).href, language());
+const captureAddress = (parameters, fragment = "") => pageUrl(`calibrate/${captureQuery(parameters)}${fragment}`);
 
 /** @param {URLSearchParams} parameters */
 export function showCaptureAddress(parameters) {
@@ -68,9 +63,6 @@ export function isPracticeReturned(returnTo, asked) {
     (returnTo !== null && URL.canParse(returnTo, location.href) && isLoopback(new URL(returnTo, location.href)))
   );
 }
-
-/** @param {string | null} name @returns {name is LensType} */
-export const isLensType = (name) => LENS_TYPES.includes(name ?? "");
 
 /** @param {URLSearchParams} query @returns {import("./state.js").Wanted} the camera that the page was opened for */
 export function parseWanted(query) {

@@ -1,6 +1,7 @@
 // Choice of the one instruction that is shown: the largest difference first, and steady enough to be read.
 import { isEnough, viewCount } from "./state.js";
-import { advice, asMirrored, settled } from "../lib/capture/target.js";
+import { movement } from "../lib/capture/sight.js";
+import { settled } from "../lib/capture/target.js";
 
 /** @typedef {import("./state.js").Instruction} Instruction */
 
@@ -38,25 +39,24 @@ export function instruct(state, holding, time) {
 
 /** @param {import("./state.js").State} state @param {boolean} holding */
 function choose(state, holding) {
-  const { pose, aim, mirrored } = state.capture;
+  const { mirrored } = state.capture;
   const { offline, busy } = state.link;
   const {
     corners,
     markers,
     outline,
-    looks,
+    target,
     diagnosis: { trouble },
-  } = state.detector;
+  } = state.sight;
   if (isEnough(state)) return "enough";
-  if (!pose || busy) return offline ? "away" : "wait"; // a view in flight need not be held any more
+  if (!target || busy) return offline ? "away" : "wait"; // a view in flight need not be held any more
   if (trouble) return trouble;
   if (corners.ids.length === 0) {
-    if (looks < MIN_LOOKS && viewCount(state) === 0) return "looking";
+    if (state.detector.looks < MIN_LOOKS && viewCount(state) === 0) return "looking";
     return markers === 0 ? "show" : "slower";
   }
   if (!outline) return "more";
   if (holding) return "hold";
-  const hint = pose.hint_code && HINTS.has(pose.hint_code) ? pose.hint_code : "match";
-  const code = aim ? advice(outline, aim) || "match" : hint;
-  return mirrored ? asMirrored(code) : code;
+  const hint = target.hint_code && HINTS.has(target.hint_code) ? target.hint_code : "match";
+  return movement(state.sight, mirrored, hint);
 }

@@ -1,16 +1,19 @@
 // Capture page: effects around the reducer. Events go in, `decide` says what to do, `render` shows the state.
 import { boardFrom } from "../lib/board.js";
-import { CameraError, cameras, facts, open, play } from "../lib/camera.js";
+import { CameraError, cameras, open } from "../lib/camera.js";
 import { Detector, DetectorError } from "../lib/detector.js";
 import { language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
 import { isVirtual } from "../lib/camera-name.js";
-import { cameraKey, platformHere, withDevice } from "../sdk/key.js";
+import { withDevice } from "../sdk/key.js";
 import { Announcer } from "../lib/capture/announcer.js";
+import { PageDetector } from "../lib/capture/page-detector.js";
 import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
+import { deviceFault } from "../lib/capture/device-fault.js";
 import { openCaptureStore } from "../lib/capture/capture-store.js";
-import { nameBoard, takeSuggestion } from "./board-choice.js";
+import { Stream } from "../lib/capture/streams.js";
+import { Sizes, isLensDetected, nameBoard, offerLensTypes, takeSuggestion } from "./choices.js";
 import { Captures, captureKey } from "./captures.js";
 import { connectControls } from "./controls.js";
 import { Film } from "./film.js";
@@ -25,12 +28,10 @@ import {
   showCaptureAddress,
   showResultAddress,
 } from "./history.js";
-import { isLensDetected, offerLensTypes } from "./lens-choice.js";
 import { initial, reduce } from "./reducer.js";
 import { plainNotice } from "./state.js";
 import { findParts } from "./parts.js";
 import { render } from "./render.js";
-import { Sizes } from "./sizes.js";
 import { explain } from "../lib/faults.js";
 import { OfflineError } from "../lib/network.js";
 import { SettingsError } from "../lib/settings.js";
@@ -63,8 +64,6 @@ let outcome = null;
 let state = initial(board, parseWanted(parameters));
 /** @type {State | null} */
 let shown = null;
-/** @type {Promise<Detector> | null} */
-let detector = null;
 /** The session of the last capture. @type {import("../lib/session.js").CaptureSession | null} */
 let session = null;
 /** Id of the camera that was requested last, and the size requested of it, px. */
@@ -81,16 +80,16 @@ function dispatch(event) {
     outcome?.show(state);
     const returnTo = parameters.get("return_to");
     if (returnTo !== null)
-      void import("./practice.js").then(({ showPracticeEnd }) => showPracticeEnd(parts, state, returnTo));
+      void import("./sender.js").then(({ showPracticeEnd }) => showPracticeEnd(parts, state, returnTo));
     showResultAddress(parameters, state);
   } else if (state.phase !== "done" && shown?.phase === "done") outcome?.clear();
   render(parts, state, shown);
   const {
-    capture: { session: views, aim },
+    capture: { session: views },
+    sight: { aim },
     link: { stored },
   } = state;
-  if (views !== shown?.capture.session || aim !== shown?.capture.aim || stored !== shown?.link.stored)
-    film.render(state);
+  if (views !== shown?.capture.session || aim !== shown?.sight.aim || stored !== shown?.link.stored) film.render(state);
   if (shown?.ui.picture && shown.ui.picture !== state.ui.picture) URL.revokeObjectURL(shown.ui.picture);
   giveFeedback(event, shown);
   shown = state;
@@ -113,28 +112,10 @@ function giveFeedback(event, before) {
   feedback.say(hint, language(), performance.now());
 }
 
-const page = { parts, state: () => state, dispatch, fail, openDetector };
-
-/** OpenCV is loaded once; a detector that failed is made again. @returns {Promise<Detector>} */
-function openDetector() {
-  const last = detector;
-  detector = (last ?? Promise.reject(new DetectorError("none yet")))
-    .then((made) => (made.closed ? Promise.reject(new DetectorError("closed")) : made))
-    .catch(() => Detector.open(state.board, (fraction) => dispatch({ type: "loading", fraction })));
-  detector.catch(() => {
-    detector = null;
-  });
-  return detector;
-}
-
-/** Closes the detector; the next capture makes a new one. */
-function closeDetector() {
-  void detector?.then(
-    (made) => made.close(),
-    () => {},
-  );
-  detector = null;
-}
+const detector = new PageDetector(() =>
+  Detector.open(state.board, (fraction) => dispatch({ type: "loading", fraction })),
+);
+const page = { parts, state: () => state, dispatch, fail, openDetector: () => detector.open() };
 
 /**
  * @typedef {object} Opened
@@ -166,14 +147,12 @@ const capture = latest(
  */
 async function openCamera(signal, choice, opened) {
   const camera = opened ?? (await open(choice, { parameters, board: state.board, place: document.body, size }));
-  const close = () => camera.close();
-  if (signal.aborted) close();
-  signal.throwIfAborted();
-  signal.addEventListener("abort", close);
+  const stream = new Stream(camera);
+  const keepOpen = stream.closeWith(signal, (error) => fail(error, signal));
   // Before permission, the browser's own choice had no id. From now on it is this camera.
   if (!camera.virtual) chosen = camera.track.getSettings().deviceId || choice;
-  await play(parts.video, camera.stream);
-  return { camera, keepOpen: () => signal.removeEventListener("abort", close) };
+  const [picture] = await stream.play([parts.video]);
+  return { camera, stream, picture, keepOpen };
 }
 
 /**
@@ -182,16 +161,13 @@ async function openCamera(signal, choice, opened) {
  * @param {AbortSignal} signal
  * @returns {Promise<SessionRequest>}
  */
-async function identify({ camera }, signal) {
-  // The frames' size counts: on a turned device some browsers' settings still give the sensor's.
-  const { videoWidth, videoHeight } = parts.video;
-  const img_size = /** @type {[number, number]} */ ([videoWidth, videoHeight]);
+async function identify({ camera, picture }, signal) {
   const device = camera.virtual ? "" : await (await import("../lib/phone-model.js")).askPhoneModel(signal);
   signal.throwIfAborted();
-  const key = { ...cameraKey(camera.track), platform: withDevice(await platformHere(), device), img_size };
-  const request = { ...requestFor(key), track: facts(camera.track) };
+  const { camera: label, size: img_size, platform, zoom, track } = picture;
+  const key = { camera: label, platform: withDevice(platform, device), img_size, zoom };
+  const request = { ...requestFor(key), track };
   dispatch({ type: "opened", key, request, mirrored: camera.mirrored, cropped: camera.cropped });
-  camera.track.addEventListener("ended", () => fail(new CameraError("unplugged"), signal));
   return request;
 }
 
@@ -199,12 +175,12 @@ async function identify({ camera }, signal) {
  * @param {OpenedCamera} opened @param {SessionRequest} request @param {AbortSignal} signal
  * @returns {Promise<"relayout" | null>} as `CaptureLoop.run`
  */
-async function run({ camera }, request, signal) {
+async function run({ stream }, request, signal) {
   if (!(await acquireLock(captureKey(request), signal))) throw new CameraError("elsewhere");
   dispatch({ type: "waiting", waiting: "service" });
   // The detector arrives while the session is opened and the first target is shown; the loop waits for it, and for its
   // failure.
-  const finder = openDetector();
+  const finder = detector.open();
   finder.catch(() => {});
   const [{ CaptureLoop }, { loadPlan }] = await loadCapture();
   const plan = loadPlan().catch(() => []);
@@ -216,7 +192,7 @@ async function run({ camera }, request, signal) {
     const notice = plainNotice("capture.got_size", { size: img_size.join(" × ") });
     dispatch({ type: "notice", notice, time: performance.now() });
   }
-  return new CaptureLoop(page, { session, detector: finder, camera, plan: await plan, signal }).run();
+  return new CaptureLoop(page, { session, detector: finder, stream, plan: await plan, signal }).run();
 }
 
 /**
@@ -239,7 +215,7 @@ async function finish(end, { camera, keepOpen }, request) {
 
 /** Starts again with another board. @param {State["board"]} other @param {Notice} notice */
 function continueWithBoard(other, notice) {
-  closeDetector();
+  detector.close();
   dispatch({ type: "board", board: other });
   return capture(chosen, { notice });
 }
@@ -307,8 +283,8 @@ async function openSession(request, signal) {
  */
 function failureOf(error) {
   const detail = error instanceof Error ? error.message : String(error);
-  if (error instanceof CameraError) return { code: error.code, detail: error.detail };
-  if (error instanceof DetectorError) return { code: error.code, detail };
+  const fault = deviceFault(error);
+  if (fault) return fault;
   if (error instanceof OfflineError) return { code: "offline", detail };
   if (error instanceof SettingsError) return { code: "settings", detail };
   if (error instanceof ApiError) return { code: "service", detail: explain(error) };
@@ -320,7 +296,7 @@ function failureOf(error) {
 function fail(error, signal) {
   if (signal.aborted) return;
   capture.cancel();
-  if (error instanceof DetectorError) closeDetector();
+  if (error instanceof DetectorError) detector.close();
   dispatch({ type: "failed", ...failureOf(error) });
 }
 
@@ -438,7 +414,7 @@ showFirstSheet(parts, {
   wanted: state.wanted,
   onBoard: (chosen) => {
     nameBoard(parameters, chosen);
-    closeDetector();
+    detector.close();
     dispatch({ type: "board", board: chosen });
   },
   onSender: () => render(parts, state, null),
@@ -449,4 +425,4 @@ showCaptureAddress(parameters);
 if (isResumed) void resume();
 else if (parameters.has("virtual")) void capture("virtual");
 // What a capture needs loads while the visitor reads. If that fails, the capture tries again and says why.
-else Promise.all([openDetector(), loadCapture()]).catch((error) => console.info("not loaded yet:", error.message));
+else Promise.all([detector.open(), loadCapture()]).catch((error) => console.info("not loaded yet:", error.message));

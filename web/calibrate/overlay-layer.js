@@ -1,5 +1,5 @@
 // Overlay on the video: the target and its preview, the detected corners, the arrows.
-import { drawArrows, drawCircles, drawTarget, polygon } from "../lib/capture/marks.js";
+import { drawArrows, drawBoard, drawTarget, visibleShare } from "../lib/capture/marks.js";
 import { arrows } from "./hint-arrows.js";
 import { viewCount } from "./state.js";
 import { unmirrored } from "./status-text.js";
@@ -7,14 +7,13 @@ import { unmirrored } from "./status-text.js";
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./parts.js").Parts} Parts */
 
-const GONE_AT = 0.5; // overlap with the target from which its squares are not drawn
 const LATER_VISIBILITY = 0.6; // once a view was taken: the visitor then knows what a target is
 const [MIN_FILL, MAX_FILL] = [0.04, 0.16]; // opacity of the target's area
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 export function renderTarget(parts, state, before) {
   const {
-    capture: { pose },
+    sight: { target },
     ui: { picture },
   } = state;
   if (picture !== before?.ui.picture) {
@@ -22,8 +21,7 @@ export function renderTarget(parts, state, before) {
     overlay.hidden = !picture;
     if (picture) overlay.src = picture;
   }
-  if (pose === before?.capture.pose) return;
-  drawTarget(parts, state.board, pose);
+  if (target !== before?.sight.target) drawTarget(parts, state.board, target);
 }
 
 /**
@@ -41,20 +39,14 @@ function fadeTarget({ overlay, target, ghost }, state, before) {
 /** Share of the target's squares that is shown, 0…1 in steps that are not worth more drawing. @param {State} state */
 export function visibility(state) {
   const most = viewCount(state) === 0 ? 1 : LATER_VISIBILITY;
-  return Math.round(most * Math.max(0, 1 - state.detector.overlap / GONE_AT) * 20) / 20;
+  return Math.round(most * visibleShare(state.sight.overlap) * 20) / 20;
 }
 
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 export function renderDetection(parts, state, before) {
-  const { corners, arrows: group, seenOutline } = parts;
   fadeTarget(parts, state, before);
-  const {
-    detector,
-    ui,
-    capture: { aim, key },
-  } = state;
-  if (detector.corners === before?.detector.corners && ui.instruction === before?.ui.instruction) return;
-  drawCircles(corners, detector.corners.points);
-  seenOutline.setAttribute("points", polygon(detector.outline ?? []));
-  drawArrows(group, arrows(unmirrored(state), detector.outline, aim, key?.img_size[0] ?? 1280));
+  const { sight, ui } = state;
+  if (sight.corners === before?.sight.corners && ui.instruction === before?.ui.instruction) return;
+  drawBoard(parts, sight);
+  drawArrows(parts.arrows, arrows(unmirrored(state), sight.outline, sight.aim, sight.size[0]));
 }

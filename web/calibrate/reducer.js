@@ -1,18 +1,16 @@
 // Reducer of the guided capture: `(state, event) => state`. No clock, no DOM, no network.
-import { observedOutline } from "../lib/board-outline.js";
-import { HEALTHY, diagnose, troubleOf } from "../lib/capture/diagnosis.js";
-import { HOLD_MS, LONG_HOLD_MS, isRepeat, isThere, lenience, requiredHold, timeToRead } from "./hold.js";
+import { HEALTHY } from "../lib/capture/diagnosis.js";
+import { HOLD_MS, LONG_HOLD_MS, isRepeat, lenience, requiredHold, timeToRead } from "./hold.js";
 import { HINTS, SILENT, instruct } from "./instruction.js";
-import { jaccard } from "../lib/capture/jaccard.js";
+import { BLIND, aimAt, doubt, isThere, observeFrame } from "../lib/capture/sight.js";
 import { isOfSize, offlineGoal, viewCount } from "./state.js";
-import { MOVING, motion, observe } from "../lib/capture/stillness.js";
-import { asMirrored, difference } from "../lib/capture/target.js";
+import { MOVING, motion } from "../lib/capture/stillness.js";
+import { asMirrored } from "../lib/capture/target.js";
 
 /**
  * @typedef {import("./state.js").State} State
  * @typedef {import("./state.js").Event} Event
  * @typedef {import("./state.js").Notice} Notice
- * @typedef {import("../lib/session.js").Pose} Pose
  * @typedef {import("../lib/session.js").SessionState} SessionState
  * @typedef {import("../lib/session.js").ViewAnswer} ViewAnswer
  */
@@ -52,12 +50,9 @@ export function initial(board, wanted) {
       session: null,
       initialViews: 0,
       progress: 0,
-      pose: null,
       posedAt: 0,
       takenAt: 0,
-      aim: null,
       nearest: { time: 0, distance: Infinity },
-      lastHold: null,
       lastRepeat: null,
       taken: [],
       repeats: 0,
@@ -65,20 +60,8 @@ export function initial(board, wanted) {
       unsteady: false,
     },
     link: { busy: false, attempts: 0, offline: false, stored: 0, sending: false },
-    detector: {
-      loading: 0,
-      stalled: false,
-      corners: { ids: [], points: [] },
-      boardless: false,
-      markers: 0,
-      outline: null,
-      overlap: 0,
-      stillness: MOVING,
-      diagnosis: HEALTHY,
-      suggestion: null,
-      looks: 0,
-      restless: 0,
-    },
+    sight: BLIND,
+    detector: { loading: 0, stalled: false, boardless: false, suggestion: null, looks: 0, restless: 0 },
     ui: {
       cameras: [],
       interrupted: null,
@@ -98,14 +81,16 @@ export function initial(board, wanted) {
 
 /**
  * @param {State} state @param {{capture?: Partial<State["capture"]>, link?: Partial<State["link"]>,
- *   detector?: Partial<State["detector"]>, ui?: Partial<State["ui"]>}} changes of its parts
+ *   sight?: Partial<State["sight"]>, detector?: Partial<State["detector"]>, ui?: Partial<State["ui"]>}} changes of
+ *   its parts
  * @returns {State}
  */
-function change(state, { capture, link, detector, ui }) {
+function change(state, { capture, link, sight, detector, ui }) {
   return {
     ...state,
     capture: capture ? { ...state.capture, ...capture } : state.capture,
     link: link ? { ...state.link, ...link } : state.link,
+    sight: sight ? { ...state.sight, ...sight } : state.sight,
     detector: detector ? { ...state.detector, ...detector } : state.detector,
     ui: ui ? { ...state.ui, ...ui } : state.ui,
   };
@@ -128,7 +113,7 @@ export function reduce(state, event) {
       return change(state, { detector: { loading: event.fraction } });
     case "opened": {
       const { key, request = null, mirrored, cropped } = event;
-      return change(state, { capture: { key, request, mirrored, cropped } });
+      return change(state, { capture: { key, request, mirrored, cropped }, sight: { size: key.img_size } });
     }
     case "request":
       return change(state, { capture: { request: event.request } });
@@ -149,9 +134,13 @@ export function reduce(state, event) {
     case "pose":
       return setTarget(state, event);
     case "frame":
-      return state.phase === "capturing" ? observeFrame(state, event) : state;
+      return state.phase === "capturing" ? follow(state, event) : state;
     case "looked":
-      return suggest(state, event);
+      if (state.sight.corners.ids.length > 0) return state;
+      return change(state, {
+        sight: doubt(state.sight, event.suggestion, state.board, event.time),
+        detector: { suggestion: event.suggestion, looks: state.detector.looks + 1 },
+      });
     case "flip":
       return { ...state, wanted: { ...state.wanted, flipped: !state.wanted.flipped } };
     case "busy":
@@ -160,7 +149,8 @@ export function reduce(state, event) {
       return change(state, { link: { busy: false } });
     case "sent":
       return change(state, {
-        capture: { lastHold: event.corners, unsteady: state.capture.unsteady || isUnsteady(state, event.corners) },
+        capture: { unsteady: state.capture.unsteady || isUnsteady(state.sight, event.corners) },
+        sight: { lastTaken: event.corners },
         detector: { restless: 0 },
         ui: { instruction: DONE },
       });
@@ -199,7 +189,7 @@ export function reduce(state, event) {
       // Time in a hidden tab does not count.
       return change(state, {
         capture: { posedAt: event.time, takenAt: event.time, nearest: { ...state.capture.nearest, time: event.time } },
-        detector: { stillness: MOVING, diagnosis: HEALTHY },
+        sight: { stillness: MOVING, diagnosis: HEALTHY },
       });
     case "unsaved":
       return change(state, { ui: { saved: false } });
@@ -275,24 +265,15 @@ function start(before, state, time) {
 const notify = (state, notice, time) => change(state, { ui: { notice, noticedAt: time } });
 
 /** @param {State} state @returns {State} */
-const clearTarget = (state) => change(state, { capture: { pose: null }, ui: { picture: null } });
+const clearTarget = (state) => change(state, { sight: aimAt(state.sight, null, state.board), ui: { picture: null } });
 
 /**
  * True if the corners moved while a view was held.
- * @param {State} state
+ * @param {State["sight"]} sight
  * @param {import("../lib/board-outline.js").Corners} corners that were taken
  */
-function isUnsteady(
-  {
-    capture: { key },
-    detector: {
-      stillness: { anchor },
-    },
-  },
-  corners,
-) {
-  return anchor !== null && motion(anchor, corners) > (STEADY_PX * (key?.img_size[0] ?? 1280)) / 1280;
-}
+const isUnsteady = ({ stillness: { anchor }, size }, corners) =>
+  anchor !== null && motion(anchor, corners) > (STEADY_PX * size[0]) / 1280;
 
 /**
  * A stored view brings the capture nearer to its end, as far as the page knows without the service.
@@ -304,12 +285,12 @@ function storeView(state, { corners, stored, time }) {
   const progress = state.capture.progress + left / Math.max(1, offlineGoal(state) - state.link.stored);
   const next = change(clearTarget(state), {
     capture: {
-      lastHold: corners,
       lastRepeat: null,
       taken: [...state.capture.taken, corners],
       progress,
-      unsteady: state.capture.unsteady || isUnsteady(state, corners),
+      unsteady: state.capture.unsteady || isUnsteady(state.sight, corners),
     },
+    sight: { lastTaken: corners },
     link: { stored, busy: false },
     ui: { instruction: DONE },
   });
@@ -347,53 +328,35 @@ function followSession(state, session) {
 
 /** @param {State} state @param {EventOf<"pose">} event @returns {State} */
 function setTarget(state, { pose, picture, time }) {
-  const { outline } = state.detector;
   const next = change(state, {
-    capture: {
-      pose,
-      posedAt: time,
-      skipAfter: null,
-      nearest: { time, distance: Infinity },
-      aim: observedOutline(state.board, { ids: pose.ids, points: pose.corners }),
-    },
+    capture: { posedAt: time, skipAfter: null, nearest: { time, distance: Infinity } },
     link: { busy: false },
-    detector: { overlap: overlapWith(outline, pose, state.capture.key) },
+    sight: aimAt(state.sight, pose, state.board),
     ui: { picture },
   });
   // The last instruction was about another target: the visitor need not hold still for it any more.
-  if (!outline) return next;
+  if (!next.sight.outline) return next;
   const silent = change(next, { ui: { instruction: SILENT } });
   return change(next, { ui: { instruction: instruct(silent, requiredHold(next) === HOLD_MS, time) } });
 }
 
 /** @param {State} state @param {EventOf<"frame">} event @returns {State} */
-function observeFrame(state, { detection, time }) {
-  const { ids, points, markers, size } = detection;
+function follow(state, { detection, time }) {
+  const { ids, markers, size } = detection;
   const { capture, detector, ui } = state;
   if (!isOfSize(size, capture.key)) return reduce(state, { type: "failed", code: "resized" });
-  const found = { ids, points };
-  const moved = motion(detector.corners, found);
-  const stillness = observe(detector.stillness, found, time, size[0], lenience(state, time));
-  // A blurred frame in the middle of a hold is ignored, or the ring would keep restarting.
-  const passed = stillness === detector.stillness;
-  const corners = passed ? detector.corners : found;
-  const outline = passed ? detector.outline : observedOutline(state.board, corners);
+  const sight = observeFrame(state.sight, detection, time, state.board, lenience(state, time));
+  const { corners, stillness, diagnosis, distance } = sight;
   const { stopAskedAt } = ui;
-  const diagnosis = diagnose(detector.diagnosis, detection, moved, time);
   const next = change(state, {
+    sight,
     detector: {
-      corners,
-      outline,
-      stillness,
-      markers: passed ? detector.markers : markers,
-      overlap: overlapWith(outline, capture.pose, capture.key),
-      boardless: markers === 0 && !diagnosis.probed && time - diagnosis.blindSince > BOARDLESS_MS,
-      diagnosis,
+      boardless: markers === 0 && !diagnosis.other && time - diagnosis.blindSince > BOARDLESS_MS,
       ...(ids.length > 0 && { suggestion: null, looks: 0 }),
       restless:
         stillness.held >= LONG_HOLD_MS
           ? 0
-          : detector.restless + (ids.length > 0 ? Math.min(MAX_FRAME_MS, time - detector.diagnosis.seenAt) : 0),
+          : detector.restless + (ids.length > 0 ? Math.min(MAX_FRAME_MS, time - state.sight.diagnosis.seenAt) : 0),
     },
     ui: {
       boardWanted: ui.boardWanted && ids.length === 0,
@@ -401,34 +364,14 @@ function observeFrame(state, { detection, time }) {
       stopAskedAt: stopAskedAt !== null && time - stopAskedAt > CONFIRM_STOP_MS ? null : stopAskedAt,
     },
   });
-  const distance = outline && capture.aim ? 1 - next.detector.overlap + difference(outline, capture.aim) : Infinity;
   const nearest = distance < capture.nearest.distance - MIN_APPROACH ? { time, distance } : capture.nearest;
   const after = change(next, {
     capture: { nearest },
     ui: { instruction: instruct(next, requiredHold(next) === HOLD_MS, time) },
   });
-  if (!isRepeat(detector.stillness.held, after)) return after;
+  if (!isRepeat(state.sight.stillness.held, after)) return after;
   const duplicate = change(after, { capture: { lastRepeat: corners, repeats: capture.repeats + 1 } });
   return notify(duplicate, { key: "capture.refused_duplicate", kind: "bad" }, time);
-}
-
-/**
- * Another board, or a mirrored picture, is reported at once: several detections agree on it.
- * @param {State} state
- * @param {EventOf<"looked">} event
- * @returns {State}
- */
-function suggest(state, { suggestion, time }) {
-  const { diagnosis, corners, looks } = state.detector;
-  if (corners.ids.length > 0) return state;
-  const trouble = suggestion && troubleOf(suggestion, state.board);
-  return change(state, {
-    detector: {
-      suggestion,
-      looks: looks + 1,
-      diagnosis: trouble ? { ...diagnosis, probed: trouble, suspected: trouble, trouble, since: time } : diagnosis,
-    },
-  });
 }
 
 /** @param {State} state @param {EventOf<"answer">} event @returns {State} */
@@ -436,18 +379,18 @@ function takeAnswer(state, { answer, corners, time }) {
   // An outlier needs other views to contradict. A lone view that does not fit is degenerate.
   const reason = answer.reason === "outlier" && answer.views.length === 0 ? "degenerate" : answer.reason;
   // A visitor at the target is not asked to go there.
-  const useless = (reason === "no_information" || reason === "duplicate") && isThere(state);
+  const useless = (reason === "no_information" || reason === "duplicate") && isThere(state.sight);
   const { taken, repeats, takenAt } = state.capture;
   const isIn = answer.accepted || reason === "duplicate";
   const next = change(followSession(state, answer), {
     capture: {
-      lastHold: corners,
       lastRepeat: null,
       taken: isIn ? [...taken, corners] : taken,
       repeats: answer.accepted ? 0 : repeats + Number(reason === "duplicate"),
-      skipAfter: answer.accepted || !isThere(state) ? null : timeToRead(useless),
+      skipAfter: answer.accepted || !isThere(state.sight) ? null : timeToRead(useless),
       takenAt: answer.accepted ? time : takenAt,
     },
+    sight: { lastTaken: corners },
     link: { busy: false },
   });
   // After an accepted view, its target disappears at once and the next one is fetched. A refused view keeps it.
@@ -483,17 +426,9 @@ function undo(state, { session, stored, time }) {
     ? change(followSession(state, session), { capture: { progress: session.progress } })
     : change(state, { capture: { progress: progress * left } });
   const undone = change(next, {
-    capture: { lastHold: null, lastRepeat: null, taken: [], repeats: 0, takenAt: time },
+    capture: { lastRepeat: null, taken: [], repeats: 0, takenAt: time },
+    sight: { lastTaken: null },
     link: { stored, busy: false },
   });
   return notify(undone, { key: "capture.view_undone", kind: "good" }, time);
-}
-
-/**
- * @param {[number, number][] | null} outline
- * @param {Pose | null} pose
- * @param {import("./state.js").CameraKey | null} key
- */
-function overlapWith(outline, pose, key) {
-  return outline && pose && key ? jaccard(outline, pose.outline, key.img_size) : 0;
 }

@@ -1,5 +1,5 @@
 // Rendering of the state into the page. Reads nothing back, decides nothing.
-import { propose } from "../lib/camera.js";
+import { offerCameras } from "../lib/camera.js";
 import { sayFailure, write } from "../lib/dom.js";
 import { joinFacts, t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/camera-name.js";
@@ -16,7 +16,7 @@ import * as statusText from "./status-text.js";
 
 /** @param {Parts} parts @param {State} state @param {State | null} before as the page shows it now */
 export function render(parts, state, before) {
-  const { phase, capture, link, detector, ui } = state;
+  const { phase, capture, link, sight, ui } = state;
   if (phase !== before?.phase) renderPhase(parts, state, before !== null);
   if (ui.cameras !== before?.ui.cameras) renderCameras(parts, state);
   if (ui.interrupted !== before?.ui.interrupted) {
@@ -27,7 +27,7 @@ export function render(parts, state, before) {
   const { key, request, cropped, session, progress } = before?.capture ?? {};
   if (capture.key !== key || capture.request !== request || capture.cropped !== cropped) renderCamera(parts, state);
   parts.stage.classList.toggle("flipped", state.wanted.flipped === true);
-  parts.stage.classList.toggle("plain", ui.plain || (capture.pose !== null && ui.picture === null));
+  parts.stage.classList.toggle("plain", ui.plain || (sight.target !== null && ui.picture === null));
   if (phase === "opening") renderOpening(parts, state);
   renderTarget(parts, state, before);
   if (phase === "capturing") renderCapture(parts, state, before);
@@ -74,12 +74,7 @@ function renderFailure({ failure, kept, failedVirtual }, state) {
 function renderCameras(parts, state) {
   const { camera, wanted, sender } = parts;
   const { cameras, interrupted } = state.ui;
-  const proposed = propose(cameras, state.wanted.camera ?? interrupted?.camera ?? null, camera.value);
-  camera.replaceChildren(...cameras.map((choice) => new Option(statusText.cameraLabel(choice), choice.id)));
-  // Until the browser has listed its cameras, nothing is said about them.
-  const isListed = cameras.length > 0 && cameras.every(({ id }) => id !== "");
-  if (proposed === "" && isListed) camera.prepend(new Option(t("capture.no_camera"), ""));
-  camera.value = proposed;
+  offerCameras(camera, cameras, state.wanted.camera ?? interrupted?.camera ?? null);
   renderChoice(parts);
   write(wanted, statusText.wanted(state, !sender.hidden));
 }
@@ -127,8 +122,8 @@ function renderCamera({ practice, stage, marks, pictureEdge, facts, sent, sentJs
 /** @param {Parts} parts @param {State} state @param {State | null} before */
 function renderCapture(parts, state, before) {
   const {
-    capture,
     link,
+    sight,
     ui,
     ui: { notice },
   } = state;
@@ -136,7 +131,7 @@ function renderCapture(parts, state, before) {
   const held = Math.round(100 * holdProgress(state));
   parts.held.setAttribute("stroke-dasharray", `${held} 100`);
   // The ring shows the last view as taken until another one is held, or in flight.
-  const free = requiredHold(state) === null && !(link.busy && capture.pose);
+  const free = requiredHold(state) === null && !(link.busy && sight.target);
   const taken = free && notice?.kind === "good" && notice.key.startsWith("capture.view_");
   parts.ring.toggleAttribute("hidden", held === 0 && !taken);
   parts.ring.classList.toggle("taken", held === 0 && taken);

@@ -1,7 +1,7 @@
 // Queue of a capture's requests to the service, one at a time, and its offline mode for when no response comes.
 import { ApiError } from "../lib/api.js";
 import { isUnavailable } from "../lib/session.js";
-import { ResponseTimeout } from "./response-timeout.js";
+import { Pause, reconnectPause } from "../lib/capture/pause.js";
 
 /**
  * @typedef {object} Page what a capture needs of the page that it runs in
@@ -20,7 +20,6 @@ import { ResponseTimeout } from "./response-timeout.js";
 
 const RESPONSE_MS = 2_000; // without a response, then the capture continues offline
 const FIRST_RESPONSE_MS = 5_000; // for the first request of a kind: an idle function has to start
-const RECONNECT_PAUSES_S = [1, 2, 3, 4, 5]; // between attempts; the last one again and again
 
 export class RequestQueue {
   #page;
@@ -30,6 +29,7 @@ export class RequestQueue {
   #inFlight = Promise.resolve();
   /** True if a request that timed out may still be answered. */
   isOverdue = false;
+  #pause = new Pause();
   /** Number of replaced sessions of which the visitor was notified. */
   #notifiedRenewals = 0;
 
@@ -69,7 +69,7 @@ export class RequestQueue {
       const response = await request();
       // Only the service knows how many of the views a new session took.
       const renewed = this.#session.renewals > this.#notifiedRenewals ? (await this.#session.resume()).state : null;
-      if (timeout.expired) return this.#settle([0, ...RECONNECT_PAUSES_S]);
+      if (timeout.expired) return this.#settle(true);
       deliver(response);
       dispatch({ type: "idle" });
       if (!renewed) return;
@@ -79,7 +79,7 @@ export class RequestQueue {
       timeout.cancel();
       if (signal.aborted) return;
       const conflict = error instanceof ApiError && error.status === 409;
-      if (timeout.expired && (conflict || isUnavailable(error))) this.#settle(RECONNECT_PAUSES_S);
+      if (timeout.expired && (conflict || isUnavailable(error))) this.#settle(false);
       else if (isUnavailable(error)) this.#handleOutage();
       else if (conflict) await this.#resynchronize();
       else this.#page.fail(error, signal);
@@ -97,10 +97,10 @@ export class RequestQueue {
     onOffline();
   }
 
-  /** The overdue request has been answered after all, or has failed. @param {number[]} pauses s */
-  #settle(pauses) {
+  /** The overdue request has been answered after all, or has failed. @param {boolean} isAnswered */
+  #settle(isAnswered) {
     this.isOverdue = false;
-    if (this.#state.link.offline) void this.#reconnect(pauses);
+    if (this.#state.link.offline) void this.#reconnect(isAnswered);
     else this.#options.dispatch({ type: "idle" });
   }
 
@@ -143,18 +143,19 @@ export class RequestQueue {
     void this.#reconnect();
   }
 
-  /** @param {number[]} [pauses] s between attempts; the last one again and again */
-  async #reconnect(pauses = RECONNECT_PAUSES_S) {
+  /** @param {boolean} [isBack] the service has just answered: the first attempt follows at once */
+  async #reconnect(isBack = false) {
     const { dispatch, signal, onOnline } = this.#options;
     const onSending = () => dispatch({ type: "sending", sending: true });
     let [taken, refused] = [0, 0];
-    let isBack = false; // and views were stored while earlier ones were sent: these follow at once
-    for (let attempt = 0; !signal.aborted; attempt++) {
-      if (!isBack) await this.#pause(1000 * (pauses[attempt] ?? pauses[pauses.length - 1]));
+    let failures = 0;
+    while (!signal.aborted) {
+      if (!isBack) await this.#pause.wait(reconnectPause(failures++));
       if (signal.aborted) return;
       try {
         const sent = await this.#session.resume(undefined, { onSending });
         [taken, refused] = [taken + sent.taken, refused + sent.refused];
+        // Views that were stored while earlier ones were sent follow at once.
         isBack = this.#session.waiting > 0 && sent.state.status !== "converged";
         if (isBack) continue;
         dispatch({ type: "online", session: sent.state, taken, refused, time: performance.now() });
@@ -169,18 +170,42 @@ export class RequestQueue {
     if (this.#state.phase === "capturing") await onOnline();
   }
 
-  /** Waits for a while, or until the browser has a network again. @param {number} ms */
-  async #pause(ms) {
-    const over = new AbortController();
-    await new Promise((resolve) => {
-      setTimeout(resolve, ms);
-      addEventListener("online", resolve, { signal: over.signal });
-    });
-    over.abort();
-  }
-
   /** Resolves when no request is in flight: the visitor's actions wait for their turn. */
   async drained() {
     while (this.#state.link.busy && !this.#options.signal.aborted) await this.#inFlight;
+  }
+}
+
+/** Timeout for responses of the service: restarted by each request and each response. */
+class ResponseTimeout {
+  #ms;
+  #onExpire;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #timer;
+  /** True if the time is over. */
+  expired = false;
+  #cancelled = false;
+
+  /** @param {number} ms @param {() => void} onExpire */
+  constructor(ms, onExpire) {
+    this.#ms = ms;
+    this.#onExpire = onExpire;
+    this.restart();
+  }
+
+  /** @param {number} [ms] for the request that is sent now */
+  restart(ms = this.#ms) {
+    if (this.expired || this.#cancelled) return;
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => {
+      this.expired = true;
+      this.#onExpire();
+    }, ms);
+  }
+
+  /** Stops waiting. */
+  cancel() {
+    this.#cancelled = true;
+    clearTimeout(this.#timer);
   }
 }

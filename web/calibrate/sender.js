@@ -1,9 +1,11 @@
-// The application that sent the visitor: its request, what is known of the camera, and the way back.
+// The application that sent the visitor: its request, what is known of the camera, the way back, and what it gets of a
+// practice run.
 import { Api } from "../lib/api.js";
 import { onLanguage, formatSize, t } from "../lib/i18n.js";
 import { returnAddress } from "../lib/result/return-address.js";
 import { loadSettings } from "../lib/settings.js";
 import { isVirtual } from "../lib/camera-name.js";
+import { isPracticeReturned } from "./history.js";
 
 /**
  * @typedef {import("./state.js").Wanted} Wanted
@@ -20,7 +22,7 @@ import { isVirtual } from "../lib/camera-name.js";
 const MAX_FOUND = 20;
 
 /** Name of the place that the visitor returns to. @param {ReturnAddress} sender */
-export const senderName = ({ host, isHere }) => (isHere ? t("capture.sender_here") : host);
+const senderName = ({ host, isHere }) => (isHere ? t("capture.sender_here") : host);
 
 /**
  * Sentence about the requested camera.
@@ -108,4 +110,28 @@ export async function showSender(
 function returnText({ host, isHere, allowed }, isSettled) {
   if (isHere) return t("capture.returns_here");
   return allowed || !isSettled ? t("capture.returns", { host }) : t("capture.no_return", { host });
+}
+
+/**
+ * Says that a practice result is not handed over, and offers the ways on.
+ * @param {import("./parts.js").Parts} parts
+ * @param {import("./state.js").State} state of a capture that is done
+ * @param {string | null} returnTo
+ */
+export async function showPracticeEnd(
+  { practiceKept, practiceKeptText, backWithout },
+  { capture: { key }, wanted },
+  returnTo,
+) {
+  practiceKept.hidden = true;
+  if (!returnTo || !isVirtual(key?.camera ?? "") || isPracticeReturned(returnTo, wanted.camera)) return;
+  const { return_origins = [] } = await loadSettings().catch(() => ({ return_origins: [] }));
+  const sender = returnAddress(returnTo, location.origin, return_origins);
+  if (!sender) return;
+  const { host, url, allowed, isHere } = sender;
+  practiceKeptText.textContent = t("capture.practice_kept", { host: senderName(sender) });
+  practiceKept.hidden = false;
+  backWithout.textContent = isHere ? t("capture.go_back") : t("capture.back_without", { host });
+  backWithout.hidden = !allowed;
+  if (allowed) backWithout.href = url.href;
 }

@@ -15,7 +15,7 @@
  * @typedef {object} Wanted the camera that the page was opened for
  * @property {string | null} camera
  * @property {[number, number] | null} img_size
- * @property {"rectilinear" | "fisheye" | "rational" | "omnidirectional"} distortion_model
+ * @property {import("../lib/lens-types.js").LensType} distortion_model
  * @property {boolean} [flipped] the camera delivers mirrored pictures, which are turned back
  * @property {boolean} [automatic] another model is taken as soon as the service suggests it
  *
@@ -29,6 +29,7 @@
  * @property {{code: string, detail: string} | null} failure a message `capture.fault_<code>`
  * @property {Capture} capture
  * @property {Link} link
+ * @property {import("../lib/capture/sight.js").Sight<Pose>} sight of the board
  * @property {Detector} detector
  * @property {Ui} ui
  *
@@ -40,12 +41,9 @@
  * @property {SessionState | null} session
  * @property {number} initialViews view count when the capture was started or resumed
  * @property {number} progress 0…1, never falls but by an undo
- * @property {Pose | null} pose the target
  * @property {number} posedAt ms, when the target was set
  * @property {number} takenAt ms, when the last view was taken, or the capture began
- * @property {[number, number][] | null} aim the target's outline, px; null where too little of it is in the image
  * @property {{time: number, distance: number}} nearest smallest distance to the target so far, and when
- * @property {Corners | null} lastHold corners of the hold that was sent last: the same hold is not sent twice
  * @property {Corners | null} lastRepeat corners of the last hold that showed nothing new: it counts once
  * @property {Corners[]} taken corners of the holds whose views are in
  * @property {number} repeats holds in a row that showed nothing new
@@ -59,16 +57,10 @@
  * @property {number} stored views that wait on this device
  * @property {boolean} sending the service is back, and the stored views are being sent
  *
- * @typedef {object} Detector the board detector, and what it sees
+ * @typedef {object} Detector the board detector, and what it has seen over time
  * @property {number} loading 0…1, how much of OpenCV has arrived
  * @property {boolean} stalled it has stopped, and is restarted
- * @property {Corners} corners of the last frame
  * @property {boolean} boardless nothing of any board has been seen for so long that there may be none
- * @property {number} markers in the last frame
- * @property {[number, number][] | null} outline of the board in the last frame, px
- * @property {number} overlap with the target, Jaccard index
- * @property {import("../lib/capture/stillness.js").Stillness} stillness
- * @property {import("../lib/capture/diagnosis.js").Diagnosis} diagnosis
  * @property {import("../lib/board-recognition.js").Recognised | null} suggestion what is seen instead of the board
  * @property {number} restless ms for which the board has been seen without being held still
  * @property {number} looks frames in which anything else was looked for, since the board was seen last

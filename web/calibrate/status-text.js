@@ -152,9 +152,6 @@ export function wanted({ wanted: { camera, img_size }, ui: { cameras } }, isSent
   return [asked, real.length ? t("capture.not_among") : t("capture.none_here")].filter(Boolean).join(" ");
 }
 
-/** Label of a camera in the list. @param {import("../lib/camera.js").Choice} choice */
-export const cameraLabel = ({ id, label }) => (id === "virtual" ? t("capture.virtual_name") : label);
-
 /** Name of a lens type. @param {string} model */
 export const lensName = (model) => (hasMessage(`capture.lens_${model}`) ? t(`capture.lens_${model}`) : model);
 

@@ -1,4 +1,4 @@
-// Copying texts, and saving them as files.
+// Copying texts.
 import { copy } from "../lib/code-block.js";
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
@@ -41,11 +41,4 @@ export function copyButton(text, what, { id, primary = false, onCopied = () => {
     onCopied();
   });
   return el("span", { class: "copying" }, button, said);
-}
-
-/** @param {string} name @param {string} text @param {string} type media type */
-export function saveFile(name, text, type) {
-  const link = el("a", { href: URL.createObjectURL(new Blob([text], { type })), download: name });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }

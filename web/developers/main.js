@@ -1,11 +1,11 @@
 // Page for developers: makes tokens, keeps them in this browser, and manages the one that is chosen.
 import { el, part, liveRegion } from "../lib/dom.js";
+import { offerFile } from "../lib/files.js";
 import { onLanguage, t } from "../lib/i18n.js";
 import { OfflineError } from "../lib/network.js";
 import { openPage } from "../lib/page.js";
 import { SettingsError, loadSettings, storedSettings } from "../lib/settings.js";
 import { askConfirmation } from "./confirmation.js";
-import { saveFile } from "./copying.js";
 import { failureText, originsRefused } from "./errors.js";
 import { KeptTokens, STORAGE_KEY, TokenFileError, browserStorage, fileOf, tokensInFile } from "./kept-tokens.js";
 import * as management from "./management.js";
@@ -295,7 +295,7 @@ part("make", HTMLFormElement).addEventListener("submit", async (event) => {
 });
 
 exportButton.addEventListener("click", () => {
-  saveFile("calibdb-tokens.json", fileOf(kept.all), "application/json");
+  offerFile(new Blob([fileOf(kept.all)], { type: "application/json" }), "calibdb-tokens.json");
   unsaved.clear();
   tellKept(() => t("developers.exported"));
 });

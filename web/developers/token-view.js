@@ -1,7 +1,8 @@
 // View of one token: secrets, origins with their proofs, code, use, limits, and its end.
 import { el } from "../lib/dom.js";
+import { offerFile } from "../lib/files.js";
 import { joinFacts, hasMessage, language, t } from "../lib/i18n.js";
-import { copyButton, saveFile } from "./copying.js";
+import { copyButton } from "./copying.js";
 import { isLoopback } from "./origins.js";
 import { limitsTable } from "./plans.js";
 import { SNIPPETS, snippet } from "./snippets.js";
@@ -248,7 +249,7 @@ function originItem({ origin, state, proof, failure, detail }) {
 function proofFile(pending) {
   const line = pending.find(({ proof }) => proof)?.proof?.content ?? "";
   const button = el("button", { type: "button", id: "proof-file" }, t("developers.proof_file"));
-  button.addEventListener("click", () => saveFile("calibdb.txt", `${line}\n`, "text/plain"));
+  button.addEventListener("click", () => offerFile(new Blob([`${line}\n`], { type: "text/plain" }), "calibdb.txt"));
   return button;
 }
 

@@ -3,7 +3,7 @@ import { Api } from "../lib/api.js";
 import { observedOutline } from "../lib/board-outline.js";
 import { part, liveRegion } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
-import { takeFiles } from "../lib/file-input.js";
+import { takeFiles } from "../lib/files.js";
 import { openPage } from "../lib/page.js";
 import { onLanguage, formatSize, t } from "../lib/i18n.js";
 import { rankByNovelty } from "../lib/rank.js";

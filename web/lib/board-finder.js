@@ -51,7 +51,6 @@ function createAprilgridFinder(cv, board) {
       const seen = aprilgridCorners(upright, board, tags, !full);
       return { ...seen, markers: tags.length, metrics: metricsOf(image, board, seen.points, typicalSide(tags)) };
     },
-    probe: (_, kind) => ({ kind, markers: 0, corners: 0 }),
     memory: 0,
     delete() {
       for (const detector of [...tracking, ...whole]) detector.delete();
@@ -68,7 +67,6 @@ function createChessboardFinder(cv, board) {
       const sides = seen.points.slice(1).map(([x, y], n) => Math.hypot(x - seen.points[n][0], y - seen.points[n][1]));
       return { ...seen, markers: 0, metrics: metricsOf(image, board, seen.points, sides.length ? median(sides) : 0) };
     },
-    probe: (_, kind) => ({ kind, markers: 0, corners: 0 }),
     memory: 0,
     delete() {},
   };

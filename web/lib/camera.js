@@ -73,7 +73,7 @@ function facing(asked) {
 /**
  * The camera to propose: the chosen one, else the requested one, else a real one. The virtual camera never replaces a
  * real one.
- * @param {Choice[]} choices @param {string | null} asked label @param {string} chosen id, "" for none yet
+ * @param {readonly Choice[]} choices @param {string | null} asked label @param {string} chosen id, "" for none yet
  * @returns {string} id; "" for none
  */
 export function propose(choices, asked, chosen) {
@@ -81,6 +81,25 @@ export function propose(choices, asked, chosen) {
     choices.find(({ id }) => id === chosen && chosen !== "") ?? choices.find(({ label }) => label === asked);
   const real = choices.find(({ id }) => id !== "virtual");
   return (found ?? real)?.id ?? (isVirtual(asked ?? "") ? "virtual" : "");
+}
+
+/**
+ * Lists cameras in a select element, and proposes one. Until the browser has listed its cameras, nothing is said about them.
+ * @param {HTMLSelectElement} select
+ * @param {readonly Choice[]} choices
+ * @param {string | null} asked label of the camera that the page was opened for
+ * @returns {boolean} true if there is no camera to propose
+ */
+export function offerCameras(select, choices, asked) {
+  const proposed = propose(choices, asked, select.value);
+  select.replaceChildren(
+    ...choices.map(({ id, label }) => new Option(id === "virtual" ? t("capture.virtual_name") : label, id)),
+  );
+  const isListed = choices.length > 0 && choices.every(({ id }) => id !== "");
+  const none = proposed === "" && isListed;
+  if (none) select.prepend(new Option(t("capture.no_camera"), ""));
+  select.value = proposed;
+  return none;
 }
 
 /**
@@ -96,21 +115,25 @@ export async function open(id, { parameters, size: [width, height], place, board
     const virtual = new VirtualCamera(setupFrom(parameters), place, board);
     return opened(await virtual.open(), virtual);
   }
-  if (!navigator.mediaDevices?.getUserMedia) {
-    throw new CameraError("insecure");
-  }
   /** @type {MediaTrackConstraints & {resizeMode: string}} */
   const video = { width: { ideal: width }, height: { ideal: height }, resizeMode: "none" };
   if (id === "environment" || id === "user") video.facingMode = { ideal: id };
   else if (id) video.deviceId = { exact: id };
+  return opened(await requestStream(video), null);
+}
+
+/**
+ * A camera's stream, after the browser has asked for permission. Without permission cameras have no names.
+ * @param {MediaTrackConstraints | true} video
+ * @returns {Promise<MediaStream>} rejects with CameraError
+ */
+export async function requestStream(video) {
+  if (!navigator.mediaDevices?.getUserMedia) throw new CameraError("insecure");
   try {
-    const stream = await navigator.mediaDevices.getUserMedia({ video, audio: false });
-    return opened(stream, null);
+    return await navigator.mediaDevices.getUserMedia({ video, audio: false });
   } catch (error) {
     if (!(error instanceof DOMException)) throw error;
-    if (id && error instanceof OverconstrainedError && error.constraint === "deviceId") {
-      throw new CameraError("gone");
-    }
+    if (error instanceof OverconstrainedError && error.constraint === "deviceId") throw new CameraError("gone");
     throw new CameraError(ERROR_CODES[error.name] ?? "not_opened", error.message);
   }
 }

@@ -10,8 +10,6 @@ import { refine } from "./subpixel.js";
  * @property {(image: Grey, full: boolean) => {ids: number[], points: number[][], markers: number, metrics:
  *   import("./frame-metrics.js").FrameMetrics}} find full: for a view that is kept, with all that the detector can
  *   do; else for tracking
- * @property {(image: Grey, kind: string) => {kind: string, markers: number, corners: number}} probe looks for something
- *   else
  * @property {number} memory bytes that OpenCV's heap has grown to
  * @property {() => void} delete
  */
@@ -38,13 +36,12 @@ export function createCharucoFinder(cv, board) {
 
   /**
    * Detectors of corners between two markers, and next to one.
-   * @param {{full?: boolean, legacy?: boolean, name?: string}} options full: all window sizes of the adaptive
-   *   threshold, or the one that serves nearly always
+   * @param {boolean} full all window sizes of the adaptive threshold, or the one that serves nearly always
    */
-  const makeDetector = ({ full = false, legacy = board.legacy, name = board.dictionary }) => {
-    const dictionary = cv.getPredefinedDictionary(cv[name]);
+  const makeDetector = (full) => {
+    const dictionary = cv.getPredefinedDictionary(cv[board.dictionary]);
     const charuco = new cv.aruco_CharucoBoard(size, 1, board.marker_ratio, dictionary, noIds);
-    charuco.setLegacyPattern(legacy);
+    charuco.setLegacyPattern(board.legacy);
     const parameters = new cv.aruco_DetectorParameters();
     if (!full) {
       parameters.adaptiveThreshWinSizeMin = 13;
@@ -55,16 +52,7 @@ export function createCharucoFinder(cv, board) {
     held.push(...pair, charuco, dictionary);
     return pair;
   };
-  const detectors = { tracking: makeDetector({}), full: makeDetector({ full: true }) };
-  /** Made when first needed: most captures never look for anything else. @type {Map<string, any>} */
-  const others = new Map();
-  /** @param {string} kind */
-  const other = (kind) => {
-    if (kind === "mirrored") return detectors.tracking;
-    const made = others.get(kind) ?? makeDetector(kind === "legacy" ? { legacy: !board.legacy } : { name: kind });
-    others.set(kind, made);
-    return made;
-  };
+  const detectors = { tracking: makeDetector(false), full: makeDetector(true) };
   let input = new cv.Mat();
 
   /**
@@ -101,16 +89,6 @@ export function createCharucoFinder(cv, board) {
       const { ids, points, markers, side } = detect(full ? detectors.full : detectors.tracking, upright);
       const seen = full ? refine(upright, { ids, points }, columns - 1) : { ids, points };
       return { ...seen, markers, metrics: frameMetrics(image, board, seen, side) };
-    },
-    /**
-     * Looks for something else than the board.
-     * @param {Grey} image
-     * @param {string} kind "mirrored", "legacy", a dictionary
-     */
-    probe(image, kind) {
-      const upright = board.inverted ? negative(image) : image;
-      const { ids, markers } = detect(other(kind), kind === "mirrored" ? flipped(upright) : upright);
-      return { kind, markers, corners: ids.length };
     },
     /** Bytes that OpenCV's heap has grown to. */
     get memory() {

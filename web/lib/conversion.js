@@ -1,5 +1,6 @@
 // Conversion of a file by the service: the readers of other programs' files are there, and nothing is stored.
 import { Api } from "./api.js";
+import { offerResponse } from "./files.js";
 import { loadSettings } from "./settings.js";
 
 /**
@@ -61,15 +62,10 @@ export async function saveAs(source, hints, format, camera) {
     body: { ...source, ...hints, format },
     accept: "*/*",
   });
-  const [, named] = /filename="?([^";]+)"?/.exec(response.headers.get("content-disposition") ?? "") ?? [];
-  const number = (/** @type {string} */ name, /** @type {number} */ otherwise) =>
-    Number(response.headers.get(name) ?? otherwise);
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(await response.blob());
-  link.download = named ?? `${camera.camera}.txt`;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 60_000); // the browser has taken it by then
-  return { name: link.download, error: number("x-conversion-error", 0), coverage: number("x-conversion-coverage", 1) };
+  const number = (/** @type {string} */ header, /** @type {number} */ otherwise) =>
+    Number(response.headers.get(header) ?? otherwise);
+  const name = await offerResponse(response, `${camera.camera}.txt`);
+  return { name, error: number("x-conversion-error", 0), coverage: number("x-conversion-coverage", 1) };
 }
 
 /**

@@ -9,8 +9,6 @@ import { reach } from "./network.js";
  * @property {number[][]} points px, pixel centres at whole numbers
  * @property {number} markers how many markers were recognised
  * @property {import("./frame-metrics.js").FrameMetrics} [metrics] what the frame looks like
- * @property {{kind: string, markers: number, corners: number} | null} [probe] what was found of something else, where
- *   that was asked for
  * @property {[number, number]} size of the frame
  * @property {number} elapsed ms in the worker
  * @property {number} memory bytes that OpenCV holds
@@ -74,17 +72,16 @@ export class Detector {
   /**
    * Finds the board's corners. Takes over the frame and closes it.
    * @param {VideoFrame | ImageBitmap} frame
-   * @param {{full?: boolean, probe?: string | null, flip?: boolean, timeout?: number}} [options] full: all threshold
-   * windows and a sub-pixel second pass, for a view that is kept; probe: what else to look for where no corner is
-   * seen; flip: the frame is mirrored, and is turned back; timeout: ms
+   * @param {{full?: boolean, flip?: boolean, timeout?: number}} [options] full: all threshold windows and a sub-pixel
+   * second pass, for a view that is kept; flip: the frame is mirrored, and is turned back; timeout: ms
    * @returns {Promise<Detection>}
    */
-  detect(frame, { full = false, probe = null, flip = false, timeout = FRAME_TIMEOUT_MS } = {}) {
+  detect(frame, { full = false, flip = false, timeout = FRAME_TIMEOUT_MS } = {}) {
     if (this.closed) {
       frame.close();
       return Promise.reject(new DetectorError("The board detector was closed."));
     }
-    return this.#ask({ frame, full, probe, flip }, [frame], timeout);
+    return this.#ask({ frame, full, flip }, [frame], timeout);
   }
 
   /**

@@ -7,8 +7,7 @@ import { flipped } from "./charuco-finder.js";
  * @typedef {import("./board.js").Board} Board
  * @typedef {import("./subpixel.js").Grey} Grey
  * @typedef {{id: number, open: Board, wasm: string, bytes: number}} OpenRequest
- * @typedef {{id: number, frame: VideoFrame | ImageBitmap, full: boolean, probe: string | null, flip: boolean}}
- *   DetectRequest
+ * @typedef {{id: number, frame: VideoFrame | ImageBitmap, full: boolean, flip: boolean}} DetectRequest
  * @typedef {{id: number, frame: VideoFrame | ImageBitmap, recognise: true, flip: boolean}} RecogniseRequest
  */
 
@@ -139,10 +138,8 @@ async function answer(request) {
       recogniser ??= new (await import("./recogniser.js")).Recogniser(cv);
       return recogniser.look(image);
     }
-    const found = finder.find(image, request.full);
     return {
-      ...found,
-      probe: request.probe && found.ids.length === 0 ? finder.probe(image, request.probe) : null,
+      ...finder.find(image, request.full),
       size: [image.width, image.height],
       elapsed: performance.now() - start,
       memory: finder.memory,

@@ -1,4 +1,4 @@
-// DOM elements: making them, finding them, and writing texts into them.
+// DOM elements: making them, finding them, writing texts into them, and pressing them by keys.
 import { onLanguage } from "./i18n.js";
 
 /**
@@ -63,4 +63,26 @@ export function liveRegion(place) {
     current = text;
     speak();
   };
+}
+
+const FIELDS = "input:not([type=checkbox]), select, textarea, [contenteditable]";
+
+/**
+ * Lets keys press buttons: during a capture both hands hold the board.
+ * @param {Record<string, HTMLButtonElement>} buttons by key, in lower case
+ * @param {AbortSignal} signal after which keys press nothing
+ */
+export function pressByKeys(buttons, signal) {
+  document.addEventListener(
+    "keydown",
+    (event) => {
+      if (event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (event.target instanceof Element && event.target.closest(FIELDS)) return;
+      const button = buttons[event.key.toLowerCase()];
+      if (!button || button.hidden || button.disabled) return;
+      button.click();
+      event.preventDefault();
+    },
+    { signal },
+  );
 }

@@ -1,5 +1,5 @@
 // Settings of the pages, `/config.json`: address of the API and the pages' token.
-import { reach } from "./network.js";
+import { OfflineError, reach } from "./network.js";
 
 /**
  * @typedef {{api: string, token: string, return_origins?: string[], operator?: {name?: string, contact?: string,
@@ -21,6 +21,21 @@ export async function loadSettings(options) {
   const settings = await response.json();
   storeSettings(settings);
   return settings;
+}
+
+/**
+ * Settings of the page; without a network those of the last visit.
+ * @param {{timeout?: number}} [options] as of `loadSettings`
+ * @returns {Promise<Settings>} rejects as `loadSettings`, with OfflineError only at the first visit
+ */
+export async function lastSettings(options) {
+  try {
+    return await loadSettings(options);
+  } catch (error) {
+    const last = error instanceof OfflineError ? storedSettings() : null;
+    if (!last) throw error;
+    return last;
+  }
 }
 
 /** Settings of the last visit, for use without a network. @returns {Settings | null} */

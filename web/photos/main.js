@@ -5,7 +5,7 @@ import { Api } from "../lib/api.js";
 import { Detector, DetectorError } from "../lib/detector.js";
 import { el, part, liveRegion } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
-import { takeFiles } from "../lib/file-input.js";
+import { takeFiles } from "../lib/files.js";
 import { openPage } from "../lib/page.js";
 import { hasMessage, onLanguage, t } from "../lib/i18n.js";
 import { load } from "../lib/result/source.js";

@@ -1,12 +1,14 @@
 // Capture of a rig on one device: watches its cameras, opens moments if it leads, takes views for them, and delivers
 // them.
+import { Engine } from "../lib/capture/engine.js";
 import { lenienceAfter } from "../lib/capture/target.js";
 import { explain } from "../lib/faults.js";
 import { isUnavailable } from "../lib/session.js";
-import { answer, isReady, isSeen, isThere, remoteHold } from "./moments.js";
+import { answer, isAtTarget, isReady, isSeen, remoteHold } from "./moments.js";
 import { RigLink } from "./link.js";
+import { ResizeError } from "./model.js";
 import { Outbox } from "./outbox.js";
-import { takeView, Watch } from "./watch.js";
+import { Sights } from "./sights.js";
 import { isAlone, isComplete, remotePositions, silentPositions } from "./progress.js";
 
 /**
@@ -38,9 +40,11 @@ export class RigCapture {
     notice: null,
     finishing: false,
     patience: 0,
+    stalled: false,
   };
   #link;
-  #watch;
+  #sights;
+  #engine;
   #known = new Set();
   #noticedAt = 0;
   #target = "";
@@ -85,24 +89,20 @@ export class RigCapture {
       onLink: (offline) => this.#setOffline(offline),
       onFailure: resources.onFailure,
     });
-    this.#watch = new Watch({
-      members,
-      board: resources.board,
-      detector: resources.detector,
+    this.#sights = new Sights(members, resources.board);
+    this.#engine = new Engine(this, {
+      cameras: members,
+      board: () => resources.board,
+      detector: Promise.resolve(resources.detector),
+      openDetector: resources.openDetector,
       signal,
-      onFailure: resources.onFailure,
     });
-    this.model.sights = this.#watch.sights;
+    this.model.sights = this.#sights.all;
     this.model.waiting = this.#outbox.views;
-    addEventListener("online", () => this.#hurry(), { signal });
   }
 
   get #leader() {
     return this.#resources.record.leads ? this.#resources.members[0].session : "";
-  }
-
-  get #sights() {
-    return [...this.model.sights.values()];
   }
 
   /** True if cameras of other devices take part. */
@@ -123,9 +123,50 @@ export class RigCapture {
   async run() {
     void this.#outbox.flush();
     void this.#link.run();
-    const { signal } = this.#resources;
-    while (!signal.aborted && this.model.state?.status !== "finished") await this.#look();
-    return signal.aborted ? null : this.model.state;
+    await this.#engine.run();
+    return this.#resources.signal.aborted ? null : this.model.state;
+  }
+
+  isOver() {
+    return this.model.state?.status === "finished";
+  }
+
+  /** @param {Member} camera */
+  sight({ position }) {
+    return this.#sights.at(position);
+  }
+
+  /** @param {Member} camera @param {import("../lib/detector.js").Detection} detection */
+  observe({ position }, detection) {
+    this.#sights.observe(position, detection, lenienceAfter(performance.now() - this.#targetSince));
+  }
+
+  async act() {
+    await this.#decide();
+    if (this.#resources.signal.aborted) return;
+    if (this.model.notice && performance.now() - this.#noticedAt > NOTICE_MS) this.model.notice = null;
+    this.#changed();
+  }
+
+  /** True before the first moment while no camera of this device sees a corner. */
+  isSearched() {
+    const isBlind = this.#sights.list.every(({ corners }) => corners.ids.length === 0);
+    return isBlind && !this.model.moment && !this.model.state?.moments.length;
+  }
+
+  /** @param {Member} camera @param {import("../lib/board-recognition.js").Recognised | null} suggestion */
+  suggest({ position }, suggestion) {
+    this.#sights.suggest(position, suggestion);
+  }
+
+  /** @param {boolean} stalled */
+  onStalled(stalled) {
+    this.model.stalled = stalled;
+    this.#changed();
+  }
+
+  onResized() {
+    this.#resources.onFailure(new ResizeError());
   }
 
   /** @param {RigState} state @param {number} unopenedAt ms, before anything that is new in it was opened */
@@ -158,7 +199,7 @@ export class RigCapture {
     this.#target = target;
     this.#targetSince = performance.now();
     this.#resources.virtual?.follow(targets);
-    this.#watch.aim(targets);
+    this.#sights.aim(targets);
   }
 
   /** Records the stage of a moment. @param {string} id @param {Partial<import("./progress.js").Stage>} stage */
@@ -194,15 +235,6 @@ export class RigCapture {
     this.#link.hurry();
   }
 
-  async #look() {
-    const { signal } = this.#resources;
-    if (!(await this.#watch.look(lenienceAfter(performance.now() - this.#targetSince)))) return;
-    await this.#decide();
-    if (signal.aborted) return;
-    if (this.model.notice && performance.now() - this.#noticedAt > NOTICE_MS) this.model.notice = null;
-    this.#changed();
-  }
-
   async #decide() {
     const { record, members, signal } = this.#resources;
     const { moment, state, opening, finishing } = this.model;
@@ -215,10 +247,11 @@ export class RigCapture {
     } else if (record.leads && !opening && this.#isSettled) {
       // A single camera gives no relation to others, and a camera that has just joined has to look first.
       if (isAlone(state) || performance.now() - this.#joinedAt < this.#patience) return;
-      if (isReady(this.#sights, this.#patience)) void this.open();
+      const { list } = this.#sights;
+      if (isReady(list, this.#patience)) void this.open();
       else if (
         performance.now() - this.#targetSince > STUCK_MS &&
-        this.#sights.some((sight) => isSeen(sight) || sight.markers > 0)
+        list.some((sight) => isSeen(sight) || sight.markers > 0)
       )
         void this.skip();
     }
@@ -245,7 +278,7 @@ export class RigCapture {
     const id = crypto.randomUUID();
     const unopenedAt = performance.now();
     this.#known.add(id);
-    this.#note(id, { atTarget: isThere(this.#sights) });
+    this.#note(id, { atTarget: isAtTarget(this.#sights.list) });
     onSign("hold");
     if (!this.#remote) {
       // No other device waits for this moment: the service can open it later.
@@ -272,25 +305,25 @@ export class RigCapture {
   /** @param {string} id @param {number} unopenedAt ms @param {number} seenAt ms */
   #begin(id, unopenedAt, seenAt) {
     this.model.moment = { id, unopenedAt, seenAt, answers: new Map(), over: false };
-    this.#watch.mark();
+    this.#sights.mark();
     if (!this.#resources.record.leads) this.#resources.onSign("hold");
     this.#changed();
   }
 
   /** @param {Member} member @param {Current} moment */
-  async #answer({ position, session, stream, half, figure }, moment) {
+  async #answer(member, moment) {
+    const { position, session, figure } = member;
     if (moment.answers.has(position)) return;
-    const sight = this.#watch.sight(position);
-    const decision = answer(sight, moment, performance.now());
+    const decision = answer(this.#sights.at(position), moment, performance.now());
     if (decision === "wait") return;
     if (decision === "miss") return void moment.answers.set(position, "miss");
-    const found = await takeView(stream, half, sight, (picture) => this.#watch.detect(picture, { full: true }));
-    if (!found) return;
-    const { corners, picture } = found;
+    const taken = await this.#engine.take(member, { isKept: true });
+    if (!taken?.image) return;
+    const { corners, image } = taken;
     moment.answers.set(position, "take");
     this.#outbox.post({ kind: "view", position, session, moment: moment.id, ...corners });
     figure.flash();
-    this.#resources.onTaken(moment.id, position, corners, picture);
+    this.#resources.onTaken(moment.id, position, corners, image);
   }
 
   /** Ends a moment once it waits for no more cameras. @param {Current} moment */
@@ -309,7 +342,7 @@ export class RigCapture {
     const all = new Set([...taken, ...there]).size;
     if (all > 0) {
       // Also if a camera missed it: the page does not ask for the same hold again.
-      this.#watch.take();
+      this.#sights.take();
       this.#unanswered = remote.every((position) => there.includes(position)) ? 0 : this.#unanswered + 1;
       onSign("taken");
       this.#notify("rig.taken", "good", { count: all });
@@ -326,7 +359,7 @@ export class RigCapture {
   undo(id = this.model.state?.moments.at(-1)?.id ?? this.model.moment?.id) {
     if (!this.#resources.record.leads || !id) return;
     if (!this.#outbox.withdraw(id)) this.#outbox.post({ kind: "undo", moment: id });
-    this.#watch.forget();
+    this.#sights.forget();
     if (this.model.moment?.id === id) this.model.moment = null;
     this.#notify("rig.undone", "good");
   }

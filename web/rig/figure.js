@@ -1,11 +1,10 @@
 // Picture of one camera of this device: its video, the target's outline and the corners seen, a line of words below.
-import { drawCircles, drawTarget, polygon } from "../lib/capture/marks.js";
+import { drawBoard, drawTarget, visibleShare } from "../lib/capture/marks.js";
 import { el, write } from "../lib/dom.js";
 import { make } from "../lib/svg.js";
 
 /** @typedef {import("./moments.js").Sight} Sight */
 
-const FADED_FROM = 0.5; // overlap with the target from which its squares are not drawn
 const FLASH_MS = 900;
 
 export class Figure {
@@ -19,7 +18,7 @@ export class Figure {
   #corners = null;
   #flash = 0;
 
-  /** @param {number} position of the camera @param {import("./streams.js").Half | null} half of its stream */
+  /** @param {number} position of the camera @param {import("../lib/capture/streams.js").Half | null} half of its stream */
   constructor(position, half) {
     this.video = el("video", {
       muted: true,
@@ -58,11 +57,8 @@ export class Figure {
   render(sight, board, caption) {
     const { target, corners } = sight;
     if (target !== this.#target) drawTarget(this.#parts, board, target);
-    if (corners !== this.#corners) {
-      drawCircles(this.#parts.corners, corners.points);
-      this.#parts.seenOutline.setAttribute("points", polygon(sight.outline ?? []));
-    }
-    this.#parts.ghost.style.opacity = String(Math.max(0, 1 - sight.overlap / FADED_FROM));
+    if (corners !== this.#corners) drawBoard(this.#parts, sight);
+    this.#parts.ghost.style.opacity = String(visibleShare(sight.overlap));
     [this.#target, this.#corners] = [target, corners];
     write(this.#caption, caption);
   }

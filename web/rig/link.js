@@ -1,5 +1,6 @@
 // Link of a device to its rig at the service: polls the rig's state, and reports since when a moment can have been
 // opened.
+import { Pause } from "../lib/capture/pause.js";
 import { isUnavailable } from "../lib/session.js";
 
 /** @typedef {import("./service.js").RigState} RigState */
@@ -26,8 +27,7 @@ export class RigLink {
   #unopenedAt = -Infinity;
   /** @type {RigState["status"] | null} */
   #status = null;
-  /** @type {(() => void) | null} */
-  #wake = null;
+  #pause = new Pause();
 
   /** @param {Options} options */
   constructor(options) {
@@ -55,7 +55,7 @@ export class RigLink {
         onLink(true);
         pause = OFFLINE_POLL_MS;
       }
-      await this.#pause(pause);
+      await this.#pause.wait(pause);
     }
   }
 
@@ -69,17 +69,6 @@ export class RigLink {
 
   /** Polls at once. */
   hurry() {
-    this.#wake?.();
-  }
-
-  /** @param {number} ms */
-  #pause(ms) {
-    return new Promise((/** @type {(value: void) => void} */ resolve) => {
-      const timer = setTimeout(resolve, ms);
-      this.#wake = () => {
-        clearTimeout(timer);
-        resolve();
-      };
-    });
+    this.#pause.end();
   }
 }

@@ -7,16 +7,15 @@ import { CameraError } from "../lib/camera.js";
 import { Announcer } from "../lib/capture/announcer.js";
 import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
 import { openCaptureStore } from "../lib/capture/capture-store.js";
+import { deviceFaultText } from "../lib/capture/device-fault.js";
 import { Feedback } from "../lib/capture/feedback.js";
-import { DetectorError } from "../lib/detector.js";
-import { sayFailure } from "../lib/dom.js";
+import { pressByKeys, sayFailure } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
-import { inLanguage, language, onLanguage, t } from "../lib/i18n.js";
+import { language, onLanguage, pageUrl, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
-import { OfflineError } from "../lib/network.js";
 import { showRigPicture } from "../lib/rig-picture.js";
-import { loadSettings, storedSettings } from "../lib/settings.js";
+import { lastSettings } from "../lib/settings.js";
 import { keepAwake, openCameras, openDetector } from "./opening.js";
 import { RigCapture } from "./capture.js";
 import { JoinError, enter, invite, requestOf } from "./membership.js";
@@ -25,11 +24,11 @@ import { findParts } from "./parts.js";
 import { NOTHING_SHOWN, render } from "./render.js";
 import { RigService } from "./service.js";
 import { MIN_CAMERAS, Setup } from "./setup.js";
-import { HALVES } from "./streams.js";
+import { HALVES } from "../lib/capture/streams.js";
 
 /**
  * @typedef {import("./membership.js").RigRecord} RigRecord
- * @typedef {import("./streams.js").Choice} Choice
+ * @typedef {import("../lib/capture/streams.js").Choice} Choice
  * @typedef {import("./service.js").RigState} RigState
  * @typedef {{record: RigRecord, code?: string}} Beginning code: of the rig to join
  */
@@ -80,7 +79,7 @@ function show(phase) {
 /** @param {Record<string, string>} query besides the board's */
 function address(query) {
   const kept = new URLSearchParams([...boardQuery(board), ...Object.entries(query)]);
-  return String(inLanguage(new URL(`${location.pathname}?${kept}`, location.origin).href, language()));
+  return pageUrl(`rig/?${kept}`).href;
 }
 
 /** Parameters of the simulated cameras: all devices of the rig see the same scene. */
@@ -93,11 +92,7 @@ const simulation = () =>
 
 /** The service, without a network by the settings of the last visit. @param {AbortSignal} signal */
 async function openService(signal) {
-  const { api, token } = await loadSettings().catch((error) => {
-    const last = error instanceof OfflineError ? storedSettings() : null;
-    if (!last) throw error;
-    return last;
-  });
+  const { api, token } = await lastSettings();
   return new RigService(new Api(api, { signal, timeout: 15_000 }), token);
 }
 
@@ -121,13 +116,13 @@ async function run({ record, code }, signal) {
     parameters,
     board,
     signal,
-    onEnded: () => fail(new CameraError("unplugged"), signal),
+    onUnplugged: (error) => fail(error, signal),
   });
   const detector = await openDetector(parts, board, signal);
   parts.openingText.textContent = t("capture.opening_service");
   const service = await openService(signal);
   const save = () => store.save(record);
-  const requests = shown.map(({ picture, stream }) => requestOf(picture, board, stream.choice));
+  const requests = shown.map(({ picture, choice }) => requestOf(picture, board, choice));
   invitation = null;
   isStopAsked = false;
   parts.stop.textContent = t("rig.stop");
@@ -153,6 +148,7 @@ async function run({ record, code }, signal) {
     save,
     board,
     detector,
+    openDetector: () => openDetector(parts, board, signal),
     members,
     virtual,
     signal,
@@ -180,6 +176,7 @@ async function run({ record, code }, signal) {
   parts.newCode.onclick = async () => setInvitation(await freshCode(service, record));
   redraw();
   show("capturing");
+  pressByKeys({ u: parts.undo, n: parts.skip, t: parts.take }, signal);
   void keepAwake(signal);
   return capture.run();
 }
@@ -212,14 +209,7 @@ function setInvitation(invited) {
 async function finished(state, record) {
   begin.cancel();
   feedback.give("done");
-  history.replaceState(
-    null,
-    "",
-    inLanguage(
-      new URL(`${location.pathname}?id=${encodeURIComponent(state.rig_id)}`, location.origin).href,
-      language(),
-    ),
-  );
+  history.replaceState(null, "", pageUrl(`rig/?id=${encodeURIComponent(state.rig_id)}`));
   await showResult(state, record);
   // The rig has everything now.
   if (record) await store.remove(record.about);
@@ -249,11 +239,9 @@ function fail(error, signal) {
 
 /** @param {unknown} error */
 function failureText(error) {
-  if (error instanceof CameraError) return t(`capture.fault_${error.code}`, { detail: error.detail });
-  if (error instanceof DetectorError) return t(`capture.fault_${error.code}`, { detail: error.message });
   if (error instanceof JoinError) return t(`rig.join_${error.code}`);
   if (error instanceof ResizeError) return t("rig.resized");
-  return explain(error);
+  return deviceFaultText(error) || explain(error);
 }
 
 /**
@@ -350,7 +338,7 @@ async function stop() {
     // The rig expires at the service in any case.
     await giveUp(record).catch((error) => console.info("not given up at the service:", String(error)));
   }
-  location.assign(inLanguage(new URL(location.pathname, location.origin).href, language()));
+  location.assign(pageUrl("rig/"));
 }
 
 /** Reports to the service that this device's cameras have stopped. @param {RigRecord} record */
@@ -407,14 +395,6 @@ parts.undo.addEventListener("click", () => capture?.undo());
 parts.skip.addEventListener("click", () => void capture?.skip());
 parts.take.addEventListener("click", () => void capture?.open());
 parts.finish.addEventListener("click", () => void capture?.finish());
-document.addEventListener("keydown", (event) => {
-  if (parts.phases.capturing.hidden || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
-  if (event.target instanceof Element && event.target.closest("input:not([type=checkbox]), select, textarea")) return;
-  const button = { u: parts.undo, n: parts.skip, t: parts.take }[event.key.toLowerCase()];
-  if (!button || button.hidden || button.disabled) return;
-  button.click();
-  event.preventDefault();
-});
 feedback.bind(parts.senses);
 showRigPicture(parts.picture);
 for (const link of parts.boardLinks) link.search = boardQuery(board).toString();

@@ -5,8 +5,8 @@ import { consentFields } from "../lib/consent.js";
 /**
  * @typedef {import("./service.js").RigService} RigService
  * @typedef {import("./service.js").SessionRequest} SessionRequest
- * @typedef {import("./streams.js").Choice} Choice
- * @typedef {import("./streams.js").Picture} Picture
+ * @typedef {import("../lib/capture/streams.js").Choice} Choice
+ * @typedef {import("../lib/capture/streams.js").Picture} Picture
  *
  * @typedef {object} SavedMember one camera of this device
  * @property {number} position

@@ -7,7 +7,7 @@
  * @typedef {object} Member one camera of this device
  * @property {number} position
  * @property {string} session id
- * @property {import("./streams.js").Stream} stream
+ * @property {import("../lib/capture/streams.js").Stream} stream
  * @property {number} half index of its picture in the stream
  * @property {import("./figure.js").Figure} figure
  * @property {[number, number]} size px
@@ -30,6 +30,7 @@
  * @property {{key: string, kind: "good" | "bad" | "plain", values?: Record<string, string | number>} | null} notice
  * @property {boolean} finishing
  * @property {number} patience ms, for which other devices need the board to be still
+ * @property {boolean} stalled the detector has stopped, and is restarted
  *
  * @typedef {object} Resources
  * @property {import("./service.js").RigService} service
@@ -37,6 +38,7 @@
  * @property {() => Promise<unknown>} save
  * @property {import("../lib/board.js").SentBoard} board
  * @property {import("../lib/detector.js").Detector} detector
+ * @property {() => Promise<import("../lib/detector.js").Detector>} openDetector opens another one after it has failed
  * @property {Member[]} members
  * @property {import("./virtual-rig.js").VirtualRig | null} virtual
  * @property {AbortSignal} signal

@@ -2,25 +2,26 @@
 import { Detector } from "../lib/detector.js";
 import { t } from "../lib/i18n.js";
 import { Figure } from "./figure.js";
-import { HALVES, openStream } from "./streams.js";
+import { HALVES, openStream } from "../lib/capture/streams.js";
 
 /**
  * @typedef {import("./parts.js").Parts} Parts
- * @typedef {import("./streams.js").Stream} Stream
+ * @typedef {import("../lib/capture/streams.js").Stream} Stream
  * @typedef {import("../lib/board.js").SentBoard} Board
- * @typedef {{stream: Stream, figure: Figure, half: number, picture: import("./streams.js").Picture}} Shown half: index
- *   of the picture in the stream
+ * @typedef {import("../lib/capture/streams.js").Choice} Choice
+ * @typedef {{stream: Stream, choice: Choice, figure: Figure, half: number, picture:
+ *   import("../lib/capture/streams.js").Picture}} Shown half: index of the picture in the stream
  */
 
 /**
  * Opens the cameras of a record, and shows all of them. They are closed when the capture ends.
  * @param {Parts} parts @param {import("./membership.js").RigRecord} record
- * @param {{parameters: URLSearchParams, board: Board, signal: AbortSignal, onEnded: () => void}} options onEnded:
- *   called when a camera is unplugged
+ * @param {{parameters: URLSearchParams, board: Board, signal: AbortSignal, onUnplugged: (error: Error) => void}}
+ *   options onUnplugged: called when a camera is unplugged
  * @returns {Promise<{virtual: import("./virtual-rig.js").VirtualRig | null, shown: Shown[]}>} virtual: the simulated
  *   rig, if it is one
  */
-export async function openCameras(parts, { choices, members }, { parameters, board, signal, onEnded }) {
+export async function openCameras(parts, { choices, members }, { parameters, board, signal, onUnplugged }) {
   const virtual = choices.some(({ id }) => id.startsWith("virtual")) ? await simulate(parameters, board) : null;
   /** @type {Shown[]} */
   const shown = [];
@@ -29,16 +30,13 @@ export async function openCameras(parts, { choices, members }, { parameters, boa
     const stream = virtual
       ? await virtual.open(choice, members[shown.length].position)
       : await openStream(choice, { parameters, place: document.body, board });
-    if (signal.aborted) stream.close();
-    signal.throwIfAborted();
-    signal.addEventListener("abort", () => stream.close());
-    stream.camera.track.addEventListener("ended", onEnded);
+    stream.closeWith(signal, onUnplugged);
     const figures = HALVES[choice.layout].map((half, index) => new Figure(shown.length + index, half));
     parts.pictures.append(...figures.map(({ root }) => root));
     const pictures = await stream.play(figures.map(({ video }) => video));
     pictures.forEach((picture, half) => {
       figures[half].shape(picture.size, stream.mirrored);
-      shown.push({ stream, figure: figures[half], half, picture });
+      shown.push({ stream, choice, figure: figures[half], half, picture });
     });
   }
   return { virtual, shown };

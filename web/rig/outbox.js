@@ -1,6 +1,7 @@
 // Outbox of a rig's client: what it has captured and the service does not have yet, in order. Nothing leaves it
 // unanswered.
 import { ApiError } from "../lib/api.js";
+import { Pause, reconnectPause } from "../lib/capture/pause.js";
 import { isUnavailable } from "../lib/session.js";
 
 /**
@@ -16,27 +17,21 @@ import { isUnavailable } from "../lib/session.js";
  * @property {(letter: Letter, answer: any) => void} onSent
  * @property {(letter: Letter, error: ApiError) => void} onRefused the service does not want it
  * @property {(offline: boolean) => void} onLink called when the service is away, and when it is back
- * @property {(ms: number) => Promise<void>} [wait]
  * @property {AbortSignal} [signal] after which nothing more is sent
  */
-
-const PAUSES_S = [1, 2, 3, 5]; // between attempts; the last one again and again
 
 export class Outbox {
   /** @type {Letter[]} */
   #letters;
   #options;
-  #wait;
   /** @type {Promise<void> | null} */
   #running = null;
-  /** The pause that is being waited for, and its end. @type {(() => void) | null} */
-  #wake = null;
+  #pause = new Pause();
 
   /** @param {Options} options @param {readonly Letter[]} [letters] of an earlier page */
   constructor(options, letters = []) {
     this.#options = options;
     this.#letters = [...letters];
-    this.#wait = options.wait ?? ((/** @type {number} */ ms) => new Promise((resolve) => setTimeout(resolve, ms)));
   }
 
   /** Letters that wait. @returns {readonly Letter[]} */
@@ -84,7 +79,7 @@ export class Outbox {
 
   /** Tries at once: the network seems to be back. */
   retry() {
-    this.#wake?.();
+    this.#pause.end();
   }
 
   async #run() {
@@ -101,7 +96,7 @@ export class Outbox {
         if (signal?.aborted) return;
         if (isUnavailable(error)) {
           if (failures === 0) onLink(true);
-          await this.#pause(1000 * (PAUSES_S[failures] ?? PAUSES_S[PAUSES_S.length - 1]));
+          await this.#pause.wait(reconnectPause(failures));
           failures += 1;
           continue;
         }
@@ -116,16 +111,5 @@ export class Outbox {
   /** @param {Letter} letter */
   #remove(letter) {
     this.#letters = this.#letters.filter((each) => each !== letter);
-  }
-
-  /** @param {number} ms */
-  async #pause(ms) {
-    await Promise.race([
-      this.#wait(ms),
-      new Promise((resolve) => {
-        this.#wake = () => resolve(undefined);
-      }),
-    ]);
-    this.#wake = null;
   }
 }

@@ -1,6 +1,7 @@
 // Rectified pair of two cameras with epipolar lines: what one camera shows in a row is in the same row of the other.
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
+import { imageInput } from "../lib/files.js";
 import { rectifyPair } from "../sdk/rig.js";
 import { cameraName } from "./status-text.js";
 
@@ -35,18 +36,22 @@ export function rectifiedPart(rig, pictures) {
     status.textContent = "";
     if (chosen[0] === chosen[1]) return void (status.textContent = t("rig.two_different"));
     const found = chosen.map((position) => pictures.get(position));
-    const choosers = chosen.map((position) =>
-      chooser(
-        t(pictures.has(position) ? "rig.another_picture" : "rig.choose_picture", { camera: cameraName(position) }),
-        rig.calibrations[position].img_size,
-        (picture) => {
+    const choosers = chosen.map((position) => {
+      const { img_size: size } = rig.calibrations[position];
+      const words = t(pictures.has(position) ? "rig.another_picture" : "rig.choose_picture", {
+        camera: cameraName(position),
+      });
+      const input = imageInput({}, size, {
+        onImage(picture) {
           pictures.get(position)?.close();
           pictures.set(position, picture);
           void draw();
         },
-        (words) => (status.textContent = words),
-      ),
-    );
+        onProblem: (code) =>
+          (status.textContent = t(code === "shape" ? "rig.wrong_size" : "rig.no_image", { size: size.join(" × ") })),
+      });
+      return el("label", { class: "button" }, words, input);
+    });
     const row = el("div", { class: "actions" }, ...choosers);
     if (found.includes(undefined)) return void view.append(el("p", {}, t("rig.pictures_missing")), row);
     try {
@@ -89,27 +94,4 @@ export function rectifiedPart(rig, pictures) {
 /** Lines over both pictures. */
 function lines() {
   return el("div", { class: "lines", "aria-hidden": "true" }, ...Array.from({ length: LINES }, () => el("span", {})));
-}
-
-/**
- * Chooser of a picture of one camera: it is read here and stays here.
- * @param {string} words of the button @param {[number, number]} size that the camera's calibration is for, px
- * @param {(picture: ImageBitmap) => void} onPicture @param {(words: string) => void} onProblem
- */
-function chooser(words, [width, height], onPicture, onProblem) {
-  const input = el("input", { type: "file", accept: "image/*", class: "unseen" });
-  input.addEventListener("change", async () => {
-    const [file] = input.files ?? [];
-    if (!file) return;
-    try {
-      const picture = await createImageBitmap(file);
-      if (picture.width * height === picture.height * width) return onPicture(picture);
-      picture.close();
-      onProblem(t("rig.wrong_size", { size: `${width} × ${height}` }));
-    } catch (error) {
-      if (!(error instanceof DOMException)) throw error;
-      onProblem(t("rig.no_image"));
-    }
-  });
-  return el("label", { class: "button" }, words, input);
 }

@@ -2,11 +2,13 @@
 import { codeBlocks } from "../lib/result/code-part.js";
 import { boardSentence } from "../lib/result/meaning.js";
 import { copyButton } from "../lib/result/menu.js";
+import { digitsFor } from "../lib/result/numbers.js";
 import { addCopyButton } from "../lib/code-block.js";
 import { ApiError } from "../lib/api.js";
 import { corners } from "../lib/board.js";
 import { el } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
+import { offerResponse } from "../lib/files.js";
 import { joinFacts, number, onLanguage, rough, formatSize, t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/camera-name.js";
 import { Rig } from "../sdk/rig.js";
@@ -24,8 +26,6 @@ import { cameraName, cameraNames, labelText } from "./status-text.js";
  */
 
 const FORMATS = ["opencv_stereo", "ros", "kalibr", "colmap", "mrcal", "gltf", "json"];
-/** Levels of a verdict. */
-const LEVELS = ["good", "fair", "poor"];
 
 export class RigView {
   #root;
@@ -113,14 +113,7 @@ export class RigView {
   /** Hands a file to the browser. @param {string} format @returns {Promise<string>} its name */
   async #save(format) {
     const response = await this.#sources.service.file(this.#state.rig_id, format === "json" ? "" : format);
-    const [, named] = /filename="?([^";]+)"?/.exec(response.headers.get("content-disposition") ?? "") ?? [];
-    const link = el("a", {
-      download: named ?? `rig-${this.#state.rig_id.slice(0, 8)}.${format === "json" ? "json" : "zip"}`,
-    });
-    link.href = URL.createObjectURL(await response.blob());
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 60_000); // ms: the browser has taken it by then
-    return link.download;
+    return offerResponse(response, `rig-${this.#state.rig_id.slice(0, 8)}.${format === "json" ? "json" : "zip"}`);
   }
 }
 
@@ -148,7 +141,7 @@ function lengthOf({ board, square_size: size }) {
 /** @param {RigState} state @param {RigResult} result */
 function head(state, { verdict, rms, held_out_rms: heldOut, uncertainty, cameras: all, board_shape: shape }) {
   const { cameras, rig_id: id, moments } = state;
-  const level = LEVELS.find((each) => each === (typeof verdict === "string" ? verdict : verdict?.level)) ?? "fair";
+  const { level } = verdict;
   const practice = cameras.some(({ camera }) => isVirtual(camera ?? ""));
   const aside = moments.flatMap(({ set_aside: views = [] }) => views).length;
   const figures = [
@@ -246,7 +239,7 @@ function relations({ extrinsics, unit }) {
  * @param {string} unit
  */
 function withError(value, error, unit) {
-  const digits = error > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(error)))) : 2;
+  const digits = digitsFor(error);
   const space = unit === "°" ? "" : "\u00a0";
   return `${number(value, digits)} ± ${number(error, digits)}${space}${unit}`;
 }

@@ -1,63 +1,17 @@
 // Rig at the service: its HTTP calls. Each may be repeated: the service answers the same again.
 
 /**
- * @typedef {import("../lib/pose.js").Pose} Pose
- * @typedef {import("../lib/board.js").SentBoard} Board
  * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
  * @typedef {import("../vendor/api.js").SessionState} SessionState
- *
- * @typedef {{rig_id: string, join_code: string, expires_at: number}} Created expires_at: of the code, unix seconds
- *
- * @typedef {object} Member
- * @property {number} position
- * @property {string | null} camera label
- * @property {[number, number] | null} img_size px
- * @property {"waiting" | "capturing" | "finished"} status
- * @property {number} views
- *
- * @typedef {Pose & {position: number, ids: number[], corners: number[][], outline: [number, number][]}} Target of one
- *   camera; board → camera, px
- * @typedef {{position: number, reason: string, detail: string}} SetAside
- * @typedef {{id: string, positions: number[], set_aside?: SetAside[]}} Moment positions: cameras whose views it has
- * @typedef {{code: string, text: string, positions?: number[]}} Advice
- * @typedef {{rotation_deg: number, translation_percent: number, rms: number}} Uncertainty
- * @typedef {Pose & {position: number, std: number[]}} Extrinsic camera 0 → camera; std: of rvec and tvec
+ * @typedef {import("../vendor/api.js").RigOpened} Created
+ * @typedef {import("../vendor/api.js").RigState & {board: import("../lib/board.js").SentBoard}} RigState
+ * @typedef {import("../vendor/api.js").RigResult} RigResult
+ * @typedef {import("../vendor/api.js").RigTargetView} Target
+ * @typedef {import("../vendor/api.js").RigMoment} Moment
+ * @typedef {import("../vendor/api.js").Extrinsics} Extrinsic
  * @typedef {import("../sdk/calibration.js").CalibrationData} CalibrationData
  *
- * @typedef {object} RigResult
- * @property {string[]} cameras ids of calibrations, by position
- * @property {CalibrationData[]} calibrations fitted jointly, by position
- * @property {Extrinsic[]} extrinsics by position; the first is 0
- * @property {"squares" | "metres"} unit
- * @property {number} rms px
- * @property {number | null} held_out_rms px
- * @property {Uncertainty | null} uncertainty
- * @property {{level: "good" | "fair" | "poor", reasons?: string[]} | string | null} verdict
- * @property {(Pose & {moment: string})[]} [board_poses] board → camera 0
- * @property {import("../lib/result/numbers.js").BoardShape} [board_shape] missing: as drawn
- *
- * @typedef {object} RigState
- * @property {string} rig_id
- * @property {"capturing" | "finished"} status
- * @property {Board} board
- * @property {number | null} square_size metres
- * @property {"squares" | "metres"} unit
- * @property {Member[]} cameras
- * @property {Moment | null} moment the one opened last
- * @property {Moment[]} moments
- * @property {Uncertainty | null} uncertainty
- * @property {number} target_error px
- * @property {number} progress 0…1
- * @property {number[]} unlinked positions
- * @property {number | null} rms px
- * @property {{purpose: string, hint?: unknown, cameras: Target[]} | null} target
- * @property {Advice[]} advice
- * @property {RigResult | null} result
- *
- * @typedef {object} RigView one camera's view of a moment
- * @property {string} moment
- * @property {number[]} ids
- * @property {number[][]} points px
+ * @typedef {{moment: string, ids: number[], points: number[][]}} RigView one camera's view of a moment; points: px
  *
  * @typedef {{state: RigState, etag: string}} Answer
  */

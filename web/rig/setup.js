@@ -1,11 +1,13 @@
 // First sheet: the cameras of this device, what each delivers, and the other devices.
-import { CameraError, cameras } from "../lib/camera.js";
+import { cameras, requestStream } from "../lib/camera.js";
+import { deviceFaultText } from "../lib/capture/device-fault.js";
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
+import { LENS_TYPES } from "../lib/lens-types.js";
 
 /**
  * @typedef {import("./parts.js").Parts} Parts
- * @typedef {import("./streams.js").Choice} Choice
+ * @typedef {import("../lib/capture/streams.js").Choice} Choice
  * @typedef {{id: string, label: string, used: HTMLInputElement, layout: HTMLSelectElement, lens: HTMLSelectElement}}
  *   Row
  */
@@ -13,7 +15,6 @@ import { t } from "../lib/i18n.js";
 export const MIN_CAMERAS = 2;
 export const MAX_CAMERAS = 8;
 const LAYOUTS = ["one", "side_by_side", "top_bottom"];
-const LENSES = ["rectilinear", "rational", "fisheye", "omnidirectional"];
 const CODE = /^[A-Z0-9]{6}$/;
 
 export class Setup {
@@ -69,20 +70,14 @@ export class Setup {
     setupProblem.textContent = "";
     camerasNote.textContent = t("rig.allowing");
     try {
-      if (!navigator.mediaDevices?.getUserMedia) throw new CameraError("insecure");
-      const stream = await navigator.mediaDevices.getUserMedia({ video: true });
+      const stream = await requestStream(true);
       await this.list();
       for (const track of stream.getTracks()) track.stop();
       if (this.#rows.length === 0) camerasNote.textContent = t("rig.none_found");
     } catch (error) {
-      const code =
-        error instanceof CameraError
-          ? error.code
-          : error instanceof DOMException && error.name === "NotFoundError"
-            ? "not_found"
-            : "not_allowed";
       camerasNote.textContent = "";
-      setupProblem.textContent = t(`capture.fault_${code}`);
+      setupProblem.textContent = deviceFaultText(error);
+      if (!setupProblem.textContent) throw error;
     }
   }
 
@@ -90,13 +85,13 @@ export class Setup {
   #row(id, label, checked, before) {
     const used = el("input", { type: "checkbox", autocomplete: "off" });
     used.checked = before?.used.checked ?? checked;
-    const select = (/** @type {string} */ kind, /** @type {string[]} */ names) =>
+    const select = (/** @type {string} */ kind, /** @type {readonly string[]} */ names) =>
       el(
         "select",
         { "aria-label": `${t(`rig.${kind}`)}: ${label}` },
         ...names.map((name) => new Option(t(kind === "lens" ? `capture.lens_${name}` : `rig.layout_${name}`), name)),
       );
-    const [layout, lens] = [select("layout", LAYOUTS), select("lens", LENSES)];
+    const [layout, lens] = [select("layout", LAYOUTS), select("lens", LENS_TYPES)];
     if (before) [layout.value, lens.value] = [before.layout.value, before.lens.value];
     return { id, label, used, layout, lens };
   }

@@ -1,5 +1,5 @@
 // Texts of the capture: the one instruction, a line below it, and what is said of each camera.
-import { advice, asMirrored, isAtTarget } from "../lib/capture/target.js";
+import { isThere, movement } from "../lib/capture/sight.js";
 import { hasMessage, number, t } from "../lib/i18n.js";
 import { splitLabel, isVirtual } from "../lib/camera-name.js";
 import { isSeen, requiredHold } from "./moments.js";
@@ -34,7 +34,8 @@ export const labelText = (label) => (!label ? "" : isVirtual(label) ? t("rig.sim
  * Code of the instruction: a message `rig.say_<code>`, or `capture.say_<code>`.
  * @param {Model} model @param {readonly Member[]} members @param {boolean} leads
  */
-export function instruct({ state, moment, opening, offline, finishing, sights, patience }, members, leads) {
+export function instruct({ state, moment, opening, offline, finishing, sights, patience, stalled }, members, leads) {
+  if (stalled) return "stalled";
   if (finishing) return "finishing";
   if (!state) return offline ? "away" : "wait";
   if (opening || (moment && !moment.over)) return "hold";
@@ -50,7 +51,7 @@ export function instruct({ state, moment, opening, offline, finishing, sights, p
     .filter(({ sight }) => sight && isSeen(sight));
   if (seeing.length === 0) return unseen(state, [...sights.values()], members, leads);
   if (
-    seeing.some(({ sight }) => sight.target && isAtTarget(sight, sight.aim)) &&
+    seeing.some(({ sight }) => sight.target && isThere(sight)) &&
     requiredHold(
       seeing.map(({ sight }) => sight),
       patience,
@@ -62,9 +63,7 @@ export function instruct({ state, moment, opening, offline, finishing, sights, p
     .sort((a, b) => a.sight.distance - b.sight.distance)[0];
   if (!aimed)
     return seeing.some(({ sight }) => sight.target) || !state.target ? "match" : leads ? "elsewhere" : "follow";
-  const code =
-    advice(/** @type {number[][]} */ (aimed.sight.outline), /** @type {number[][]} */ (aimed.sight.aim)) || "match";
-  return aimed.member.stream.mirrored ? asMirrored(code) : code;
+  return movement(aimed.sight, aimed.member.stream.mirrored);
 }
 
 /** @param {RigState} state @param {Sight[]} sights @param {readonly Member[]} members @param {boolean} leads */

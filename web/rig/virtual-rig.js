@@ -1,17 +1,16 @@
 // Simulated rig: several virtual cameras that look at one board, whose hand follows the rig's targets.
 import { facts } from "../lib/camera.js";
-import { composePoses, interpolatePose } from "../lib/pose.js";
-import { VirtualCamera } from "../lib/virtual/camera.js";
-import { labelOf } from "../lib/virtual/setup.js";
+import { composePoses } from "../lib/pose.js";
+import { Hand } from "../lib/virtual/hand.js";
+import { VirtualCamera, streamOf } from "../lib/virtual/camera.js";
 import { boardPose, cameraPose, firstPose, setupAt } from "./scene.js";
-import { Stream } from "./streams.js";
+import { Stream } from "../lib/capture/streams.js";
 
 /**
  * @typedef {import("../lib/pose.js").Pose} Pose
- * @typedef {import("./streams.js").Choice} Choice
+ * @typedef {import("../lib/capture/streams.js").Choice} Choice
  */
 
-const TRAVEL_MS = 350; // from one pose to the next
 const MIN_TICK_MS = 50;
 
 export class VirtualRig {
@@ -20,9 +19,7 @@ export class VirtualRig {
   #place;
   /** @type {{camera: VirtualCamera, pose: Pose}[]} pose: camera 0 → camera */
   #cameras = [];
-  #from;
-  #to;
-  #startedAt = -Infinity;
+  #hand;
   /** @type {ReturnType<typeof setInterval> | undefined} */
   #timer;
   #target = "";
@@ -36,7 +33,9 @@ export class VirtualRig {
     this.#parameters = parameters;
     this.#board = board;
     this.#place = place;
-    this.#from = this.#to = firstPose(board, setupAt(parameters, 0));
+    // Its targets are those of the scene, which are the same in every browser: it adds nothing to them.
+    const start = firstPose(board, setupAt(parameters, 0));
+    this.#hand = new Hand("still", { error: 0, seed: 0, pivot: [0, 0, 0], focal: 1, start });
   }
 
   /**
@@ -58,7 +57,7 @@ export class VirtualRig {
     const stream =
       choice.layout === "one" ? streams[0] : joined(cameras, choice.layout === "side_by_side", rate, this.#place);
     const [track] = stream.getVideoTracks();
-    return new Stream(choice, {
+    const opened = {
       stream,
       track,
       virtual: cameras[0],
@@ -68,7 +67,8 @@ export class VirtualRig {
         for (const camera of cameras) camera.close();
         track.stop();
       },
-    });
+    };
+    return new Stream(opened, choice.layout);
   }
 
   /** Moves the board to a target. @param {readonly import("./service.js").Target[]} targets of the rig's cameras */
@@ -77,7 +77,7 @@ export class VirtualRig {
     const pose = target === this.#target ? null : boardPose(targets, this.#board, this.#parameters);
     if (!pose) return;
     this.#target = target;
-    [this.#from, this.#to, this.#startedAt] = [this.#way(), pose, performance.now()];
+    this.#hand.follow(pose, performance.now());
     clearInterval(this.#timer);
     this.#timer = setInterval(() => this.#show(), tick(setupAt(this.#parameters, 0).rate));
   }
@@ -87,15 +87,11 @@ export class VirtualRig {
     for (const { camera } of this.#cameras) camera.close();
   }
 
-  #way() {
-    const part = Math.min(1, (performance.now() - this.#startedAt) / TRAVEL_MS);
-    return interpolatePose(this.#from, this.#to, part * part * (3 - 2 * part));
-  }
-
   #show() {
-    const pose = this.#way();
+    const now = performance.now();
+    const pose = this.#hand.pose(now);
     for (const { camera, pose: there } of this.#cameras) camera.hold(composePoses(there, pose));
-    if (performance.now() - this.#startedAt > TRAVEL_MS) clearInterval(this.#timer);
+    if (!this.#hand.moves(now)) clearInterval(this.#timer);
   }
 }
 
@@ -125,11 +121,8 @@ function joined(cameras, sideBySide, rate, place) {
     );
   draw();
   const timer = setInterval(draw, tick(rate));
-  const stream = canvas.captureStream(rate);
+  const stream = streamOf(canvas, rate, cameras[0].label);
   const [track] = stream.getVideoTracks();
-  Object.defineProperty(track, "label", { value: cameras[0].label });
-  const settings = { width: canvas.width, height: canvas.height, frameRate: rate, resizeMode: "none" };
-  Object.defineProperty(track, "getSettings", { value: () => settings });
   const stop = track.stop.bind(track);
   track.stop = () => {
     clearInterval(timer);
@@ -138,6 +131,3 @@ function joined(cameras, sideBySide, rate, place) {
   };
   return stream;
 }
-
-/** Label of the simulated camera at a position. @param {URLSearchParams} parameters @param {number} position */
-export const virtualLabel = (parameters, position) => labelOf(setupAt(parameters, position));

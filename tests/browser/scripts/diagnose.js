@@ -3,7 +3,8 @@ async (faults) => {
   const { Painter } = await import("/lib/virtual/painter.js");
   const { degrade } = await import("/lib/virtual/degrade.js");
   const { Detector } = await import("/lib/detector.js");
-  const { HEALTHY, diagnose, nextProbe } = await import("/lib/capture/diagnosis.js");
+  const { BoardWatch } = await import("/lib/capture/board-watch.js");
+  const { BLIND, doubt, observeFrame } = await import("/lib/capture/sight.js");
   const size = [1280, 720];
   const lens = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
   const detector = await Detector.open(DEFAULT_BOARD);
@@ -19,17 +20,17 @@ async (faults) => {
     const pose = { rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, z] };
     painterOf(board).paint(pose, picture.data);
     if (fault) degrade(picture, fault);
-    const found = new Map(); // of one picture, for the same question, it is always the same
-    let state = HEALTHY;
-    for (let time = 1000; time < 16000 && !state.trouble; time += 250) {
-      const probe = nextProbe(state, time);
-      if (!found.has(probe)) {
-        const frame = await createImageBitmap(picture);
-        found.set(probe, await detector.detect(frame, { probe, timeout: 120_000 }));
-      }
-      state = diagnose(state, found.get(probe), 0, time);
+    // The same of one picture at any time
+    const found = await detector.detect(await createImageBitmap(picture), { timeout: 120_000 });
+    const sighting = await detector.sight(await createImageBitmap(picture), { timeout: 120_000 });
+    const watch = new BoardWatch();
+    let sight = BLIND;
+    for (let time = 1000; time < 16000 && !sight.diagnosis.trouble; time += 250) {
+      sight = observeFrame(sight, found, time, DEFAULT_BOARD);
+      if (watch.isDue(sight.diagnosis.blindSince, time))
+        sight = doubt(sight, watch.add(sighting, DEFAULT_BOARD, time), DEFAULT_BOARD, time);
     }
-    said[name] = state.trouble;
+    said[name] = sight.diagnosis.trouble;
   }
   detector.close();
   return said;

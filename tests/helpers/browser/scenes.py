@@ -24,7 +24,7 @@ BLIND_DETECTOR = """
     }
     postMessage({ id, frame }) {
       frame?.close();
-      const seen = { ids: [], points: [], markers: 0, probe: null, size: [640, 360], elapsed: 1, memory: 0 };
+      const seen = { ids: [], points: [], markers: 0, size: [640, 360], elapsed: 1, memory: 0 };
       setTimeout(() => this.onmessage({ data: { id, result: frame ? seen : {} } }));
     }
     terminate() {}

@@ -10,9 +10,8 @@ import { isSameBoard } from "../board.js";
  * @property {string | null} suspected what the last frames look like
  * @property {number} since ms, when it was first suspected
  * @property {number} blindSince ms, since when no corner has been seen; infinite while some are
- * @property {number} probedAt ms, when something else was looked for last
- * @property {number} probes how often
- * @property {string | null} probed what was found instead of the board; it stands until corners are seen
+ * @property {boolean} tiny markers are seen in the last frame, and their squares are too small to be measured
+ * @property {string | null} other trouble that another board or a mirrored picture is; it stands until corners are seen
  * @property {number} seenAt ms, when the frame before was seen
  * @property {{time: number, speed: number}[]} speeds px/s at 1280 px image width, of the last frames with a board
  */
@@ -23,17 +22,13 @@ export const HEALTHY = {
   suspected: null,
   since: 0,
   blindSince: Infinity,
-  probedAt: 0,
-  probes: 0,
-  probed: null,
+  tiny: false,
+  other: null,
   seenAt: -Infinity,
   speeds: [],
 };
 
 const PERSISTS = 700; // ms that something must look wrong before it is said
-const BLIND = 1_200; // ms without a corner before anything else is looked for
-const BETWEEN = 600; // ms between probes: each costs a frame
-const FEW_MARKERS = 3; // recognised markers that are no accident
 const DARK = 40; // of 255: the brighter parts of the picture (95 %) are below twice this
 const BURNT = 0.25; // share of the picture that is white without structure
 const BLURRED = 0.072; // sharpness of a picture with edges: below, a square's edge is wider than about 6 px
@@ -47,24 +42,6 @@ const RECENT = 800; // ms over which speed is taken
 const MIN_SPEEDS = 3; // frames with a speed: one alone may be a wrong corner
 
 /**
- * Alternatives that are looked for, one after the other.
- * @type {("mirrored" | "legacy" | "DICT_4X4_1000" | "DICT_5X5_1000" | "DICT_6X6_1000" | "DICT_7X7_1000" |
- *   "DICT_ARUCO_ORIGINAL" | "DICT_APRILTAG_36h11")[]}
- */
-export const PROBES = [
-  "mirrored",
-  "legacy",
-  "DICT_5X5_1000",
-  "DICT_6X6_1000",
-  "mirrored",
-  "legacy",
-  "DICT_4X4_1000",
-  "DICT_7X7_1000",
-  "DICT_ARUCO_ORIGINAL",
-  "DICT_APRILTAG_36h11",
-];
-
-/**
  * @param {Diagnosis} before
  * @param {Detection} detection
  * @param {number} motion px since the frame before, infinite where
@@ -73,15 +50,15 @@ export const PROBES = [
  * @returns {Diagnosis}
  */
 export function diagnose(before, detection, motion, time) {
-  const { ids, size, probe } = detection;
+  const { ids, size } = detection;
   const blind = ids.length === 0;
   const blindSince = blind ? Math.min(before.blindSince, time) : Infinity;
   const speed = (1000 * motion * 1280) / (size[0] * (time - before.seenAt));
   const speeds = blind
     ? []
     : [...before.speeds, { time, speed }].filter((each) => Number.isFinite(each.speed) && time - each.time < RECENT);
-  const probed = blind ? (probe ? (found(probe) ?? before.probed) : before.probed) : null;
-  const suspected = suspect(detection, blindSince === Infinity ? 0 : time - blindSince, probed, speeds);
+  const other = blind ? before.other : null;
+  const suspected = suspect(detection, blindSince === Infinity ? 0 : time - blindSince, other, speeds);
   const since = suspected === before.suspected ? before.since : time;
   return {
     trouble:
@@ -90,10 +67,9 @@ export function diagnose(before, detection, motion, time) {
     since,
     blindSince,
     speeds,
-    probed,
+    tiny: isTiny(detection),
+    other,
     seenAt: time,
-    probedAt: probe ? time : before.probedAt,
-    probes: before.probes + (probe ? 1 : 0),
   };
 }
 
@@ -104,31 +80,21 @@ export function diagnose(before, detection, motion, time) {
  */
 const stillSaid = (before, suspected) => (suspected === null ? null : before.trouble);
 
-/**
- * Alternative to look for in the next frame; null: none.
- * @param {Diagnosis} diagnosis @param {number} time ms
- */
-export function nextProbe({ blindSince, probedAt, probes }, time) {
-  return time - blindSince > BLIND && time - probedAt > BETWEEN ? PROBES[probes % PROBES.length] : null;
-}
-
-/** @param {{kind: string, markers: number, corners: number}} probe */
-function found({ kind, markers, corners }) {
-  if (kind === "mirrored" || kind === "legacy") return corners >= FEW_MARKERS ? kind : null;
-  return markers > FEW_MARKERS ? "wrong_board" : null;
-}
+/** @param {Pick<Detection, "markers" | "metrics">} detection */
+const isTiny = ({ markers, metrics }) =>
+  markers > 0 && metrics !== undefined && metrics.square > 0 && metrics.square < SMALL;
 
 /**
- * @param {Detection} detection @param {number} blind ms without a corner @param {string | null} probed
+ * @param {Detection} detection @param {number} blind ms without a corner @param {string | null} other
  * @param {Diagnosis["speeds"]} speeds
  * @returns {string | null}
  */
-function suspect({ ids, markers, metrics }, blind, probed, speeds) {
+function suspect({ ids, markers, metrics }, blind, other, speeds) {
   if (!metrics) return null;
   if (ids.length === 0) {
     if (blind < PERSISTS) return null;
-    if (probed) return probed;
-    if (markers > 0 && metrics.square > 0 && metrics.square < SMALL) return "far";
+    if (other) return other;
+    if (isTiny({ markers, metrics })) return "far";
     if (metrics.high < 2 * DARK && metrics.median < DARK) return "dark";
     if (metrics.overexposed > BURNT) return "bright";
     return metrics.sharpness !== null && metrics.sharpness < BLURRED ? "blurred" : null;

@@ -27,13 +27,26 @@ export function drawTarget({ target, targetBack, targetCorner, ghost }, board, p
   targetCorner.setAttribute("cy", String(y));
 }
 
-/** @param {SVGElement} group @param {number[][]} points px */
-export function drawCircles(group, points) {
-  resize(group, "circle", points.length, { class: "corner", r: "5" });
+const GONE_AT = 0.5; // overlap with the target from which its squares are not drawn
+
+/**
+ * Share of the target's squares that is shown, 0…1: where both overlap, only the outline distinguishes them.
+ * @param {number} overlap of the board with the target, Jaccard index
+ */
+export const visibleShare = (overlap) => Math.max(0, 1 - overlap / GONE_AT);
+
+/**
+ * The board as it is seen: its corners and its outline.
+ * @param {{corners: SVGElement, seenOutline: SVGElement}} parts @param {import("./sight.js").Sight} sight
+ */
+export function drawBoard({ corners, seenOutline }, sight) {
+  const { points } = sight.corners;
+  resize(corners, "circle", points.length, { class: "corner", r: "5" });
   points.forEach(([x, y], index) => {
-    write(group.children[index], "cx", x.toFixed(1));
-    write(group.children[index], "cy", y.toFixed(1));
+    write(corners.children[index], "cx", x.toFixed(1));
+    write(corners.children[index], "cy", y.toFixed(1));
   });
+  seenOutline.setAttribute("points", polygon(sight.outline ?? []));
 }
 
 /** @param {SVGElement} group @param {number[][]} ways x and y of both ends, px */

@@ -161,21 +161,8 @@ export function settled(before, next, time, urgent = false) {
 
 export const HOLD_MS = 700; // still at the target
 export const LONG_HOLD_MS = 1_500; // still anywhere else: the service judges whether the view helps all the same
-// at 1280 px image width, from the hold that was sent last: the service refuses duplicates within 25.6
-export const MIN_DISPLACEMENT_PX = 26;
-const MIN_OVERLAP = 0.6; // Jaccard index with the target that counts as there,
-const MAX_DIFFERENCE = 0.08; // if the board is also tilted as the target is
 const LENIENT_AFTER_MS = 3_000; // after which the hand may move more,
 const MAX_LENIENCE = 4; // at most so many times the motion of a steady hand
-
-/**
- * True if the board is at its target, and tilted as the target is.
- * @param {{overlap: number, outline: number[][] | null}} seen overlap: Jaccard index with the target
- * @param {number[][] | null} aim outline of the target; null where too little of it is in the image
- */
-export function isAtTarget({ overlap, outline }, aim) {
-  return overlap > MIN_OVERLAP && outline !== null && (aim === null || difference(outline, aim) < MAX_DIFFERENCE);
-}
 
 /**
  * Factor on the motion that counts as still: it grows with time, for visitors without a steady hand.

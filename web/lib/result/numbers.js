@@ -28,7 +28,7 @@ import { COEFFICIENTS, isKnownModel, lensOf } from "../../sdk/projection.js";
  * @typedef {object} BoardShape shares of the board's length, with their standard deviations
  * @property {number} sag @property {number} sag_std
  * @property {number} stretch @property {number} stretch_std
- * @property {"wider" | "narrower" | "skewed"} [stretch_kind] older ones have none
+ * @property {"wider" | "narrower" | "skewed" | null} [stretch_kind] older ones have none
  *
  * @typedef {object} Row
  * @property {string} name

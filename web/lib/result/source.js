@@ -1,5 +1,6 @@
 // A stored calibration, with its report, and as a file in any format that the service writes.
 import { Api } from "../api.js";
+import { offerResponse } from "../files.js";
 import { loadSettings } from "../settings.js";
 import { fileName } from "./numbers.js";
 
@@ -89,17 +90,8 @@ export async function save(calibration, format, { id, without = [] } = calibrati
     accept: "*/*",
   });
   const { headers } = response;
-  const [, named] = /filename="?([^";]+)"?/.exec(headers.get("content-disposition") ?? "") ?? [];
-  // The file is read completely before it is offered, so that a broken transfer is an error, not half a file.
-  const content = await response.blob();
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(content);
-  link.download = named ?? fileName(calibration, endingOf(headers.get("content-type") ?? ""));
-  link.click();
-  // By then, the browser has read it.
-  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
   return {
-    name: link.download,
+    name: await offerResponse(response, fileName(calibration, endingOf(headers.get("content-type") ?? ""))),
     error: measure(headers.get("x-conversion-error"), 0),
     coverage: measure(headers.get("x-conversion-coverage"), 1),
   };

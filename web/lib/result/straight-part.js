@@ -1,6 +1,7 @@
 // Part of a result that shows what it does: a picture before and after, and any other photograph of this camera.
 import { el, liveRegion } from "../dom.js";
 import { formatSize, t } from "../i18n.js";
+import { imageInput } from "../files.js";
 import { comparison, shrinkCalibration } from "./compare.js";
 import { gridPicture } from "./grid-picture.js";
 import { button } from "./views.js";
@@ -38,28 +39,23 @@ export function straightPart(calibration, picture, onPicture, turnOff = null) {
 
 /** @param {Calibration} calibration @param {(picture: HTMLCanvasElement) => void} onPicture */
 function chooser({ img_size: [width, height] }, onPicture) {
-  const input = el("input", { class: "unseen", id: "trial-picture", type: "file", accept: "image/*" });
-  const label = el("label", { class: "button" }, input, el("span", {}, t("result.picture")));
   const problem = el("p", { class: "problem", id: "trial-problem", role: "status" });
   const complain = liveRegion(problem);
-  input.addEventListener("change", async () => {
-    const [file] = input.files ?? [];
-    if (!file) return;
-    complain();
-    try {
-      const picture = await createImageBitmap(file);
-      if (picture.width * height !== picture.height * width) {
-        complain(() => t("result.picture_shape", { size: formatSize([width, height]) }));
-        return;
-      }
+  const input = imageInput({ id: "trial-picture" }, [width, height], {
+    onStart: () => complain(),
+    onImage(image) {
       const canvas = el("canvas", { width, height });
-      canvas.getContext("2d")?.drawImage(picture, 0, 0, width, height);
-      picture.close();
+      canvas.getContext("2d")?.drawImage(image, 0, 0, width, height);
+      image.close();
       onPicture(canvas);
-    } catch (error) {
-      if (!(error instanceof DOMException)) throw error;
-      complain(() => t("result.picture_unreadable"));
-    }
+    },
+    onProblem: (code) =>
+      complain(() =>
+        code === "shape"
+          ? t("result.picture_shape", { size: formatSize([width, height]) })
+          : t("result.picture_unreadable"),
+      ),
   });
+  const label = el("label", { class: "button" }, input, el("span", {}, t("result.picture")));
   return el("div", { class: "chooser" }, label, problem);
 }

@@ -105,11 +105,8 @@ export class VirtualCamera {
       this.#worker.postMessage({ open: { board, lens, size, fault: FAULTS.includes(fault) ? fault : "" } });
     });
     this.#worker.onmessage = ({ data }) => this.#show(data.picture);
-    const stream = this.#canvas.captureStream(rate);
+    const stream = streamOf(this.#canvas, rate, this.label);
     const [track] = stream.getVideoTracks();
-    Object.defineProperty(track, "label", { value: this.label });
-    const settings = { width: size[0], height: size[1], frameRate: rate, resizeMode: "none" };
-    Object.defineProperty(track, "getSettings", { value: () => settings });
     track.addEventListener("ended", () => this.close());
     this.#stream = stream;
     this.#ask();
@@ -167,6 +164,19 @@ export class VirtualCamera {
     // One pixel in its own colour: enough for the stream to deliver the picture again.
     if (this.#picture && this.#settled) this.#context.putImageData(this.#picture, 0, 0, 0, 0, 1, 1);
   }
+}
+
+/**
+ * Stream of what is painted on a canvas, with the label and the settings of a camera.
+ * @param {HTMLCanvasElement} canvas @param {number} rate Hz @param {string} label
+ */
+export function streamOf(canvas, rate, label) {
+  const stream = canvas.captureStream(rate);
+  const [track] = stream.getVideoTracks();
+  const settings = { width: canvas.width, height: canvas.height, frameRate: rate, resizeMode: "none" };
+  Object.defineProperty(track, "label", { value: label });
+  Object.defineProperty(track, "getSettings", { value: () => settings });
+  return stream;
 }
 
 /**

@@ -1,9 +1,10 @@
-// Streams of this device's cameras, and the pictures that they deliver: a stereo camera's stream holds two.
-import { CameraError, facts, open, play } from "../lib/camera.js";
-import { cameraKey, platformHere } from "../sdk/key.js";
+// Streams of this device's cameras, and the pictures that they deliver: a stereo camera's stream has two.
+import { CameraError, facts, open, play, requestStream } from "../camera.js";
+import { grab } from "../detector.js";
+import { cameraKey, platformHere } from "../../sdk/key.js";
 
 /**
- * @typedef {import("../lib/camera.js").OpenCamera} OpenCamera
+ * @typedef {import("../camera.js").OpenCamera} OpenCamera
  * @typedef {"one" | "side_by_side" | "top_bottom"} Layout of the pictures in a stream
  * @typedef {"left" | "right" | "top" | "bottom"} Half of a stream's picture
  *
@@ -11,13 +12,13 @@ import { cameraKey, platformHere } from "../sdk/key.js";
  * @property {string} id of the device; "virtual" followed by a position for a simulated camera
  * @property {string} label
  * @property {Layout} layout
- * @property {import("../vendor/api.js").SessionRequest["distortion_model"]} distortion_model
+ * @property {import("../../vendor/api.js").SessionRequest["distortion_model"]} distortion_model
  *
  * @typedef {object} Picture one camera's part of a stream
  * @property {Half | null} half null: all of it
  * @property {[number, number]} size px
  * @property {[number, number]} offset of its first pixel in the stream's picture, px
- * @property {import("../vendor/api.js").SessionRequest["track"]} track
+ * @property {import("../../vendor/api.js").SessionRequest["track"]} track
  * @property {string} camera label, with the half
  * @property {string} platform
  * @property {number} zoom
@@ -54,15 +55,17 @@ export class Stream {
   /** @type {{video: HTMLVideoElement, picture: Picture}[]} */
   #shown = [];
 
-  /** @param {Choice} choice @param {OpenCamera} camera */
-  constructor(choice, camera) {
-    this.choice = choice;
+  #layout;
+
+  /** @param {OpenCamera} camera @param {Layout} [layout] */
+  constructor(camera, layout = "one") {
     this.camera = camera;
+    this.#layout = layout;
   }
 
   /** @returns {boolean} whether it is shown as a mirror */
   get mirrored() {
-    return this.camera.mirrored && this.choice.layout === "one";
+    return this.camera.mirrored && this.#layout === "one";
   }
 
   /**
@@ -72,10 +75,11 @@ export class Stream {
   async play(videos) {
     const { stream, track } = this.camera;
     for (const video of videos) await play(video, stream);
+    // The frames' size counts: on a turned device some browsers' settings still give the sensor's.
     const { videoWidth, videoHeight } = videos[0];
     const key = cameraKey(track);
     const platform = await platformHere();
-    const pictures = HALVES[this.choice.layout].map((half) => ({
+    const pictures = HALVES[this.#layout].map((half) => ({
       half,
       ...placeOf(half, [videoWidth, videoHeight]),
       track: facts(track),
@@ -100,7 +104,7 @@ export class Stream {
    */
   async grab() {
     const [{ video }] = this.#shown;
-    const whole = typeof VideoFrame === "function" ? new VideoFrame(video) : await createImageBitmap(video);
+    const whole = await grab(video);
     if (this.#shown.length === 1) return [whole];
     try {
       return await Promise.all(
@@ -119,29 +123,44 @@ export class Stream {
   close() {
     this.camera.close();
   }
+
+  /**
+   * Closes the camera when a capture ends, and reports if it is unplugged before.
+   * @param {AbortSignal} signal of the capture; throws its reason if it has ended already
+   * @param {(error: CameraError) => void} onUnplugged
+   * @returns {() => void} keeps the camera open for another capture
+   */
+  closeWith(signal, onUnplugged) {
+    const close = () => this.close();
+    if (signal.aborted) close();
+    signal.throwIfAborted();
+    signal.addEventListener("abort", close);
+    this.camera.track.addEventListener("ended", () => onUnplugged(new CameraError("unplugged")), { signal });
+    return () => signal.removeEventListener("abort", close);
+  }
 }
 
 /**
  * @param {Choice} choice
- * @param {{parameters: URLSearchParams, place: HTMLElement, board: import("../lib/board.js").Board}} options
+ * @param {{parameters: URLSearchParams, place: HTMLElement, board: import("../board.js").Board}} options
  * @returns {Promise<Stream>} rejects with CameraError
  */
 export async function openStream(choice, options) {
   const asked = { ...options, size: ASKED_SIZES[choice.layout] };
   try {
-    return new Stream(choice, await open(choice.id, asked));
+    return new Stream(await open(choice.id, asked), choice.layout);
   } catch (error) {
     if (!(error instanceof CameraError) || error.code !== "gone") throw error;
     // Some browsers give devices new ids with each visit: the name is the same.
     const id = await idOf(choice.label);
     if (!id) throw error;
-    return new Stream({ ...choice, id }, await open(id, asked));
+    return new Stream(await open(id, asked), choice.layout);
   }
 }
 
 /** Id of the device with a name; null where there is none. @param {string} label */
 async function idOf(label) {
-  const permission = await navigator.mediaDevices.getUserMedia({ video: true }); // without it devices have no names
+  const permission = await requestStream(true); // without it devices have no names
   const devices = await navigator.mediaDevices.enumerateDevices();
   for (const track of permission.getTracks()) track.stop();
   return devices.find((each) => each.kind === "videoinput" && each.label === label)?.deviceId ?? null;

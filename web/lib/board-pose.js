@@ -1,10 +1,10 @@
 // Pose of the board from its corners in a picture: by a homography through the lens, then by least squares in pixels.
-import { homography } from "../lib/homography.js";
-import { minimize } from "../lib/least-squares.js";
-import { rotationMatrix, rotationVectorOf } from "../lib/pose.js";
+import { homography } from "./homography.js";
+import { minimize } from "./least-squares.js";
+import { rotationMatrix, rotationVectorOf } from "./pose.js";
 
 /**
- * @typedef {import("../lib/pose.js").Pose} Pose
+ * @typedef {import("./pose.js").Pose} Pose
  * @typedef {import("../sdk/projection.js").Lens} Lens
  */
 

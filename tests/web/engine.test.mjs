@@ -1,0 +1,200 @@
+// Capture engine over cameras, a detector and a page that are made up.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { DEFAULT_BOARD } from "../../web/lib/board.js";
+import { Engine } from "../../web/lib/capture/engine.js";
+import { PageDetector } from "../../web/lib/capture/page-detector.js";
+import { BLIND, observeFrame } from "../../web/lib/capture/sight.js";
+import { DetectorError } from "../../web/lib/detector.js";
+
+globalThis.document = { hidden: false };
+
+const SIZE = [1280, 720];
+const IDS = Array.from({ length: 40 }, (_, id) => id);
+const detection = ({ shift = 0, sharpness = 0.15, size = SIZE } = {}) => ({
+  ids: IDS,
+  points: IDS.map((id) => [200 + 60 * (id % 8) + shift, 150 + 60 * Math.floor(id / 8)]),
+  markers: 24,
+  size,
+  metrics: { share: 1, median: 110, high: 220, overexposed: 0, sharpness, square: 60, moire: 0 },
+});
+
+/** A stream of one camera or of two that share it. */
+function streamOf(count = 1) {
+  const stream = {
+    video: { requestVideoFrameCallback: (done) => setImmediate(done) },
+    unchanged: true,
+    open: 0,
+    locked: 0,
+    camera: { track: { getSettings: () => ({}), getCapabilities: () => ((stream.locked += 1), {}) } },
+    grab: async () => Array.from({ length: count }, () => ((stream.open += 1), { close: () => (stream.open -= 1) })),
+  };
+  return stream;
+}
+
+/** A detector that gives what `answers` has, and closes its images; the last answer again and again. */
+const detectorOf = (...answers) => ({
+  closed: false,
+  close() {
+    this.closed = true;
+  },
+  async detect(image, options) {
+    image.close();
+    this.options = options;
+    const next = answers.length > 1 ? answers.shift() : answers[0];
+    if (next instanceof Error) throw next;
+    return next;
+  },
+});
+
+/** A page that stops after so many rounds; `log` has what the engine told it. */
+function pageOf(rounds, more = {}) {
+  const log = [];
+  const sights = new Map();
+  const page = {
+    log,
+    isOver: () => rounds <= 0,
+    sight: (camera) => sights.get(camera) ?? BLIND,
+    observe: (camera, found) => {
+      sights.set(camera, observeFrame(page.sight(camera), found, performance.now(), DEFAULT_BOARD));
+      log.push(`seen ${camera.half}`);
+    },
+    act: async () => {
+      rounds -= 1;
+      log.push("act");
+    },
+    isSearched: () => false,
+    suggest: () => {},
+    onStalled: (stalled) => log.push(stalled ? "stalled" : "again"),
+    onResized: () => {
+      log.push("resized");
+      rounds = 0;
+    },
+    ...more,
+  };
+  return page;
+}
+
+const engineOf = (page, cameras, detector, more = {}) =>
+  new Engine(page, {
+    cameras,
+    board: () => DEFAULT_BOARD,
+    detector: Promise.resolve(detector),
+    openDetector: async () => assert.fail("another detector"),
+    signal: new AbortController().signal,
+    ...more,
+  });
+
+test("each camera is looked at in each round, and no image is left open", async () => {
+  const [pair, single] = [streamOf(2), streamOf()];
+  const cameras = [
+    { stream: pair, half: 0 },
+    { stream: pair, half: 1 },
+    { stream: single, half: 0 },
+  ];
+  const page = pageOf(2);
+  await engineOf(page, cameras, detectorOf(detection())).run();
+  assert.deepEqual(page.log, [...["seen 0", "seen 1", "seen 0", "act"], ...["seen 0", "seen 1", "seen 0", "act"]]);
+  // The detector closes an image, and the engine does so again, which does nothing in a browser.
+  assert.ok(pair.open <= 0 && single.open <= 0);
+});
+
+test("a detector that stops is replaced three times; the fourth failure ends the capture", async () => {
+  const broken = () => detectorOf(new DetectorError("gone"));
+  const made = [];
+  const openDetector = async () => {
+    made.push(broken());
+    return made.at(-1);
+  };
+  const page = pageOf(1);
+  const first = broken();
+  await assert.rejects(engineOf(page, [{ stream: streamOf(), half: 0 }], first, { openDetector }).run(), DetectorError);
+  assert.deepEqual(page.log, ["stalled", "again", "stalled", "again", "stalled", "again"]);
+  assert.ok(first.closed && made.length === 3 && made[0].closed && made[1].closed);
+});
+
+test("a turned device is reported before its images are looked at", async () => {
+  const page = pageOf(1);
+  await engineOf(page, [{ stream: { ...streamOf(), unchanged: false }, half: 0 }], detectorOf(detection())).run();
+  assert.deepEqual(page.log, ["resized"]);
+});
+
+test("a view is searched thoroughly; a jerk, blur and another size are refused", async () => {
+  const taken = async (view, lenience) => {
+    const camera = { stream: streamOf(), half: 0 };
+    const detector = detectorOf(detection(), detection(), view);
+    let found;
+    const page = pageOf(2);
+    const act = page.act;
+    const engine = engineOf(page, [camera], detector);
+    page.act = async () => {
+      await act();
+      if (page.isOver()) found = await engine.take(camera, lenience ? { lenience: () => lenience } : {});
+    };
+    await engine.run();
+    assert.equal(detector.options.full, true);
+    return { found, log: page.log };
+  };
+  assert.deepEqual((await taken(detection({ shift: 2.9 }))).found.corners.ids, IDS);
+  assert.equal((await taken(detection({ shift: 3.1 }))).found, null);
+  assert.ok((await taken(detection({ shift: 3.1 }), 2)).found, "a hand that is given time may move more");
+  assert.equal((await taken(detection({ sharpness: 0.1 }))).found, null);
+  assert.deepEqual((await taken(detection({ size: [720, 1280] }))).log.slice(-1), ["resized"]);
+});
+
+test("the focus of a camera is locked once, when the board has been held before it", async () => {
+  const stream = streamOf();
+  let focused = 0;
+  const start = performance.now();
+  const page = pageOf(0, {
+    isOver: () => performance.now() - start > 600,
+    act: async () => {},
+    onFocused: () => (focused += 1),
+  });
+  await engineOf(page, [{ stream, half: 0 }], detectorOf(detection())).run();
+  assert.deepEqual([stream.locked, focused], [1, 1]);
+});
+
+test("other boards are looked for while the page wants it and no corner is seen", async () => {
+  const searched = async (found, isSearched) => {
+    const detector = detectorOf(found);
+    let looks = 0;
+    detector.sight = async (image) => {
+      image.close();
+      looks += 1;
+      return { family: null, markers: [], inverted: false, mirrored: false, size: SIZE, chessboard: null };
+    };
+    const suggestions = [];
+    const start = performance.now();
+    const page = pageOf(0, {
+      isOver: () => performance.now() - start > 800,
+      act: async () => {},
+      isSearched: () => isSearched,
+      suggest: (_, suggestion) => suggestions.push(suggestion),
+    });
+    await engineOf(page, [{ stream: streamOf(), half: 0 }], detector).run();
+    assert.equal(suggestions.length, looks);
+    return suggestions;
+  };
+  const blind = { ...detection(), ids: [], points: [], markers: 0 };
+  const suggestions = await searched(blind, true);
+  assert.ok(suggestions.length > 0 && suggestions.every((each) => each === null), "there is no board");
+  assert.deepEqual(await searched(blind, false), []);
+  assert.deepEqual(await searched(detection(), true), []);
+});
+
+test("the detector of a page is made once, and again after it has failed or was closed", async () => {
+  const made = [];
+  const detector = new PageDetector(async () => {
+    if (made.length === 1) made.push(null);
+    else made.push({ closed: false, close: () => (made.at(-1).closed = true) });
+    return made.at(-1) ?? Promise.reject(new DetectorError("not loaded"));
+  });
+  const first = await detector.open();
+  assert.equal(await detector.open(), first);
+  detector.close();
+  await assert.rejects(detector.open(), DetectorError);
+  assert.ok(first.closed && (await detector.open()) === made[2]);
+  assert.equal(await detector.open(), made[2]);
+  assert.equal(made.length, 3);
+});

@@ -1,0 +1,142 @@
+// Sight of the board in one camera, frame by frame: where the board is, how still it is held, how far it is from its
+// target, and what keeps it from being seen. Pure: the time comes in.
+import { observedOutline } from "../board-outline.js";
+import { HEALTHY, diagnose, troubleOf } from "./diagnosis.js";
+import { jaccard } from "./jaccard.js";
+import { MOVING, motion, observe } from "./stillness.js";
+import { advice, asMirrored, difference } from "./target.js";
+
+/**
+ * @typedef {import("../board-outline.js").Corners} Corners
+ * @typedef {import("../detector.js").Detection} Detection
+ * @typedef {{ids: number[], corners: number[][], outline: number[][]}} Target px
+ */
+
+/**
+ * @template {Target} [T=Target]
+ * @typedef {object} Sight
+ * @property {[number, number]} size of the image, px
+ * @property {Corners} corners of the last frame
+ * @property {number} markers in the last frame
+ * @property {[number, number][] | null} outline of the board in the last frame, px
+ * @property {import("./stillness.js").Stillness} stillness
+ * @property {import("./diagnosis.js").Diagnosis} diagnosis
+ * @property {T | null} target
+ * @property {[number, number][] | null} aim the target's outline, px; null where too little of it is in the image
+ * @property {number} overlap with the target, Jaccard index
+ * @property {number} distance from the target: 0 there, infinite where the two cannot be compared
+ * @property {Corners | null} lastTaken corners of the hold that was taken last: the same hold is not taken twice
+ */
+
+const MIN_OVERLAP = 0.6; // Jaccard index with the target that counts as there,
+const MAX_DIFFERENCE = 0.08; // if the board is also tilted as the target is
+const MIN_DISPLACEMENT_PX = 26; // at 1280 px image width: the service refuses duplicates within 25.6
+const SETTLED_MS = 300; // of holding still before the camera's focus is locked: less than a view takes
+const MIN_VISIBLE_SHARE = 0.6; // of the board's corners from which the lens is taken to be focused on it
+
+/** @type {Sight<any>} */
+export const BLIND = {
+  size: [1280, 720],
+  corners: { ids: [], points: [] },
+  markers: 0,
+  outline: null,
+  stillness: MOVING,
+  diagnosis: HEALTHY,
+  target: null,
+  aim: null,
+  overlap: 0,
+  distance: Infinity,
+  lastTaken: null,
+};
+
+/**
+ * @template {Target} T
+ * @param {Sight<T>} before @param {Detection} detection @param {number} time ms
+ * @param {import("../board.js").Board} board
+ * @param {number} [lenience] how many times a steady hand's motion counts as still
+ * @returns {Sight<T>}
+ */
+export function observeFrame(before, detection, time, board, lenience = 1) {
+  const { ids, points, markers, size } = detection;
+  const found = { ids, points };
+  const stillness = observe(before.stillness, found, time, size[0], lenience);
+  // A blurred frame in the middle of a hold is ignored, or the hold would begin again.
+  const passed = stillness === before.stillness;
+  const corners = passed ? before.corners : found;
+  return measured({
+    ...before,
+    size,
+    corners,
+    outline: passed ? before.outline : observedOutline(board, corners),
+    stillness,
+    markers: passed ? before.markers : markers,
+    diagnosis: diagnose(before.diagnosis, detection, motion(before.corners, found), time),
+  });
+}
+
+/**
+ * Another board, or a mirrored picture, is reported at once: several detections agree on it. A board that is too far
+ * away to be read may look like any other.
+ * @template {Target} T
+ * @param {Sight<T>} sight @param {import("../board-recognition.js").Recognised | null} suggestion what is there
+ *   instead of the board
+ * @param {import("../board.js").SentBoard} board @param {number} time ms
+ * @returns {Sight<T>}
+ */
+export function doubt(sight, suggestion, board, time) {
+  if (!suggestion || sight.corners.ids.length > 0 || sight.diagnosis.tiny) return sight;
+  const trouble = troubleOf(suggestion, board);
+  return {
+    ...sight,
+    diagnosis: { ...sight.diagnosis, other: trouble, suspected: trouble, trouble, since: time },
+  };
+}
+
+/**
+ * Gives a camera its target, or none.
+ * @template {Target} T
+ * @param {Sight<T>} sight @param {T | null} target @param {import("../board.js").Board} board
+ * @returns {Sight<T>}
+ */
+export function aimAt(sight, target, board) {
+  const aim = target && observedOutline(board, { ids: target.ids, points: target.corners });
+  return measured({ ...sight, target, aim });
+}
+
+/** @template {Target} T @param {Sight<T>} sight @returns {Sight<T>} */
+function measured(sight) {
+  const { outline, target, aim, size } = sight;
+  const overlap = outline && target ? jaccard(outline, target.outline, size) : 0;
+  const distance = outline && aim ? 1 - overlap + difference(outline, aim) : Infinity;
+  return { ...sight, overlap, distance };
+}
+
+/** True if the board is at its target, and tilted as the target is. @param {Sight} sight */
+export const isThere = ({ outline, overlap, aim }) =>
+  overlap > MIN_OVERLAP && outline !== null && (aim === null || difference(outline, aim) < MAX_DIFFERENCE);
+
+/** True if the board is where it was held then. @param {Sight} sight @param {Corners | null} hold */
+export const isNear = ({ corners, size }, hold) =>
+  hold !== null && motion(hold, corners) < (MIN_DISPLACEMENT_PX * size[0]) / 1280;
+
+/**
+ * Code of the movement that leads to the target, as the preview shows it; "match": none stands out.
+ * @param {Sight} sight @param {boolean} isMirrored the preview is a mirror
+ * @param {string} [otherwise] code if board and target cannot be compared
+ */
+export function movement({ outline, aim }, isMirrored, otherwise = "match") {
+  const code = outline && aim ? advice(outline, aim) || "match" : otherwise;
+  return isMirrored ? asMirrored(code) : code;
+}
+
+/**
+ * True if the board is held before the camera and is in focus, so that the focus may be locked.
+ * @param {Sight} sight @param {import("../board.js").Board} board
+ */
+export function isSettled({ corners, diagnosis, stillness }, { squares: [columns, rows] }) {
+  return (
+    diagnosis.suspected === null &&
+    stillness.held >= SETTLED_MS &&
+    corners.ids.length >= MIN_VISIBLE_SHARE * (columns - 1) * (rows - 1)
+  );
+}
