@@ -29,15 +29,22 @@ PLACES = (
 
 
 def views(
-    camera: Camera, rng: np.random.Generator, noise: float = 0.2, count: int = 6, hand: Hand = STEADY
+    camera: Camera,
+    rng: np.random.Generator,
+    noise: float = 0.2,
+    count: int = 6,
+    hand: Hand = STEADY,
+    board: Board = BOARD,
 ) -> list[View]:
     """Views as a guided capture ends with: close to all parts of the image, tilted by 35 to 50 degrees.
 
-    A view that shows fewer than 16 corners is taken again with the board farther away. `hand` holds it.
+    A view that shows fewer than 16 corners of those of the board is taken again with the board farther away.
+    `hand` holds it.
     """
     w, h = camera.img_size
-    corners = hand.bend(BOARD, rng) if hand.sag_boards else None
-    middle = BOARD.outline.mean(axis=0)
+    corners = hand.bend(board, rng) if hand.sag_boards else None
+    middle = board.outline.mean(axis=0)
+    least = min(16, len(board.points))
     out: list[View] = []
     for i in range(count):
         x, y = PLACES[i % len(PLACES)] + rng.uniform(-0.06, 0.06, 2)
@@ -48,11 +55,11 @@ def views(
         r = towards @ rotation.matrix(tilt)
         width = rng.uniform(0.9, 1.1)
         for _ in range(8):
-            depth = BOARD.size[0] * camera.matrix[0, 0] / (width * w)
+            depth = board.size[0] * camera.matrix[0, 0] / (width * w)
             t = depth * ray - r @ middle
             focused = hand.refocused(camera, rng)
             view = synthetic.detect(
-                BOARD,
+                board,
                 focused,
                 rotation.vector(r),
                 t,
@@ -62,7 +69,7 @@ def views(
                 corners=corners,
                 whole_markers=False,
             )
-            if len(view) >= 16:
+            if len(view) >= least:
                 out.append(view)
                 break
             width *= 0.8
