@@ -45,9 +45,11 @@ def test_consensus_is_reliable_from_five_members(honest: list[Member]) -> None:
 
 
 def test_too_few_contributors_are_not_reliable(honest: list[Member]) -> None:
-    one = [Member(m.id, "same", m.views) for m in honest[:5]]
-    assert pool(one, SIZE, "rectilinear").reliable
-    assert not pool(one, SIZE, "rectilinear", Rule(min_contributors=3)).reliable
+    """However well two contributors with many calibrations agree."""
+    two = [Member(m.id, f"c{i % 2}", m.views) for i, m in enumerate(honest)]
+    assert pool(two, SIZE, "rectilinear").reliable
+    found = pool(two, SIZE, "rectilinear", Rule(min_contributors=3))
+    assert (found.reliable, found.reason) == (False, "few_contributors")
 
 
 def test_lying_minority_changes_nothing(honest: list[Member]) -> None:
