@@ -80,16 +80,15 @@ class Outcome:
 
 def footage() -> Iterator[Footage]:
     """Read every set that is at hand."""
-    only = set(filter(None, os.environ.get("ONLY", "").split(",")))
     for name in available(NAMES):
-        if not only or name in only:
+        if document.is_chosen(name):
             views, size = usable_views(name)
             board, _, shown = on_board(views)
             if rejection_reason(shown[0], size) == "mirrored":  # numbered from below
                 shown = tuple(upside_down(board, view) for view in shown)
             yield Footage(name, board, size, shown)
     for name in VIDEOS if EXTERNAL is not None else ():
-        if not only or name in only:
+        if document.is_chosen(name):
             yield read_video(name)
 
 

@@ -128,17 +128,27 @@ def seen_all(camera: Camera) -> list[Camera]:
     return [camera] if np.isfinite(camera.unproject(rim)).all() else []
 
 
+def profile_rows() -> list[dict[str, str]]:
+    """Rows of the published lens profiles."""
+    with (data_dir() / "lens_profiles.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def profile_camera(row: dict[str, str]) -> Camera:
+    """Camera of a row."""
+    fx, fy, cx, cy = (float(row[name]) for name in ("fx", "fy", "cx", "cy"))
+    matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
+    return Camera(
+        "fisheye", matrix, [float(row[f"k{i}"]) for i in (1, 2, 3, 4)], (int(row["w"]), int(row["h"]))
+    )
+
+
 def profiles() -> dict[Mode, list[tuple[Camera, float]]]:
     """Published lens profiles by mode (brand, model, lens, setting, size): camera, and its rms in px."""
     modes: dict[Mode, list[tuple[Camera, float]]] = defaultdict(list)
-    with (data_dir() / "lens_profiles.csv").open(newline="") as file:
-        for row in csv.DictReader(file):
-            size = (int(row["w"]), int(row["h"]))
-            fx, fy, cx, cy = (float(row[name]) for name in ("fx", "fy", "cx", "cy"))
-            matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
-            camera = Camera("fisheye", matrix, [float(row[f"k{i}"]) for i in (1, 2, 3, 4)], size)
-            mode = tuple(row[name] for name in ("brand", "model", "lens", "setting", "w", "h"))
-            modes[mode].append((camera, float(row["rms"] or "nan")))
+    for row in profile_rows():
+        mode = tuple(row[name] for name in ("brand", "model", "lens", "setting", "w", "h"))
+        modes[mode].append((profile_camera(row), float(row["rms"] or "nan")))
     return modes
 
 
