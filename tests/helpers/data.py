@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from calibsolver import Board, View
@@ -69,3 +70,11 @@ def on_board(views: Sequence[View]) -> tuple[Board, tuple[tuple[int, ...], ...],
     board = Board(numbered.squares, dictionary="DICT_4X4_1000")
     pairs = zip(numbered.ids, views, strict=True)
     return board, numbered.ids, tuple(board.view(ids, view.image_points) for ids, view in pairs)
+
+
+def float32(views: Sequence[View]) -> tuple[list[Any], list[Any]]:
+    """Points of boards and images as `cv2.calibrateCamera` takes them."""
+    return (
+        [view.object_points.astype(np.float32) for view in views],
+        [view.image_points.astype(np.float32) for view in views],
+    )

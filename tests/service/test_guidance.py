@@ -66,13 +66,7 @@ def test_wrong_first_view_is_set_aside_in_the_state(stack: Server, client: Clien
     """Of another camera, and right by itself; what is published does not contain it."""
     client.open(camera="Camera whose first view was another's")
     take(client, Truth(fx=450, fy=450, distortion=(0.0,) * 5), 1)
-    truth = Truth(seed=3)
-    for _ in range(14):
-        pose = client.pose().json
-        state = client.view(pose["index"], *truth.see(pose)).json
-        if state["status"] == "converged":
-            break
-    assert state["status"] == "converged"
+    state = Truth(seed=3).finish(client, 14)
     first, *others = state["views"]
     assert first["set_aside"]["reason"] in ("outlier", "disagrees")
     assert first["set_aside"]["detail"]
@@ -190,13 +184,7 @@ def test_the_published_method_can_be_chosen(client: Client) -> None:
     client.open(guidance="pose-selection")
     pose = client.pose().json
     assert abs(np.linalg.norm(pose["rvec"]) - 0.87) < 0.05  # 45 degrees, rolled by 22.5
-    truth = Truth(seed=1)
-    for _ in range(40):
-        pose = client.pose().json
-        state = client.view(pose["index"], *truth.see(pose)).json
-        if state["status"] == "converged":
-            break
-    assert state["status"] == "converged"
+    state = Truth(seed=1).finish(client, 40)
     assert 4 <= len(state["views"]) <= 15
 
 

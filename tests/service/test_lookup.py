@@ -9,18 +9,12 @@ from calibdb.lookup import camera_lookup, well_known_ids
 from calibdb.settings import Thresholds
 from calibdb.store import Store
 from infra.server.server import Server
-from tests.helpers.service import published
 from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus, fit
 from tests.helpers.service.published import put
 from tests.helpers.service.storage_calls import storage_calls
 
 WINDOWS = "Windows NT 10.0; Win64; x64"
-
-
-@pytest.fixture(scope="module")
-def store(stack: Server) -> Store:
-    return published.store(stack)
 
 
 def ask(stack: Server, camera: str, platform: str = LINUX, **asked: Any) -> Answer:

@@ -6,7 +6,6 @@ with `SEED=1` other ones.
 
 import math
 import os
-from collections.abc import Iterator
 
 import pytest
 import schemathesis
@@ -100,12 +99,6 @@ def running_rig(stack: Server, rigs: list[RigTruth]) -> RigTruth:
         rig.moment(f"m{n}")
     assert rig.call("DELETE", "/moments/m1").status == 200
     return rig
-
-
-@pytest.fixture(scope="module")
-def url(stack: Server) -> Iterator[str]:
-    with stack.serve() as url:
-        yield url
 
 
 def requests(operation: APIOperation, known: dict[str, list[str]]) -> st.SearchStrategy[Case]:

@@ -3,7 +3,6 @@
 import asyncio
 import io
 import zipfile
-from collections.abc import Iterator
 from typing import Any
 
 import cv2
@@ -56,13 +55,6 @@ def rig(stack: Server) -> RigTruth:
     ended = truth.call("POST", "/finish")
     assert ended.status == 200, ended.body
     return truth
-
-
-@pytest.fixture(scope="module")
-def url(stack: Server, rig: RigTruth) -> Iterator[str]:
-    assert rig.rig_id
-    with stack.serve() as url:
-        yield url
 
 
 def test_sdk_reads_the_rig_that_was_captured_and_rectifies_it_as_its_file(rig: RigTruth, url: str) -> None:

@@ -185,6 +185,10 @@ class Truth:
         """Run a whole guided capture, and return the state it ends in."""
         opened = client.open(**{"img_size": list(self.img_size)} | start)
         assert opened.status == 201, opened.body
+        return self.finish(client, max_views)
+
+    def finish(self, client: Client, max_views: int = 12) -> Any:
+        """Go on with a guided capture, and return the state it ends in."""
         for _ in range(max_views):
             pose = client.pose()
             assert pose.status == 200, pose.body

@@ -112,13 +112,9 @@ def of_diagonal(
     model: str, d: np.ndarray, angle: float, rng: np.random.Generator, img_size: tuple[int, int]
 ) -> Camera:
     """Camera that sees `angle` over its diagonal."""
-    w, h = img_size
     reach = models.get(model).distort(d, np.array([np.sin(angle / 2), 0, np.cos(angle / 2)]))[0]
-    focal = np.hypot(w, h) / 2 / reach
-    cx = (w - 1) / 2 + 0.012 * w * rng.normal()
-    cy = (h - 1) / 2 + 0.012 * w * rng.normal()
-    matrix = np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
-    return Camera(model, matrix, d, img_size)
+    focal = np.hypot(*img_size) / 2 / reach
+    return Camera(model, synthetic.camera_matrix(focal, img_size, rng), d, img_size)
 
 
 def seen_all(camera: Camera) -> list[Camera]:

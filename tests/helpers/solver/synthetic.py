@@ -25,24 +25,29 @@ BORDER_PX = 2.0
 """Border in which neither corners nor markers are found."""
 
 
+def camera_matrix(focal: float, img_size: tuple[int, int], rng: np.random.Generator) -> np.ndarray:
+    """Camera matrix (3, 3) whose centre and aspect are a little off, as those of real cameras."""
+    w, h = img_size
+    cx = (w - 1) / 2 + 0.012 * w * rng.normal()
+    cy = (h - 1) / 2 + 0.012 * w * rng.normal()
+    return np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
+
+
 @cache
 def rectilinear_cameras(
     count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE
 ) -> tuple[Camera, ...]:
     """Cameras from wide to narrow, each with some distortion, as far as real ones bend."""
     rng = np.random.default_rng(seed)
-    w, h = img_size
     cameras = []
     for focal, k1 in zip(
-        np.geomspace(500, 1600, count) / 1280 * w,
+        np.geomspace(500, 1600, count) / 1280 * img_size[0],
         rng.permutation(np.linspace(-0.35, 0.10, count)),
         strict=True,
     ):
         k2 = 0.3 * k1 * k1 + 0.01 * rng.normal()
         p1, p2 = 0.0006 * rng.normal(size=2)
-        cx = (w - 1) / 2 + 0.012 * w * rng.normal()
-        cy = (h - 1) / 2 + 0.012 * w * rng.normal()
-        matrix = np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
+        matrix = camera_matrix(focal, img_size, rng)
         # Real wide lenses draw the corners a third as large as the middle, not smaller, and nothing between
         # them smaller still: one that is about to fold (its radial stretch near 0) does not bend that much.
         while least_stretch(camera := Camera("rectilinear", matrix, [k1, k2, p1, p2, 0], img_size)) < 0.3:
@@ -76,9 +81,7 @@ def fisheye_cameras(
         t = angle / 2
         reach = t * (1 + t**2 * k[0] + t**4 * k[1] + t**6 * k[2] + t**8 * k[3])
         focal = np.hypot(w, h) / 2 / reach
-        cx = (w - 1) / 2 + 0.012 * w * rng.normal()
-        cy = (h - 1) / 2 + 0.012 * w * rng.normal()
-        matrix = np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
+        matrix = camera_matrix(focal, img_size, rng)
         cameras.append(Camera("fisheye", matrix, k, img_size))
     return tuple(cameras)
 

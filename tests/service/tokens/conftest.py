@@ -12,12 +12,6 @@ from tests.helpers.service.client import Client
 from tests.helpers.service.strangers import standing_clock
 
 
-@pytest.fixture(scope="module")
-def stack() -> Iterator[Server]:
-    with Server() as stack:
-        yield stack
-
-
 @pytest.fixture
 def clock() -> Iterator[Clock]:
     """A service that remembers no token, at a time that a test says."""
