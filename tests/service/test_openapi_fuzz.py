@@ -133,7 +133,7 @@ def test_every_response_conforms_to_openapi(
         known = {"id": [rig.rig_id, finished_rig], "moment": ["m0", "m1"]}
     elif any("sessionId" in security for security in operation.definition.raw.get("security", ())):
         client.open()
-        client.view(0, *Truth().see(client.pose().json))
+        Truth().show(client)
         credential = client.session_id
     right = mode is GenerationMode.POSITIVE
     cases = requests(operation, known) if right else operation.as_strategy(generation_mode=mode)

@@ -90,8 +90,7 @@ def test_live_capture_can_be_ended_before_its_target_error(client: Client) -> No
     for taken in range(4):
         few = client.call("POST", "/v1/session/finish")
         assert (few.status, few.kind) == (409, "too-few-views"), taken
-        pose = client.pose().json
-        assert client.view(pose["index"], *truth.see(pose)).json["accepted"]
+        assert truth.show(client).json["accepted"]
     ended = client.call("POST", "/v1/session/finish").json
     assert (ended["status"], len(ended["views"])) == ("converged", 4)
     assert ended["uncertainty"]["rms"] > 0.01, "it says what it is worth, whatever was asked"

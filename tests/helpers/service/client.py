@@ -181,6 +181,14 @@ class Truth:
         seen = np.flatnonzero(((points >= 0) & (points <= limit)).all(axis=1))
         return seen.tolist(), points[seen].tolist()
 
+    def show(self, client: Client) -> Answer:
+        """Hold the board as a session asks, and send the view."""
+        pose = client.pose()
+        assert pose.status == 200, pose.body
+        answer = client.view(pose.json["index"], *self.see(pose.json))
+        assert answer.status == 200, answer.body
+        return answer
+
     def calibrate(self, client: Client, max_views: int = 12, **start: object) -> Any:
         """Run a whole guided capture, and return the state it ends in."""
         opened = client.open(**{"img_size": list(self.img_size)} | start)
@@ -190,10 +198,7 @@ class Truth:
     def finish(self, client: Client, max_views: int = 12) -> Any:
         """Go on with a guided capture, and return the state it ends in."""
         for _ in range(max_views):
-            pose = client.pose()
-            assert pose.status == 200, pose.body
-            answer = client.view(pose.json["index"], *self.see(pose.json))
-            assert answer.status == 200, answer.body
+            answer = self.show(client)
             if answer.json["status"] == "converged":
                 return answer.json
         raise AssertionError(f"not converged after {max_views} views: {answer.body!r}")
