@@ -28,6 +28,7 @@ from calibsolver.guidance.overlap import estimate_outline, jaccard_index
 from calibsolver.guidance.posterior import IntrinsicsPosterior
 from tests.bench import corners, document
 from tests.helpers.data import on_board
+from tests.helpers.solver import synthetic
 
 MODELS = ("rectilinear", "fisheye")
 DRAWS = 8
@@ -49,16 +50,7 @@ def distance(one: Camera, other: Camera, q: Array | None = None) -> float:
     if seen.mean() < 0.5:
         return np.inf
     a, b, q = a[seen], b[seen], q[seen]
-    r = rotation.nearest(b.T @ a)
-    for _ in range(4):
-        rays = a @ r.T
-        e = other.project(rays) - q
-        step = 1e-6
-        turned = [other.project(rays @ rotation.matrix(step * axis).T) for axis in np.eye(3)]
-        j = np.stack([(t - q - e) / step for t in turned], axis=-1)
-        good = np.isfinite(e).all(axis=1) & np.isfinite(j).all(axis=(1, 2))
-        r = rotation.matrix(-np.linalg.lstsq(j[good].reshape(-1, 3), e[good].reshape(-1), rcond=None)[0]) @ r
-    e = other.project(a @ r.T) - q
+    e = synthetic.aligned_errors(other, a, q, rotation.nearest(b.T @ a), 4)
     return float(np.sqrt(np.mean(np.sum(e[np.isfinite(e).all(axis=1)] ** 2, axis=1))))
 
 

@@ -86,6 +86,12 @@ def fisheye_cameras(
     return tuple(cameras)
 
 
+def tilt_deg(board: Board, r: np.ndarray, tvec: np.ndarray) -> float:
+    """Angle between the normal of a board and the line of sight to its middle."""
+    center = r @ board.outline.mean(axis=0) + tvec
+    return float(np.degrees(np.arccos(np.clip(r[:, 2] @ center / np.linalg.norm(center), -1, 1))))
+
+
 def detect(
     board: Board,
     camera: Camera,
@@ -110,9 +116,7 @@ def detect(
     q = camera.project(corners @ r.T + tvec)
     if hand.readout_s:
         q = hand.project(corners, camera, rvec, tvec, rng)
-    center = r @ board.outline.mean(axis=0) + tvec
-    tilt = np.degrees(np.arccos(np.clip(r[:, 2] @ center / np.linalg.norm(center), -1, 1)))
-    noise = noise * (1 + blur * (tilt / 45) ** 2)
+    noise = noise * (1 + blur * (tilt_deg(board, r, tvec) / 45) ** 2)
     inside = in_image(q, camera.img_size, BORDER_PX)
     if whole_markers:
         places = camera.project(board.support.reshape(-1, 3) @ r.T + tvec)
@@ -169,24 +173,34 @@ def match_picture(board: Board, drawn: Camera, camera: Camera, target: TargetPos
     )
 
 
+def aligned_errors(camera: Camera, rays: np.ndarray, q: np.ndarray, r: np.ndarray, steps: int) -> np.ndarray:
+    """Projections of rays (n, 3) less pixels (n, 2), after the rotation, near `r`, that fits best."""
+    for _ in range(steps):
+        p = rays @ r.T
+        e = camera.project(p) - q
+        step = 1e-6
+        turned = [camera.project(p @ rotations.matrix(step * axis).T) for axis in np.eye(3)]
+        j = np.stack([(t - q - e) / step for t in turned], axis=-1)
+        good = np.isfinite(e).all(axis=1) & np.isfinite(j).all(axis=(1, 2))
+        turn = -np.linalg.lstsq(j[good].reshape(-1, 3), e[good].reshape(-1), rcond=None)[0]
+        r = rotations.matrix(turn) @ r
+    errors: np.ndarray = camera.project(rays @ r.T) - q
+    return errors
+
+
 def projection_error(truth: Camera, found: Camera, grid: tuple[int, int] = (20, 15)) -> np.ndarray:
     """|true - estimated projection| (n,) px over the image, after the rotation that fits best."""
     rays = truth.unproject(pixel_grid(truth.img_size, grid).reshape(2, -1).T)
     rays = rays[np.isfinite(rays[:, 0])]
     q = truth.project(rays)
-    r = np.eye(3)
-    for _ in range(6):
-        p = rays @ r.T
-        e = found.project(p) - q
-        step = 1e-6
-        turned = [found.project(p @ rotations.matrix(step * axis).T) for axis in np.eye(3)]
-        j = np.stack([(t - q - e) / step for t in turned], axis=-1)
-        good = np.isfinite(e).all(axis=1) & np.isfinite(j).all(axis=(1, 2))
-        w = rotations.matrix(-np.linalg.lstsq(j[good].reshape(-1, 3), e[good].reshape(-1), rcond=None)[0])
-        r = w @ r
-    e = found.project(rays @ r.T) - q
+    e = aligned_errors(found, rays, q, np.eye(3), 6)
     # Where the found camera sees nothing at all the error is as large as the image.
     return np.where(np.isfinite(e).all(axis=1), np.hypot(e[:, 0], e[:, 1]), truth.img_size[0])
+
+
+def rms_error(truth: Camera, found: Camera) -> float:
+    """Root mean square of `projection_error`, px."""
+    return float(np.sqrt(np.mean(projection_error(truth, found) ** 2)))
 
 
 @dataclass

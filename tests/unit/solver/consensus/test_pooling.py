@@ -169,7 +169,7 @@ def test_contributors_with_bent_boards_agree_in_the_shape_of_each(contributors: 
             Member(str(i), str(i), tuple(populations.views(camera, rng, hand=hands.BENT))) for i in range(5)
         ]
         found = pool(members, SIZE, "rectilinear", Rule(min_contributors=contributors))
-        error = float(np.sqrt(np.mean(synthetic.projection_error(camera, found.calibration.camera) ** 2)))
+        error = synthetic.rms_error(camera, found.calibration.camera)
         assert found.reliable
         assert error < 0.25
         assert error < 2 * found.calibration.uncertainty().rms
