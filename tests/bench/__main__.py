@@ -2,21 +2,20 @@
 
 import functools
 import importlib
-import os
 import pkgutil
 import sys
 from collections.abc import Callable, Iterable
 
 from infra.console import announce
 from tests import bench
+from tests.bench.document import is_chosen
 from tests.bench.table import Row, render
 
 
 def main() -> int:
     """Run every tests/bench/bench_*.py's rows() and print one table."""
-    only = set(filter(None, os.environ.get("ONLY", "").split(",")))
     names = [m.name for m in pkgutil.iter_modules(bench.__path__) if m.name.startswith("bench_")]
-    wanted = [name for name in names if not only or name.removeprefix("bench_") in only]
+    wanted = [name for name in names if is_chosen(name.removeprefix("bench_"))]
     rows: list[Row] = []
     say = functools.partial(print, file=sys.stderr, flush=True)
     for name in announce("bench", wanted, lambda name: name.removeprefix("bench_"), say=say):

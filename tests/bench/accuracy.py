@@ -13,11 +13,11 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from calibsolver import CalibrationError, fit, models
-from calibsolver.fitting.resection import reprojection_score
 from infra.console import track
 from tests.bench import corners, document
 
@@ -62,17 +62,11 @@ def summary(squares: list[float], points: list[int]) -> tuple[float, float]:
 
 
 def ours(data: corners.Corners, model: str) -> Outcome:
-    squares, points = [], []
+    fitted = partial(fit, img_size=data.img_size, model=model, board_shape=False)
     try:
-        calibration = fit(data.training, data.img_size, model, board_shape=False)
-        seconds = min(
-            timed(lambda: fit(data.training, data.img_size, model, board_shape=False)) for _ in range(3)
-        )
-        for training, test in data.parts():
-            if test:
-                camera = fit(training, data.img_size, model, board_shape=False).camera
-                squares.append(reprojection_score(camera, test).rms ** 2)
-                points.append(sum(len(view) for view in test))
+        calibration = fitted(data.training)
+        seconds = min(timed(lambda: fitted(data.training)) for _ in range(3))
+        squares, points = data.held_out(lambda views: fitted(views).camera)
     except CalibrationError as error:
         return Outcome(failure=error.code)
     held_out, worst = summary(squares, points)

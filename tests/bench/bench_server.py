@@ -11,10 +11,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from infra.server.server import Server
-from tests.bench import raw_load
+from tests.bench.bench_gateway import LABEL
+from tests.bench.load import drive
 from tests.bench.table import Row
-from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth, until
-from tests.helpers.service.published import store
+from tests.helpers.service.client import CAMERA, TOKEN
+from tests.helpers.service.published import calibration, publish
 from tests.helpers.stack.processes import ROOT, LocalProcess
 
 WORKERS, CLIENTS, REQUESTS, ROUNDS = 2, 8, 4000, 5
@@ -41,11 +42,9 @@ def rows() -> Iterator[Row]:
     with tempfile.TemporaryDirectory() as place:
         data_dir = Path(place, "data")
         with Server(data_dir) as stack:
-            done = [Truth(seed=seed).calibrate(Client(stack)) for seed in range(5)]
-            key = done[-1]["calibration_id"].rpartition("-")[0]
-            until(lambda: [c.total for c in store(stack).consensuses.of(key)] == 4 * [5], 120)
+            publish(stack, *(calibration(LABEL, n) for n in range(5)), models=())
         with empty_server() as empty, LocalProcess(data_dir, {"WORKERS": str(WORKERS)}) as server:
-            body = json.dumps({**CAMERA, "img_size": [1280, 720]})
+            body = json.dumps({**CAMERA, "camera": LABEL})
             headers = {"authorization": f"Bearer {TOKEN}", "content-type": "application/json"}
             for what, least, request in (
                 ("POST lookup of a known camera", 0.10, ("POST", "/v1/lookup", headers, body)),
@@ -61,8 +60,7 @@ def rows() -> Iterator[Row]:
 
 def rate(url: str, method: str, path: str, headers: dict[str, str], body: str) -> float:
     """Requests per second from `CLIENTS` connections."""
-    load = raw_load.drive(url, method, path, headers, body, requests=REQUESTS, clients=CLIENTS)
-    return 1e3 / load.each
+    return 1e3 / drive(url, method, path, headers, body, requests=REQUESTS, clients=CLIENTS).each
 
 
 @contextmanager

@@ -10,10 +10,9 @@ from pathlib import Path
 from calibdb import schema
 from calibsolver.consensus import fit_memory
 from infra.server.server import Server
-from tests.bench.cost import Meter
-from tests.bench.table import Row, p50
-from tests.helpers.service.client import Client, Truth
-from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
+from tests.bench.table import Row
+from tests.helpers.service.client import CAMERA, Client, Truth
+from tests.helpers.service.published import PLATFORM, calibration, mode_of, publish, store
 
 ROOT = Path(__file__).parents[2]
 
@@ -21,19 +20,8 @@ ROOT = Path(__file__).parents[2]
 def rows() -> Iterator[Row]:
     with Server() as stack:
         client = Client(stack)
-        for seed in range(5):
-            Truth(seed=seed).calibrate(client)
-        deadline = time.monotonic() + 30
-        while (first := client.lookup()).status != 200:  # the consensus is computed behind the scenes
-            if time.monotonic() > deadline:
-                raise RuntimeError(f"five calibrations were not enough: {first.json}")
-            time.sleep(0.1)
-        yield Row("lookup handler, embedded store", p50(client.lookup, repeat=200), 5, "ms")
-        with Meter(stack).running() as use:
-            for _ in range(200):
-                client.lookup()
-        alone = 1e3 * use.seconds / use.invocations
-        yield Row("lookup handler without the store", alone, None, "ms", "processor time")
+        # The session of `submit` starts from a known camera, and does not end at its tenth view.
+        publish(stack, *(calibration(CAMERA["camera"], n) for n in range(5)), models=())
         yield submit(client)
         yield from computed_on_the_fly(stack, client)
     for function, budget in (("lookup", 400), ("submit", 1000)):
@@ -43,10 +31,9 @@ def rows() -> Iterator[Row]:
 def computed_on_the_fly(stack: Server, client: Client) -> Iterator[Row]:
     """A model that is not stored, of a camera with ten calibrations: pooled while the caller waits."""
     at_rest, camera = store(stack), "Camera of ten calibrations"
-    for n in range(10):
-        at_rest.calibrations.publish(calibration(camera, n, views=8))
-    mode = mode_of(calibration(camera, 0))
-    at_rest.refit.now(asked(mode))
+    documents = [calibration(camera, n, views=8) for n in range(10)]
+    publish(stack, *documents, models=())
+    mode = mode_of(documents[0])
     for model in schema.DISTORTION_MODELS:
         times, worked = [], []
         for _ in range(5):
@@ -68,8 +55,7 @@ def submit(client: Client) -> Row:
     truth = Truth(seed=99)
     client.open(target_error=0.001)
     while len(client.state()["views"]) < 9:
-        pose = client.pose().json
-        client.view(pose["index"], *truth.see(pose))
+        truth.show(client)
     times = []
     while len(times) < 20:
         pose = client.pose().json

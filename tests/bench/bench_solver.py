@@ -46,8 +46,7 @@ def real_corners() -> Iterator[Row]:
     drawn, shaped = {}, {}
     for name in data.available(corners.NAMES):
         views, size = data.corner_views(name)
-        objects = [v.object_points.astype(np.float32) for v in views]
-        images = [v.image_points.astype(np.float32) for v in views]
+        objects, images = data.float32(views)
         try:
             fit(views, size)
         except CalibrationError:
@@ -71,8 +70,7 @@ def rectilinear(count: int, budget: float) -> Row:
     board = Board()
     camera = synthetic.rectilinear_cameras()[5]
     views = spread(board, camera, count, np.random.default_rng(1))
-    objects = [v.object_points.astype(np.float32) for v in views]
-    images = [v.image_points.astype(np.float32) for v in views]
+    objects, images = data.float32(views)
     start = np.array([[1000.0, 0, 639.5], [0, 1000.0, 359.5], [0, 0, 1]])
     criteria = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 100, 1e-9)
 

@@ -12,17 +12,15 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-import cv2
 import numpy as np
 
-from calibsolver import Board, CalibrationError, Camera, View, fit, formats
+from calibsolver import CalibrationError, Camera, View, fit, formats
 from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import ExportSource
-from calibsolver.formats.grid import grid
 from calibsolver.image_transform import identity
-from tests.bench import corners, document
+from tests.bench import corners, document, opencv
 from tests.bench.capture import FISHEYE
-from tests.helpers.data import available
+from tests.helpers.data import available, on_board
 
 FOLDS = 5
 MRCAL_PYTHON = os.environ.get("MRCAL_PYTHON", "/usr/bin/python3")
@@ -38,13 +36,6 @@ for path in sys.argv[1:]:
     print(json.dumps([inputs["intrinsics"][0].tolist(), board.reshape(-1, 3).tolist()]))
 """
 """Optimizes files of calibDB's, board warp included: intrinsics, and the corners of the warped board."""
-
-
-def opencv(training: Sequence[View], size: tuple[int, int]) -> Camera:
-    """Camera of `cv2.calibrateCamera`."""
-    points = [[v.object_points.astype(np.float32), v.image_points.astype(np.float32)] for v in training]
-    _, matrix, distortion, _, _ = cv2.calibrateCamera(*zip(*points, strict=True), size, None, None)
-    return Camera("rectilinear", matrix, distortion.ravel()[:5], size)
 
 
 def folds(count: int) -> list[tuple[list[int], list[int]]]:
@@ -64,9 +55,7 @@ def has_mrcal() -> bool:
 
 def mrcal(views: Sequence[View], size: tuple[int, int]) -> float:
     """Error of mrcal, px, with the warp that it estimates, begun at calibDB's optimum."""
-    recognised = grid(views)
-    board = Board(recognised.squares, dictionary="DICT_4X4_1000")
-    ours = [board.view(ids, v.image_points) for ids, v in zip(recognised.ids, views, strict=True)]
+    board, numbers, ours = on_board(views)
     parts = folds(len(views))
     with tempfile.TemporaryDirectory() as folder:
         paths = [Path(folder, f"{i}.cameramodel") for i in range(FOLDS)]
@@ -82,7 +71,7 @@ def mrcal(views: Sequence[View], size: tuple[int, int]) -> float:
     for (intrinsics, corners_3d), (_, test) in zip(found, parts, strict=True):
         camera = Camera.from_intrinsics("rectilinear", np.array(intrinsics), size)
         warped = np.array(corners_3d)
-        seen = [View(warped[list(recognised.ids[i])], views[i].image_points) for i in test]
+        seen = [View(warped[list(numbers[i])], views[i].image_points) for i in test]
         square += sum(map(len, seen)) * reprojection_score(camera, seen).rms ** 2
     return float(np.sqrt(square / sum(map(len, views))))
 
@@ -94,7 +83,8 @@ def held_out(views: Sequence[View], size: tuple[int, int], model: str) -> list[f
         training, test = [views[i] for i in training_views], [views[i] for i in test_views]
         count = sum(map(len, test))
         if model == "rectilinear":
-            squares[0] += count * reprojection_score(opencv(training, size), test).rms ** 2
+            _, theirs = opencv.calibrate(training, size, model)
+            squares[0] += count * reprojection_score(theirs, test).rms ** 2
         for i, board_shape in enumerate((False, True), 1):
             found = fit(training, size, model, board_shape=board_shape)
             squares[i] += count * reprojection_score(found.camera, found.shaped(test)).rms ** 2

@@ -23,13 +23,12 @@ from calibsolver.camera import pixel_grid
 from calibsolver.capture import Capture, History
 from calibsolver.capture.admission import rejection_reason
 from calibsolver.fitting.coverage import COVERAGE_GRID, hull
-from calibsolver.formats.grid import grid
 from calibsolver.quality.assessment import level_of
 from infra.console import track
 from tests.bench import document
 from tests.bench.corners import NAMES
 from tests.bench.real_views import distance, usable_views
-from tests.helpers.data import EXTERNAL, available
+from tests.helpers.data import EXTERNAL, available, on_board
 
 FISHEYE = ("jy_left", "derlunz", "mint_isaw", "arizonat_fe", "ocam_fisheye2", "babel_ov_plane")
 INVERTED = {"squares": (4, 5), "marker_ratio": 0.75, "dictionary": "DICT_4X4_50", "inverted": True}
@@ -81,18 +80,15 @@ class Outcome:
 
 def footage() -> Iterator[Footage]:
     """Read every set that is at hand."""
-    only = set(filter(None, os.environ.get("ONLY", "").split(",")))
     for name in available(NAMES):
-        if not only or name in only:
+        if document.is_chosen(name):
             views, size = usable_views(name)
-            found = grid(views)
-            board = Board(found.squares, dictionary="DICT_4X4_1000")
-            shown = [board.view(i, view.image_points) for i, view in zip(found.ids, views, strict=True)]
+            board, _, shown = on_board(views)
             if rejection_reason(shown[0], size) == "mirrored":  # numbered from below
-                shown = [upside_down(board, view) for view in shown]
+                shown = tuple(upside_down(board, view) for view in shown)
             yield Footage(name, board, size, shown)
     for name in VIDEOS if EXTERNAL is not None else ():
-        if not only or name in only:
+        if document.is_chosen(name):
             yield read_video(name)
 
 

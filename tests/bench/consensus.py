@@ -6,7 +6,6 @@ table.
 
 import itertools
 import os
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,7 +15,7 @@ from calibsolver import CalibrationError, Camera
 from calibsolver.consensus import Member, pool
 from infra.console import track
 from tests.bench import document, honest_worlds
-from tests.helpers.solver import attacks, populations, synthetic
+from tests.helpers.solver import attacks, populations
 
 MAX_DRAWS = 60
 """Of one mode at most; of the smaller ones all there are."""
@@ -49,16 +48,14 @@ HEADER = [
 
 def main() -> int:
     cameras = int(os.environ.get("CAMERAS", "1000"))
-    only = set(filter(None, os.environ.get("ONLY", "").split(",")))
     parts = {
         "poisoning": lambda: poisoning(cameras),
         "honest worlds": lambda: honest_worlds.table(cameras),
         "lens profiles": profiles,
     }
     for name, written in parts.items():
-        if not only or name in only:
+        if document.is_chosen(name):
             document.replace(name, written())
-    print(f"50 calibrations x 8 views: {time_fifty():.2f} s")
     return 0
 
 
@@ -192,19 +189,6 @@ def reliable_across_lenses(rng: np.random.Generator) -> float:
         drawn = [lenses[name][int(rng.integers(len(lenses[name])))] for name in names]
         wrong += is_reliable(populations.members(drawn, rng), drawn[0][0].img_size)
     return wrong / LENS_DRAWS
-
-
-def time_fifty() -> float:
-    """Seconds of one consensus of 50 calibrations of 8 views."""
-    truth = synthetic.rectilinear_cameras()[6]
-    rng = np.random.default_rng(0)
-    members = [Member(str(i), str(i), tuple(populations.views(truth, rng, count=8))) for i in range(50)]
-    times = []
-    for _ in range(3):
-        begin = time.process_time()
-        pool(members, truth.img_size, "rectilinear")
-        times.append(time.process_time() - begin)
-    return min(times)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from calibsolver import Calibration, Camera, fit
+from calibsolver import Camera, fit
 from calibsolver.consensus import Consensus, Member, Rule, pool
 from calibsolver.consensus.fit_memory import fit_once
 from infra.console import track
@@ -38,11 +38,6 @@ class Outcome:
     own: tuple[float, ...]
 
 
-def rms(camera: Camera, found: Calibration) -> float:
-    """Error of a calibration, px rms over the image."""
-    return float(np.sqrt(np.mean(synthetic.projection_error(camera, found.camera) ** 2)))
-
-
 def members(camera: Camera, rng: np.random.Generator) -> list[Member]:
     """Contributors of one camera."""
     out = []
@@ -59,14 +54,15 @@ def outcome(camera: Camera, given: list[Member], *, drawn: bool) -> Outcome:
     def pooled() -> tuple[Consensus, tuple[float, ...]]:
         found = pool(given, camera.img_size, camera.model, RULE)
         own = [(as_drawn if drawn else fit_once)(m.views, camera.img_size, camera.model) for m in given]
-        return found, tuple(rms(camera, each) for each in own)
+        return found, tuple(synthetic.rms_error(camera, each.camera) for each in own)
 
     if drawn:
         with patch("calibsolver.consensus.pooling.fit_once", as_drawn):
             found, own = pooled()
     else:
         found, own = pooled()
-    return Outcome(found.reliable, rms(camera, found.calibration), found.calibration.uncertainty().rms, own)
+    error = synthetic.rms_error(camera, found.calibration.camera)
+    return Outcome(found.reliable, error, found.calibration.uncertainty().rms, own)
 
 
 def row(name: str, outcomes: list[Outcome]) -> list[str]:

@@ -1,9 +1,10 @@
 """The real corner sets, and how they are divided for cross-validation."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from calibsolver import View
+from calibsolver import Camera, View
+from calibsolver.fitting.resection import reprojection_score
 from tests.helpers.data import corner_set
 
 NAMES = (
@@ -45,6 +46,15 @@ class Corners:
         for fold in sorted({part for part in self.split if part >= 0}):
             pairs = list(zip(self.views, self.split, strict=True))
             yield [v for v, part in pairs if part != fold], [v for v, part in pairs if part == fold]
+
+    def held_out(self, calibrate: Callable[[Sequence[View]], Camera]) -> tuple[list[float], list[int]]:
+        """Mean square errors of the views left out, px^2, and their points, of each fold."""
+        squares, points = [], []
+        for training, test in self.parts():
+            if test:
+                squares.append(reprojection_score(calibrate(training), test).rms ** 2)
+                points.append(sum(map(len, test)))
+        return squares, points
 
 
 def load(name: str) -> Corners:

@@ -1,5 +1,6 @@
 """Parts of a document that a command writes."""
 
+import os
 from pathlib import Path
 
 from tests.helpers.data import ROOT
@@ -16,6 +17,12 @@ def replace(part: str, text: str, path: Path = ACCURACY) -> None:
     if not found:
         raise ValueError(f"{path} has no part {part!r}")
     path.write_text(f"{head}{begin}\n{text.strip()}\n{end}{tail}")
+
+
+def is_chosen(name: str) -> bool:
+    """True if the environment variable ONLY, names with commas between them, has a name, or is not set."""
+    only = os.environ.get("ONLY", "")
+    return not only or name in only.split(",")
 
 
 def table(header: list[str], rows: list[list[str]]) -> str:

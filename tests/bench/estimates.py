@@ -311,10 +311,6 @@ STEPS: dict[str, Callable[[], Iterator[Case]]] = {
 }
 
 
-def all_cases() -> list[Case]:
-    return [case for step in STEPS.values() for case in step()]
-
-
 def main() -> None:
     """Measure, and write the tables."""
     cases: list[Case] = []

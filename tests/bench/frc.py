@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from calibsolver import Camera, View, fit
-from calibsolver.fitting.resection import reprojection_score
 from tests.bench import corners, opencv
 
 Size = tuple[int, int]
@@ -18,7 +17,7 @@ Calibrate = Callable[[Sequence[View], Size], Camera]
 SHIFT_PX, EVERY = 3.0, 10
 
 
-def spoiled(views: list[View]) -> list[View]:
+def spoiled(views: Sequence[View]) -> list[View]:
     """Return the views with a bad snapshot in every tenth."""
     made = []
     for i, view in enumerate(views):
@@ -31,14 +30,8 @@ def spoiled(views: list[View]) -> list[View]:
 
 def held_out(data: corners.Corners, calibrate: Calibrate, *, bad: bool) -> float:
     """Rms, px, of the views left out."""
-    square, count = 0.0, 0
-    for training, test in data.parts():
-        if not test:
-            continue
-        camera = calibrate(spoiled(training) if bad else training, data.img_size)
-        n = sum(map(len, test))
-        square, count = square + n * reprojection_score(camera, test).rms ** 2, count + n
-    return float(np.sqrt(square / count))
+    squares, points = data.held_out(lambda views: calibrate(spoiled(views) if bad else views, data.img_size))
+    return float(np.sqrt(np.average(squares, weights=points)))
 
 
 def ours(views: Sequence[View], img_size: Size) -> Camera:

@@ -6,7 +6,7 @@
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -228,20 +228,14 @@ PARTS = {"methods": methods, "conditions": conditions, "hands": real_hands, "boa
 
 def main() -> int:
     """Run the parts asked for; each writes its own table."""
-    only = set(filter(None, os.environ.get("ONLY", "").split(",")))
     seeds = int(os.environ.get("SEEDS", "10"))
-    for name, part in announce(f"guidance {seeds}", list(chosen(only)), lambda step: step[0]):
+    chosen = [part for part in PARTS.items() if document.is_chosen(part[0])]
+    for name, part in announce(f"guidance {seeds}", chosen, lambda step: step[0]):
         begin = time.monotonic()
         text = part(seeds)
         print(f"\n{name}, {seeds} captures a camera, {time.monotonic() - begin:.0f} s\n\n{text}\n")
         document.replace(f"guidance {name}", text)
     return 0
-
-
-def chosen(only: set[str]) -> Iterator[tuple[str, Callable[[int], str]]]:
-    for name, part in PARTS.items():
-        if not only or name in only:
-            yield name, part
 
 
 if __name__ == "__main__":

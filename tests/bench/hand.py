@@ -160,8 +160,7 @@ def capture(camera: Camera, seed: int) -> Outcome:
             target = rules.next_target(views, estimate, skipped, unreached)
     if estimate.calibration is None or estimate.uncertainty is None:
         return Outcome(end, time, len(views), refused, np.inf, np.inf)
-    error = synthetic.projection_error(camera, estimate.calibration.camera)
-    actual = float(np.sqrt(np.mean(error**2)))
+    actual = synthetic.rms_error(camera, estimate.calibration.camera)
     return Outcome(end, time, len(views), refused, estimate.uncertainty.rms, actual)
 
 

@@ -17,7 +17,7 @@ from calibsolver import Calibration, CalibrationError, View, fit, models
 from calibsolver.arrays import Array, symmetric_inverse
 from calibsolver.fitting.uncertainty import projection_jacobian_rotation_free, variance
 from tests.bench import corners, document
-from tests.helpers.data import available
+from tests.helpers.data import available, float32
 from tests.helpers.solver import synthetic
 
 GRID = (20, 15)
@@ -87,8 +87,7 @@ def ratios_if_true(one: Calibration, other: Calibration, rng: np.random.Generato
 def opencv_parameters(views: Sequence[View], img_size: tuple[int, int]) -> tuple[Array, Array]:
     """fx, fy, cx, cy (4,) and their deviations (4,) as `cv2.calibrateCameraExtended` gives them."""
     found = cv2.calibrateCameraExtended(
-        [v.object_points.astype(np.float32) for v in views],
-        [v.image_points.astype(np.float32) for v in views],
+        *float32(views),
         img_size,
         None,
         None,

@@ -5,7 +5,6 @@ each: which ways of making a key tell products apart, and which find a product a
 profiles: how much of what makes two calibrations of one camera differ a browser could not tell in any case.
 """
 
-import csv
 import itertools
 import statistics
 from collections import defaultdict
@@ -21,7 +20,9 @@ from calibsolver import Camera
 from calibsolver.consensus.agreement import compare
 from infra.console import announce
 from tests.bench import document
-from tests.helpers.data import ROOT, data_dir
+from tests.helpers.data import ROOT
+from tests.helpers.service.labels import rows as label_rows
+from tests.helpers.solver import populations
 
 DOCUMENT = ROOT / "docs" / "camera-keys.md"
 SAME_LENS_WIDTHS = 0.01  # of the width, rms over the image: what may pass for one lens
@@ -40,16 +41,9 @@ class Label:
 
 
 def labels() -> list[Label]:
-    with (data_dir() / "labels.csv").open() as file:
-        rows = [row for row in csv.DictReader(file) if row["label"]]
     return [
-        Label(
-            row["label"],
-            row["platform"],
-            row["same_device_group"],
-            identify(row["label"], row["platform"] or "unknown"),
-        )
-        for row in rows
+        Label(row.label, row.system, row.product, identify(row.label, row.system or "unknown"))
+        for row in label_rows("external")
     ]
 
 
@@ -106,10 +100,9 @@ def untranslated(pairs: Sequence[tuple[Label, Label]]) -> list[tuple[Label, Labe
 
 def lenses() -> list[list[str]]:
     """Rows: what is known of the camera, how many such cameras, and pairs of people who had one lens."""
-    with (data_dir() / "lens_profiles.csv").open(newline="") as file:
-        # Of which all is known, so that the rows of the table are of the same calibrations.
-        known = ("brand", "model", "lens", "setting")
-        rows = [row for row in csv.DictReader(file) if all(row[name].strip() for name in known)]
+    # Of which all is known, so that the rows of the table are of the same calibrations.
+    known = ("brand", "model", "lens", "setting")
+    rows = [row for row in populations.profile_rows() if all(row[name].strip() for name in known)]
     told = [
         ("brand and model", ("brand", "model")),
         ("brand, model, lens", ("brand", "model", "lens")),
@@ -122,7 +115,7 @@ def lenses() -> list[list[str]]:
         for row in rows:
             key = tuple(row[f].strip().casefold() for f in (*fields, "w", "h"))
             if len(groups[key]) < MAX_COMPARED:
-                groups[key][row["contributor"]] = camera(row)
+                groups[key][row["contributor"]] = populations.profile_camera(row)
         shares = []
         for group in groups.values():
             if len(group) > 1:
@@ -132,14 +125,6 @@ def lenses() -> list[list[str]]:
         # Each camera counts the same, however popular.
         out.append([name, f"{len(shares):,}", f"{100 * statistics.mean(shares):.0f} %"])
     return out
-
-
-def camera(row: dict[str, str]) -> Camera:
-    fx, fy, cx, cy = (float(row[name]) for name in ("fx", "fy", "cx", "cy"))
-    k = [float(row[f"k{i}"]) for i in (1, 2, 3, 4)]
-    return Camera(
-        "fisheye", np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]]), k, (int(row["w"]), int(row["h"]))
-    )
 
 
 def facts(found: Sequence[Label]) -> list[list[str]]:

@@ -1,16 +1,18 @@
-"""Requests over keep-alive connections, from a process of its own."""
+"""One request, again and again over keep-alive sockets, from a process of its own."""
 
-import http.client
 import json
+import select
 import socket
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
+SPIN_S = 0.002
+"""Before a request is due, for which the process does not sleep: the clock of `epoll` has milliseconds."""
 
 
 @dataclass(frozen=True)
@@ -24,51 +26,80 @@ class Load:
         return self.latencies[min(len(self.latencies) - 1, int(share * len(self.latencies)))]
 
 
-def drive(url: str, path: str, requests: int, clients: int, rate: float = 0) -> Load:
-    """Send GET requests from another process; every answer must be a 200.
+def drive(
+    url: str,
+    method: str,
+    path: str,
+    headers: Mapping[str, str] | None = None,
+    body: str = "",
+    *,
+    requests: int,
+    clients: int,
+    rate: float = 0.0,
+) -> Load:
+    """Send the request from another process; every answer must be a 200.
 
-    `rate`: requests a second, of all clients together, whether the server keeps up or not; latency then
-    counts from the moment at which a request was due. 0: as fast as answers come.
+    `rate`: requests per second of all clients together, whether the server keeps up or not. Latencies then
+    count from the moment at which a request was due. 0: as fast as answers come.
     """
+    address = url.removeprefix("http://")
+    head = {"host": address, "content-length": str(len(body.encode())), **(headers or {})}
+    lines = [f"{method} {path} HTTP/1.1", *(f"{name}: {value}" for name, value in head.items())]
+    asked = {"message": "\r\n".join([*lines, "", body]), "address": address}
+    numbers = map(str, (requests, clients, rate))
     done = subprocess.run(
-        [sys.executable, "-m", "tests.bench.load", url, path, *map(str, (requests, clients, rate))],
+        [sys.executable, "-m", "tests.bench.load", json.dumps(asked), *numbers],
         cwd=ROOT,
-        check=True,
+        check=False,
         capture_output=True,
         text=True,
     )
+    if done.returncode:
+        raise RuntimeError(f"{method} {path}: {done.stderr}")
     return Load(**json.loads(done.stdout))
 
 
-def client(address: str, path: str, due: list[float]) -> list[float]:
-    connection = http.client.HTTPConnection(address)
-    connection.connect()
-    connection.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    latencies = []
-    for moment in due:
-        if moment:
-            time.sleep(max(0, moment - time.perf_counter()))
-        start = moment or time.perf_counter()
-        connection.request("GET", path)
-        response = connection.getresponse()
-        body = response.read()
-        latencies.append((time.perf_counter() - start) * 1e3)
-        if response.status != 200:
-            raise SystemExit(f"{response.status}: {body[:200]!r}")
-    connection.close()
-    return latencies
-
-
-def main(url: str, path: str, requests: int, clients: int, rate: float) -> None:
-    with ThreadPoolExecutor(clients) as pool:
-        start = time.perf_counter()
-        due = [start + number / rate if rate else 0.0 for number in range(requests)]
-        address = url.removeprefix("http://")
-        each = [pool.submit(client, address, path, due[n::clients]) for n in range(clients)]
-        latencies = sorted(latency for future in each for latency in future.result())
-        elapsed = time.perf_counter() - start
-    print(json.dumps({"each": elapsed * 1e3 / len(latencies), "latencies": latencies}))
+def main(asked: Mapping[str, str], requests: int, clients: int, rate: float) -> None:
+    host, _, port = asked["address"].partition(":")
+    message = asked["message"].encode()
+    poll = select.epoll()
+    connections = {}
+    for _ in range(clients):
+        connection = socket.create_connection((host, int(port)))
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        poll.register(connection, select.EPOLLIN)
+        connections[connection.fileno()] = connection
+    sent, received, latencies = {}, dict.fromkeys(connections, b""), []
+    idle, begun, length = list(connections), 0, 0
+    start = time.perf_counter()
+    while len(latencies) < requests:
+        now = time.perf_counter()
+        due = start + begun / rate if rate else now
+        if idle and begun < requests and due <= now:
+            number = idle.pop(0)  # in turn: the server closes one that rests for long
+            sent[number] = due
+            connections[number].sendall(message)
+            begun += 1
+            continue
+        is_waiting = idle and begun < requests
+        for number, _ in poll.poll(max(0.0, due - now - SPIN_S) if is_waiting else None):
+            answer = received[number] + connections[number].recv(65536)
+            if not answer.startswith(b"HTTP/1.1 200"):
+                raise SystemExit(answer[:500].decode("latin-1") or "the connection was closed")
+            if not length and b"\r\n\r\n" in answer:
+                head, _, _ = answer.partition(b"\r\n\r\n")
+                length = len(head) + 4 + int(head.lower().partition(b"content-length: ")[2].split()[0])
+            if not length or len(answer) < length:
+                received[number] = answer
+                continue
+            if len(answer) != length:
+                raise SystemExit(answer[:500].decode("latin-1"))
+            latencies.append((time.perf_counter() - sent[number]) * 1e3)
+            received[number] = b""
+            idle.append(number)
+    elapsed = time.perf_counter() - start
+    print(json.dumps({"each": elapsed * 1e3 / requests, "latencies": sorted(latencies)}))
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4]), float(sys.argv[5]))
+    main(json.loads(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4]))

@@ -13,16 +13,16 @@ import time
 from pathlib import Path
 
 from infra.server.server import DEVELOPMENT_TOKEN, Server
-from tests.bench import raw_load
+from tests.bench import load
+from tests.bench.bench_gateway import LABEL
 from tests.bench.captures import drive
 from tests.helpers.service.client import CAMERA, TOKEN
-from tests.helpers.service.published import asked, calibration, mode_of, store
+from tests.helpers.service.published import calibration, publish
 from tests.helpers.stack.processes import LocalProcess
 
 WORKERS, REQUESTS, SAMPLE_S = 2, 10_000, 10.0
 # So many that few calibrations meet in a refit, whose memory grows with their number.
 CAMERAS = 1000
-LABEL = "Measured camera (046d:0825)"
 
 
 def memory_mb(parent: int) -> list[float]:
@@ -37,9 +37,9 @@ def memory_mb(parent: int) -> list[float]:
 
 def lookups(url: str, requests: int) -> None:
     """Send lookups of a known camera."""
-    body = json.dumps({**CAMERA, "camera": LABEL, "img_size": [1280, 720]})
+    body = json.dumps({**CAMERA, "camera": LABEL})
     headers = {"authorization": f"Bearer {TOKEN}", "content-type": "application/json"}
-    raw_load.drive(url, "POST", "/v1/lookup", headers, body, requests=requests, clients=8)
+    load.drive(url, "POST", "/v1/lookup", headers, body, requests=requests, clients=8)
 
 
 def mixed_load(url: str, end: float) -> None:
@@ -47,7 +47,7 @@ def mixed_load(url: str, end: float) -> None:
     while time.monotonic() < end:
         lookups(url, 2000)
         for path in ("/", "/calibrate/", "/docs/api/", "/healthz"):
-            raw_load.drive(url, "GET", path, {"accept-encoding": "gzip"}, "", requests=200, clients=4)
+            load.drive(url, "GET", path, {"accept-encoding": "gzip"}, "", requests=200, clients=4)
         drive(url, DEVELOPMENT_TOKEN, 6, 4, cameras=CAMERAS, faults=0.0, seed=round(time.monotonic()))
 
 
@@ -57,17 +57,15 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as place:
         data_dir = Path(place, "data")
         with Server(data_dir) as stack:
-            for n in range(5):
-                store(stack).calibrations.publish(document := calibration(LABEL, n))
-            store(stack).refit.now(asked(mode_of(document)))
+            publish(stack, *(calibration(LABEL, n) for n in range(5)), models=())
         with LocalProcess(data_dir, {"WORKERS": str(WORKERS)}) as server:
             lookups(server.url, WORKERS * REQUESTS)
             print(f"after {REQUESTS} lookups each: {max(memory_mb(server.process.pid)):.0f} MB at most")
             end = time.monotonic() + 60 * minutes
-            load = threading.Thread(target=mixed_load, args=(server.url, end))
-            load.start()
+            mixed = threading.Thread(target=mixed_load, args=(server.url, end))
+            mixed.start()
             samples = []
-            while load.is_alive():
+            while mixed.is_alive():
                 time.sleep(SAMPLE_S)
                 samples.append(max(memory_mb(server.process.pid)))
     parts = [samples[len(samples) * n // 5 : len(samples) * (n + 1) // 5] for n in range(5)]

@@ -20,11 +20,10 @@ from calibsolver import image_transform as transforms
 from calibsolver.arrays import Array, symmetric_inverse
 from calibsolver.fitting.normal_equations import POSE_SIZE, Poses, projection_jacobian
 from calibsolver.formats import ExportSource
-from calibsolver.formats.grid import grid
 from calibsolver.formats.mrcal import Mrcal
 from calibsolver.formats.optimum import MIN_USED_POINTS, resect_used
 from tests.bench.document import table
-from tests.helpers.data import available, corner_views
+from tests.helpers.data import available, corner_views, on_board
 from tests.helpers.solver.export_sources import captured, subject
 
 JUDGE = """
@@ -66,9 +65,7 @@ def simulated(model: str, f: float, d: list[float]) -> tuple[Calibration, Export
 def sources() -> Iterator[tuple[str, Calibration, ExportSource]]:
     for name in available(REAL):
         views, size = corner_views(name)
-        recognised = grid(views)
-        board = Board(recognised.squares, dictionary="DICT_4X4_1000")
-        ours = tuple(board.view(ids, v.image_points) for ids, v in zip(recognised.ids, views, strict=True))
+        board, _, ours = on_board(views)
         found = fit(ours, size, model=REAL[name], board_shape=False)
         yield f"{name}, {REAL[name]}", found, ExportSource(found.camera, ours, board)
     fisheye = [0.02, -0.01, 0.003, -0.001]

@@ -11,22 +11,24 @@ method.
 """
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calibsolver import Board, Calibration, CalibrationError, Camera, View, fit, rotation
-from calibsolver.arrays import Array, whitening
+from calibsolver import Calibration, CalibrationError, Camera, View, fit, rotation
+from calibsolver.arrays import Array, symmetric_inverse, whitening
 from calibsolver.camera import pixel_grid
 from calibsolver.fitting import prior
 from calibsolver.fitting.observations import Observations
+from calibsolver.fitting.resection import resect
 from calibsolver.fitting.validation import degenerate_views, pack
-from calibsolver.formats.grid import grid
-from calibsolver.guidance import PoseSelection, view_selection
+from calibsolver.guidance import PoseSelection
 from calibsolver.guidance.overlap import estimate_outline, jaccard_index
 from calibsolver.guidance.posterior import IntrinsicsPosterior
 from tests.bench import corners, document
+from tests.helpers.data import on_board
+from tests.helpers.solver import synthetic
 
 MODELS = ("rectilinear", "fisheye")
 DRAWS = 8
@@ -35,7 +37,6 @@ SPLITS, POOL_SHARE = 4, 0.6
 """Random divisions of a set, and the share of its views that the choice is made from."""
 MAX_NOISE_RATIO = 2.0
 """Noise of a model / noise of the best of a set, from which the model is not believable there."""
-Chooser = Callable[[Sequence[View], tuple[int, int], str, int], list[int]]
 
 
 def distance(one: Camera, other: Camera, q: Array | None = None) -> float:
@@ -49,21 +50,36 @@ def distance(one: Camera, other: Camera, q: Array | None = None) -> float:
     if seen.mean() < 0.5:
         return np.inf
     a, b, q = a[seen], b[seen], q[seen]
-    r = rotation.nearest(b.T @ a)
-    for _ in range(4):
-        rays = a @ r.T
-        e = other.project(rays) - q
-        step = 1e-6
-        turned = [other.project(rays @ rotation.matrix(step * axis).T) for axis in np.eye(3)]
-        j = np.stack([(t - q - e) / step for t in turned], axis=-1)
-        good = np.isfinite(e).all(axis=1) & np.isfinite(j).all(axis=(1, 2))
-        r = rotation.matrix(-np.linalg.lstsq(j[good].reshape(-1, 3), e[good].reshape(-1), rcond=None)[0]) @ r
-    e = other.project(a @ r.T) - q
+    e = synthetic.aligned_errors(other, a, q, rotation.nearest(b.T @ a), 4)
     return float(np.sqrt(np.mean(np.sum(e[np.isfinite(e).all(axis=1)] ** 2, axis=1))))
 
 
 def guided(views: Sequence[View], size: tuple[int, int], model: str, count: int) -> list[int]:
-    return view_selection.select_views(views, size, model, count)
+    """Choose the view that reduces the predicted projection error most, each time.
+
+    By the estimate from those before it, as a guided capture chooses a pose; the first by the prior alone.
+    """
+    obs = Observations.of(views)
+    chosen: list[int] = []
+    while len(chosen) < min(count, len(views)):
+        calibration = try_fit([views[i] for i in chosen], size, model) if chosen else None
+        posterior = replace(IntrinsicsPosterior.of(model, size, calibration), systematic=1.0)
+        information = view_information(posterior, obs)
+        total = prior.information(posterior.model, posterior.k, size) + information[chosen].sum(axis=0)
+        left = [i for i in range(len(views)) if i not in chosen]
+        after = symmetric_inverse(total + information[left])
+        error = np.einsum("vij,ij->v", after, posterior.error_metric)
+        chosen.append(left[int(np.nanargmin(error))])
+    return chosen
+
+
+def view_information(posterior: IntrinsicsPosterior, obs: Observations) -> Array:
+    """Fisher information (v, p, p) of views under the posterior's camera; 0 of one that it cannot pose."""
+    poses, square = resect(posterior.model, posterior.k, obs)
+    with np.errstate(all="ignore"):
+        s = posterior.view_information(obs, poses)
+    posed = np.isfinite(square) & np.isfinite(s).all(axis=(1, 2))
+    return np.where(posed[:, None, None], s, 0.0) / posterior.noise**2
 
 
 def representative(views: Sequence[View], size: tuple[int, int], model: str, count: int) -> list[int]:
@@ -76,7 +92,7 @@ def representative(views: Sequence[View], size: tuple[int, int], model: str, cou
     while len(chosen) < count:
         calibration = try_fit([views[i] for i in chosen], size, model) if chosen else None
         posterior = replace(IntrinsicsPosterior.of(model, size, calibration), systematic=0.0)
-        information = view_selection.view_information(posterior, obs)
+        information = view_information(posterior, obs)
         known = prior.information(posterior.model, posterior.k, size)
         posed = np.flatnonzero(np.abs(information).max(axis=(1, 2)) > 0).tolist()
         every = (information.sum(axis=0) + known) / max(len(posed), 1)
@@ -91,9 +107,7 @@ def representative(views: Sequence[View], size: tuple[int, int], model: str, cou
 
 def published(views: Sequence[View], size: tuple[int, int], model: str, count: int) -> list[int]:
     """Choose the view that overlaps most with the target of the published method, each time."""
-    found = grid(views)
-    board = Board(found.squares, dictionary="DICT_4X4_1000")
-    shown = [board.view(i, view.image_points) for i, view in zip(found.ids, views, strict=True)]
+    board, _, shown = on_board(views)
     outlines = [estimate_outline(board, view) for view in shown]
     guide = PoseSelection(board, size, model)
     chosen: list[int] = []

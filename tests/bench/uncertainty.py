@@ -3,7 +3,6 @@
 `ONLY=noise,hands` runs a part.
 """
 
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -31,10 +30,9 @@ HANDS_CAPTURES, HANDS_VIEWS = 24, (4, 6, 10, 15)
 
 
 def main() -> int:
-    only = set(filter(None, os.environ.get("ONLY", "").split(",")))
-    if not only or "noise" in only:
+    if document.is_chosen("noise"):
         document.replace("error bars", noise())
-    if not only or "hands" in only:
+    if document.is_chosen("hands"):
         document.replace("error bars in hands", in_hands())
     return 0
 

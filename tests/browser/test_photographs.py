@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
-from tests.helpers.browser.captures import begin
+from tests.helpers.browser.captures import client
 from tests.helpers.data import data_dir, external_data
 
 pytestmark = [external_data, pytest.mark.thorough]
@@ -63,13 +63,12 @@ def submit(api: httpx.Client, views: list[dict[str, Any]]) -> tuple[dict[str, An
         "capture": "recorded",
     }
     accepted: list[dict[str, Any]] = []
-    with begin(api, **request) as session:
+    with client(api) as session:
+        assert session.open(**request).status == 201
         for view in views:
-            body = {"index": len(accepted), "ids": view["ids"], "points": view["points"]}
-            state = session.post("/session/views", json=body).raise_for_status().json()
-            if state["accepted"]:
+            if session.view(len(accepted), view["ids"], view["points"]).json["accepted"]:
                 accepted.append(view)
-        return session.post("/session/finish").raise_for_status().json(), accepted
+        return session.call("POST", "/v1/session/finish").json, accepted
 
 
 def assert_equal_to_opencv(calibration: dict[str, Any], views: list[dict[str, Any]], what: str) -> None:

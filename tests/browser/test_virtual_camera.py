@@ -10,13 +10,15 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, Request
 
 from calibdb.store.aliases import alias_digest
+from calibsolver import Camera
 from tests.helpers.browser.captures import agreed, capture
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.frame_rate import WATCH
 from tests.helpers.browser.interruptions import views
-from tests.helpers.browser.truth import SMALL, Truth, projection_errors
+from tests.helpers.browser.truth import SMALL, Truth
 from tests.helpers.browser.waiting import address, until
 from tests.helpers.marks import thorough
+from tests.helpers.solver.synthetic import projection_error
 
 from ..conftest import THOROUGH
 
@@ -30,7 +32,7 @@ def assert_true(
     calibration: dict[str, Any], views: int, seconds: float, frames: int, where: str, truth: Truth = SMALL
 ) -> None:
     """A camera is as it was made; its capture took as long as the frames of 40 seconds."""
-    errors = projection_errors(truth, calibration)
+    errors = projection_error(truth.camera, Camera.from_record(calibration))
     fx = calibration["camera_matrix"][0][0]
     print(
         f"{where}: {views} views, {seconds:.1f} s, {frames} frames, fx {100 * (fx / truth.fx - 1):+.3f} %, "
@@ -156,7 +158,8 @@ def test_who_trembles_who_is_slow_and_who_goes_the_wrong_way_finishes_too(contex
         page.bring_to_front()
         page.wait_for_selector("#done:not([hidden]), #failed:not([hidden])")
         assert page.locator("#done").is_visible(), page.locator("#failure").text_content()
-        errors = projection_errors(SMALL, json.loads(page.locator("#json").text_content() or ""))
+        found = Camera.from_record(json.loads(page.locator("#json").text_content() or ""))
+        errors = projection_error(SMALL.camera, found)
         print(
             f"{hand}: {page.locator('#counts').text_content()}, projection error mean {errors.mean():.3f} px"
         )

@@ -6,13 +6,15 @@ environment variable CALIBDB_DATA names; without it the tests on that data are n
 
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from calibsolver import View
+from calibsolver import Board, View
+from calibsolver.formats.grid import grid
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMITTED = ROOT / "tests" / "data" / "corners"
@@ -60,3 +62,19 @@ def corner_views(name: str) -> tuple[list[View], tuple[int, int]]:
     data = corner_set(name)
     w, h = data["image_size"]
     return [View(v["obj"], v["img"]) for v in data["views"]], (w, h)
+
+
+def on_board(views: Sequence[View]) -> tuple[Board, tuple[tuple[int, ...], ...], tuple[View, ...]]:
+    """Board that views of a set show, and for each view the ids of its corners and the view with these."""
+    numbered = grid(views)
+    board = Board(numbered.squares, dictionary="DICT_4X4_1000")
+    pairs = zip(numbered.ids, views, strict=True)
+    return board, numbered.ids, tuple(board.view(ids, view.image_points) for ids, view in pairs)
+
+
+def float32(views: Sequence[View]) -> tuple[list[Any], list[Any]]:
+    """Points of boards and images as `cv2.calibrateCamera` takes them."""
+    return (
+        [view.object_points.astype(np.float32) for view in views],
+        [view.image_points.astype(np.float32) for view in views],
+    )

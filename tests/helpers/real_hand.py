@@ -11,14 +11,11 @@ from functools import cached_property
 import cv2
 import numpy as np
 
-from calibdb_client import Board
-from calibdb_client.board_sheet import png
 from calibdb_client.capture.feedback import Scene
 from calibdb_client.capture.guide import Status, Target
+from tests.helpers.virtual_person import SQUARE_PX, BoardCamera
 
 SQUARE_MM = 30.0
-SQUARE_PX = 60
-FRAME_S = 1 / 15
 READOUT_S, EXPOSURE_S = 0.02, 0.015
 BACKGROUND = 150
 COARSE_PX = 8
@@ -73,28 +70,17 @@ class Pose:
 
 
 @dataclass
-class RealCamera:
-    """Source of pictures (h, w) of a board in a hand, and the `Feedback`; `clock` is their time."""
+class RealCamera(BoardCamera):
+    """Source of pictures (h, w) of a board in a hand, and the `Feedback`."""
 
-    board: Board = field(default_factory=Board)
+    frame_s = 1 / 15
     habits: Habits = field(default_factory=Habits)
-    size: tuple[int, int] = (640, 480)
-    fx: float = 570.0
-    k1: float = -0.08
     noise: float = 2.0
     jpeg_quality: int = 85
-    seed: int = 0
-    frames: int = 0
     views: int = 0
-    said: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.rng = np.random.default_rng(self.seed)
-        w, h = self.size
-        self.matrix = np.array([[self.fx, 0, w / 2 + 4], [0, self.fx, h / 2 - 3], [0, 0, 1.0]])
-        self.distortion = np.array([self.k1, 0.01, 0, 0, 0])
-        self.sheet = cv2.imdecode(np.frombuffer(png(self.board, SQUARE_PX), np.uint8), cv2.IMREAD_GRAYSCALE)
-        self.middle = np.array([*self.board.edge.mean(axis=0), 0])
+        super().__post_init__()
         self.phases, self.rates = self.rng.uniform(0, 2 * np.pi, 6), self.rng.uniform(7, 11, 6)
         self.bend_axis = self.rng.uniform(0, np.pi)
         self.drift = np.zeros(6)
@@ -104,17 +90,13 @@ class RealCamera:
         self.begin, self.goal, self.leaves_at, self.arrives_at = start, start, 0.0, 0.0
         self.target: Target | None = None
 
-    def clock(self) -> float:
-        """Seconds."""
-        return self.frames * FRAME_S
-
     def read(self) -> tuple[bool, np.ndarray]:
         """Move for the time of a frame, and look."""
         self.frames += 1
         h = self.habits
         scale = np.repeat([np.radians(h.drift_degrees_s), h.drift_mm_s / SQUARE_MM], 3)
         velocity = scale * self.rng.normal(size=6)
-        self.drift = 0.98 * self.drift + velocity * FRAME_S
+        self.drift = 0.98 * self.drift + velocity * self.frame_s
         if not h.follows and self.clock() > self.arrives_at + PATIENCE_S:
             self.leave(self.anywhere())
         return True, self.picture()
@@ -172,8 +154,7 @@ class RealCamera:
         self.views = status.views
 
     def note(self, text: str) -> None:
-        """Remember."""
-        self.said.append(text)
+        """Nobody reads it."""
 
     def close(self) -> None:
         """Nothing is open."""

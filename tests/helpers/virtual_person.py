@@ -1,6 +1,7 @@
 """A camera with a known truth, and a person before it who does what the text says, and nothing else."""
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import cv2
 import numpy as np
@@ -11,7 +12,6 @@ from calibdb_client.capture.feedback import Scene
 from calibdb_client.capture.guide import Status
 from calibdb_client.capture.outline import TEXTS
 
-FRAME_S = 0.12
 SQUARE_PX = 60
 BORDER_PX = 60
 SHOW = "show the board to the camera"
@@ -19,20 +19,16 @@ STEP, TURN = 0.05, 0.08
 
 
 @dataclass
-class VirtualCamera:
-    """Source of pictures (h, w) of a board in a hand that follows words; `clock` is its frames' time.
+class BoardCamera:
+    """Camera with a known truth that has drawn frames of a board; `clock` is their time."""
 
-    The lens has distortion; the sensor has noise, so that no picture is the one before.
-    """
-
+    frame_s: ClassVar[float]
     board: Board = field(default_factory=Board)
     size: tuple[int, int] = (640, 480)
     fx: float = 570.0
     k1: float = -0.08
-    noise: float = 1.0
     seed: int = 0
     frames: int = 0
-    words: str = ""
 
     def __post_init__(self) -> None:
         self.rng = np.random.default_rng(self.seed)
@@ -41,6 +37,27 @@ class VirtualCamera:
         self.distortion = np.array([self.k1, 0.01, 0, 0, 0])
         drawn = np.frombuffer(png(self.board, SQUARE_PX), np.uint8)
         self.sheet = cv2.imdecode(drawn, cv2.IMREAD_GRAYSCALE)
+        self.middle = np.array([*self.board.edge.mean(axis=0), 0])
+
+    def clock(self) -> float:
+        """Seconds."""
+        return self.frames * self.frame_s
+
+
+@dataclass
+class VirtualCamera(BoardCamera):
+    """Source of pictures (h, w) of a board in a hand that follows words.
+
+    The lens has distortion; the sensor has noise, so that no picture is the one before.
+    """
+
+    frame_s = 0.12
+    noise: float = 1.0
+    words: str = ""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        w, h = self.size
         # A pinhole camera sees some more than the lens; its picture is then bent.
         self.pinhole = np.add(self.matrix, [[0, 0, BORDER_PX], [0, 0, BORDER_PX], [0, 0, 0]])
         pixels = np.indices((h, w), dtype=np.float64)[::-1].reshape(2, -1).T
@@ -49,12 +66,7 @@ class VirtualCamera:
         self.grain = [
             np.clip(self.rng.normal(0, self.noise, (h, w)), -20, 20).astype(np.int8) for _ in range(7)
         ]
-        self.middle = np.array([*self.board.edge.mean(axis=0), 0])
         self.rotation, self.place = np.eye(3), np.array([0, 0, 1.4 * max(self.board.size)])
-
-    def clock(self) -> float:
-        """Seconds."""
-        return self.frames * FRAME_S
 
     def read(self) -> tuple[bool, np.ndarray]:
         """Follow the words for the time of a frame, and look."""

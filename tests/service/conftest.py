@@ -6,8 +6,10 @@ from collections.abc import Iterator
 
 import pytest
 
+from calibdb.store import Store
 from infra.server.server import Server
-from tests.helpers.service.client import Client
+from tests.helpers.service import published
+from tests.helpers.service.client import TOKEN, Client
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -20,9 +22,34 @@ def certificates() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def stack(request: pytest.FixtureRequest) -> Iterator[Server]:
-    """A server that runs no jobs if the module says `JOBS = False`: it then computes no consensus."""
-    with Server(worker=None if getattr(request.module, "JOBS", True) else 1) as stack:
+    """A server with the `ENVIRONMENT` of the module, if it has one.
+
+    It runs no jobs if the module says `JOBS = False`: it then computes no consensus.
+    """
+    worker = None if getattr(request.module, "JOBS", True) else 1
+    with Server(environment=getattr(request.module, "ENVIRONMENT", {}), worker=worker) as stack:
         yield stack
+
+
+@pytest.fixture(scope="module")
+def store(stack: Server) -> Store:
+    """Storage of the server."""
+    return published.store(stack)
+
+
+@pytest.fixture(scope="module")
+def url(stack: Server) -> Iterator[str]:
+    """Address of the server, while it listens."""
+    with stack.serve() as url:
+        yield url
+
+
+@pytest.fixture
+def served(url: str, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Address of the server, which the command of the Python client takes from the environment."""
+    monkeypatch.setenv("CALIBDB_URL", url)
+    monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
+    return url
 
 
 @pytest.fixture

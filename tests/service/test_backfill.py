@@ -13,7 +13,7 @@ from infra.ops.__main__ import main
 from infra.server import jobs
 from infra.server.server import Server
 from tests.helpers.service import iam
-from tests.helpers.service.published import asked, calibration, mode_of, store
+from tests.helpers.service.published import calibration, publish, store
 
 ROOT = Path(__file__).parents[2]
 CAMERAS = ("Backfilled one", "Backfilled two")
@@ -27,10 +27,9 @@ def data_dir(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("DATA_DIR", str(folder))
     with Server(folder) as stack:
         for camera in CAMERAS:
-            for n in range(2):
-                document = calibration(camera, n)
-                store(stack).calibrations.publish(document)
-            store(stack).refit.now(asked(mode_of(document), "rectilinear"))
+            documents = [calibration(camera, n) for n in range(2)]
+            publish(stack, *documents)
+        document = documents[-1]
         other_zoom = document.model_copy(update={"zoom": 2.0, "id": document.id[:-4] + "ffff"})
         store(stack).calibrations.publish(other_zoom)
     return folder

@@ -98,11 +98,11 @@ def guided(stack: Server) -> Iterator[Client]:
     """A session with one view, which is found as it was after everything that was tried on it."""
     client = Client(stack)
     client.open()
-    assert client.view(0, *Truth().see(client.pose().json)).json["accepted"]
+    assert Truth().show(client).json["accepted"]
     before = client.state()
     yield client
     assert client.state() == before
-    assert client.view(1, *Truth(seed=1).see(client.pose().json)).json["accepted"]
+    assert Truth(seed=1).show(client).json["accepted"]
 
 
 PATHS = ("/v1/session", "/v1/session/views", "/v1/lookup")

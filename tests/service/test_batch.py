@@ -41,11 +41,6 @@ def kind(answer: Answer) -> tuple[int, str]:
     return answer.status, answer.kind
 
 
-def fields(answer: Answer) -> list[str]:
-    assert answer.status == 422
-    return [error["field"] for error in answer.json["errors"]]
-
-
 def mirrored(view: Corners) -> Corners:
     return {**view, "points": [[1279 - x, y] for x, y in view["points"]]}
 
@@ -106,11 +101,11 @@ def test_wrong_views_are_named_each_once_and_nothing_is_judged(
 ) -> None:
     outside = {**corners[1], "points": [[1281, 10]] * len(corners[1]["ids"])}
     unknown = {**corners[3], "ids": [900 + i for i in corners[3]["ids"]]}
-    wrong = fields(send(recorded, [corners[0], outside, corners[2], unknown]))
+    wrong = send(recorded, [corners[0], outside, corners[2], unknown]).fields
     assert wrong == ["views.1.points.0", "views.3.ids.0"]
     negative = {**corners[1], "points": [[-5, 10]] * len(corners[1]["ids"])}
     short = {**corners[1], "points": corners[1]["points"][:-1]}
-    assert fields(send(recorded, [negative, corners[0], short])) == ["views.0.points.0.0", "views.2.points"]
+    assert send(recorded, [negative, corners[0], short]).fields == ["views.0.points.0.0", "views.2.points"]
     assert send(recorded, []).status == 422
     assert send(recorded, [corners[0]] * 201).status == 422
     assert recorded.state()["views"] == []

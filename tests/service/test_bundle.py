@@ -3,8 +3,6 @@
 import itertools
 import json
 import os
-import shutil
-import subprocess
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +15,7 @@ from calibdb.settings import Thresholds
 from infra.ops.bundle import BundleResult, bundle
 from infra.ops.context import OpsContext
 from infra.server.server import Server, variables_set
-from tests.helpers.data import ROOT
+from tests.helpers.node import run_module
 from tests.helpers.service import labels, published
 from tests.helpers.service.client import Client
 from tests.helpers.service.known import LENS, LINUX, calibration, consensus, fit
@@ -114,17 +112,7 @@ def requests(known: list[Label]) -> list[Request]:
 
 
 def offline(data: Any, asked: list[Request]) -> list[Any]:
-    node = shutil.which("node")
-    assert node is not None
-    done = subprocess.run(
-        [node, "--input-type=module", "-e", PROGRAM],
-        input=json.dumps({"data": data, "requests": asked}),
-        capture_output=True,
-        check=True,
-        cwd=ROOT,
-        text=True,
-    )
-    answers: list[Any] = json.loads(done.stdout)
+    answers: list[Any] = run_module(PROGRAM, sent={"data": data, "requests": asked})
     return answers
 
 

@@ -9,15 +9,9 @@ from calibdb.camera_key import camera_key, identify
 from calibdb.schema import GroupsDocument
 from calibdb.store import Store
 from infra.server.server import Server, variables_set
-from tests.helpers.service import published
 from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus, fit
 from tests.helpers.service.published import put
-
-
-@pytest.fixture(scope="module")
-def store(stack: Server) -> Store:
-    return published.store(stack)
 
 
 @pytest.fixture(scope="module", autouse=True)

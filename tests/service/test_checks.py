@@ -2,7 +2,7 @@
 
 import re
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,8 @@ from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, TOKEN, Answer, Client, Truth, until
 from tests.helpers.service.published import NOW, TILTS, asked, calibration, mode_of, store
 
+ENVIRONMENT = {"MIN_CALIBRATIONS": "2"}  # five only take longer
+JOBS = False
 FLAT = ((0.01, 0.0, 0.0),)
 
 
@@ -31,13 +33,6 @@ def calibrated(stack: Server, camera: str, *which: int, begun: int = NOW, **trut
         document = calibration(camera, n, begun=begun, **truth)
         published.publish(stack, document)
     return mode_of(document)
-
-
-@pytest.fixture(scope="module")
-def stack() -> Iterator[Server]:
-    """Two calibrations are enough here; five only take longer."""
-    with Server(environment={"MIN_CALIBRATIONS": "2"}, worker=1) as stack:
-        yield stack
 
 
 @pytest.fixture

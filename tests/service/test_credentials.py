@@ -9,7 +9,6 @@ import pytest
 from calibdb.access.tokens import ApiToken, SessionIds, Ticket, secret_hash
 from calibdb.store import Store
 from infra.server.server import Server
-from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, TOKEN, Client
 from tests.helpers.service.intercepted import intercepted_service
 
@@ -29,11 +28,6 @@ BY_SESSION = [
     ("POST", "/v1/session/views", VIEW, ""),
     ("DELETE", "/v1/session/views/0", None, ""),
 ]
-
-
-@pytest.fixture
-def store(stack: Server) -> Store:
-    return published.store(stack)
 
 
 @pytest.mark.parametrize(("method", "path", "body", "query"), BY_TOKEN + BY_SESSION)

@@ -3,7 +3,6 @@
 import socket
 import statistics
 import time
-from collections.abc import Iterator
 from contextlib import suppress
 from http.client import HTTPConnection
 
@@ -12,16 +11,9 @@ import pytest
 
 from infra.server.app import is_loopback
 from infra.server.protocol import TimedProtocol
-from infra.server.server import Server
 from tests.helpers.service.client import TOKEN
 
 AUTH = {"authorization": f"Bearer {TOKEN}"}
-
-
-@pytest.fixture(scope="module")
-def url(stack: Server) -> Iterator[str]:
-    with stack.serve() as url:
-        yield url
 
 
 @pytest.mark.parametrize(

@@ -24,8 +24,7 @@ def latest(stack: Server, camera: str) -> SessionDocument:
 def take(client: Client, truth: Truth, views: int) -> None:
     taken = len(client.state()["views"])
     while len(client.state()["views"]) < taken + views:
-        pose = client.pose().json
-        assert client.view(pose["index"], *truth.see(pose)).status == 200
+        assert truth.show(client).status == 200
 
 
 def test_poses_have_hint_and_purpose(running: Client) -> None:
@@ -66,13 +65,7 @@ def test_wrong_first_view_is_set_aside_in_the_state(stack: Server, client: Clien
     """Of another camera, and right by itself; what is published does not contain it."""
     client.open(camera="Camera whose first view was another's")
     take(client, Truth(fx=450, fy=450, distortion=(0.0,) * 5), 1)
-    truth = Truth(seed=3)
-    for _ in range(14):
-        pose = client.pose().json
-        state = client.view(pose["index"], *truth.see(pose)).json
-        if state["status"] == "converged":
-            break
-    assert state["status"] == "converged"
+    state = Truth(seed=3).finish(client, 14)
     first, *others = state["views"]
     assert first["set_aside"]["reason"] in ("outlier", "disagrees")
     assert first["set_aside"]["detail"]
@@ -107,46 +100,11 @@ def test_finished_capture_stores_its_report(stack: Server, client: Client) -> No
     assert [view["index"] for view in report["views"]] == [view["index"] for view in state["views"]]
 
 
-@pytest.mark.thorough
-def test_capture_ends_when_its_error_stops_falling(client: Client) -> None:
-    client.open(camera="Camera never good enough", target_error=0.001)
-    truth = Truth(seed=4)
-    state = client.state()
-    for _ in range(40):
-        pose = client.pose().json
-        state = client.view(pose["index"], *truth.see(pose)).json
-        if state["status"] == "converged":
-            break
-    assert (state["status"], state["end"], state["progress"]) == ("converged", "plateau", 1)
-    assert 10 <= len(state["views"]) < 15
-    assert all(view["on_target"] for view in state["views"][-3:])
-    assert state["calibration_id"]
-
-
 def elsewhere(number: int) -> dict[str, Any]:
     """A pose far from any target."""
     rng = np.random.default_rng(number)
     rvec, tvec = np.radians(25) * rng.normal(size=3), rng.uniform((-7, -4.5, 11), (-2, -1.5, 16))
     return {"rvec": rvec.tolist(), "tvec": tvec.tolist()}
-
-
-@pytest.mark.thorough
-def test_capture_off_the_target_ends_after_fifteen_views_with_advice(client: Client) -> None:
-    """A user who ignores the outline is refused duplicates only."""
-    client.open(camera="Camera off its targets", target_error=0.001)
-    truth = Truth(seed=4)
-    answers = []
-    for number in range(40):
-        pose = client.pose().json
-        answers.append(client.view(pose["index"], *truth.see(elsewhere(number))).json)
-        if answers[-1]["status"] == "converged":
-            break
-    state = answers[-1]
-    assert (state["status"], state["end"]) == ("converged", "limit")
-    assert len(state["views"]) == 15
-    assert not all(view["on_target"] for view in state["views"])
-    assert {answer["reason"] for answer in answers} <= {None, "duplicate"}
-    assert "limit_reached" in [advice["code"] for advice in state["advice"]]
 
 
 def test_six_duplicates_in_a_row_end_a_capture(client: Client) -> None:
@@ -225,13 +183,7 @@ def test_the_published_method_can_be_chosen(client: Client) -> None:
     client.open(guidance="pose-selection")
     pose = client.pose().json
     assert abs(np.linalg.norm(pose["rvec"]) - 0.87) < 0.05  # 45 degrees, rolled by 22.5
-    truth = Truth(seed=1)
-    for _ in range(40):
-        pose = client.pose().json
-        state = client.view(pose["index"], *truth.see(pose)).json
-        if state["status"] == "converged":
-            break
-    assert state["status"] == "converged"
+    state = Truth(seed=1).finish(client, 40)
     assert 4 <= len(state["views"]) <= 15
 
 

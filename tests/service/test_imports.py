@@ -21,13 +21,6 @@ from infra.deploy.package import complete_template
 from infra.deploy.template import parse_text
 
 ROOT = Path(__file__).parents[2]
-SCRIPT = """
-import sys, time
-sys.path[:0] = {paths}
-start = time.process_time()
-import app
-print(time.process_time() - start)
-"""
 #: the modules of each function in a fork of its own, made when what they share is loaded
 FORKING = """
 import importlib, json, os, sys
@@ -116,8 +109,10 @@ def contents(layer: str) -> Iterator[Path]:
             yield Path(str(of.locate_file(top)))
 
 
-def link_layers(folder: Path) -> dict[str, Path]:
-    """Make a folder of links for each layer below `folder`, and return both."""
+@pytest.fixture(scope="module")
+def layers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A folder of links for each layer."""
+    folder = tmp_path_factory.mktemp("layers")
     places = {layer: folder / layer for layer in ("service", "solver")}
     for layer, place in places.items():
         place.mkdir()
@@ -126,24 +121,12 @@ def link_layers(folder: Path) -> dict[str, Path]:
     return places
 
 
-@pytest.fixture(scope="module")
-def layers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    return link_layers(tmp_path_factory.mktemp("layers"))
-
-
 def run(script: str) -> list[Any]:
     """Run a script by an interpreter without site-packages; return what its lines of JSON say."""
     command = [sys.executable, "-I", "-S", *COMPILED, "-c", script]
     done = subprocess.run(command, capture_output=True, check=False, text=True)
     assert done.returncode == 0, done.stderr
     return [json.loads(line) for line in done.stdout.splitlines()]
-
-
-def import_time(function: str, layers: dict[str, Path]) -> float:
-    """CPU seconds that the import of a handler takes in an interpreter of its own."""
-    paths = [str(ROOT / "functions" / function), *(str(layers[layer]) for layer in deployed()[function])]
-    (took,) = run(SCRIPT.format(paths=paths))
-    return float(took)
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,6 @@ from calibdb.lookup import camera_match, well_known_ids
 from calibdb.settings import Thresholds
 from calibdb.store import Store
 from infra.server.server import Server, variables_set
-from tests.helpers.service import published
 from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus, fit
 from tests.helpers.service.published import put
@@ -18,11 +17,6 @@ from tests.helpers.service.storage_calls import storage_calls
 
 WINDOWS = "Windows NT 10.0; Win64; x64"
 PUBLIC = {"MIN_CONTRIBUTORS": "3"}
-
-
-@pytest.fixture(scope="module")
-def store(stack: Server) -> Store:
-    return published.store(stack)
 
 
 @pytest.fixture

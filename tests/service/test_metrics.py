@@ -29,14 +29,17 @@ def total(lines: list[dict[str, Any]], name: str) -> float:
     return sum(line.get(name, 0) for line in lines)
 
 
-def test_a_capture_and_lookups(
-    stack: Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.fixture
+def in_lambda(client: Client, monkeypatch: pytest.MonkeyPatch) -> Client:
+    """A client of functions that take themselves to be on AWS."""
     monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
-    client = Client(stack)
-    state = Truth(seed=3).calibrate(client, camera="Counted", **BRIEF)
-    assert client.lookup(camera="Never seen", redirect=False).status == 404
-    assert client.lookup(camera="Never seen").status == 307
+    return client
+
+
+def test_a_capture_and_lookups(in_lambda: Client, capsys: pytest.CaptureFixture[str]) -> None:
+    state = Truth(seed=3).calibrate(in_lambda, camera="Counted", **BRIEF)
+    assert in_lambda.lookup(camera="Never seen", redirect=False).status == 404
+    assert in_lambda.lookup(camera="Never seen").status == 307
     lines = counted(capsys)
     assert [total(lines, name) for name in ("Sessions", "Calibrations")] == [1, 1]
     views = len(state["views"])
@@ -47,27 +50,19 @@ def test_a_capture_and_lookups(
     assert total(lines, "Errors") == 0
 
 
-def test_a_repeated_start_is_one_session(
-    stack: Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
-    client = Client(stack)
-    assert client.open().status == 201
+def test_a_repeated_start_is_one_session(in_lambda: Client, capsys: pytest.CaptureFixture[str]) -> None:
+    assert in_lambda.open().status == 201
     for _ in range(2):
-        assert client.call("POST", "/v1/session", CAMERA).status == 201
-    assert client.call("POST", "/v1/session", {**CAMERA, "camera": "Another"}).status == 409
+        assert in_lambda.call("POST", "/v1/session", CAMERA).status == 201
+    assert in_lambda.call("POST", "/v1/session", {**CAMERA, "camera": "Another"}).status == 409
     assert total(counted(capsys), "Sessions") == 1
 
 
-def test_refusals_by_reason(
-    stack: Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("AWS_LAMBDA_RUNTIME_API", "127.0.0.1:9001")
-    client = Client(stack)
-    client.open()
-    index = client.pose().json["index"]
-    ids, points = Truth().see(client.pose().json)
-    assert client.view(index, ids[:3], points[:3]).json["reason"] == "too_few_points"
+def test_refusals_by_reason(in_lambda: Client, capsys: pytest.CaptureFixture[str]) -> None:
+    in_lambda.open()
+    index = in_lambda.pose().json["index"]
+    ids, points = Truth().see(in_lambda.pose().json)
+    assert in_lambda.view(index, ids[:3], points[:3]).json["reason"] == "too_few_points"
     (line,) = [line for line in counted(capsys) if "Refusals" in line]
     assert line["Reason"] == "too_few_points"
     all_of_it, by_reason = line["_aws"]["CloudWatchMetrics"]

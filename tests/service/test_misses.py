@@ -6,6 +6,7 @@ import pytest
 
 from calibdb.lookup.reports import MAX_CAMERAS, REPORT_S, MissCounter
 from infra.server.server import Server
+from tests.helpers.clock import Clock
 from tests.helpers.service.client import Client
 from tests.helpers.service.index_items import items
 from tests.helpers.service.known import C920, LINUX, calibration, consensus
@@ -13,17 +14,10 @@ from tests.helpers.service.published import put, store
 from tests.helpers.service.stores import override_service
 
 
-class Clock:
-    ahead = 0.0
-
-    def __call__(self) -> float:
-        return 1_800_000_000 + self.ahead
-
-
 @pytest.fixture
 def clock() -> Iterator[Clock]:
     """The service's clock; its parts outlast a request, as in an instance of a function."""
-    clock = Clock()
+    clock = Clock(1_800_000_000)
     with override_service(clock=clock):
         yield clock
 
@@ -50,7 +44,7 @@ def test_misses_are_counted_by_camera_and_written_later(clock: Clock) -> None:
         )
         ask(*[C920] * 2, "Cheap drugs (046d:0825)", "Buy it now! 12", "Integrated Camera")
         assert written() == {f"CAMERA#{known.camera_key}": 1}, "few lookups write"
-        clock.ahead = REPORT_S + 1
+        clock.now += REPORT_S + 1
         ask(C920)
         assert written() == {f"CAMERA#{known.camera_key}": 4, "CAMERA#usb#046d:0825": 1}
         assert store(stack).miss_counts.most(int(clock())) == [(known.camera_key, 4), ("usb#046d:0825", 1)]

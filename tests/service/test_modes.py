@@ -12,7 +12,7 @@ from calibdb_client.recording import RecordedView, Recording
 from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, TOKEN, Answer, Client, Truth
-from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
+from tests.helpers.service.published import PLATFORM, calibration, mode_of, publish, store
 
 NAME = "Two fields of view"
 MODES = {"wide": 760.0, "narrow": 950.0}
@@ -22,10 +22,8 @@ MODES = {"wide": 760.0, "narrow": 950.0}
 def stack() -> Iterator[Server]:
     """Two calibrations of each mode: neither is in the majority that a consensus needs."""
     with Server(environment={"MIN_CALIBRATIONS": "3"}) as stack:
-        for n, fx in enumerate((950.0, 760.0, 953.0, 758.0)):
-            document = calibration(NAME, n, fx=fx, fy=fx - 2)
-            store(stack).calibrations.publish(document)
-        store(stack).refit.now(asked(mode_of(document), "rectilinear"))
+        focals = enumerate((950.0, 760.0, 953.0, 758.0))
+        publish(stack, *(calibration(NAME, n, fx=fx, fy=fx - 2) for n, fx in focals))
         yield stack
 
 

@@ -6,7 +6,6 @@ with `SEED=1` other ones.
 
 import math
 import os
-from collections.abc import Iterator
 
 import pytest
 import schemathesis
@@ -102,12 +101,6 @@ def running_rig(stack: Server, rigs: list[RigTruth]) -> RigTruth:
     return rig
 
 
-@pytest.fixture(scope="module")
-def url(stack: Server) -> Iterator[str]:
-    with stack.serve() as url:
-        yield url
-
-
 def requests(operation: APIOperation, known: dict[str, list[str]]) -> st.SearchStrategy[Case]:
     """Requests as the document describes them, some for what there is."""
     anything = operation.as_strategy()
@@ -140,7 +133,7 @@ def test_every_response_conforms_to_openapi(
         known = {"id": [rig.rig_id, finished_rig], "moment": ["m0", "m1"]}
     elif any("sessionId" in security for security in operation.definition.raw.get("security", ())):
         client.open()
-        client.view(0, *Truth().see(client.pose().json))
+        Truth().show(client)
         credential = client.session_id
     right = mode is GenerationMode.POSITIVE
     cases = requests(operation, known) if right else operation.as_strategy(generation_mode=mode)

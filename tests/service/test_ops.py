@@ -17,7 +17,7 @@ from infra.server.server import Server
 from tests.helpers.marks import thorough
 from tests.helpers.service.client import BRIEF, Client, Truth, until
 from tests.helpers.service.index_items import items, remove
-from tests.helpers.service.published import asked, calibration, mode_of, store
+from tests.helpers.service.published import calibration, publish, store
 
 
 @pytest.fixture(scope="module")
@@ -191,9 +191,8 @@ def test_camera_includes_calibrations_of_earlier_keys(
     earlier = f"c1-{key[3:]}"
     old = one.model_copy(update={"camera_key": earlier, "id": one.id.replace(key, earlier)})
     with Server(tmp_path / "data") as stack:
-        for document in (old, two):
-            store(stack).calibrations.publish(document)
-        store(stack).refit.now(asked(mode_of(two)))
+        store(stack).calibrations.publish(old)
+        publish(stack, two, models=())
     assert main(["camera", "show", key if asked_by == "today's key" else earlier]) == 0
     shown = capsys.readouterr().out
     assert "rectilinear: not reliable (too_few); 2 of 2 agree" in shown

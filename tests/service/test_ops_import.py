@@ -6,11 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calibsolver import Board, Calibration, View, fit, formats
-from calibsolver.formats.grid import grid
+from calibsolver import Calibration, View, fit, formats
 from infra.ops.__main__ import main
 from infra.server.server import Server
-from tests.helpers.data import corner_views
+from tests.helpers.data import corner_views, on_board
 from tests.helpers.service.client import TOKEN, Client
 from tests.helpers.solver.export_sources import subject
 
@@ -35,10 +34,7 @@ def real_views() -> tuple[View, ...]:
 
 def fitted_as_imported(views: Sequence[View]) -> Calibration:
     """Fit views in the frame and unit of the service's boards, in the board's shape."""
-    numbered = grid(views)
-    board = Board(numbered.squares)
-    ours = [board.view(ids, view.image_points) for ids, view in zip(numbered.ids, views, strict=True)]
-    return fit(ours, SIZE)
+    return fit(on_board(views)[2], SIZE)
 
 
 def test_keypoints_become_a_calibration_like_any_other(

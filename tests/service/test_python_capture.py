@@ -3,7 +3,6 @@
 import asyncio
 import json
 import threading
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -33,19 +32,6 @@ TOKEN = "cdb_dev_local"
 LABEL, PLATFORM = "USB2.0 HD UVC WebCam (13d3:5a01)", "X11; Linux x86_64"
 
 
-@pytest.fixture(scope="module")
-def site(stack: Server) -> Iterator[str]:
-    with stack.serve() as url:
-        yield url
-
-
-@pytest.fixture
-def served(site: str, monkeypatch: pytest.MonkeyPatch) -> str:
-    monkeypatch.setenv("CALIBDB_URL", site)
-    monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
-    return site
-
-
 def wait_for_consensus(stack: Server, label: str, platform: str) -> None:
     """Wait for the consensus, which is computed after the calibration is answered."""
     asked = {"camera": label, "platform": platform, "img_size": [640, 480], "redirect": False}
@@ -63,12 +49,12 @@ class Captured:
 
 
 @pytest.fixture(scope="module")
-def captured(site: str) -> Captured:
+def captured(url: str) -> Captured:
     camera = VirtualCamera(seed=2)
     kept: list[Recording] = []
     threads = threading.active_count()
     how: dict[str, Any] = {"label": LABEL, "platform": PLATFORM, "clock": camera.clock}
-    with Client(site, TOKEN, cache=False) as client:
+    with Client(url, TOKEN, cache=False) as client:
         result = client.calibrate(camera, licence="CC0-1.0", show=Listener(camera), keep=kept.append, **how)
         return Captured(result, kept[-1], camera, threading.active_count() - threads)
 

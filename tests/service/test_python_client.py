@@ -2,7 +2,6 @@
 
 import json
 import runpy
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -27,27 +26,12 @@ TOKEN = "cdb_dev_local"
 EXAMPLES = Path(__file__).parents[2] / "clients/python/examples"
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", autouse=True)
 def known(stack: Server) -> dict[str, Any]:
     """The lookup of a camera that five contributors calibrated."""
     publish(stack, *(calibration(LABEL, n) for n in range(5)))
     record: dict[str, Any] = Raw(stack).lookup(camera=LABEL, redirect=False).json
     return record
-
-
-@pytest.fixture(scope="module")
-def site(stack: Server) -> Iterator[str]:
-    with stack.serve() as url:
-        yield url
-
-
-@pytest.fixture
-def served(site: str, known: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> str:
-    """Address of the stack, which the command takes from the environment."""
-    assert known["reliable"]
-    monkeypatch.setenv("CALIBDB_URL", site)
-    monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
-    return site
 
 
 def test_three_lines_look_a_camera_up(served: str, known: dict[str, Any]) -> None:

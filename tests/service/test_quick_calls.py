@@ -12,7 +12,7 @@ from calibdb.service import Service
 from calibdb.store.refit import Refit
 from infra.server.server import Server
 from tests.helpers.service.client import Client
-from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store
+from tests.helpers.service.published import PLATFORM, calibration, publish, store
 
 CAMERA = "Known by all (046d:0825)"
 
@@ -21,9 +21,7 @@ CAMERA = "Known by all (046d:0825)"
 def stack(monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
     monkeypatch.setattr("calibdb.service.WRITE_INTERVAL_S", 3600.0)
     with Server() as stack:
-        for n in range(5):
-            store(stack).calibrations.publish(document := calibration(CAMERA, n))
-        store(stack).refit.now(asked(mode_of(document), "rectilinear", "fisheye"))
+        publish(stack, *(calibration(CAMERA, n) for n in range(5)), models=("rectilinear", "fisheye"))
         stack.wait_until_idle(60)
         yield stack
 

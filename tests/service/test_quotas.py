@@ -10,7 +10,6 @@ from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.store import Store
 from calibdb.store.quotas import SHARDS
 from infra.server.server import Server
-from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, Answer, Client
 from tests.helpers.service.stores import override_service
 from tests.helpers.service.strangers import standing_clock
@@ -24,11 +23,6 @@ def small_plan() -> Iterator[None]:
 
     with standing_clock(plans=PLANS | {"small": SMALL}):
         yield
-
-
-@pytest.fixture
-def store(stack: Server) -> Store:
-    return published.store(stack)
 
 
 @pytest.fixture

@@ -5,9 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from calibsolver import Board, View, fit
-from calibsolver.formats.grid import grid
-from tests.helpers.data import available, corner_views
+from calibsolver import View, fit
+from tests.helpers.data import available, corner_views, on_board
 from tests.helpers.marks import thorough
 from tests.helpers.service.client import Client, Truth
 
@@ -16,16 +15,15 @@ NAMES = available(["opencv_left", "pv_charuco_480"])
 """The second: 16 photographs of which a guided capture's rule used nine."""
 
 
-def recorded(client: Client, name: str) -> tuple[list[tuple[int, ...]], list[View]]:
+def recorded(client: Client, name: str) -> tuple[tuple[tuple[int, ...], ...], tuple[View, ...]]:
     """Start a recorded session of a real corner set; ids and views on the session's board."""
     views, size = corner_views(name)
-    found = grid(views)
-    board = Board(found.squares, dictionary="DICT_4X4_1000")
-    told = {"squares": list(found.squares), "dictionary": "DICT_4X4_1000"}
+    board, ids, seen = on_board(views)
+    told = {"squares": list(board.squares), "dictionary": board.dictionary}
     opened = client.open(camera=f"Recorded {name}", img_size=list(size), board=told, capture="recorded")
     assert opened.status == 201, opened.body
     assert opened.json["capture"] == "recorded"
-    return list(found.ids), [board.view(i, v.image_points) for i, v in zip(found.ids, views, strict=True)]
+    return ids, seen
 
 
 def offer(client: Client, index: int, ids: tuple[int, ...], view: View) -> dict[str, Any]:
@@ -92,8 +90,7 @@ def test_live_capture_can_be_ended_before_its_target_error(client: Client) -> No
     for taken in range(4):
         few = client.call("POST", "/v1/session/finish")
         assert (few.status, few.kind) == (409, "too-few-views"), taken
-        pose = client.pose().json
-        assert client.view(pose["index"], *truth.see(pose)).json["accepted"]
+        assert truth.show(client).json["accepted"]
     ended = client.call("POST", "/v1/session/finish").json
     assert (ended["status"], len(ended["views"])) == ("converged", 4)
     assert ended["uncertainty"]["rms"] > 0.01, "it says what it is worth, whatever was asked"

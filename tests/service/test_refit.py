@@ -207,8 +207,7 @@ def test_concurrent_last_view_ends_the_session_once(stack: Server, at_rest: Stor
     client, truth = Client(stack), Truth(seed=5)
     client.open(camera="Impatient client", **BRIEF)
     for _ in range(3):
-        pose = client.pose().json
-        assert client.view(pose["index"], *truth.see(pose)).json["accepted"]
+        assert truth.show(client).json["accepted"]
     pose = client.pose().json
     seen = truth.see(pose)
     ready = threading.Barrier(4)

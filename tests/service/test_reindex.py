@@ -110,7 +110,7 @@ def captured(stack: Server) -> None:
     store(stack).refit.now(asked(mode_of(store(stack).calibrations.read([ended["calibration_id"]])[0])))
     for end in (None, "/v1/session/views/0", "/v1/session"):
         client.open(camera="Under way Z77")
-        assert client.view(0, *Truth().see(client.pose().json)).json["accepted"]
+        assert Truth().show(client).json["accepted"]
         assert end is None or client.call("DELETE", end).status in (200, 204)
 
 

@@ -2,10 +2,7 @@
 
 import asyncio
 import io
-import json
-import subprocess
 import zipfile
-from collections.abc import Iterator
 from typing import Any
 
 import cv2
@@ -14,7 +11,7 @@ import pytest
 
 from calibdb_client import AsyncClient, Client, NotFoundError, ProblemError, Rig
 from infra.server.server import Server
-from tests.helpers.data import ROOT
+from tests.helpers.node import run_module
 from tests.helpers.service.client import TOKEN
 from tests.helpers.service.rigs import RigTruth
 
@@ -60,18 +57,8 @@ def rig(stack: Server) -> RigTruth:
     return truth
 
 
-@pytest.fixture(scope="module")
-def url(stack: Server, rig: RigTruth) -> Iterator[str]:
-    assert rig.rig_id
-    with stack.serve() as url:
-        yield url
-
-
 def test_sdk_reads_the_rig_that_was_captured_and_rectifies_it_as_its_file(rig: RigTruth, url: str) -> None:
-    command = ["node", "--input-type=module", "-e", READ, url, rig.rig_id, TOKEN]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
-    assert done.returncode == 0, done.stderr
-    found = json.loads(done.stdout)
+    found = run_module(READ, url, rig.rig_id, TOKEN)
     assert found["record"] == rig.result().json
     assert found["eyes"] == ["left", "right"]
     assert [refusal[:2] for refusal in found["refusals"]] == [[True, 404], [True, 403]]

@@ -26,7 +26,7 @@ def converged(client: Client) -> Client:
 
 
 def test_starting_twice_is_starting_once(running: Client) -> None:
-    assert running.view(0, *Truth().see(running.pose().json)).json["accepted"]
+    assert Truth().show(running).json["accepted"]
     again = running.call("POST", "/v1/session", CAMERA)
     assert again.status == 201
     assert len(again.json["views"]) == 1

@@ -10,18 +10,11 @@ from calibdb.lookup import well_known_ids
 from calibdb.settings import Thresholds
 from calibdb.store import Store
 from calibdb.store.cameras import IdSupport, rivals
-from infra.server.server import Server
-from tests.helpers.service import published
 from tests.helpers.service.known import LINUX, calibration, consensus, fit
 from tests.helpers.service.published import put
 from tests.helpers.service.stores import with_methods
 
 RULES = Thresholds(min_contributors=3, contributor_period=0)
-
-
-@pytest.fixture(scope="module")
-def store(stack: Server) -> Store:
-    return published.store(stack)
 
 
 def well_known(store: Store, label: str) -> bool:

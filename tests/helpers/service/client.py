@@ -160,29 +160,45 @@ class Truth:
 
     def see(self, pose: Mapping[str, Any]) -> tuple[list[int], list[list[float]]]:
         """Return ids and points that a detector would find with the board held at `pose`, about."""
-        columns, rows = self.squares[0] - 1, self.squares[1] - 1
-        row, column = np.divmod(np.arange(columns * rows), columns)
-        board = np.stack([column + 1.0, row + 1.0, np.zeros(columns * rows)], axis=1)
-        board[:, 2] = self.sag * (1 - np.linspace(-1, 1, columns)[column] ** 2)
         rvec = np.array(pose["rvec"]) + self.rng.normal(0, 0.04, 3)
         tvec = np.array(pose["tvec"]) * (1 + self.rng.normal(0, 0.02, 3))
-        points = cv2.projectPoints(board, rvec, tvec, self.matrix, np.array(self.distortion))[0].reshape(
-            -1, 2
-        )
+        return self.detect(rvec, tvec)
+
+    @property
+    def board(self) -> np.ndarray:
+        """Corners (n, 3) of the board, squares."""
+        columns, rows = self.squares[0] - 1, self.squares[1] - 1
+        row, column = np.divmod(np.arange(columns * rows), columns)
+        height = self.sag * (1 - np.linspace(-1, 1, columns)[column] ** 2)
+        return np.stack([column + 1.0, row + 1.0, height], axis=1)
+
+    def detect(self, rvec: np.ndarray, tvec: np.ndarray) -> tuple[list[int], list[list[float]]]:
+        """Return ids and points that a detector would find with the board exactly at a pose."""
+        lens = np.array(self.distortion)
+        points = cv2.projectPoints(self.board, rvec, tvec, self.matrix, lens)[0].reshape(-1, 2)
         points = points + self.rng.normal(0, self.noise, points.shape)
         limit = np.array(self.img_size) - 1
         seen = np.flatnonzero(((points >= 0) & (points <= limit)).all(axis=1))
         return seen.tolist(), points[seen].tolist()
 
+    def show(self, client: Client) -> Answer:
+        """Hold the board as a session asks, and send the view."""
+        pose = client.pose()
+        assert pose.status == 200, pose.body
+        answer = client.view(pose.json["index"], *self.see(pose.json))
+        assert answer.status == 200, answer.body
+        return answer
+
     def calibrate(self, client: Client, max_views: int = 12, **start: object) -> Any:
         """Run a whole guided capture, and return the state it ends in."""
-        opened = client.open(img_size=list(self.img_size), **start)
+        opened = client.open(**{"img_size": list(self.img_size)} | start)
         assert opened.status == 201, opened.body
+        return self.finish(client, max_views)
+
+    def finish(self, client: Client, max_views: int = 12) -> Any:
+        """Go on with a guided capture, and return the state it ends in."""
         for _ in range(max_views):
-            pose = client.pose()
-            assert pose.status == 200, pose.body
-            answer = client.view(pose.json["index"], *self.see(pose.json))
-            assert answer.status == 200, answer.body
+            answer = self.show(client)
             if answer.json["status"] == "converged":
                 return answer.json
         raise AssertionError(f"not converged after {max_views} views: {answer.body!r}")

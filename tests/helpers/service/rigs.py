@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import cv2
 import numpy as np
 
 from calibsolver import rotation
@@ -103,16 +102,10 @@ class RigTruth:
     def see(self, position: int, pose: RigidMotion) -> tuple[list[int], list[list[float]]]:
         """Return ids and points that a detector finds in the picture of a camera."""
         truth, pose = self.cameras[position], self.motions[position] @ pose
-        columns, rows = self.squares[0] - 1, self.squares[1] - 1
-        row, column = np.divmod(np.arange(columns * rows), columns)
-        board = np.stack([column + 1.0, row + 1.0, np.zeros(columns * rows)], axis=1)
-        rvec, lens = rotation.vector(pose.r), np.array(truth.distortion)
-        points = cv2.projectPoints(board, rvec, pose.t, truth.matrix, lens)[0].reshape(-1, 2)
-        points = points + truth.rng.normal(0, truth.noise, points.shape)
-        limit = np.array(truth.img_size) - 1
-        seen = ((points >= 0) & (points <= limit)).all(axis=1) & (pose(board)[:, 2] > 0.5)
-        ids = np.flatnonzero(seen)
-        return ids.tolist(), points[ids].tolist()
+        is_behind = pose(truth.board)[:, 2] <= 0.5
+        seen = zip(*truth.detect(rotation.vector(pose.r), pose.t), strict=True)
+        found = [(number, point) for number, point in seen if not is_behind[number]]
+        return [number for number, _ in found], [point for _, point in found]
 
     def moment(
         self, name: str, pose: RigidMotion | None = None, positions: Sequence[int] | None = None

@@ -3,32 +3,21 @@
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from typing import Any
 
 from infra.ops.context import OpsContext
 from infra.server.server import Server
+from tests.helpers.clock import Clock
 from tests.helpers.service.client import CAMERA, Answer, Client
 from tests.helpers.service.stores import override_service
 
 SITE = "https://example.org"
 
 
-@dataclass
-class Time:
-    """Clock that stands: no hour or day, whose counters begin anew, begins within a test."""
-
-    ahead: float = 0.0
-    begun: float = field(default_factory=time.time)
-
-    def __call__(self) -> float:
-        return self.begun + self.ahead
-
-
 @contextmanager
-def standing_clock(**more: Any) -> Iterator[Time]:
+def standing_clock(**more: Any) -> Iterator[Clock]:
     """Services with a clock that stands until it is turned, and with more that `Service.build` takes."""
-    clock = Time()
+    clock = Clock(time.time())
     with override_service(clock=clock, **more):
         yield clock
 

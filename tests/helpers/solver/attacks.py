@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibsolver import CalibrationError, Camera, View
-from calibsolver.consensus import Consensus, Member, Rule, pool
-from calibsolver.consensus.agreement import compare
+from calibsolver.consensus import Consensus, Member, Rule, difference, pool
 from tests.helpers.solver import populations, synthetic
 
 RULE = Rule(min_contributors=3)
@@ -98,17 +97,15 @@ def trial(
             for i in range(bad)
         ]
         unharmed = pool([*honest, *more], size, "rectilinear", RULE)
-        by_honest = answer_difference(clean, unharmed) if unharmed.reliable else None
+        by_honest = (
+            difference(clean.calibration.camera, unharmed.calibration.camera) if unharmed.reliable else None
+        )
     try:
         attacked = pool(members, size, "rectilinear", RULE)
     except CalibrationError:
         return Trial(kind, total, clean, None, 0.0, by_honest)
-    return Trial(kind, total, clean, attacked, answer_difference(clean, attacked), by_honest)
-
-
-def answer_difference(one: Consensus, other: Consensus) -> float:
-    """Difference of two answers, px rms over the image."""
-    return float(compare([one.calibration, other.calibration])[0, 1])
+    moved = difference(clean.calibration.camera, attacked.calibration.camera)
+    return Trial(kind, total, clean, attacked, moved, by_honest)
 
 
 def vary(camera: Camera, variation: float, rng: np.random.Generator) -> Camera:

@@ -29,15 +29,22 @@ PLACES = (
 
 
 def views(
-    camera: Camera, rng: np.random.Generator, noise: float = 0.2, count: int = 6, hand: Hand = STEADY
+    camera: Camera,
+    rng: np.random.Generator,
+    noise: float = 0.2,
+    count: int = 6,
+    hand: Hand = STEADY,
+    board: Board = BOARD,
 ) -> list[View]:
     """Views as a guided capture ends with: close to all parts of the image, tilted by 35 to 50 degrees.
 
-    A view that shows fewer than 16 corners is taken again with the board farther away. `hand` holds it.
+    A view that shows fewer than 16 corners of those of the board is taken again with the board farther away.
+    `hand` holds it.
     """
     w, h = camera.img_size
-    corners = hand.bend(BOARD, rng) if hand.sag_boards else None
-    middle = BOARD.outline.mean(axis=0)
+    corners = hand.bend(board, rng) if hand.sag_boards else None
+    middle = board.outline.mean(axis=0)
+    least = min(16, len(board.points))
     out: list[View] = []
     for i in range(count):
         x, y = PLACES[i % len(PLACES)] + rng.uniform(-0.06, 0.06, 2)
@@ -48,11 +55,11 @@ def views(
         r = towards @ rotation.matrix(tilt)
         width = rng.uniform(0.9, 1.1)
         for _ in range(8):
-            depth = BOARD.size[0] * camera.matrix[0, 0] / (width * w)
+            depth = board.size[0] * camera.matrix[0, 0] / (width * w)
             t = depth * ray - r @ middle
             focused = hand.refocused(camera, rng)
             view = synthetic.detect(
-                BOARD,
+                board,
                 focused,
                 rotation.vector(r),
                 t,
@@ -62,7 +69,7 @@ def views(
                 corners=corners,
                 whole_markers=False,
             )
-            if len(view) >= 16:
+            if len(view) >= least:
                 out.append(view)
                 break
             width *= 0.8
@@ -105,13 +112,9 @@ def of_diagonal(
     model: str, d: np.ndarray, angle: float, rng: np.random.Generator, img_size: tuple[int, int]
 ) -> Camera:
     """Camera that sees `angle` over its diagonal."""
-    w, h = img_size
     reach = models.get(model).distort(d, np.array([np.sin(angle / 2), 0, np.cos(angle / 2)]))[0]
-    focal = np.hypot(w, h) / 2 / reach
-    cx = (w - 1) / 2 + 0.012 * w * rng.normal()
-    cy = (h - 1) / 2 + 0.012 * w * rng.normal()
-    matrix = np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
-    return Camera(model, matrix, d, img_size)
+    focal = np.hypot(*img_size) / 2 / reach
+    return Camera(model, synthetic.camera_matrix(focal, img_size, rng), d, img_size)
 
 
 def seen_all(camera: Camera) -> list[Camera]:
@@ -121,17 +124,27 @@ def seen_all(camera: Camera) -> list[Camera]:
     return [camera] if np.isfinite(camera.unproject(rim)).all() else []
 
 
+def profile_rows() -> list[dict[str, str]]:
+    """Rows of the published lens profiles."""
+    with (data_dir() / "lens_profiles.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def profile_camera(row: dict[str, str]) -> Camera:
+    """Camera of a row."""
+    fx, fy, cx, cy = (float(row[name]) for name in ("fx", "fy", "cx", "cy"))
+    matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
+    return Camera(
+        "fisheye", matrix, [float(row[f"k{i}"]) for i in (1, 2, 3, 4)], (int(row["w"]), int(row["h"]))
+    )
+
+
 def profiles() -> dict[Mode, list[tuple[Camera, float]]]:
     """Published lens profiles by mode (brand, model, lens, setting, size): camera, and its rms in px."""
     modes: dict[Mode, list[tuple[Camera, float]]] = defaultdict(list)
-    with (data_dir() / "lens_profiles.csv").open(newline="") as file:
-        for row in csv.DictReader(file):
-            size = (int(row["w"]), int(row["h"]))
-            fx, fy, cx, cy = (float(row[name]) for name in ("fx", "fy", "cx", "cy"))
-            matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
-            camera = Camera("fisheye", matrix, [float(row[f"k{i}"]) for i in (1, 2, 3, 4)], size)
-            mode = tuple(row[name] for name in ("brand", "model", "lens", "setting", "w", "h"))
-            modes[mode].append((camera, float(row["rms"] or "nan")))
+    for row in profile_rows():
+        mode = tuple(row[name] for name in ("brand", "model", "lens", "setting", "w", "h"))
+        modes[mode].append((profile_camera(row), float(row["rms"] or "nan")))
     return modes
 
 

@@ -25,24 +25,29 @@ BORDER_PX = 2.0
 """Border in which neither corners nor markers are found."""
 
 
+def camera_matrix(focal: float, img_size: tuple[int, int], rng: np.random.Generator) -> np.ndarray:
+    """Camera matrix (3, 3) whose centre and aspect are a little off, as those of real cameras."""
+    w, h = img_size
+    cx = (w - 1) / 2 + 0.012 * w * rng.normal()
+    cy = (h - 1) / 2 + 0.012 * w * rng.normal()
+    return np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
+
+
 @cache
 def rectilinear_cameras(
     count: int = 12, seed: int = 0, img_size: tuple[int, int] = IMG_SIZE
 ) -> tuple[Camera, ...]:
     """Cameras from wide to narrow, each with some distortion, as far as real ones bend."""
     rng = np.random.default_rng(seed)
-    w, h = img_size
     cameras = []
     for focal, k1 in zip(
-        np.geomspace(500, 1600, count) / 1280 * w,
+        np.geomspace(500, 1600, count) / 1280 * img_size[0],
         rng.permutation(np.linspace(-0.35, 0.10, count)),
         strict=True,
     ):
         k2 = 0.3 * k1 * k1 + 0.01 * rng.normal()
         p1, p2 = 0.0006 * rng.normal(size=2)
-        cx = (w - 1) / 2 + 0.012 * w * rng.normal()
-        cy = (h - 1) / 2 + 0.012 * w * rng.normal()
-        matrix = np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
+        matrix = camera_matrix(focal, img_size, rng)
         # Real wide lenses draw the corners a third as large as the middle, not smaller, and nothing between
         # them smaller still: one that is about to fold (its radial stretch near 0) does not bend that much.
         while least_stretch(camera := Camera("rectilinear", matrix, [k1, k2, p1, p2, 0], img_size)) < 0.3:
@@ -76,11 +81,15 @@ def fisheye_cameras(
         t = angle / 2
         reach = t * (1 + t**2 * k[0] + t**4 * k[1] + t**6 * k[2] + t**8 * k[3])
         focal = np.hypot(w, h) / 2 / reach
-        cx = (w - 1) / 2 + 0.012 * w * rng.normal()
-        cy = (h - 1) / 2 + 0.012 * w * rng.normal()
-        matrix = np.array([[focal, 0, cx], [0, focal * (1 + 0.002 * rng.normal()), cy], [0, 0, 1]])
+        matrix = camera_matrix(focal, img_size, rng)
         cameras.append(Camera("fisheye", matrix, k, img_size))
     return tuple(cameras)
+
+
+def tilt_deg(board: Board, r: np.ndarray, tvec: np.ndarray) -> float:
+    """Angle between the normal of a board and the line of sight to its middle."""
+    center = r @ board.outline.mean(axis=0) + tvec
+    return float(np.degrees(np.arccos(np.clip(r[:, 2] @ center / np.linalg.norm(center), -1, 1))))
 
 
 def detect(
@@ -107,9 +116,7 @@ def detect(
     q = camera.project(corners @ r.T + tvec)
     if hand.readout_s:
         q = hand.project(corners, camera, rvec, tvec, rng)
-    center = r @ board.outline.mean(axis=0) + tvec
-    tilt = np.degrees(np.arccos(np.clip(r[:, 2] @ center / np.linalg.norm(center), -1, 1)))
-    noise = noise * (1 + blur * (tilt / 45) ** 2)
+    noise = noise * (1 + blur * (tilt_deg(board, r, tvec) / 45) ** 2)
     inside = in_image(q, camera.img_size, BORDER_PX)
     if whole_markers:
         places = camera.project(board.support.reshape(-1, 3) @ r.T + tvec)
@@ -166,24 +173,34 @@ def match_picture(board: Board, drawn: Camera, camera: Camera, target: TargetPos
     )
 
 
+def aligned_errors(camera: Camera, rays: np.ndarray, q: np.ndarray, r: np.ndarray, steps: int) -> np.ndarray:
+    """Projections of rays (n, 3) less pixels (n, 2), after the rotation, near `r`, that fits best."""
+    for _ in range(steps):
+        p = rays @ r.T
+        e = camera.project(p) - q
+        step = 1e-6
+        turned = [camera.project(p @ rotations.matrix(step * axis).T) for axis in np.eye(3)]
+        j = np.stack([(t - q - e) / step for t in turned], axis=-1)
+        good = np.isfinite(e).all(axis=1) & np.isfinite(j).all(axis=(1, 2))
+        turn = -np.linalg.lstsq(j[good].reshape(-1, 3), e[good].reshape(-1), rcond=None)[0]
+        r = rotations.matrix(turn) @ r
+    errors: np.ndarray = camera.project(rays @ r.T) - q
+    return errors
+
+
 def projection_error(truth: Camera, found: Camera, grid: tuple[int, int] = (20, 15)) -> np.ndarray:
     """|true - estimated projection| (n,) px over the image, after the rotation that fits best."""
     rays = truth.unproject(pixel_grid(truth.img_size, grid).reshape(2, -1).T)
     rays = rays[np.isfinite(rays[:, 0])]
     q = truth.project(rays)
-    r = np.eye(3)
-    for _ in range(6):
-        p = rays @ r.T
-        e = found.project(p) - q
-        step = 1e-6
-        turned = [found.project(p @ rotations.matrix(step * axis).T) for axis in np.eye(3)]
-        j = np.stack([(t - q - e) / step for t in turned], axis=-1)
-        good = np.isfinite(e).all(axis=1) & np.isfinite(j).all(axis=(1, 2))
-        w = rotations.matrix(-np.linalg.lstsq(j[good].reshape(-1, 3), e[good].reshape(-1), rcond=None)[0])
-        r = w @ r
-    e = found.project(rays @ r.T) - q
+    e = aligned_errors(found, rays, q, np.eye(3), 6)
     # Where the found camera sees nothing at all the error is as large as the image.
     return np.where(np.isfinite(e).all(axis=1), np.hypot(e[:, 0], e[:, 1]), truth.img_size[0])
+
+
+def rms_error(truth: Camera, found: Camera) -> float:
+    """Root mean square of `projection_error`, px."""
+    return float(np.sqrt(np.mean(projection_error(truth, found) ** 2)))
 
 
 @dataclass

@@ -4,12 +4,11 @@ What real specimens show: calibrations of one product differ by 0.1 to 0.4 % of 
 have boards of 6 to 2,401 corners, corners of 0.05 to 0.6 px noise, and 4 to 15 views.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from calibsolver import Board, Camera, View, rotation
+from calibsolver import Board, Camera
 from calibsolver.consensus import Member
 from tests.helpers.solver import populations, synthetic
 
@@ -76,7 +75,8 @@ def member(name: str, camera: Camera, rng: np.random.Generator, corners: int | N
     board = draw_board(rng, corners)
     count = int(rng.integers(VIEWS[0], VIEWS[1] + 1))
     count = max(min(count, MAX_POINTS // len(board.points)), VIEWS[0])
-    return Member(name, name, tuple(views(board, camera, rng, log_uniform(rng, *NOISE), count)))
+    seen = populations.views(camera, rng, log_uniform(rng, *NOISE), count, board=board)
+    return Member(name, name, tuple(seen))
 
 
 def draw_board(rng: np.random.Generator, corners: int | None = None) -> Board:
@@ -90,28 +90,3 @@ def draw_board(rng: np.random.Generator, corners: int | None = None) -> Board:
 def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
     """Number whose logarithm is uniform."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
-def views(board: Board, camera: Camera, rng: np.random.Generator, noise: float, count: int) -> Sequence[View]:
-    """Views as a guided capture ends with: in all parts of the image, tilted by 35 to 50 degrees."""
-    w, h = camera.img_size
-    middle = board.outline.mean(axis=0)
-    least = min(16, len(board.points))
-    out: list[View] = []
-    for i in range(count):
-        x, y = populations.PLACES[i % len(populations.PLACES)] + rng.uniform(-0.06, 0.06, 2)
-        ray = camera.unproject(np.array([[(1 + x) * w / 2, (1 + y) * h / 2]]))[0]
-        azimuth = 2.4 * i + rng.uniform(0, 1)
-        tilt = np.radians(rng.uniform(35, 50)) * np.array([np.cos(azimuth), np.sin(azimuth), 0])
-        towards = rotation.nearest(np.stack([np.cross([0, 1, 0], ray), [0, 1, 0], ray], axis=1))
-        r = towards @ rotation.matrix(tilt)
-        width = rng.uniform(0.9, 1.1)
-        for _ in range(8):
-            depth = board.size[0] * camera.matrix[0, 0] / (width * w)
-            t = depth * ray - r @ middle
-            view = synthetic.detect(board, camera, rotation.vector(r), t, rng, noise, whole_markers=False)
-            if len(view) >= least:
-                out.append(view)
-                break
-            width *= 0.8
-    return out

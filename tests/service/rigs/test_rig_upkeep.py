@@ -1,7 +1,6 @@
 """Operators' tools know rigs: an index that was lost, a crash that nobody mended, a contributor who goes."""
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -16,13 +15,9 @@ from tests.helpers.service.client import EDGE, TOKEN
 from tests.helpers.service.rigs import RigTruth
 from tests.service.rigs.test_rig_crashes import crash_after
 
+ENVIRONMENT = {"EDGE_SECRETS": EDGE}
+JOBS = False
 HERE, THERE = "192.0.2.10", "192.0.2.11"
-
-
-@pytest.fixture(scope="module")
-def stack() -> Iterator[Server]:
-    with Server(environment={"EDGE_SECRETS": EDGE}, worker=1) as stack:  # without jobs
-        yield stack
 
 
 @pytest.fixture(scope="module")

@@ -7,25 +7,20 @@ import pytest
 
 from calibdb.proof import ProofError
 from infra.server.server import Server
+from tests.helpers.clock import Clock
 from tests.helpers.service.client import Client
-from tests.helpers.service.strangers import Time, standing_clock
-
-
-@pytest.fixture(scope="module")
-def stack() -> Iterator[Server]:
-    with Server() as stack:
-        yield stack
+from tests.helpers.service.strangers import standing_clock
 
 
 @pytest.fixture
-def clock() -> Iterator[Time]:
+def clock() -> Iterator[Clock]:
     """A service that remembers no token, at a time that a test says."""
     with standing_clock(token_ttl_s=0) as moved:
         yield moved
 
 
 @pytest.fixture
-def client(stack: Server, clock: Time, request: pytest.FixtureRequest) -> Client:  # noqa: ARG001
+def client(stack: Server, clock: Clock, request: pytest.FixtureRequest) -> Client:  # noqa: ARG001
     """A client at an address of its own for each test."""
     number = zlib.crc32(request.node.name.encode())
     return Client(stack, address=f"198.51.{number % 251}.{number // 251 % 251}")

@@ -3,12 +3,13 @@
 import time
 
 from calibdb.access.plans import MAX_MANAGEMENT_CALLS, MAX_PROOF_CALLS
+from tests.helpers.clock import Clock
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, Client
-from tests.helpers.service.strangers import SITE, Time, ask, context, make, manage
+from tests.helpers.service.strangers import SITE, ask, context, make, manage
 
 
-def test_use_is_shown_by_hour_and_day(client: Client, clock: Time) -> None:
+def test_use_is_shown_by_hour_and_day(client: Client, clock: Clock) -> None:
     made = make(client, "http://localhost")
     for _ in range(3):
         ask(client, made["token"])
@@ -19,14 +20,14 @@ def test_use_is_shown_by_hour_and_day(client: Client, clock: Time) -> None:
     counted = {"sessions": 1, "views": 0, "poses": 0, "lookups": 3}
     assert use["hours"][-1] == {**counted, "hour": time.strftime("%Y-%m-%dT%H", now)}
     assert use["days"][-1] == {**counted, "day": time.strftime("%Y-%m-%d", now)}
-    clock.ahead = 3 * 86_400
+    clock.now += 3 * 86_400
     ask(client, made["token"])
     use = manage(client, "GET", made).json["use"]
     assert [day["lookups"] for day in use["days"]][-4:] == [3, 0, 0, 1]
     assert sum(hour["lookups"] for hour in use["hours"]) == 1
 
 
-def test_limits_are_told_in_headers_and_by_the_usage_call(client: Client, clock: Time) -> None:
+def test_limits_are_told_in_headers_and_by_the_usage_call(client: Client, clock: Clock) -> None:
     made = make(client, "http://localhost")
     left = []
     for _ in range(3):
@@ -62,7 +63,7 @@ def test_miss_is_answered_without_an_error_where_that_is_asked_for(client: Clien
     assert (visited.status, visited.headers["cache-control"]) == (200, "no-store")
 
 
-def test_five_tokens_a_day_and_source(client: Client, clock: Time) -> None:
+def test_five_tokens_a_day_and_source(client: Client, clock: Clock) -> None:
     for _ in range(5):
         make(client, "http://localhost")
     refused = client.call("POST", "/v1/tokens", {"origins": [SITE]}, token="")
@@ -70,7 +71,7 @@ def test_five_tokens_a_day_and_source(client: Client, clock: Time) -> None:
     assert 1 <= int(refused.headers["retry-after"]) <= 86_400
     assert "5 new tokens a day" in refused.json["detail"]
     make(Client(client.stack, address="198.18.7.8"), "http://localhost")
-    clock.ahead = 86_400
+    clock.now += 86_400
     make(client, "http://localhost")
     issued = dict(context(client.stack).store.quotas.issued())
     assert issued[time.strftime("%Y-%m-%d", time.gmtime(clock()))] >= 1
@@ -83,7 +84,7 @@ def test_one_ipv6_line_is_one_source(client: Client) -> None:
     assert last.call("POST", "/v1/tokens", {"origins": [SITE]}, token="").status == 429
 
 
-def test_management_is_bounded(client: Client, clock: Time, site: dict[str, str]) -> None:
+def test_management_is_bounded(client: Client, clock: Clock, site: dict[str, str]) -> None:
     made = make(client, SITE)
     assert not site
     statuses = [manage(client, "POST", made, "/verify").status for _ in range(MAX_PROOF_CALLS + 1)]

@@ -7,9 +7,10 @@ import pytest
 from calibdb.access.plans import TRIAL_PERIOD_S
 from infra.ops.reindex import reindex
 from infra.server.server import Server
+from tests.helpers.clock import Clock
 from tests.helpers.service import published
 from tests.helpers.service.client import CAMERA, Client
-from tests.helpers.service.strangers import SITE, Time, ask, context, make, manage, standing_clock, states
+from tests.helpers.service.strangers import SITE, ask, context, make, manage, standing_clock, states
 
 
 def test_loopback_origins_are_verified_at_once_and_stand_for_all_their_ports(client: Client) -> None:
@@ -154,14 +155,14 @@ def test_nobody_learns_whether_an_origin_has_a_token(client: Client, site: dict[
     }
 
 
-def test_secret_is_rotated_and_earlier_ones_keep_their_time(client: Client, clock: Time) -> None:
+def test_secret_is_rotated_and_earlier_ones_keep_their_time(client: Client, clock: Clock) -> None:
     made = make(client, "http://localhost")
     # The first answer gets lost: whoever asks again has the old secret and the newest.
     lost = manage(client, "POST", made, "/rotate").json["token"]
     newest = manage(client, "POST", made, "/rotate", body={"grace_s": 3600}).json
     assert newest["former_until"] == pytest.approx(clock() + 3600, abs=5)
     assert [ask(client, token).status for token in (made["token"], lost, newest["token"])] == [200] * 3
-    clock.ahead = 3700
+    clock.now += 3700
     assert [ask(client, token).status for token in (made["token"], lost, newest["token"])] == [403, 403, 200]
     last = manage(client, "POST", made, "/rotate", body={"grace_s": 0}).json
     assert last["former_until"] is None
@@ -180,7 +181,7 @@ def test_new_secret_works_in_the_next_request_where_the_token_is_remembered(stac
             rotated = manage(client, "POST", made, "/rotate", body={"grace_s": 0}).json["token"]
             assert [ask(client, token).status for token in (rotated, secret)] == [200, 403]
             secret = rotated
-            clock.ahead += 1  # for which the wrong one keeps the token from being read again
+            clock.now += 1  # for which the wrong one keeps the token from being read again
 
 
 def test_five_rotations_within_their_grace_leave_every_secret_valid(client: Client) -> None:
@@ -204,11 +205,11 @@ def test_revoked_token_opens_nothing_and_says_so_to_its_owner(client: Client) ->
     assert ask(client, made["token"]).status == 403
 
 
-def test_trial_token_that_was_never_used_expires(client: Client, clock: Time) -> None:
+def test_trial_token_that_was_never_used_expires(client: Client, clock: Clock) -> None:
     unused, used = make(client, "http://localhost"), make(client, "http://localhost")
     assert unused["expires"] == pytest.approx(clock() + TRIAL_PERIOD_S, abs=5)
     assert ask(client, used["token"]).status == 200
-    clock.ahead = TRIAL_PERIOD_S + 60
+    clock.now += TRIAL_PERIOD_S + 60
     answer = ask(client, unused["token"])
     assert (answer.status, answer.kind) == (403, "token-expired")
     assert manage(client, "GET", unused).status == 403

@@ -4,22 +4,14 @@ import json
 from pathlib import Path
 
 from infra.console import announce, format_duration
-
-
-class Clock:
-    """A clock that stands until it is set."""
-
-    now = 0.0
-
-    def read(self) -> float:
-        return self.now
+from tests.helpers.clock import Clock
 
 
 def run(path: Path, steps: list[str], durations: list[float]) -> list[str]:
     """Run steps that take so long; return what was said."""
     said: list[str] = []
     clock = Clock()
-    for step in announce("work", steps, str, say=said.append, clock=clock.read, path=path):
+    for step in announce("work", steps, str, say=said.append, clock=clock, path=path):
         clock.now += durations[steps.index(step)]
     return said
 
@@ -46,7 +38,7 @@ def test_unknown_step_makes_the_time_a_lower_bound(tmp_path: Path) -> None:
 def test_failed_step_is_not_remembered_and_others_are(tmp_path: Path) -> None:
     path = tmp_path / "d.json"
     clock = Clock()
-    for step in announce("work", ["a", "b"], str, say=lambda _: None, clock=clock.read, path=path):
+    for step in announce("work", ["a", "b"], str, say=lambda _: None, clock=clock, path=path):
         clock.now += 5
         if step == "b":
             break

@@ -14,6 +14,7 @@ from botocore.exceptions import ClientError, EndpointConnectionError
 
 from calibdb.errors import UnavailableError
 from calibdb.store.secrets import MAX_ATTEMPTS, NAMES, SECRETS_TTL_S, Secrets, with_secrets
+from tests.helpers.clock import Clock
 from tests.helpers.marks import thorough
 
 
@@ -30,13 +31,6 @@ class Ssm:
         if not self.there:
             raise EndpointConnectionError(endpoint_url="https://ssm.invalid")
         return {"Parameters": [{"Name": f"/calibdb/stack/{k}", "Value": v} for k, v in self.values.items()]}
-
-
-class Clock:
-    now = 0.0
-
-    def __call__(self) -> float:
-        return self.now
 
 
 def test_read_once_and_again_after_five_minutes() -> None:

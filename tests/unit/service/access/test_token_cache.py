@@ -13,7 +13,7 @@ from calibdb.errors import ForbiddenError, TooManyError, UnavailableError
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store
-from tests.unit.service.test_service import Clock
+from tests.helpers.clock import Clock
 from tests.unit.service.test_settings import ENVIRONMENT
 
 SMALL = Plan(
@@ -62,9 +62,7 @@ class Quotas:
 
 @pytest.fixture
 def clock() -> Clock:
-    clock = Clock()
-    clock.now = 1_700_000_000 - 1_700_000_000 % 3600
-    return clock
+    return Clock(1_700_000_000 - 1_700_000_000 % 3600)
 
 
 @pytest.fixture
@@ -235,6 +233,13 @@ def test_new_secrets_work_at_once_one_after_another(service: Service, tokens: To
     with pytest.raises(ForbiddenError):
         service.api_token("cdb_t_secret0")
     assert tokens.reads == 6
+
+
+def test_a_new_token_is_known_at_once(service: Service, tokens: Tokens) -> None:
+    with pytest.raises(ForbiddenError):
+        service.api_token("cdb_new_x")
+    tokens.known["new"] = ApiToken("new", secret_hash("x"))
+    assert service.api_token("cdb_new_x").id == "new"
 
 
 def test_a_larger_plan_helps_within_a_minute(

@@ -13,17 +13,10 @@ from calibdb.access.tokens import (
     source,
 )
 from calibdb.errors import ForbiddenError
+from tests.helpers.clock import Clock
 
 OLD, NEW = "old secret " * 4, "new secret " * 4
 TICKET = Ticket("6b0113478f87f366bd2f0a11", "dev")
-
-
-class Clock:
-    def __init__(self) -> None:
-        self.now = 1_700_000_000.0
-
-    def __call__(self) -> float:
-        return self.now
 
 
 @pytest.mark.parametrize(

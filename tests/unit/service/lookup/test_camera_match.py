@@ -7,7 +7,7 @@ import pytest
 from calibdb.camera_key import identify
 from calibdb.lookup import camera_match
 from calibdb.lookup.camera_match import choose
-from calibdb.schema import Calibration, ConsensusDocument, Uncertainty
+from calibdb.schema import ConsensusDocument
 from calibdb.store import CameraRecords
 from tests.helpers.service.known import C920, LINUX, consensus, fit
 
@@ -147,33 +147,7 @@ def stored(
     zoom: float = 0.0,
     total: int = 5,
 ) -> ConsensusDocument:
-    calibration = Calibration(
-        img_size=size,
-        camera_matrix=((1, 0, 0), (0, 1, 0), (0, 0, 1)),
-        distortion_coefficients=(),
-        distortion_model=model,
-        avg_reprojection_error=0.2,
-        id="id",
-        camera="camera",
-        platform="platform",
-        zoom=zoom,
-        calibrations=5,
-        contributors=3,
-        reliable=reason is None,
-        exact_size=True,
-        uncertainty=Uncertainty(rms=0.1, max=0.2),
-        calibration_time=0,
-    )
-    return ConsensusDocument(
-        camera_key="k",
-        img_size=size,
-        zoom=zoom,
-        distortion_model=model,
-        total=total,
-        latest=0,
-        reason=reason,
-        calibration=calibration,
-    )
+    return consensus(fit(size, model=model), zoom=zoom, reason=reason, calibrations=total)
 
 
 HD, FULL_HD, VGA, SD = (1280, 720), (1920, 1080), (640, 480), (854, 480)

@@ -72,7 +72,7 @@ def test_honest_contributors_of_poor_views_weigh_little() -> None:
     assert set(after.members) >= {member.id for member in precise}
     worst = max(difference(camera, fit(m.views, camera.img_size).camera) for m in poor)
     assert worst > 2
-    assert attacks.answer_difference(before, after) < worst / 10
+    assert difference(before.calibration.camera, after.calibration.camera) < worst / 10
 
 
 def test_consensus_that_states_too_much_is_imprecise() -> None:
@@ -87,15 +87,6 @@ def test_consensus_that_states_too_much_is_imprecise() -> None:
     assert pooled.coverage.rms > 1.5
     assert pooled.coverage.share > 0.5
     assert (pooled.reliable, pooled.reason) == (False, "imprecise")
-
-
-def test_two_contributors_are_never_reliable() -> None:
-    """Two contributors with most of the calibrations: too few contributors, however well they agree."""
-    rng = np.random.default_rng(1)
-    liars = attacks.lies("focal", synthetic.rectilinear_cameras()[5], 6, 0.0, rng, attacks.Effort(5))
-    members = [Member(f"l{i}", f"l{i % 2}", views) for i, views in enumerate(liars)]
-    pooled = pool(members, (1280, 720), "rectilinear", attacks.RULE)
-    assert (pooled.reliable, pooled.reason) == (False, "few_contributors")
 
 
 @external_data

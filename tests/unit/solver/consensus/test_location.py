@@ -30,7 +30,7 @@ def scaled(factor: float) -> Camera:
 def fitted(camera: Camera, contributor: str, seed: int, corners: int = 40) -> FittedMember:
     rng = np.random.default_rng(seed)
     board = worlds.draw_board(rng, corners)
-    views = tuple(worlds.views(board, camera, rng, 0.05, 6))
+    views = tuple(populations.views(camera, rng, 0.05, 6, board=board))
     return FittedMember(Member(f"{contributor}{seed}", contributor, views), fit(views, SIZE))
 
 

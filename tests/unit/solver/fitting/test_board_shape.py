@@ -120,8 +120,7 @@ def test_error_bars_of_a_bent_board_shrink_with_more_views_as_the_error_does() -
             )
             for count in (10, 40)
         )
-        error = synthetic.projection_error(camera, many.camera)
-        ratios.append(float(np.sqrt(np.mean(error**2))) / many.uncertainty().rms)
+        ratios.append(synthetic.rms_error(camera, many.camera) / many.uncertainty().rms)
         bars.append(many.uncertainty().rms / few.uncertainty().rms)
     assert np.median(bars) < 0.7
     assert max(ratios) < 2

@@ -6,7 +6,7 @@ import pytest
 
 from calibsolver import Board, CalibrationError, Camera, View, fit, rotation
 from calibsolver.fitting.constraint import Fix
-from tests.helpers.data import corner_views
+from tests.helpers.data import corner_views, float32
 from tests.helpers.marks import corner_sets
 
 SETS = corner_sets(["opencv_left", "jy_left", "pv_charuco_480", "pv_picam_640", "derlunz"])
@@ -27,8 +27,7 @@ BOARD = Board((9, 6))
 
 def opencv(name: str, flags: int, matrix: np.ndarray | None) -> tuple[float, np.ndarray, np.ndarray]:
     views, size = corner_views(name)
-    objects = [v.object_points.astype(np.float32) for v in views]
-    pixels = [v.image_points.astype(np.float32) for v in views]
+    objects, pixels = float32(views)
     rms, matrix, distortion, _, _ = cv2.calibrateCamera(
         objects, pixels, size, matrix, None, flags=flags, criteria=CRITERIA
     )

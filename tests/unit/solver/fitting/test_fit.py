@@ -10,7 +10,7 @@ from _pytest.mark import ParameterSet
 from calibsolver import Board, CalibrationError, Camera, View, fit
 from calibsolver.fitting import normal_equations
 from calibsolver.fitting.fit import MIN_POINTS
-from tests.helpers.data import corner_views
+from tests.helpers.data import corner_views, float32
 from tests.helpers.marks import corner_sets
 from tests.helpers.solver import export_sources, populations, synthetic
 
@@ -45,8 +45,7 @@ FISHEYE_FLAGS: Any = cv2 if hasattr(cv2, "CALIB_RECOMPUTE_EXTRINSIC") else cv2.f
 @pytest.mark.parametrize("name", corner_sets(RECTILINEAR))
 def test_rectilinear_equals_opencv(name: str) -> None:
     views, size = corner_views(name)
-    objects = [v.object_points.astype(np.float32) for v in views]
-    pixels = [v.image_points.astype(np.float32) for v in views]
+    objects, pixels = float32(views)
     rms, matrix, _, _, _ = cv2.calibrateCamera(objects, pixels, size, None, None)
     ours = fit(views, size, robust=False)
     assert ours.avg_reprojection_error == pytest.approx(rms, abs=1e-4)
@@ -56,8 +55,7 @@ def test_rectilinear_equals_opencv(name: str) -> None:
 @pytest.mark.parametrize("name", corner_sets(RATIONAL))
 def test_rational_equals_opencv(name: str) -> None:
     views, size = corner_views(name)
-    objects = [v.object_points.astype(np.float32) for v in views]
-    pixels = [v.image_points.astype(np.float32) for v in views]
+    objects, pixels = float32(views)
     criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 500, 1e-13)
     rms, matrix, _, _, _ = cv2.calibrateCamera(
         objects, pixels, size, None, None, flags=cv2.CALIB_RATIONAL_MODEL, criteria=criteria
@@ -70,8 +68,7 @@ def test_rational_equals_opencv(name: str) -> None:
 @pytest.mark.parametrize("name", corner_sets(["jy_left", "pv_picam_320"]))
 def test_rational_beats_opencv_in_a_narrow_valley(name: str) -> None:
     views, size = corner_views(name)
-    objects = [v.object_points.astype(np.float32) for v in views]
-    pixels = [v.image_points.astype(np.float32) for v in views]
+    objects, pixels = float32(views)
     rms, *_ = cv2.calibrateCamera(objects, pixels, size, None, None, flags=cv2.CALIB_RATIONAL_MODEL)
     assert fit(views, size, "rational", robust=False).avg_reprojection_error < rms + 1e-6
 

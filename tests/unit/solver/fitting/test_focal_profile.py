@@ -42,7 +42,7 @@ def test_the_bars_reach_the_other_optimum() -> None:
     found = fit(views, DECENTRED.img_size, "fisheye")
     other = fit(views, DECENTRED.img_size, "fisheye", start=OTHER_OPTIMUM)
     assert other.camera.focal[0] > 1.2 * found.camera.focal[0]
-    difference = np.sqrt(np.mean(synthetic.projection_error(found.camera, other.camera) ** 2))
+    difference = synthetic.rms_error(found.camera, other.camera)
 
     assert difference < 2 * found.uncertainty().rms
     # By the curvature at the optimum alone it would be far outside.
@@ -64,10 +64,7 @@ def test_halves_of_a_set_with_two_optima_differ_as_predicted() -> None:
         # The optimum of lower cost is no better a camera: the fit does not move to it.
         other = fit(parts[near], size, "fisheye", start=fits[far].camera, board_shape=False)
         assert other.avg_reprojection_error < fits[near].avg_reprojection_error
-        distances = [
-            np.sqrt(np.mean(synthetic.projection_error(best_model, c.camera) ** 2))
-            for c in (fits[near], other)
-        ]
+        distances = [synthetic.rms_error(best_model, c.camera) for c in (fits[near], other)]
         assert distances[0] < 0.7 * distances[1]
 
 

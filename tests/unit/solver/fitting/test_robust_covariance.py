@@ -50,8 +50,7 @@ def test_white_noise_is_hardly_inflated() -> None:
 def error_ratio(camera: Camera, rng: np.random.Generator, hand: hands.Hand, count: int) -> float:
     """Error over the image / predicted error, of a capture in some hand."""
     found = fit(populations.views(camera, rng, 0.2, count, hand), camera.img_size)
-    error = synthetic.projection_error(camera, found.camera)
-    return float(np.sqrt(np.mean(error**2))) / found.uncertainty().rms
+    return synthetic.rms_error(camera, found.camera) / found.uncertainty().rms
 
 
 @pytest.mark.parametrize("hand", [hands.MOVING_AND_BENT, *thorough(hands.BENT, hands.MOVING)])

@@ -1,13 +1,9 @@
 """ARToolKit itself, which is what AR.js tracks with, reads our camera_para.dat as we mean it."""
 
-import json
-import shutil
-import subprocess
-
 import numpy as np
 
 from calibsolver import formats
-from tests.helpers.data import ROOT
+from tests.helpers.node import run_module
 from tests.helpers.solver.export_sources import IMG_SIZE, subject
 
 W, H = IMG_SIZE
@@ -25,21 +21,12 @@ process.exit(0); // it keeps a timer
 def test_artoolkit_draws_as_the_camera_that_was_written() -> None:
     """But for its own matrix, which takes the picture to be a pixel smaller than it is."""
     written = formats.write(subject("rectilinear"), "artoolkit")
-    node = shutil.which("node")
-    assert node is not None
-    answer = subprocess.run(
-        [node, "--input-type=module", "-e", PROGRAM],
-        input=json.dumps({"file": list(written.content), "width": W, "height": H}),
-        capture_output=True,
-        check=True,
-        cwd=ROOT,
-        text=True,
-    ).stdout.splitlines()[-1]
+    matrix = run_module(PROGRAM, sent={"file": list(written.content), "width": W, "height": H})
     ours = np.frombuffer(written.content, ">f8", 12, offset=8).reshape(3, 4)[:, :3]
     rng = np.random.default_rng(2)
     rays = np.column_stack([rng.uniform(-0.6, 0.6, 200), rng.uniform(-0.35, 0.35, 200), np.ones(200)])
     pinhole = (rays @ ours.T)[:, :2] + 0.5  # px from the picture's corner
-    drawn = np.column_stack([rays * (1, -1, -1), np.ones(200)]) @ np.array(json.loads(answer)).reshape(4, 4)
+    drawn = np.column_stack([rays * (1, -1, -1), np.ones(200)]) @ np.array(matrix).reshape(4, 4)
     ndc = drawn[:, :2] / drawn[:, 3:]
     off = np.linalg.norm((ndc * (1, -1) + 1) / 2 * IMG_SIZE - pinhole, axis=1)
     assert off.max() < 1

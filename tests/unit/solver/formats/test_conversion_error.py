@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from calibsolver import Board, CalibrationError, Camera, View, fit, formats, image_transform, models
+from calibsolver import CalibrationError, Camera, View, fit, formats, image_transform, models
 from calibsolver.fitting.levenberg_marquardt import Options, Problem
 from calibsolver.fitting.normal_equations import Poses
 from calibsolver.fitting.observations import Observations
 from calibsolver.formats import ExportSource
-from calibsolver.formats.grid import grid
-from tests.helpers.data import corner_views
+from tests.helpers.data import corner_views, on_board
 from tests.helpers.marks import thorough
 from tests.helpers.solver import hands, populations, synthetic
 from tests.helpers.solver.export_sources import IMG_SIZE, captured, image_rays, subject
@@ -72,9 +71,7 @@ def wide() -> ExportSource:
 def photographed() -> ExportSource:
     """The calibration of real photographs, outliers among their corners."""
     views, size = corner_views("opencv_left")
-    found = grid(views)
-    board = Board(found.squares, dictionary="DICT_4X4_1000")
-    ours = tuple(board.view(ids, view.image_points) for ids, view in zip(found.ids, views, strict=True))
+    board, _, ours = on_board(views)
     return ExportSource(fit(ours, size).camera, ours, board)
 
 
@@ -192,6 +189,5 @@ def test_another_model_is_fitted_in_the_boards_shape(number: int) -> None:
     views = populations.views(camera, np.random.default_rng(0), count=8, hand=hands.BENT)
     own = fit(views, camera.img_size).camera
     conversion = held(ExportSource(own, tuple(views)), "gyroflow")
-    error = synthetic.projection_error(camera, conversion.camera)
     assert conversion.camera.model == "fisheye"
-    assert float(np.sqrt(np.mean(error**2))) < 0.4
+    assert synthetic.rms_error(camera, conversion.camera) < 0.4

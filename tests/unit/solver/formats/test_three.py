@@ -1,14 +1,12 @@
 """three.js makes of our WebXR and glTF files the cameras that we mean."""
 
 import json
-import shutil
-import subprocess
 
 import numpy as np
 import pytest
 
 from calibsolver import formats, models
-from tests.helpers.data import ROOT
+from tests.helpers.node import run_module
 from tests.helpers.solver.export_sources import IMG_SIZE, subject
 
 PROGRAM = """
@@ -31,24 +29,15 @@ console.log(JSON.stringify({ webxr: seen(ours), gltf: seen(loaded) }));
 
 @pytest.mark.parametrize("model", models.NAMES)
 def test_points_are_projected_as_by_the_pinhole(model: str) -> None:
-    node = shutil.which("node")
-    assert node is not None
     camera, (w, h) = subject(model).camera, IMG_SIZE
     points = np.random.default_rng(2).uniform((-0.5, -0.3, 1), (0.5, 0.3, 5), (40, 3))
     sent = {name: json.loads(formats.write(subject(model), name).content) for name in ("webxr", "gltf")} | {
         "points": points.tolist()
     }
-    done = subprocess.run(
-        [node, "--input-type=module", "-e", PROGRAM],
-        input=json.dumps(sent),
-        capture_output=True,
-        check=True,
-        cwd=ROOT,
-        text=True,
-    )
+    drawn = run_module(PROGRAM, sent=sent)
     said = {
         name: np.stack([(q[:, 0] + 1) / 2 * w - 0.5, (1 - q[:, 1]) / 2 * h - 0.5], axis=1)
-        for name, q in ((name, np.array(q)) for name, q in json.loads(done.stdout).items())
+        for name, q in ((name, np.array(q)) for name, q in drawn.items())
     }
     k = np.array(camera.matrix)
     for name, centre in (("webxr", k[:2, 2]), ("gltf", np.array([w - 1, h - 1]) / 2)):

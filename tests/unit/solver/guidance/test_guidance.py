@@ -73,10 +73,7 @@ def test_first_pose_shows_the_whole_board_moderately_tilted(model: str, squares:
     board = Board(squares=squares)
     target = ProjectionUncertainty(board, (1280, 720), model).next_pose([], None)
     assert len(target.ids) == board.corner_count
-    r = rotation.matrix(target.rvec)
-    center = r @ board.outline.mean(axis=0) + target.tvec
-    tilt = np.degrees(np.arccos(r[:, 2] @ center / np.linalg.norm(center)))
-    assert 15 < tilt <= 45
+    assert 15 < synthetic.tilt_deg(board, rotation.matrix(target.rvec), target.tvec) <= 45
     assert (target.outline >= 0).all()
     assert (target.outline <= (1279, 719)).all()
     longest = np.ptp(target.outline, axis=0) / (1280, 720)
@@ -187,8 +184,7 @@ def test_skipped_target_is_followed_by_an_easier_dissimilar_one(rectilinear: lis
         target = guide.next_pose(session.views, session.calibration, skipped)
         r = rotation.matrix(target.rvec)
         center = r @ board.outline.mean(axis=0) + target.tvec
-        tilt = np.degrees(np.arccos(r[:, 2] @ center / np.linalg.norm(center)))
-        assert tilt <= 30.5
+        assert synthetic.tilt_deg(board, r, target.tvec) <= 30.5
         assert len(target.ids) == board.corner_count
         for old in skipped:
             turn = np.degrees(np.arccos(np.clip(r[:, 2] @ rotation.matrix(old.rvec)[:, 2], -1, 1)))
@@ -327,9 +323,7 @@ def test_noise_at_steep_tilts_leads_to_flatter_poses() -> None:
             assert session.calibration is not None
             rt = session.calibration.poses[3:]
             for pose in rt:
-                r = rotation.matrix(pose[:3])
-                center = r @ Board().outline.mean(axis=0) + pose[3:]
-                found.append(np.degrees(np.arccos(r[:, 2] @ center / np.linalg.norm(center))))
+                found.append(synthetic.tilt_deg(Board(), rotation.matrix(pose[:3]), pose[3:]))
     assert np.mean(tilts[4.0]) < np.mean(tilts[0.0]) - 1
 
 

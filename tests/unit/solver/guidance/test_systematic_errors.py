@@ -7,7 +7,7 @@ from calibsolver import Board, fit, models, rotation
 from calibsolver.fitting.normal_equations import Poses, fisher_information, linearize, projection_jacobian
 from calibsolver.fitting.systematic_effects import displacements, row_position
 from calibsolver.guidance.systematic_errors import limited_information, systematic_share
-from calibsolver.guidance.view_selection import select_views
+from tests.bench.real_views import guided
 from tests.helpers.data import corner_views
 from tests.helpers.solver import hands, synthetic
 
@@ -72,9 +72,9 @@ def test_share_follows_the_inflation() -> None:
 
 def test_selection_of_real_views_determines_the_camera() -> None:
     views, size = corner_views("jy_left")
-    chosen = select_views(views, size, "fisheye", 6)
+    chosen = guided(views, size, "fisheye", 6)
     assert len(set(chosen)) == 6
-    assert chosen[:3] == select_views(views, size, "fisheye", 3)
+    assert chosen[:3] == guided(views, size, "fisheye", 3)
     whole = fit(views, size, "fisheye").camera
     found = fit([views[i] for i in chosen], size, "fisheye").camera
     assert synthetic.projection_error(whole, found).mean() < 6

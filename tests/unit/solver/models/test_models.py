@@ -65,36 +65,28 @@ def test_round_trip(name: str) -> None:
     np.testing.assert_allclose(model.project(k, v), q, atol=1e-9)
 
 
-def test_rectilinear_equals_opencv() -> None:
-    k, p = INTRINSICS["rectilinear"], rays("rectilinear")
-    matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1]])
-    theirs, _ = cv2.projectPoints(p.T, np.zeros(3), np.zeros(3), matrix, k[4:])
-    np.testing.assert_allclose(models.get("rectilinear").project(k, p).T, theirs[:, 0], atol=1e-9)
+def opencv(name: str, p: Array, matrix: Array, d: Array) -> Array:
+    """Pixels (n, 2) of points (n, 3) by OpenCV's function of a model."""
+    zero = np.zeros((3, 1))
+    if name == "fisheye":
+        q = cv2.fisheye.projectPoints(p[:, None], zero, zero, matrix, d)[0]
+    elif name == "omnidirectional":
+        q = cv2.omnidir.projectPoints(p[:, None], zero, zero, matrix, d[0], d[1:][None])[0]
+    else:
+        q = cv2.projectPoints(p, zero, zero, matrix, d)[0]
+    return np.asarray(q.reshape(-1, 2), dtype=np.float64)
 
 
-def test_fisheye_equals_opencv_in_front() -> None:
-    k, p = INTRINSICS["fisheye"], rays("fisheye")
-    p = p[:, p[2] > 0.1 * np.linalg.norm(p, axis=0)]
-    matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1]])
-    theirs, _ = cv2.fisheye.projectPoints(p.T[:, None], np.zeros(3), np.zeros(3), matrix, k[4:])
-    np.testing.assert_allclose(models.get("fisheye").project(k, p).T, theirs[:, 0], atol=1e-9)
-
-
-def test_rational_equals_opencv() -> None:
-    k, p = INTRINSICS["rational"], rays("rational")
-    matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1]])
-    theirs, _ = cv2.projectPoints(p.T, np.zeros(3), np.zeros(3), matrix, k[4:])
-    np.testing.assert_allclose(models.get("rational").project(k, p).T, theirs[:, 0], atol=1e-9)
-
-
-def test_omnidirectional_equals_opencv_beside_and_behind_too() -> None:
-    k, p = INTRINSICS["omnidirectional"], rays("omnidirectional")
-    assert (p[2] < -0.3 * np.linalg.norm(p, axis=0)).any()
-    matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1]])
-    theirs, _ = cv2.omnidir.projectPoints(
-        p.T[:, None], np.zeros((3, 1)), np.zeros((3, 1)), matrix, k[4], k[5:][None]
-    )
-    np.testing.assert_allclose(models.get("omnidirectional").project(k, p).T, theirs[:, 0], atol=1e-9)
+@pytest.mark.parametrize("name", models.NAMES)
+def test_projection_equals_opencv(name: str) -> None:
+    """`fisheye` in front, as OpenCV has it; `omnidirectional` beside and behind, too."""
+    p = rays(name)
+    if name == "fisheye":
+        p = p[:, p[2] > 0.1 * np.linalg.norm(p, axis=0)]
+    assert (p[2] < -0.3 * np.linalg.norm(p, axis=0)).any() == (name == "omnidirectional")
+    camera = Camera.from_intrinsics(name, INTRINSICS[name], (1280, 720))
+    theirs = opencv(name, p.T, camera.matrix, camera.distortion)
+    np.testing.assert_allclose(models.get(name).project(camera.intrinsics, p).T, theirs, atol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -84,12 +84,17 @@ def test_opencv_rectifies_and_measures_pairs_of_mixed_models(
     path.write_bytes(formats.write(rig, "opencv-yaml").content)
     storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
     names = [f"{name}{side}" for name in ("K", "D", "R", "P", "xi") for side in (1, 2)]
-    read: dict[str, Any] = {name: storage.getNode(name).mat() for name in [*names, "R", "T", "F", "Q"]}
+    read: dict[str, Any] = {name: storage.getNode(name).mat() for name in [*names, "R", "T", "E", "F", "Q"]}
     read |= {
         f"fisheye{s}": storage.getNode(n).real() for s, n in ((1, "fisheye_model"), (2, "fisheye_model2"))
     }
     storage.release()
     assert [bool(read[f"fisheye{side}"]) for side in (1, 2)] == [model == "fisheye" for model in models]
+    motion = rig.motion(1)
+    assert read["K1"].tolist() == rig.cameras[0].matrix.tolist()
+    assert read["R"] == pytest.approx(motion.r)
+    assert read["T"].ravel() == pytest.approx(motion.t)
+    assert (motion(POINTS) @ read["E"] * POINTS).sum(axis=1) == pytest.approx(0, abs=1e-7)
     one, other = (rectified(seen(rig, side - 1), read, side) for side in (1, 2))
     across = 0 if step == "above" else 1
     assert np.abs(one[:, across] - other[:, across]).max() < 0.01
@@ -122,6 +127,7 @@ def test_a_stereo_pair_of_ros_measures_depth(models: tuple[str, str]) -> None:
         points = np.ascontiguousarray(seen(rig, i)[:, None])
         places.append(undistort(points, k, d, R=r, P=p).reshape(-1, 2))
         projections.append(p)
+        assert r @ r.T == pytest.approx(np.eye(3))
     left, right = projections
     assert np.array_equal(left[:, :3], right[:, :3])
     assert not left[:, 3].any()
