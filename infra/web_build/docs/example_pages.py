@@ -20,8 +20,8 @@ class Example:
 
     Attributes
     ----------
-    folder, name, heading
-        Folder, engine, and heading; the folder is in the keys of its texts, `examples.<folder>`.
+    folder, name, heading, message, does
+        Folder, engine, heading, and the keys of the texts of the heading and of the line in the gallery.
     has_virtual
         True if the virtual camera can stand in.
     lines, style
@@ -37,6 +37,8 @@ class Example:
     folder: str
     name: str
     heading: str
+    message: str
+    does: str
     has_virtual: bool
     lines: str
     style: str = ""
@@ -69,6 +71,8 @@ ENGINES = (
         "three",
         "three.js",
         "three.js over a calibrated camera",
+        "examples.three",
+        "examples.three_does",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/three";
 
@@ -81,6 +85,8 @@ mesh.position.set(x, -y, -z);                      // OpenCV's (x, y, z)""",
         "babylon",
         "Babylon.js",
         "Babylon.js over a calibrated camera",
+        "examples.babylon",
+        "examples.babylon_does",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/babylon";
 
@@ -93,6 +99,8 @@ mesh.position.set(x, -y, z);                       // OpenCV's (x, y, z), in a l
         "aframe",
         "A-Frame",
         "A-Frame over a calibrated camera",
+        "examples.aframe",
+        "examples.aframe_does",
         has_virtual=True,
         style="vendor/engines/aframe.css",
         lines=f"""{_IMPORT}import {{ registerCalibrated }} from "calibdb/adapters/aframe";
@@ -106,6 +114,8 @@ registerCalibrated(AFRAME);
         "arjs",
         "AR.js",
         "AR.js with your own camera_para.dat",
+        "examples.arjs",
+        "examples.arjs_does",
         has_virtual=False,
         lead="examples.arjs_lead",
         lines="""import { lookup } from "calibdb";
@@ -125,6 +135,8 @@ context.init(() => applyCalibration(camera, calibration, { viewport }));
         "stereo",
         "Stereo",
         "Depth from a rectified pair",
+        "examples.stereo",
+        "examples.stereo_does",
         has_virtual=True,
         lines="""import { rectifyPair, rig } from "calibdb";
 
@@ -169,7 +181,7 @@ def _page(web: Path, example: Example) -> str:
         f'<link rel="stylesheet" href="../../docs/docs.css">{style}\n'
         '  <script type="module" src="./main.js"></script>',
         f"""      <div class="opening">
-        <h1 data-t="examples.{example.folder}">{example.heading}</h1>
+        <h1 data-t="{example.message}">{example.heading}</h1>
         <p data-t="{example.lead}"></p>
       </div>
       <div class="example">
@@ -217,12 +229,12 @@ def _source(web: Path, name: str) -> str:
 
 
 def _index() -> str:
-    cards = [_card("../ar", '<strong data-t="examples.ar"></strong>')]
+    cards = [_card("../ar", '<strong data-t="examples.ar"></strong>', "examples.ar_does")]
     for one in ENGINES:
         adapter = re.search(r"calibdb/adapters/\w+", one.lines)
-        heading = f'<strong data-t="examples.{one.folder}">{escape(one.heading)}</strong>'
+        heading = f'<strong data-t="{one.message}">{escape(one.heading)}</strong>'
         words = f"<strong>{one.name}</strong> <code>{adapter[0]}</code>" if adapter else heading
-        cards.append(_card(one.folder, words))
+        cards.append(_card(one.folder, words, one.does))
     return _document(
         "Examples",
         "examples.index_lead",
@@ -236,10 +248,10 @@ def _index() -> str:
     )
 
 
-def _card(folder: str, words: str) -> str:
+def _card(folder: str, words: str, does: str) -> str:
     name = folder.rpartition("/")[2]
     picture = f'<img src="./{name}.jpg" width="480" height="270" alt="" loading="lazy">'
-    return f'<li><a href="{folder}/">{picture}{words} <span data-t="examples.{name}_does"></span></a></li>'
+    return f'<li><a href="{folder}/">{picture}{words} <span data-t="{does}"></span></a></li>'
 
 
 def _document(title: str, lead: str, root: str, head: str, main: str) -> str:
