@@ -165,7 +165,7 @@ def page(context: BrowserContext) -> Iterator[Page]:
         )
         harmless = message.text == UNKEPT or STALL in message.text or missing
         if message.type in {"error", "warning"} and not harmless:
-            complaints.append(f"{message.type}: {message.text}")
+            complaints.append(f"{message.type}: {message.text} {message.location.get('url', '')}")
 
     page = context.new_page()
     page.on("console", heard)

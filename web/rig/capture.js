@@ -54,6 +54,7 @@ export class RigCapture {
   #joinedAt = -Infinity;
   /** Moments in a row that not all other devices have answered: they need more time. */
   #unanswered = 0;
+  #asked = Promise.resolve();
   /** ms, since when the result is accurate enough. */
   #completeSince = Infinity;
   #momentAt = performance.now();
@@ -313,13 +314,14 @@ export class RigCapture {
   /** @param {Member} member @param {Current} moment */
   async #answer(member, moment) {
     const { position, session, figure } = member;
-    if (moment.answers.has(position)) return;
+    if (moment.over || moment.answers.has(position)) return;
     const decision = answer(this.#sights.at(position), moment, performance.now());
     if (decision === "wait") return;
     if (decision === "miss") return void moment.answers.set(position, "miss");
     const taken = await this.#engine.take(member, { isKept: true });
     if (!taken?.image) return;
     const { corners, image } = taken;
+    if (moment.over) return image.close(); // it was undone meanwhile
     moment.answers.set(position, "take");
     this.#outbox.post({ kind: "view", position, session, moment: moment.id, ...corners });
     figure.flash();
@@ -330,7 +332,7 @@ export class RigCapture {
   #settle(moment) {
     const { members, record, onSign } = this.#resources;
     const { state } = this.model;
-    if (!state || moment.answers.size < members.length) return;
+    if (!state || moment.over || moment.answers.size < members.length) return;
     const taken = [...moment.answers].filter(([, each]) => each === "take").map(([position]) => position);
     const there = state.moments.find(({ id }) => id === moment.id)?.positions ?? [];
     const remote = remotePositions(state, this.#own);
@@ -360,7 +362,10 @@ export class RigCapture {
     if (!this.#resources.record.leads || !id) return;
     if (!this.#outbox.withdraw(id)) this.#outbox.post({ kind: "undo", moment: id });
     this.#sights.forget();
-    if (this.model.moment?.id === id) this.model.moment = null;
+    if (this.model.moment?.id === id) {
+      this.model.moment.over = true;
+      this.model.moment = null;
+    }
     this.#notify("rig.undone", "good");
   }
 
@@ -388,8 +393,16 @@ export class RigCapture {
     this.#changed();
   }
 
+  /**
+   * Sends a request after the one before: the service refuses to finish a rig that changes meanwhile.
+   * @param {(askedAt: number) => Promise<void>} request
+   */
+  #ask(request) {
+    return (this.#asked = this.#asked.then(() => this.#attempt(request)));
+  }
+
   /** @param {(askedAt: number) => Promise<void>} request */
-  async #ask(request) {
+  async #attempt(request) {
     try {
       await request(performance.now());
     } catch (error) {
