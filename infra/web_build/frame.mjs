@@ -70,7 +70,7 @@ export function frame(document, place) {
 function head(document, { key, language, translated, origin, preloads }) {
   const classic = [
     ...(translated ? ["language"] : []),
-    ...(document.querySelector("script[type=module]") ? ["early-clicks"] : []),
+    ...(document.querySelector("script[type=module]") ? ["arrival"] : []),
   ];
   const first = [
     '<meta charset="utf-8">',

@@ -17,6 +17,8 @@ from .conftest import ROOT, Visitor
 # Not localhost by name, where the network would come first; browsers take it to this machine all the same.
 HOST = "pages.localhost"
 HEAVIEST = 150_000  # bytes of a page, compressed, without OpenCV
+MAX_REQUESTS = 50  # of the capture page, before it requests the first file of OpenCV
+MAX_BYTES = 300_000  # of these files, compressed
 CACHED_FILES = """async () => {
   const cache = await caches.open("calibdb");
   return (await cache.keys()).map(({ url }) => new URL(url).pathname + new URL(url).search);
@@ -100,7 +102,9 @@ LIGHTER = ("/", "/photos/", "/import/", "/cameras/", "/board/", "/result/?id=x")
 @pytest.mark.parametrize("path", ["/calibrate/", *thorough(*LIGHTER)])
 def test_pages_are_light(context: BrowserContext, path: str) -> None:
     page = context.new_page()
+    begun: list[str] = []
     responses: list[Response] = []
+    page.on("request", lambda request: begun.append(request.url.split("?")[0]))
     page.on("response", lambda response: responses.append(response))
     with at_rest(page):
         page.goto(path)
@@ -114,3 +118,10 @@ def test_pages_are_light(context: BrowserContext, path: str) -> None:
     total = sum(sizes.values())
     print(f"{path}: {total / 1000:.1f} kB in {len(sizes)} files")
     assert total < HEAVIEST
+    if path == "/calibrate/":
+        detector = next(index for index, name in enumerate(begun) if "/vendor/opencv/" in name)
+        early = [name for name in begun[:detector] if name.startswith("http")]
+        weight = sum(sizes[name] for name in early)
+        print(f"before the detector: {weight / 1000:.1f} kB in {len(early)} files")
+        assert len(early) <= MAX_REQUESTS, early
+        assert weight <= MAX_BYTES

@@ -7,7 +7,7 @@ from tests.helpers.browser.interruptions import ENDLESS, sessions, views, wait_f
 
 ACQUIRE = """async (busy) => {
   const held = window.held = new AbortController();
-  const { acquireLock } = await import("/lib/capture/capture-lock.js");
+  const { acquireLock } = await import("/lib/capture/capture-store.js");
   const isAcquired = acquireLock("a capture", held.signal);
   for (const start = performance.now(); performance.now() - start < busy;);
   return isAcquired;

@@ -4,7 +4,7 @@
 //
 // Prints [{ids, points, suspected}] of each picture.
 import { readFileSync } from "node:fs";
-import { HEALTHY, diagnose } from "../../web/lib/capture/diagnosis.js";
+import { HEALTHY, diagnose } from "../../web/lib/capture/sight.js";
 import { createCharucoFinder } from "../../web/lib/charuco-finder.js";
 import { cv } from "./opencv.mjs";
 

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD, markers } from "../../web/lib/board.js";
 import { BoardWatch } from "../../web/lib/capture/board-watch.js";
-import { troubleOf } from "../../web/lib/capture/diagnosis.js";
+import { troubleOf } from "../../web/lib/capture/sight.js";
 
 const CHESSBOARD = { ...DEFAULT_BOARD, kind: "chessboard", squares: [10, 7] };
 const lattice = ([columns, rows], [left, top] = [300, 200]) => ({

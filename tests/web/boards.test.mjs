@@ -12,7 +12,7 @@ import {
   outline,
 } from "../../web/lib/board.js";
 import { blackRectangles, exactScale, raster } from "../../web/lib/board-drawing.js";
-import { PRESETS } from "../../web/lib/board-presets.js";
+import { PRESETS } from "../../web/lib/board-form.js";
 import { recognise } from "../../web/lib/board-recognition.js";
 import { findChessboard, recogniseChessboard, shrunk } from "../../web/lib/chessboard.js";
 import { apply } from "../../web/lib/homography.js";

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Captures, captureKey } from "../../web/calibrate/captures.js";
+import { Captures } from "../../web/calibrate/captures.js";
+import { captureKey } from "../../web/calibrate/state.js";
 
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
 const view = (id) => ({ ids: [id], points: [[id, id]] });

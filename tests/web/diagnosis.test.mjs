@@ -1,9 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
-import { arrows } from "../../web/calibrate/hint-arrows.js";
-import { HEALTHY, diagnose } from "../../web/lib/capture/diagnosis.js";
-import { blackSquares } from "../../web/lib/target-preview.js";
+import { arrows } from "../../web/calibrate/overlay-layer.js";
+import { HEALTHY, diagnose } from "../../web/lib/capture/sight.js";
+import { blackSquares } from "../../web/lib/capture/marks.js";
 import { exposure, sharpness, frameMetrics, moire } from "../../web/lib/frame-metrics.js";
 import { Painter } from "../../web/lib/virtual/painter.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";

@@ -3,9 +3,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD } from "../../web/lib/board.js";
 import { Engine } from "../../web/lib/capture/engine.js";
-import { PageDetector } from "../../web/lib/capture/page-detector.js";
+import { DetectorError, PageDetector } from "../../web/lib/detector.js";
 import { BLIND, observeFrame } from "../../web/lib/capture/sight.js";
-import { DetectorError } from "../../web/lib/detector.js";
 
 globalThis.document = { hidden: false };
 
@@ -186,9 +185,9 @@ test("other boards are looked for while the page wants it and no corner is seen"
 test("the detector of a page is made once, and again after it has failed or was closed", async () => {
   const made = [];
   const detector = new PageDetector(async () => {
-    if (made.length === 1) made.push(null);
-    else made.push({ closed: false, close: () => (made.at(-1).closed = true) });
-    return made.at(-1) ?? Promise.reject(new DetectorError("not loaded"));
+    const one = { closed: false, close: () => (one.closed = true) };
+    if (made.push(one) === 2) throw new DetectorError("not loaded");
+    return one;
   });
   const first = await detector.open();
   assert.equal(await detector.open(), first);

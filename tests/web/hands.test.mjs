@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
-import { decide, lenience } from "../../web/calibrate/hold.js";
+import { decide, lenience } from "../../web/calibrate/guidance.js";
 import { nextPlanned } from "../../web/calibrate/plan.js";
 import { initial, reduce } from "../../web/calibrate/reducer.js";
 import { isEnough } from "../../web/calibrate/state.js";

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { jaccard } from "../../web/lib/capture/jaccard.js";
+import { jaccard } from "../../web/lib/capture/target.js";
 
 const SIZE = [1280, 720];
 const box = (x, y, w, h) => [

@@ -1,12 +1,12 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD, corners, outline } from "../../web/lib/board.js";
-import { HOLD_MS, LONG_HOLD_MS, decide, holdProgress, lenience } from "../../web/calibrate/hold.js";
+import { decide, holdProgress, lenience } from "../../web/calibrate/guidance.js";
 import { initial, reduce } from "../../web/calibrate/reducer.js";
 import { visibility } from "../../web/calibrate/overlay-layer.js";
 import { isEnough, isFinishable, isRestless, isSharpestOffered, offlineGoal } from "../../web/calibrate/state.js";
-import { HEALTHY } from "../../web/lib/capture/diagnosis.js";
-import { asMirrored } from "../../web/lib/capture/target.js";
+import { HEALTHY } from "../../web/lib/capture/sight.js";
+import { HOLD_MS, LONG_HOLD_MS, asMirrored } from "../../web/lib/capture/target.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { transformPoint } from "../../web/lib/pose.js";
 

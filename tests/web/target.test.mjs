@@ -1,8 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DEFAULT_BOARD, outline } from "../../web/lib/board.js";
-import { jaccard } from "../../web/lib/capture/jaccard.js";
-import { advice, difference } from "../../web/lib/capture/target.js";
+import { advice, difference, jaccard } from "../../web/lib/capture/target.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { perturbPose, seededRandom, transformPoint } from "../../web/lib/pose.js";
 

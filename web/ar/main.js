@@ -2,8 +2,7 @@
 import { boardFrom, boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-text.js";
 import { CameraError, cameras, offerCameras, open, play } from "../lib/camera.js";
-import { PageDetector } from "../lib/capture/page-detector.js";
-import { Detector, DetectorError } from "../lib/detector.js";
+import { Detector, DetectorError, PageDetector } from "../lib/detector.js";
 import { part, sayFailure } from "../lib/dom.js";
 import { deviceFaultText } from "../lib/capture/device-fault.js";
 import { explain } from "../lib/faults.js";

@@ -1,7 +1,7 @@
 // The board page: full screen, on another device, on paper; boards of any kind.
 import { boardFile } from "../lib/board-print.js";
 import { PAPERS, fileName, papersFor, squareOn, usualPaper } from "../lib/papers.js";
-import { el, part, liveRegion } from "../lib/dom.js";
+import { el, liveRegion, make, part } from "../lib/dom.js";
 import { onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { DEFAULT_BOARD, boardFrom, boardQuery, circlesCommand, isCircles, sizeOf } from "../lib/board.js";
@@ -10,7 +10,6 @@ import { boardWords, showProblem } from "../lib/board-text.js";
 import { drawQr } from "../lib/qr.js";
 import { BoardScreen } from "./screen.js";
 import { blackRectangles } from "../lib/board-drawing.js";
-import { make } from "../lib/svg.js";
 
 /** @typedef {typeof DEFAULT_BOARD} Board */
 

@@ -4,8 +4,8 @@ import { Engine } from "../lib/capture/engine.js";
 import { pressByKeys } from "../lib/dom.js";
 import { Sharpest } from "../lib/rank.js";
 import { Pace } from "../lib/frames.js";
-import { decide, lenience } from "./hold.js";
-import { nextPlanned, trustedCalibration } from "./plan.js";
+import { decide, lenience } from "./guidance.js";
+import { loadPlan, nextPlanned, trustedCalibration } from "./plan.js";
 import { RequestQueue } from "./request-queue.js";
 import { isEnough, isFinishable, isSharpestOffered, viewCount } from "./state.js";
 import { tint } from "./tint.js";
@@ -23,6 +23,7 @@ import { tint } from "./tint.js";
  * @property {AbortSignal} signal
  */
 
+export { loadPlan };
 const MAX_SHARPEST = 12; // frames of a moving board: a few more than a capture takes
 
 export class CaptureLoop {

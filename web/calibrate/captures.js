@@ -1,8 +1,10 @@
 // Captures of this page and of earlier ones, by key: each can be resumed.
 import { Api, ApiError, RETRY_DELAYS_S } from "../lib/api.js";
+import { explain } from "../lib/faults.js";
 import { OfflineError } from "../lib/network.js";
 import { CaptureSession, isUnavailable } from "../lib/session.js";
-import { lastSettings } from "../lib/settings.js";
+import { SettingsError, lastSettings } from "../lib/settings.js";
+import { captureKey } from "./state.js";
 
 /**
  * @typedef {import("../lib/session.js").SessionRequest} Request
@@ -17,8 +19,15 @@ import { lastSettings } from "../lib/settings.js";
 const RESPONSE_TIMEOUT_MS = 10_000; // ten times as long as a fit of fifteen views takes
 const SETTINGS_TIMEOUT_MS = 5_000;
 
-/** Key of a capture, from its request but for the track's settings (focus changes). @param {Request} request */
-export const captureKey = ({ track, mode_name, ...request }) => JSON.stringify(request);
+/**
+ * Code of a message `capture.fault_<code>` about the service, and its reason.
+ * @param {unknown} error @returns {{code: string, detail: string} | null} null: another error
+ */
+export function serviceFault(error) {
+  if (error instanceof SettingsError) return { code: "settings", detail: error.message };
+  if (error instanceof ApiError) return { code: "service", detail: explain(error) };
+  return null;
+}
 
 export class Captures {
   #store;

@@ -1,7 +1,7 @@
-// Choices of the visitor: the board, the type of the lens and the size of the picture.
+// Choices of the visitor: the board, the type of the lens, the size of the picture and the name of the camera's mode.
 import { boardQuery } from "../lib/board.js";
 import { t } from "../lib/i18n.js";
-import { isLensType } from "../lib/lens-types.js";
+import { isLensType } from "../lib/camera.js";
 import { plainNotice, viewCount } from "./state.js";
 
 /**
@@ -71,6 +71,13 @@ export function isLensDetected({ phase, capture: { session }, wanted }) {
     (session?.suggested_model ?? wanted.distortion_model) !== wanted.distortion_model
   );
 }
+
+/** Name of a mode, without what the service refuses. @param {string} text */
+export const modeName = (text) =>
+  text
+    .replace(/[^\p{L}\p{N} °.,:+×%/-]|\d{5,}/gu, " ")
+    .replace(/ +/g, " ")
+    .replace(/^[^\p{L}\p{N}]+|[^\p{L}\p{N}°%+]+$/gu, "");
 
 /** More than any camera has: the nearest to it is the camera's own largest. */
 const MAX_SIZE = /** @type {Size} */ ([15360, 8640]);

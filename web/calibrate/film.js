@@ -1,7 +1,6 @@
 // Progress as a row of thumbnails: pictures of the views taken, the outline of the next target, and room for the
 // others.
-import { el } from "../lib/dom.js";
-import { make } from "../lib/svg.js";
+import { el, make } from "../lib/dom.js";
 import { polygon } from "../lib/capture/marks.js";
 import { expectedViews, offlineGoal, viewCount } from "./state.js";
 

@@ -2,9 +2,8 @@
 // shows the code, too, where there is no board.
 import { boardQuery } from "../lib/board.js";
 import { showProblem } from "../lib/board-text.js";
-import { offerFile } from "../lib/files.js";
 import { onLanguage, t } from "../lib/i18n.js";
-import { WhichBoard } from "../lib/which-board.js";
+import { WhichBoard } from "../lib/board-form.js";
 
 /** @typedef {import("../lib/board.js").Board} Board */
 
@@ -61,7 +60,10 @@ function showWays({ boardLinks, addresses, paper, paperFile, codes }) {
   paper.addEventListener("click", async () => {
     const [, papers] = await loading;
     const name = paperFor(papers, board);
-    const { boardFile } = await import("../lib/board-print.js");
+    const [{ boardFile }, { offerFile }] = await Promise.all([
+      import("../lib/board-print.js"),
+      import("../lib/files.js"),
+    ]);
     if (name !== undefined) offerFile(boardFile(board, name), papers.fileName(name));
   });
   const write = async () => {

@@ -2,7 +2,7 @@
 // there.
 import { pageUrl } from "../lib/i18n.js";
 import { isVirtual } from "../lib/camera-name.js";
-import { isLensType } from "../lib/lens-types.js";
+import { isLensType } from "../lib/camera.js";
 import { isLoopback } from "../lib/result/return-address.js";
 
 /** Fragment of an address that resumes the saved capture. */

@@ -1,23 +1,19 @@
 // Capture page: effects around the reducer. Events go in, `decide` says what to do, `render` shows the state.
 import { boardFrom } from "../lib/board.js";
 import { CameraError, cameras, open } from "../lib/camera.js";
-import { Detector, DetectorError } from "../lib/detector.js";
+import { Detector, DetectorError, PageDetector } from "../lib/detector.js";
 import { language, onLanguage, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
 import { isVirtual } from "../lib/camera-name.js";
 import { withDevice } from "../sdk/key.js";
-import { Announcer } from "../lib/capture/announcer.js";
-import { PageDetector } from "../lib/capture/page-detector.js";
-import { acquireLock, heldLocks } from "../lib/capture/capture-lock.js";
+import { Announcer, Feedback } from "../lib/capture/feedback.js";
+import { acquireLock, heldLocks, openCaptureStore } from "../lib/capture/capture-store.js";
 import { deviceFault } from "../lib/capture/device-fault.js";
-import { openCaptureStore } from "../lib/capture/capture-store.js";
 import { Stream } from "../lib/capture/streams.js";
-import { Sizes, isLensDetected, nameBoard, offerLensTypes, takeSuggestion } from "./choices.js";
-import { Captures, captureKey } from "./captures.js";
-import { connectControls } from "./controls.js";
+import { Sizes, isLensDetected, modeName, nameBoard, offerLensTypes, takeSuggestion } from "./choices.js";
+import { connectControls, findParts } from "./parts.js";
 import { Film } from "./film.js";
-import { Feedback } from "../lib/capture/feedback.js";
 import { showFirstSheet } from "./first-sheet.js";
 import {
   RESUME,
@@ -29,13 +25,9 @@ import {
   showResultAddress,
 } from "./history.js";
 import { initial, reduce } from "./reducer.js";
-import { plainNotice } from "./state.js";
-import { findParts } from "./parts.js";
-import { render } from "./render.js";
-import { explain } from "../lib/faults.js";
+import { captureKey, plainNotice } from "./state.js";
+import { render, renderChoice } from "./render.js";
 import { OfflineError } from "../lib/network.js";
-import { SettingsError } from "../lib/settings.js";
-import { ApiError } from "../lib/api.js";
 import * as statusText from "./status-text.js";
 
 /**
@@ -43,6 +35,14 @@ import * as statusText from "./status-text.js";
  * @typedef {import("./state.js").Notice} Notice
  * @typedef {import("../lib/camera.js").OpenCamera} OpenCamera
  * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
+ * @typedef {import("./captures.js").Captures} Captures
+ *
+ * @typedef {object} CaptureModules modules that are needed once a camera is open
+ * @property {typeof import("./capture-loop.js").CaptureLoop} CaptureLoop
+ * @property {typeof import("./capture-loop.js").loadPlan} loadPlan
+ * @property {typeof import("./captures.js").serviceFault} serviceFault
+ * @property {Captures} captures of this page and of earlier ones
+ *
  * @typedef {Awaited<ReturnType<typeof openCamera>>} OpenedCamera
  */
 
@@ -51,13 +51,11 @@ const parameters = new URLSearchParams(location.search);
 const parts = findParts();
 const { board, problem } = boardFrom(parameters);
 const captureStore = openCaptureStore();
-const captures = new Captures(captureStore, {
-  address: () => captureQuery(parameters),
-  onUnsaved: () => dispatch({ type: "unsaved" }),
-});
 const film = new Film(parts.film, parts.video);
 const feedback = new Feedback();
 const announcer = new Announcer(parts.said);
+/** Loaded while the visitor reads. @type {CaptureModules | null} */
+let loaded = null;
 /** View of the result: loaded during the capture. @type {import("./outcome.js").Outcome | null} */
 let outcome = null;
 /** @type {State} */
@@ -146,6 +144,7 @@ const capture = latest(
  * @param {string} choice id of a camera @param {OpenCamera | null} opened that camera, if it is open already
  */
 async function openCamera(signal, choice, opened) {
+  loadCapture().catch(() => {}); // while the camera opens; `run` waits for it, and for its failure
   const camera = opened ?? (await open(choice, { parameters, board: state.board, place: document.body, size }));
   const stream = new Stream(camera);
   const keepOpen = stream.closeWith(signal, (error) => fail(error, signal));
@@ -182,10 +181,10 @@ async function run({ stream }, request, signal) {
   // failure.
   const finder = detector.open();
   finder.catch(() => {});
-  const [{ CaptureLoop }, { loadPlan }] = await loadCapture();
+  const { CaptureLoop, loadPlan, captures } = await loadCapture();
   const plan = loadPlan().catch(() => []);
   await prepareOutcome();
-  session = await openSession(request, signal);
+  session = await openSession(captures, request, signal);
   if (state.phase !== "capturing") return null;
   const { camera: label, img_size } = request;
   if (!state.ui.notice && !isVirtual(label) && String(size) !== String(img_size)) {
@@ -209,7 +208,7 @@ async function finish(end, { camera, keepOpen }, request) {
   if (state.phase === "done") keepOpen();
   capture.cancel();
   if (state.phase === "done") outcome?.live(() => camera.close());
-  if (end !== "relayout") return captures.forget(captureKey(request));
+  if (end !== "relayout") return forgetCapture(captureKey(request));
   void continueWithBoard({ ...state.board, legacy: !state.board.legacy }, plainNotice("capture.legacy_taken"));
 }
 
@@ -228,8 +227,16 @@ async function useBoard() {
   await continueWithBoard(seen.board, seen.notice);
 }
 
-/** Loads the modules that are needed once a camera is open. */
-const loadCapture = () => Promise.all([import("./capture-loop.js"), import("./plan.js")]);
+/** @returns {Promise<CaptureModules>} */
+async function loadCapture() {
+  const [{ CaptureLoop, loadPlan }, { Captures, serviceFault }] = await Promise.all([
+    import("./capture-loop.js"),
+    import("./captures.js"),
+  ]);
+  const page = { address: () => captureQuery(parameters), onUnsaved: () => dispatch({ type: "unsaved" }) };
+  loaded ??= { CaptureLoop, loadPlan, serviceFault, captures: new Captures(captureStore, page) };
+  return loaded;
+}
 
 /** Loads the modules that are needed once a capture is running. */
 async function prepareOutcome() {
@@ -244,13 +251,6 @@ async function prepareOutcome() {
   });
 }
 
-/** Name of a mode, without what the service refuses. @param {string} text */
-const modeName = (text) =>
-  text
-    .replace(/[^\p{L}\p{N} °.,:+×%/-]|\d{5,}/gu, " ")
-    .replace(/ +/g, " ")
-    .replace(/^[^\p{L}\p{N}]+|[^\p{L}\p{N}°%+]+$/gu, "");
-
 /** @param {import("../sdk/calibdb.js").CameraKey} key @returns {SessionRequest} without the track */
 function requestFor(key) {
   const { distortion_model } = state.wanted;
@@ -264,8 +264,8 @@ function requestFor(key) {
   };
 }
 
-/** @param {SessionRequest} request @param {AbortSignal} signal */
-async function openSession(request, signal) {
+/** @param {Captures} captures @param {SessionRequest} request @param {AbortSignal} signal */
+async function openSession(captures, request, signal) {
   const onRetry = (/** @type {{attempt: number} | null} */ retry) =>
     signal.aborted || dispatch({ type: "retrying", attempts: retry?.attempt ?? 0 });
   const { session: opened, state: answer } = await captures.open(request, { signal, onRetry });
@@ -283,11 +283,10 @@ async function openSession(request, signal) {
  */
 function failureOf(error) {
   const detail = error instanceof Error ? error.message : String(error);
-  const fault = deviceFault(error);
+  // Until the captures are loaded, no request can have failed.
+  const fault = deviceFault(error) ?? loaded?.serviceFault(error);
   if (fault) return fault;
   if (error instanceof OfflineError) return { code: "offline", detail };
-  if (error instanceof SettingsError) return { code: "settings", detail };
-  if (error instanceof ApiError) return { code: "service", detail: explain(error) };
   console.error(error);
   return { code: "unforeseen", detail };
 }
@@ -308,10 +307,16 @@ function restart() {
   void listInterrupted().then(listCameras);
 }
 
+/**
+ * Forgets a capture. Until the captures are loaded, this page has none besides the saved ones.
+ * @param {string} about its key
+ */
+const forgetCapture = (about) => (loaded ? loaded.captures.forget(about) : captureStore.remove(about));
+
 /** A capture that failed stays saved; one that a person ended does not. @param {State["capture"]["key"]} key */
 async function end(key) {
   capture.cancel();
-  if (key) await captures.forget(captureKey(requestFor(key)));
+  if (key) await forgetCapture(captureKey(requestFor(key)));
   restart();
 }
 
@@ -334,6 +339,7 @@ async function continueWithout(indices, notice) {
   const { key } = state.capture;
   if (!session || !key) return;
   capture.cancel();
+  const { captures } = await loadCapture();
   await captures.move(session, requestFor(key), indices);
   await capture(chosen, { notice });
 }
@@ -373,7 +379,7 @@ async function resume() {
 }
 
 async function forget() {
-  if (state.ui.interrupted) await captures.forget(state.ui.interrupted.about);
+  if (state.ui.interrupted) await forgetCapture(state.ui.interrupted.about);
   await listInterrupted();
   parts.start.focus();
 }
@@ -393,6 +399,7 @@ connectControls(parts, {
   forget,
   useBoard,
   listCameras,
+  showChoice: () => renderChoice(parts),
   practise: () => capture("virtual"),
   again: () => capture(chosen),
   escape: () => state.phase === "opening" && restart(),

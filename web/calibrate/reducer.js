@@ -1,11 +1,9 @@
 // Reducer of the guided capture: `(state, event) => state`. No clock, no DOM, no network.
-import { HEALTHY } from "../lib/capture/diagnosis.js";
-import { HOLD_MS, LONG_HOLD_MS, isRepeat, lenience, requiredHold, timeToRead } from "./hold.js";
-import { HINTS, SILENT, instruct } from "./instruction.js";
-import { BLIND, aimAt, doubt, isThere, observeFrame } from "../lib/capture/sight.js";
+import { BLIND, HEALTHY, aimAt, doubt, isThere, observeFrame } from "../lib/capture/sight.js";
+import { HINTS, SILENT, instruct, isRepeat, lenience, requiredHold, timeToRead } from "./guidance.js";
 import { isOfSize, offlineGoal, viewCount } from "./state.js";
 import { MOVING, motion } from "../lib/capture/stillness.js";
-import { asMirrored } from "../lib/capture/target.js";
+import { HOLD_MS, LONG_HOLD_MS, asMirrored } from "../lib/capture/target.js";
 
 /**
  * @typedef {import("./state.js").State} State

@@ -3,10 +3,10 @@ import { offerCameras } from "../lib/camera.js";
 import { sayFailure, write } from "../lib/dom.js";
 import { joinFacts, t } from "../lib/i18n.js";
 import { isVirtual } from "../lib/camera-name.js";
-import { holdProgress, requiredHold } from "./hold.js";
+import { holdProgress, requiredHold } from "./guidance.js";
 import { renderDetection, renderTarget } from "./overlay-layer.js";
 import { isFinishable, viewCount, isSharpestOffered } from "./state.js";
-import { factRows, requestText } from "./request-facts.js";
+import { factRows, requestText } from "./status-text.js";
 import * as statusText from "./status-text.js";
 
 /**

@@ -15,7 +15,7 @@
  * @typedef {object} Wanted the camera that the page was opened for
  * @property {string | null} camera
  * @property {[number, number] | null} img_size
- * @property {import("../lib/lens-types.js").LensType} distortion_model
+ * @property {import("../lib/camera.js").LensType} distortion_model
  * @property {boolean} [flipped] the camera delivers mirrored pictures, which are turned back
  * @property {boolean} [automatic] another model is taken as soon as the service suggests it
  *
@@ -181,6 +181,12 @@ export const offlineGoal = ({ capture: { session } }) =>
 
 /** True if enough views are stored to wait for the service. @param {Views} state */
 export const isEnough = (state) => state.link.offline && state.link.stored >= offlineGoal(state);
+
+/**
+ * Key of a capture, from its request but for the track's settings (focus changes).
+ * @param {import("../lib/session.js").SessionRequest} request
+ */
+export const captureKey = ({ track, mode_name, ...request }) => JSON.stringify(request);
 
 /** @param {[number, number]} size of a frame, px @param {CameraKey | null} key */
 export const isOfSize = ([width, height], key) => width === key?.img_size[0] && height === key.img_size[1];

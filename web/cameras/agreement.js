@@ -1,7 +1,8 @@
 // Agreement among the calibrations of one camera: plots of focal lengths and principal points, their spread, and the
 // ring that counts them.
 import { dateText, number, t } from "../lib/i18n.js";
-import { make, short } from "../lib/svg.js";
+import { make } from "../lib/dom.js";
+import { short } from "../lib/svg.js";
 
 /**
  * @typedef {object} Member one calibration

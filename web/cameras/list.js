@@ -1,8 +1,8 @@
 // Rows of the table of cameras.
-import { el } from "../lib/dom.js";
+import { el, make } from "../lib/dom.js";
 import { splitLabel, isVirtual } from "../lib/camera-name.js";
 import { dateText, language, number, rough, t } from "../lib/i18n.js";
-import { make, short } from "../lib/svg.js";
+import { short } from "../lib/svg.js";
 import { aboutText, stateText } from "./camera.js";
 import { nameOf } from "./members.js";
 import { ring } from "./agreement.js";

@@ -1,6 +1,6 @@
 // Chart of two amounts over time, one line each.
-import { el } from "../lib/dom.js";
-import { make, short, ticks } from "../lib/svg.js";
+import { el, make } from "../lib/dom.js";
+import { short, ticks } from "../lib/svg.js";
 
 const [WIDTH, HEIGHT, LEFT, BOTTOM, TOP] = [640, 240, 48, 28, 10];
 const MAX_LABELS = 6;

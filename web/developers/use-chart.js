@@ -1,7 +1,7 @@
 // Use of a token over time: bars, and the same as a table.
-import { el } from "../lib/dom.js";
+import { el, make } from "../lib/dom.js";
 import { language, t } from "../lib/i18n.js";
-import { make, short, ticks } from "../lib/svg.js";
+import { short, ticks } from "../lib/svg.js";
 
 /**
  * @typedef {import("../vendor/api.js").TokenUse} TokenUse

@@ -1,7 +1,7 @@
 // Display of a file: its views as small plots, or, where it has none, its camera.
-import { el } from "../lib/dom.js";
+import { el, make } from "../lib/dom.js";
 import { number, t } from "../lib/i18n.js";
-import { imagePlot, make, short } from "../lib/svg.js";
+import { imagePlot, short } from "../lib/svg.js";
 import { viewOutcome } from "../lib/series.js";
 import { MIN_VIEW_CORNERS } from "./read.js";
 

@@ -4,7 +4,7 @@ import { DEFAULT_BOARD, isBlack, markers, outline } from "../lib/board.js";
 import { t } from "../lib/i18n.js";
 import { interpolatePose, rotationMatrix } from "../lib/pose.js";
 import { LENS, SIZE, TARGETS } from "../lib/rig-picture.js";
-import { make } from "../lib/svg.js";
+import { make } from "../lib/dom.js";
 import { lensOf } from "../sdk/projection.js";
 
 /** @typedef {import("../lib/pose.js").Pose} Pose */

@@ -1,6 +1,6 @@
 // Landing page: the pictures, counts of the database, and a lookup of the visitor's own camera.
 import { DEFAULT_BOARD } from "../lib/board.js";
-import { el, part, liveRegion } from "../lib/dom.js";
+import { el, liveRegion, make, part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
 import { hasMessage, number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
@@ -9,7 +9,7 @@ import { loadSettings } from "../lib/settings.js";
 import { phoneModel } from "../lib/phone-model.js";
 import { showRigPicture } from "../lib/rig-picture.js";
 import { gridLines } from "../lib/result/grid-picture.js";
-import { make, short } from "../lib/svg.js";
+import { short } from "../lib/svg.js";
 import { knownCard, unknownCard } from "./answer-card.js";
 import { captureLoop } from "./capture-loop.js";
 import { countCameras } from "./counts.js";

@@ -1,7 +1,6 @@
 // Form in which a board is described: presets, and, folded away, every parameter of its kind.
-import { CIRCLES, DEFAULT_TAG_SPACING, DICTIONARIES, boardFrom, isSameBoard, kindOf } from "./board.js";
-import { PRESETS } from "./board-presets.js";
-import { reason } from "./board-text.js";
+import { CIRCLES, DEFAULT_BOARD, DEFAULT_TAG_SPACING, DICTIONARIES, boardFrom, isSameBoard, kindOf } from "./board.js";
+import { boardWords, reason } from "./board-text.js";
 import { part } from "./dom.js";
 import { onLanguage, t } from "./i18n.js";
 
@@ -15,6 +14,46 @@ import { onLanguage, t } from "./i18n.js";
  * @property {boolean} [circles] whether grids of circles are offered, which no page detects
  * @property {() => void} [onArrange] called when the board, or the language, is another one
  */
+
+/**
+ * Boards that people own or are sold, by the names under which they know them.
+ * @type {{id: string, name: string, board: SentBoard}[]} name: a proper name, the same in every language
+ */
+export const PRESETS = [
+  { id: "calibdb", name: "calibDB", board: DEFAULT_BOARD },
+  {
+    id: "photonvision",
+    name: "PhotonVision 8 × 8",
+    board: { squares: [8, 8], marker_ratio: 0.75, dictionary: "DICT_4X4_1000", legacy: false },
+  },
+  {
+    id: "calibio",
+    name: "calib.io 14 × 9",
+    board: { squares: [14, 9], marker_ratio: 0.75, dictionary: "DICT_5X5_100", legacy: false },
+  },
+  {
+    id: "opencv_charuco",
+    name: "OpenCV ChArUco 5 × 7",
+    board: { squares: [5, 7], marker_ratio: 0.5, dictionary: "DICT_6X6_250", legacy: false },
+  },
+  {
+    id: "opencv_chessboard",
+    name: "OpenCV 10 × 7",
+    board: { kind: "chessboard", squares: [10, 7], marker_ratio: 0.65, dictionary: "DICT_4X4_50", legacy: false },
+  },
+  {
+    id: "kalibr",
+    name: "Kalibr AprilGrid 6 × 6",
+    board: {
+      kind: "aprilgrid",
+      squares: [6, 6],
+      marker_ratio: 0.65,
+      dictionary: "DICT_APRILTAG_36h11",
+      legacy: false,
+      tag_spacing: DEFAULT_TAG_SPACING,
+    },
+  },
+];
 
 const OTHER = "other";
 
@@ -131,5 +170,52 @@ export class BoardForm {
   #say(problem) {
     this.#wrong = problem;
     this.#problem.textContent = problem ? this.#use.problemText(reason(problem)) : "";
+  }
+}
+
+/** The form of the board within a page: the files stay while the board changes. */
+export class WhichBoard {
+  #details = part("which-board", HTMLDetailsElement);
+  /** @type {SentBoard} */
+  #board;
+  /** @type {boolean} */
+  #isChosen;
+  #form;
+
+  /**
+   * @param {SentBoard} board @param {(board: SentBoard) => void} onChoice called when the visitor has chosen another
+   * @param {boolean} isChosen true if the visitor has chosen this board; else the board is recognised
+   */
+  constructor(board, onChoice, isChosen) {
+    [this.#board, this.#isChosen] = [board, isChosen];
+    this.#form = new BoardForm(board, {
+      onChoice: (chosen) => {
+        this.#take(chosen, true);
+        onChoice(chosen);
+      },
+      onArrange: () => this.#say(),
+      problemText: (reason) => t("boards.impossible", { reason }),
+    });
+  }
+
+  /** @param {SentBoard} board @param {boolean} [isChosen] */
+  show(board, isChosen = true) {
+    this.#take(board, isChosen);
+    this.#form.show(board);
+  }
+
+  open() {
+    this.#details.open = true;
+    this.#form.focus();
+  }
+
+  /** @param {SentBoard} board @param {boolean} isChosen */
+  #take(board, isChosen) {
+    [this.#board, this.#isChosen] = [board, isChosen];
+    this.#say();
+  }
+
+  #say() {
+    part("board", HTMLElement).textContent = this.#isChosen ? boardWords(this.#board) : t("boards.automatic");
   }
 }

@@ -208,3 +208,14 @@ export function facts(track) {
   }
   return known;
 }
+
+/**
+ * Type of a lens, as the pages name it: a model of the service.
+ * @typedef {"rectilinear" | "rational" | "fisheye" | "omnidirectional"} LensType
+ */
+
+/** The simplest first. @type {readonly LensType[]} */
+export const LENS_TYPES = ["rectilinear", "rational", "fisheye", "omnidirectional"];
+
+/** @param {string | null} name @returns {name is LensType} */
+export const isLensType = (name) => LENS_TYPES.some((type) => type === name);

@@ -189,3 +189,40 @@ export class Detector {
 export async function grab(video) {
   return typeof VideoFrame === "function" ? new VideoFrame(video) : createImageBitmap(video);
 }
+
+/** Board detector of a page: OpenCV is loaded once for several captures. */
+export class PageDetector {
+  #make;
+  /** @type {Promise<Detector> | null} */
+  #last = null;
+
+  /** @param {() => Promise<Detector>} make */
+  constructor(make) {
+    this.#make = make;
+  }
+
+  /** The detector; another one if the last has failed or was closed. @returns {Promise<Detector>} */
+  open() {
+    const opening = this.#last ? this.#reopen(this.#last) : this.#make();
+    this.#last = opening;
+    opening.catch(() => {
+      if (this.#last === opening) this.#last = null;
+    });
+    return opening;
+  }
+
+  /** @param {Promise<Detector>} last */
+  async #reopen(last) {
+    const detector = await last.catch(() => null);
+    return detector && !detector.closed ? detector : this.#make();
+  }
+
+  /** Closes the detector, as after a failure or for another board: the next capture makes a new one. */
+  close() {
+    void this.#last?.then(
+      (detector) => detector.close(),
+      () => {},
+    );
+    this.#last = null;
+  }
+}

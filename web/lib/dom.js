@@ -1,6 +1,8 @@
 // DOM elements: making them, finding them, writing texts into them, and pressing them by keys.
 import { onLanguage } from "./i18n.js";
 
+const SVG = "http://www.w3.org/2000/svg";
+
 /**
  * @template {keyof HTMLElementTagNameMap} K
  * @param {K} name
@@ -13,6 +15,18 @@ export function el(name, attributes = {}, ...content) {
   for (const [key, value] of Object.entries(attributes)) {
     if (value !== false && value !== undefined) made.setAttribute(key, value === true ? "" : String(value));
   }
+  made.append(...content);
+  return made;
+}
+
+/**
+ * Makes an element of SVG.
+ * @param {string} name @param {Record<string, string | number>} [attributes] @param {(Node | string)[]} [content]
+ * @returns {SVGElement}
+ */
+export function make(name, attributes = {}, content = []) {
+  const made = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, String(value));
   made.append(...content);
   return made;
 }

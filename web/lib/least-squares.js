@@ -1,5 +1,5 @@
 // Nonlinear least squares of a few parameters.
-import { solveLinear } from "./linear-system.js";
+import { solveLinear } from "./homography.js";
 
 const ITERATIONS = 12;
 const DIFFERENCE_STEP = 1e-6; // of forward differences

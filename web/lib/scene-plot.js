@@ -1,8 +1,8 @@
 // 3D view of cameras and boards, drawn as SVG: turned by dragging, or by sliders that show when they have the focus.
 import { isBlack, outline } from "./board.js";
-import { el } from "./dom.js";
+import { el, make } from "./dom.js";
 import { t } from "./i18n.js";
-import { make, short } from "./svg.js";
+import { short } from "./svg.js";
 import { invert, rigidMotion, transform } from "../sdk/motion.js";
 import { lensOf } from "../sdk/projection.js";
 

@@ -1,18 +1,7 @@
 // Plots of the image plane as SVG, in the picture's frame.
+import { make } from "./dom.js";
 
-const SVG = "http://www.w3.org/2000/svg";
 const WIDTH = 440; // units; pages show it at about that many CSS pixels
-
-/**
- * @param {string} name @param {Record<string, string | number>} [attributes] @param {(Node | string)[]} [content]
- * @returns {SVGElement}
- */
-export function make(name, attributes = {}, content = []) {
-  const made = document.createElementNS(SVG, name);
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, String(value));
-  made.append(...content);
-  return made;
-}
 
 /** @param {number} value */
 export const short = (value) => String(Math.round(value * 10) / 10);

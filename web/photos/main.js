@@ -14,7 +14,7 @@ import { LaterResultView } from "../lib/result/later.js";
 import { COEFFICIENTS } from "../sdk/projection.js";
 import { loadSettings } from "../lib/settings.js";
 import { card, sizeOf } from "./card.js";
-import { WhichBoard } from "../lib/which-board.js";
+import { WhichBoard } from "../lib/board-form.js";
 import { cameraOfNames, shots } from "./files.js";
 import { showLikely } from "./likely.js";
 import { groups } from "./group.js";

@@ -1,15 +1,15 @@
 // Drawing of the photograph that would help most, and the way to add it.
-import { el } from "../lib/dom.js";
+import { el, make } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
-import { imagePlot, make, short } from "../lib/svg.js";
+import { imagePlot, short } from "../lib/svg.js";
 import { corners as allCorners } from "../lib/board.js";
 import { blackRectangles } from "../lib/board-drawing.js";
 import { apply, homography } from "../lib/homography.js";
-import { blackSquares, vertexOf } from "../lib/target-preview.js";
+import { blackSquares, vertexOf } from "../lib/capture/marks.js";
 
 /**
  * @typedef {import("../lib/board.js").Board} Board
- * @typedef {import("../lib/target-preview.js").Polygon} Polygon
+ * @typedef {import("../lib/capture/marks.js").Polygon} Polygon
  */
 
 /**

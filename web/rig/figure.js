@@ -1,7 +1,6 @@
 // Picture of one camera of this device: its video, the target's outline and the corners seen, a line of words below.
 import { drawBoard, drawTarget, visibleShare } from "../lib/capture/marks.js";
-import { el, write } from "../lib/dom.js";
-import { make } from "../lib/svg.js";
+import { el, make, write } from "../lib/dom.js";
 
 /** @typedef {import("./moments.js").Sight} Sight */
 

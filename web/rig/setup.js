@@ -1,9 +1,8 @@
 // First sheet: the cameras of this device, what each delivers, and the other devices.
-import { cameras, requestStream } from "../lib/camera.js";
+import { LENS_TYPES, cameras, requestStream } from "../lib/camera.js";
 import { deviceFaultText } from "../lib/capture/device-fault.js";
 import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
-import { LENS_TYPES } from "../lib/lens-types.js";
 
 /**
  * @typedef {import("./parts.js").Parts} Parts

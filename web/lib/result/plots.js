@@ -4,7 +4,8 @@ import { above, refined, valueAt } from "../contours.js";
 import { gridLines } from "./grid-picture.js";
 import { convexHull, hatching } from "./hull.js";
 import { coverage, displacements, lensProfile, viewIssue } from "./numbers.js";
-import { arrow, imagePlot, make, short, ticks } from "../svg.js";
+import { make } from "../dom.js";
+import { arrow, imagePlot, short, ticks } from "../svg.js";
 
 /**
  * @typedef {import("./numbers.js").Calibration} Calibration

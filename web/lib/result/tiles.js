@@ -1,9 +1,8 @@
 // Tiles of a result: how accurate it is where, what the boards have covered, and where they were; and figures that
 // other pages share.
-import { el } from "../dom.js";
+import { el, make } from "../dom.js";
 import { number, rough, t } from "../i18n.js";
 import { sceneOf, scenePlot } from "../scene-plot.js";
-import { make } from "../svg.js";
 import { isKnownModel } from "../../sdk/projection.js";
 import { displacements } from "./numbers.js";
 import { coveragePlot, errorPlot, errorTable } from "./plots.js";

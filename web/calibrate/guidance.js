@@ -1,12 +1,12 @@
-// Rules for taking a view automatically: is the board at the target, is it held still there, for how long? Pure.
+// Guidance of a capture, pure: when a view is taken automatically (is the board at the target, is it held still there,
+// for how long?), and which one instruction is shown: the largest difference first, and steady enough to be read.
 import { foreshortening } from "../lib/board-outline.js";
-import { isExhausted, viewCount } from "./state.js";
-import { isNear, isThere } from "../lib/capture/sight.js";
-import { HOLD_MS, LONG_HOLD_MS, lenienceAfter } from "../lib/capture/target.js";
+import { isEnough, isExhausted, viewCount } from "./state.js";
+import { isNear, isThere, movement } from "../lib/capture/sight.js";
+import { HOLD_MS, LONG_HOLD_MS, lenienceAfter, settled } from "../lib/capture/target.js";
 
 /** @typedef {import("./state.js").State} State */
 
-export { HOLD_MS, LONG_HOLD_MS };
 const MIN_FORESHORTENING = 0.08; // from which a pose other than the target may be worth sending
 const MIN_HOLD_FRAMES = 3; // so that a stalled video does not count as a steady hand
 const STUCK_MS = 15_000; // without coming nearer to the target, then another kind of pose is requested
@@ -72,4 +72,62 @@ export function decide(state, time) {
   if (sight.corners.ids.length === 0) return null;
   if (capture.skipAfter !== null) return time - ui.noticedAt > capture.skipAfter ? "skip" : null;
   return time - capture.nearest.time > STUCK_MS || time - capture.posedAt > MAX_TARGET_MS ? "skip" : null;
+}
+
+/** @typedef {import("./state.js").Instruction} Instruction */
+
+/** @type {Instruction} */
+export const SILENT = { code: "", next: "", since: 0 };
+
+/** Hints of the service that the page has a message for. */
+export const HINTS = new Set([
+  "closer",
+  "farther",
+  "left",
+  "right",
+  "up",
+  "down",
+  "tilt_top",
+  "tilt_bottom",
+  "tilt_left",
+  "tilt_right",
+  "turn_clockwise",
+  "turn_counterclockwise",
+  "first",
+]);
+
+const MIN_LOOKS = 3; // for another board, before the first view: until then the board may be in the picture
+
+/**
+ * @param {import("./state.js").State} state
+ * @param {boolean} holding whether a view would be taken if the board were held still
+ * @param {number} time ms
+ * @returns {Instruction}
+ */
+export function instruct(state, holding, time) {
+  return settled(state.ui.instruction, choose(state, holding), time);
+}
+
+/** @param {import("./state.js").State} state @param {boolean} holding */
+function choose(state, holding) {
+  const { mirrored } = state.capture;
+  const { offline, busy } = state.link;
+  const {
+    corners,
+    markers,
+    outline,
+    target,
+    diagnosis: { trouble },
+  } = state.sight;
+  if (isEnough(state)) return "enough";
+  if (!target || busy) return offline ? "away" : "wait"; // a view in flight need not be held any more
+  if (trouble) return trouble;
+  if (corners.ids.length === 0) {
+    if (state.detector.looks < MIN_LOOKS && viewCount(state) === 0) return "looking";
+    return markers === 0 ? "show" : "slower";
+  }
+  if (!outline) return "more";
+  if (holding) return "hold";
+  const hint = target.hint_code && HINTS.has(target.hint_code) ? target.hint_code : "match";
+  return movement(state.sight, mirrored, hint);
 }
