@@ -83,6 +83,7 @@ export class Film {
       );
     });
     if (key) this.#place.style.setProperty("--aspect", String(key.img_size[0] / key.img_size[1]));
+    this.#place.style.setProperty("--slots", String(pictures.length + left.length));
     this.#place.classList.toggle("mirrored", mirrored);
     this.#place.setAttribute("aria-valuenow", String(Math.round(100 * progress)));
     this.#place.replaceChildren(
