@@ -154,7 +154,7 @@ class RealCamera(BoardCamera):
         self.views = status.views
 
     def note(self, text: str) -> None:
-        """Nobody reads it."""
+        """Ignore it."""
 
     def close(self) -> None:
         """Nothing is open."""

@@ -19,8 +19,8 @@ def recorded(client: Client, name: str) -> tuple[tuple[tuple[int, ...], ...], tu
     """Start a recorded session of a real corner set; ids and views on the session's board."""
     views, size = corner_views(name)
     board, ids, seen = on_board(views)
-    told = {"squares": list(board.squares), "dictionary": board.dictionary}
-    opened = client.open(camera=f"Recorded {name}", img_size=list(size), board=told, capture="recorded")
+    sent = {"squares": list(board.squares), "dictionary": board.dictionary}
+    opened = client.open(camera=f"Recorded {name}", img_size=list(size), board=sent, capture="recorded")
     assert opened.status == 201, opened.body
     assert opened.json["capture"] == "recorded"
     return ids, seen

@@ -46,7 +46,7 @@ const detectorOf = (...answers) => ({
   },
 });
 
-/** A page that stops after so many rounds; `log` has what the engine told it. */
+/** A page that stops after so many rounds; `log` has the calls of the engine. */
 function pageOf(rounds, more = {}) {
   const log = [];
   const sights = new Map();

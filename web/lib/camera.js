@@ -84,11 +84,12 @@ export function propose(choices, asked, chosen) {
 }
 
 /**
- * Lists cameras in a select element, and proposes one. Until the browser has listed its cameras, nothing is said about them.
+ * Lists cameras in a select element, and proposes one. Until the browser has listed its cameras, nothing is said about
+ * them.
  * @param {HTMLSelectElement} select
  * @param {readonly Choice[]} choices
  * @param {string | null} asked label of the camera that the page was opened for
- * @returns {boolean} true if there is no camera to propose
+ * @returns {boolean} true if it proposes none
  */
 export function offerCameras(select, choices, asked) {
   const proposed = propose(choices, asked, select.value);

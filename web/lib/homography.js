@@ -58,7 +58,7 @@ function multiply(a, b) {
 /**
  * Solves a system by Gaussian elimination with partial pivoting.
  * @template {number[] | Float64Array} Row @param {Row[]} rows n x (n + 1), the right side last; overwritten
- * @returns {{solution: number[], pivot: number}} pivot: the smallest in size; 0 or NaN where there is no solution
+ * @returns {{solution: number[], pivot: number}} pivot: the smallest in size; 0 or NaN if the system is singular
  */
 export function solveLinear(rows) {
   const n = rows.length;

@@ -24,7 +24,7 @@ import { motion } from "./stillness.js";
  * @property {(camera: C) => boolean} isSearched other boards are looked for while the expected one is not seen
  * @property {(camera: C, suggestion: import("../board-recognition.js").Recognised | null) => void} suggest
  *   suggestion: what is there instead of the board
- * @property {() => void} [onReturn] called when the tab is no longer hidden
+ * @property {() => void} [onReturn] called when the tab is shown again
  * @property {(stalled: boolean) => void} onStalled called when the detector has stopped, and when another one is there
  * @property {() => void} onResized called when a device was turned: its images have another size
  * @property {(stream: Stream) => void} [onFocused] called when the focus is locked, if the camera allows it
