@@ -1,4 +1,5 @@
-// Guided capture of one camera: sets the targets of its session, sends what is held still, and continues after failures.
+// Guided capture of one camera: sets the targets of its session, sends what is held still, and continues after
+// failures.
 import { facts } from "../lib/camera.js";
 import { Engine } from "../lib/capture/engine.js";
 import { pressByKeys } from "../lib/dom.js";

@@ -43,7 +43,10 @@ export function part(id, type) {
   return found;
 }
 
-/** Writes a text only where it changed: a live region speaks on every write. @param {Element} place @param {string} text */
+/**
+ * Writes a text only where it changed: a live region speaks on every write.
+ * @param {Element} place @param {string} text
+ */
 export function write(place, text) {
   if (place.textContent !== text) place.textContent = text;
 }

@@ -17,7 +17,10 @@ export class Figure {
   #corners = null;
   #flash = 0;
 
-  /** @param {number} position of the camera @param {import("../lib/capture/streams.js").Half | null} half of its stream */
+  /**
+   * @param {number} position of the camera
+   * @param {import("../lib/capture/streams.js").Half | null} half of its stream
+   */
   constructor(position, half) {
     this.video = el("video", {
       muted: true,
