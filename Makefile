@@ -12,7 +12,6 @@ unexport PYTHONDONTWRITEBYTECODE
 
 # What the commands need, made once and again when its lock file changes; Python's and npm's packages at the same time
 SETUP := .setup
-AUDIT := .build/audit/bin/pip-audit
 UV := .venv/bin/uv
 INSTALL_UV := $(PY) -m pip install --quiet --no-compile --require-hashes -r infra/ci/uv.lock
 PYTEST := $(PY) -m pytest
@@ -85,8 +84,6 @@ lint: ## check style, types, imports, wording, the template, and dependencies fo
 	npx --no-install tsc -p web
 
 .audit:
-	@test -x $(AUDIT) || ($(PYTHON) -m venv --without-pip .build/audit && \
-		$(PY) -m pip --python .build/audit install --quiet --no-compile --retries 0 --timeout 10 pip-audit==2.10.1 2>/dev/null) || true
 	@$(PY) -m infra.ci.audit
 
 unit: $(SETUP) .node .drawn ## test one package at a time, without sockets, and the web client's modules under node

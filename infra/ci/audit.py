@@ -11,6 +11,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import urllib.request
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -18,10 +19,12 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
-PIP_AUDIT = ROOT / ".build" / "audit" / "bin" / "pip-audit"
+PIP_AUDIT = "pip-audit==2.10.1"
+ASKED = "https://pypi.org/pypi/pip-audit/2.10.1/json"
+"""What pip-audit asks of the service, about a package that is there."""
 LOCKS = ("requirements.lock", "layers/service/requirements.lock", "layers/solver/requirements.lock")
 _AUDIT_TIMEOUT_S = 60.0  # s
-_PROBE_TIMEOUT_S = 10.0  # for the first package: does the service answer at all?
+_PROBE_TIMEOUT_S = 10.0  # does the service answer at all?
 _PIN = re.compile(r"(?m)^([A-Za-z0-9][\w.-]*==[^\s;\\]+)")
 
 
@@ -62,32 +65,39 @@ def pins(*locks: Path) -> list[str]:
     return sorted({pin for lock in locks for pin in _PIN.findall(lock.read_text(encoding="utf-8"))})
 
 
-def python(packages: list[str], pip_audit: Path = PIP_AUDIT) -> Audit:
-    """Ask about Python's packages; about one first, for each that is not answered takes its time."""
+def python(packages: list[str], asked: str = ASKED) -> Audit:
+    """Ask about Python's packages. pip-audit is installed where the service answers."""
+    folder = ROOT / ".build" / "audit"
+    pip_audit = folder / "bin" / "pip-audit"
+    try:
+        urllib.request.urlopen(asked, timeout=_PROBE_TIMEOUT_S).close()  # noqa: S310 - our own address
+        if not pip_audit.exists():
+            _run([sys.executable, "-m", "venv", "--without-pip", str(folder)])
+            _run([sys.executable, "-m", "pip", "--python", str(folder), "install", "--quiet", PIP_AUDIT])
+    except (OSError, subprocess.TimeoutExpired):
+        return Audit(0)
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as requirements:
-        for part, timeout_s in ((packages[:1], _PROBE_TIMEOUT_S), (packages, _AUDIT_TIMEOUT_S)):
-            requirements.seek(0)
-            requirements.truncate()
-            requirements.write("\n".join(part))
-            requirements.flush()
-            command = [str(pip_audit), "--no-deps", "--disable-pip", "--progress-spinner=off", "-f", "json"]
-            audit = Audit.of_pip(_answer([*command, "--timeout", "5", "-r", requirements.name], timeout_s))
-            if not audit.judged:
-                break
-    return audit
+        requirements.write("\n".join(packages))
+        requirements.flush()
+        command = [str(pip_audit), "--no-deps", "--disable-pip", "--progress-spinner=off", "-f", "json"]
+        return Audit.of_pip(_answer([*command, "--timeout", "5", "-r", requirements.name]))
 
 
 def npm() -> Audit:
     """Ask about npm's packages."""
-    return Audit.of_npm(_answer(["npm", "audit", "--json", "--fetch-retries=0"], _AUDIT_TIMEOUT_S))
+    return Audit.of_npm(_answer(["npm", "audit", "--json", "--fetch-retries=0"]))
 
 
-def _answer(command: list[str], timeout_s: float) -> Any:
+def _run(command: list[str]) -> str:
+    done = subprocess.run(  # noqa: S603 - our own commands
+        command, cwd=ROOT, capture_output=True, text=True, timeout=_AUDIT_TIMEOUT_S, check=False
+    )
+    return done.stdout
+
+
+def _answer(command: list[str]) -> Any:
     try:
-        done = subprocess.run(  # noqa: S603 - our own commands
-            command, cwd=ROOT, capture_output=True, text=True, timeout=timeout_s, check=False
-        )
-        return json.loads(done.stdout)
+        return json.loads(_run(command))
     except (OSError, subprocess.TimeoutExpired, ValueError):
         return {"dependencies": []}
 
