@@ -57,6 +57,13 @@ def as_created(source: dict[str, Any], parameters: dict[str, str] | None = None)
     return created
 
 
+@cache
+def created() -> dict[str, Any]:
+    """Create the resources of the complete template with its default parameters; tests only read them."""
+    found: dict[str, Any] = as_created(parsed(complete()))["Resources"]
+    return found
+
+
 def without_events(source: dict[str, Any]) -> dict[str, Any]:
     """The template less what calls its functions, of which the transform makes routes and no versions.
 

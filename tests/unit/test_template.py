@@ -12,7 +12,7 @@ from calibdb.store import aws
 from infra.deploy import account_check, package
 from infra.web_build import site_headers
 from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S
-from tests.helpers.sam import as_created, complete, parsed
+from tests.helpers.sam import complete, created, parsed
 from tests.helpers.service.iam import statements
 
 ROOT = Path(__file__).parents[2]
@@ -24,9 +24,9 @@ def source() -> dict:
 
 
 @pytest.fixture(scope="module")
-def transformed(source: dict) -> dict:
+def transformed() -> dict:
     """Resources that AWS would create; code and layers stand in a bucket, as `sam package` leaves them."""
-    return as_created(source)
+    return {"Resources": created()}
 
 
 INLINE = ("Probe", "CutoffFunction")  # functions whose code stands in the template

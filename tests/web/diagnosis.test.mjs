@@ -12,6 +12,7 @@ import { degrade, smear } from "../../web/lib/virtual/degrade.js";
 
 const SIZE = [1280, 720];
 const LENS = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
+const PROJECTION = projectionOf(LENS);
 const POSES = [
   { rvec: [0.35, -0.45, 0.1], tvec: [-4, -3, 9] },
   { rvec: [0, 0, 0], tvec: [-4, -3, 7] },
@@ -19,7 +20,7 @@ const POSES = [
 ];
 const painter = new Painter(DEFAULT_BOARD, LENS, SIZE);
 const foundAt = (pose) => {
-  const points = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transformPoint(pose, [x, y, 0])));
+  const points = corners(DEFAULT_BOARD).map(([x, y]) => PROJECTION.project(transformPoint(pose, [x, y, 0])));
   return { ids: points.map((_, id) => id), points };
 };
 /** Pictures that were painted, each once. */
@@ -199,13 +200,13 @@ test("arrows go from the board as seen to the target, about what is said", () =>
 
 test("the ghost is the board, its rim included", () => {
   const { ids, points } = foundAt({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] });
-  const flat = { ...LENS, k1: 0 };
+  const flat = projectionOf({ ...LENS, k1: 0 });
   const exact = corners(DEFAULT_BOARD).map(([x, y]) =>
-    projectionOf(flat).project(transformPoint({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] }, [x, y, 0])),
+    flat.project(transformPoint({ rvec: [0, 0, 0], tvec: [-4.5, -3, 12] }, [x, y, 0])),
   );
   const squares = blackSquares(DEFAULT_BOARD, { ids, corners: exact });
   assert.equal(squares.length, 27);
-  const [x, y] = projectionOf(flat).project([-4.5, -3, 12]);
+  const [x, y] = flat.project([-4.5, -3, 12]);
   assert.ok(
     squares.flat().some(([u, v]) => Math.hypot(u - x, v - y) < 1e-6),
     "the first corner",

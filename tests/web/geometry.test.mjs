@@ -23,14 +23,19 @@ const python = fileURLToPath(new URL("../../.venv/bin/python", import.meta.url))
 const MARGIN = 21; // px
 
 /**
- * Boards as cv2 draws them, and the corners that cv2 names.
+ * ChArUco boards as cv2 draws them with the corners that cv2 names, and boards as the solver draws them: by one process.
  * @param {[string, any, number][]} boards name, board, scale
+ * @param {any[]} others
  */
-function drawnByOpenCV(boards) {
+function drawnByPython(boards, others) {
   const script = `
 import base64, json, sys, cv2
+sys.path.insert(0, "layers/solver")
+from calibsolver import Board
+from calibsolver.guidance.overlay import draw_board
 found = []
-for a in json.loads(sys.argv[1]):
+charuco, others = json.loads(sys.argv[1])
+for a in charuco:
     d = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, a["dictionary"]))
     b = cv2.aruco.CharucoBoard(tuple(a["squares"]), 1.0, a["marker_ratio"], d)
     b.setLegacyPattern(a["legacy"])
@@ -38,7 +43,8 @@ for a in json.loads(sys.argv[1]):
     p = b.generateImage((w, h), marginSize=a["margin"])
     pixels, corners = base64.b64encode(p.tobytes()).decode(), b.getChessboardCorners().tolist()
     found.append({"w": w, "h": h, "pixels": pixels, "corners": corners})
-print(json.dumps(found))`;
+pictures = [draw_board(Board.from_record(record), 120) for record in others]
+print(json.dumps([found, [[*reversed(p.shape), base64.b64encode(p.tobytes()).decode()] for p in pictures]]))`;
   const request = boards.map(([, { squares, marker_ratio, dictionary, legacy }, scale]) => ({
     squares,
     marker_ratio,
@@ -47,7 +53,8 @@ print(json.dumps(found))`;
     scale,
     margin: MARGIN,
   }));
-  return JSON.parse(execFileSync(python, ["-c", script, JSON.stringify(request)], { maxBuffer: 1 << 28 }));
+  const sent = JSON.stringify([request, others]);
+  return JSON.parse(execFileSync(python, ["-c", script, sent], { maxBuffer: 1 << 28 }));
 }
 
 // Scales at which a marker's cells are whole pixels: elsewhere OpenCV rounds, and rounds each marker differently.
@@ -74,7 +81,20 @@ const cases = [
   ["AprilTag 36h11", { squares: [8, 11], marker_ratio: 0.8, dictionary: "DICT_APRILTAG_36h11", legacy: true }, 100],
 ];
 
-const drawings = existsSync(python) ? drawnByOpenCV(cases) : [];
+const kinds = [
+  {
+    kind: "aprilgrid",
+    squares: [3, 2],
+    marker_ratio: 0.65,
+    dictionary: "DICT_APRILTAG_36h11",
+    legacy: false,
+    tag_spacing: 0.25,
+  },
+  { kind: "chessboard", squares: [5, 4], marker_ratio: 0.65, dictionary: "DICT_4X4_50", legacy: false },
+  { ...DEFAULT_BOARD, inverted: true },
+];
+
+const [drawings, drawingsOfKinds] = existsSync(python) ? drawnByPython(cases, kinds) : [[], []];
 
 for (const [index, [name, board, scale]] of cases.entries()) {
   test(
@@ -143,28 +163,8 @@ test(
   "boards of other kinds equal the solver's drawings in every pixel",
   { skip: !existsSync(python) && "no Python environment" },
   () => {
-    const boards = [
-      {
-        kind: "aprilgrid",
-        squares: [3, 2],
-        marker_ratio: 0.65,
-        dictionary: "DICT_APRILTAG_36h11",
-        legacy: false,
-        tag_spacing: 0.25,
-      },
-      { kind: "chessboard", squares: [5, 4], marker_ratio: 0.65, dictionary: "DICT_4X4_50", legacy: false },
-      { ...DEFAULT_BOARD, inverted: true },
-    ];
-    const script = `
-import base64, json, sys
-sys.path.insert(0, "layers/solver")
-from calibsolver import Board
-from calibsolver.guidance.overlay import draw_board
-pictures = [draw_board(Board.from_record(record), 120) for record in json.loads(sys.argv[1])]
-print(json.dumps([[*reversed(p.shape), base64.b64encode(p.tobytes()).decode()] for p in pictures]))`;
-    const expected = JSON.parse(execFileSync(python, ["-c", script, JSON.stringify(boards)], { maxBuffer: 1 << 26 }));
-    boards.forEach((board, index) => {
-      const [width, height, pixels] = expected[index];
+    kinds.forEach((board, index) => {
+      const [width, height, pixels] = drawingsOfKinds[index];
       const ours = raster(board, 120);
       assert.deepEqual([ours.width, ours.height], [width, height], board.kind);
       assert.equal(Buffer.from(pixels, "base64").compare(Buffer.from(ours.data)), 0, board.kind ?? "inverted");

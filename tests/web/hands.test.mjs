@@ -16,8 +16,9 @@ const PLAN = JSON.parse(readFileSync(new URL("../../web/calibrate/plan.json", im
 const [WIDTH, HEIGHT] = [1280, 720];
 const LENS = { fx: 1000, fy: 1000, cx: 664.5, cy: 359.5, k1: -0.25, k2: 0, p1: 0, p2: 0, k3: 0 };
 const PROJECTION = projectionOf(LENS);
+const PLACES = corners(DEFAULT_BOARD);
 const KEY = { camera: "Test", platform: "X11", img_size: [WIDTH, HEIGHT], zoom: 0 };
-const FRAME = 1000 / 30; // ms
+const FRAME = 1000 / 15; // ms
 const LIMIT = 180_000; // ms
 const NOISE = 0.1; // px
 
@@ -26,7 +27,7 @@ function seen(pose, blur, random) {
   const ids = [];
   const points = [];
   if (blur === 0) {
-    corners(DEFAULT_BOARD).forEach(([x, y], id) => {
+    PLACES.forEach(([x, y], id) => {
       const [u, v] = PROJECTION.project(transformPoint(pose, [x, y, 0]));
       if (u < 4 || v < 4 || u > WIDTH - 5 || v > HEIGHT - 5) return;
       ids.push(id);

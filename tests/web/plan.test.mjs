@@ -43,7 +43,7 @@ for (const size of [
   ]) {
     test(`every target without the service is a whole board, ${size.join("x")}, k1 ${k1}, k2 ${k2}`, () => {
       let from = 0;
-      for (let step = 0; step < 2 * PLAN.length; step++) {
+      for (let step = 0; step < PLAN.length; step++) {
         const { pose, next } = nextPlanned(PLAN, from, DEFAULT_BOARD, size, camera(size, k1, k2));
         assert.equal(pose.outline.length, 4);
         assert.ok(isConvex(pose.outline), JSON.stringify(pose.outline));

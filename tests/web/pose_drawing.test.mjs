@@ -7,7 +7,7 @@ import { projectionOf } from "../../web/lib/virtual/lens.js";
 
 const POSE = { rvec: [0.3, -0.4, 0.05], tvec: [-5.5, -3.5, 9] };
 /** A lens whose model folds the edge of the board back: a fit of few views may say that. */
-const FOLDING = { fx: 900, fy: 900, cx: 640, cy: 360, k1: -0.5, k2: 0.1, p1: 0, p2: 0, k3: 0 };
+const FOLDING = projectionOf({ fx: 900, fy: 900, cx: 640, cy: 360, k1: -0.5, k2: 0.1, p1: 0, p2: 0, k3: 0 });
 
 /** @param {number[]} point @param {number[][]} polygon */
 function isInside([x, y], polygon) {
@@ -26,7 +26,7 @@ for (const board of [
 ]) {
   test(`the squares and markers of a drawn board lie within its rim: ${JSON.stringify(board)}`, () => {
     const places = corners(board);
-    const project = (place) => projectionOf(FOLDING).project(transformPoint(POSE, [...place, 0]));
+    const project = (place) => FOLDING.project(transformPoint(POSE, [...place, 0]));
     const pose = {
       ids: places.map((_, id) => id),
       corners: places.map(project),

@@ -10,7 +10,7 @@ import { HOLD_MS, LONG_HOLD_MS, asMirrored } from "../../web/lib/capture/target.
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { transformPoint } from "../../web/lib/pose.js";
 
-const PINHOLE = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 };
+const PINHOLE = projectionOf({ fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 });
 const KEY = { camera: "Test", platform: "X11", img_size: [1280, 720], zoom: 0 };
 const SESSION = {
   status: "capturing",
@@ -24,7 +24,7 @@ const THERE = { rvec: [0.4, -0.5, 0.1], tvec: [-4, -3, 12] };
 const ELSEWHERE = { rvec: [0.4, 0.6, 0], tvec: [-12, -6, 20] };
 const FACING = { rvec: [0, 0, 0], tvec: [-8, -5, 22] };
 
-const see = (pose, points) => points.map(([x, y]) => projectionOf(PINHOLE).project(transformPoint(pose, [x, y, 0])));
+const see = (pose, points) => points.map(([x, y]) => PINHOLE.project(transformPoint(pose, [x, y, 0])));
 const target = (pose, index = 0) => ({
   index,
   rvec: pose.rvec,

@@ -8,13 +8,14 @@ import { transformPoint } from "../../web/lib/pose.js";
 
 const SIZE = [640, 360];
 const LENS = { fx: 500, fy: 505, cx: 327.3, cy: 172.8, k1: -0.25, k2: 0.05, p1: 0.001, p2: -0.002, k3: 0 };
+const PROJECTION = projectionOf(LENS);
 
 /** A picture of the board, and where its corners truly are. */
 function photograph(pose) {
   const rgba = new Uint8ClampedArray(4 * SIZE[0] * SIZE[1]);
   new Painter(DEFAULT_BOARD, LENS, SIZE).paint(pose, rgba);
   const data = Uint8Array.from({ length: SIZE[0] * SIZE[1] }, (_, index) => rgba[4 * index]);
-  const points = corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transformPoint(pose, [x, y, 0])));
+  const points = corners(DEFAULT_BOARD).map(([x, y]) => PROJECTION.project(transformPoint(pose, [x, y, 0])));
   return { image: { width: SIZE[0], height: SIZE[1], data }, points, ids: points.map((_, index) => index) };
 }
 

@@ -5,10 +5,9 @@ import { advice, difference, jaccard } from "../../web/lib/capture/target.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { perturbPose, seededRandom, transformPoint } from "../../web/lib/pose.js";
 
-const LENS = { fx: 1000, fy: 1000, cx: 640, cy: 360, k1: -0.2, k2: 0, p1: 0, p2: 0, k3: 0 };
+const PROJECTION = projectionOf({ fx: 1000, fy: 1000, cx: 640, cy: 360, k1: -0.2, k2: 0, p1: 0, p2: 0, k3: 0 });
 const CENTRE = [4.5, 3, 0];
-const see = (pose) =>
-  outline(DEFAULT_BOARD).map(([x, y]) => projectionOf(LENS).project(transformPoint(pose, [x, y, 0])));
+const see = (pose) => outline(DEFAULT_BOARD).map(([x, y]) => PROJECTION.project(transformPoint(pose, [x, y, 0])));
 /** The board turned so about its centre, which is there in the camera's frame. */
 function held(rvec, centre) {
   const turned = transformPoint({ rvec, tvec: [0, 0, 0] }, CENTRE);

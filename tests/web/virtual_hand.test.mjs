@@ -10,8 +10,10 @@ const LENS = { fx: 640, fy: 640, cx: 664.5, cy: 345, k1: -0.25, k2: 0.05, p1: 0,
 const PIVOT = [4.5, 3, 0];
 const START = { rvec: [0, 0, 0], tvec: [-4.5, -3, 12] };
 const TARGET = { rvec: [0.5, -0.4, 0.1], tvec: [-3, -2, 9] };
-const see = (lens, pose) =>
-  corners(DEFAULT_BOARD).map(([x, y]) => projectionOf(lens).project(transformPoint(pose, [x, y, 0])));
+const see = (lens, pose) => {
+  const projection = projectionOf(lens);
+  return corners(DEFAULT_BOARD).map(([x, y]) => projection.project(transformPoint(pose, [x, y, 0])));
+};
 const ids = corners(DEFAULT_BOARD).map((_, id) => id);
 const rms = (a, b) =>
   Math.sqrt(a.reduce((sum, [x, y], i) => sum + (x - b[i][0]) ** 2 + (y - b[i][1]) ** 2, 0) / a.length);

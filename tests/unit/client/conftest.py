@@ -2,13 +2,13 @@
 
 import pytest
 
-from calibdb_client import CaptureResult, Recording, offline, session
-from tests.helpers.recordings import recording_of
+from calibdb_client import CaptureResult, session
+from tests.helpers.recordings import calibration_of, recording_of, without_suggestion
 
 
 @pytest.fixture(scope="session")
 def left() -> CaptureResult:
-    return offline.calibrate_recording(recording_of("opencv_left"), "rectilinear")
+    return calibration_of("opencv_left")
 
 
 @pytest.fixture(scope="session")
@@ -20,8 +20,4 @@ def left_file(left: CaptureResult) -> bytes:
 @pytest.fixture
 def no_suggestion(monkeypatch: pytest.MonkeyPatch) -> None:
     """Calibrations with a given model do not look for a better one."""
-
-    def given(_: Recording, model: str) -> tuple[str, None]:
-        return model, None
-
-    monkeypatch.setattr(session, "chosen_model", given)
+    monkeypatch.setattr(session, "chosen_model", without_suggestion)

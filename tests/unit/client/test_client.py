@@ -3,6 +3,7 @@
 import asyncio
 import inspect
 import json
+import os
 import stat
 import subprocess
 import sys
@@ -310,10 +311,12 @@ assert set(calibdb_client.__all__) <= {n for n in calibdb_client.__all__ if geta
 
 
 def test_import_loads_nothing_heavy_works_without_opencv_and_leaves_no_thread() -> None:
+    name = "PYTHONPYCACHEPREFIX"
+    compiled = {name: os.environ[name]} if name in os.environ else {}
     subprocess.run(
         [sys.executable, "-c", IMPORT],
         check=True,
-        env={"PYTHONPATH": f"{ROOT}/clients/python:{ROOT}/layers/solver"},
+        env={"PYTHONPATH": f"{ROOT}/clients/python:{ROOT}/layers/solver", **compiled},
     )
 
 

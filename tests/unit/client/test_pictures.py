@@ -46,6 +46,7 @@ def test_picture_without_the_board_has_no_corners() -> None:
     )
 
 
+@pytest.mark.usefixtures("no_suggestion")
 def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["calibrate", str(folder), "--offline", "--json"]) == 0
     told = capfd.readouterr()

@@ -48,7 +48,7 @@ def capture(camera: RealCamera) -> tuple[float, float]:
 @pytest.mark.usefixtures("no_suggestion")
 def test_capture_without_another_view_for_30_s_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(guide_module, "TARGET_ERROR_WIDTHS", 1e-9)
-    camera = VirtualCamera(seed=2)
+    camera = VirtualCamera(size=(480, 360), fx=430, seed=2)
     listener = Listener(camera)
     taken_at: list[float] = []
 

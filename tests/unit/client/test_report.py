@@ -28,6 +28,17 @@ def test_report_of_a_file_has_plots_and_a_row_per_picture(
     assert len(page) > 100_000
     assert "<script" not in page
     assert set(re.findall(r'src="([^"]{0,22})', page)) == {"data:image/png;base64,"}
+
+
+@pytest.mark.parametrize("drawn", [False, pytest.param(True, marks=pytest.mark.thorough)])
+def test_suffix_chooses_pdf_and_no_other_kind_of_picture(
+    drawn: bool, left_file: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Plots are drawn in the report as a page; in a PDF, by `make thorough`."""
+    if not drawn:
+        monkeypatch.setattr(plots, "report", lambda *_: Figure())
+    monkeypatch.chdir(tmp_path)
+    Path("left.json").write_bytes(left_file)
     assert main(["plot", "left.json", "-o", "report.pdf"]) == 0
     assert Path("report.pdf").read_bytes().startswith(b"%PDF")
     assert main(["plot", "left.json", "-o", "report.gif"]) == 2

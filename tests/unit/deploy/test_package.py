@@ -1,5 +1,6 @@
 """A release has a name of its own, which every function carries, so that a new one reaches the aliases."""
 
+import functools
 import json
 import shutil
 from pathlib import Path
@@ -7,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from infra.deploy import package
-from tests.helpers.sam import ROOT, as_created, complete, parsed, versions, without_events
+from tests.helpers.sam import ROOT, as_created, complete, created, parsed, versions, without_events
 from tests.helpers.service.iam import statements
 
 API = {
@@ -35,9 +36,13 @@ def digest(code: tuple[Path, ...], **parameters: str) -> str:
 
 def published(code: tuple[Path, ...], **parameters: str) -> dict[str, str]:
     """The versions that a deployment of this build with these parameters publishes."""
-    release = digest(code, **parameters)
+    return published_as(digest(code, **parameters), tuple(parameters.items()))
+
+
+@functools.cache
+def published_as(release: str, parameters: tuple[tuple[str, str], ...]) -> dict[str, str]:
     source = without_events(parsed(package.package_template(complete(), release)))
-    return versions(as_created(source, parameters))
+    return versions(as_created(source, dict(parameters)))
 
 
 def edit(path: Path) -> None:
@@ -85,10 +90,10 @@ def test_every_function_carries_its_release() -> None:
     document = parsed(package.package_template(complete(), "0123456789abcdef"))
     variables = document["Globals"]["Function"]["Environment"]["Variables"]
     assert variables["RELEASE"] == "0123456789abcdef"
-    created = as_created(without_events(document))["Resources"]
+    resources = as_created(without_events(document))["Resources"]
     functions = [
         resource["Properties"]
-        for name, resource in created.items()
+        for name, resource in resources.items()
         if resource["Type"] == "AWS::Lambda::Function"
         and name not in ("Probe", "CutoffFunction")  # their code is inline
     ]
@@ -98,11 +103,11 @@ def test_every_function_carries_its_release() -> None:
 
 
 def test_calls_move_to_a_release_gradually_and_back_on_an_alarm() -> None:
-    created = as_created(parsed(complete()))["Resources"]
-    aliases = {n: r for n, r in created.items() if r["Type"] == "AWS::Lambda::Alias"}
+    resources = created()
+    aliases = {n: r for n, r in resources.items() if r["Type"] == "AWS::Lambda::Alias"}
     assert {alias["Properties"]["FunctionName"]["Ref"] for alias in aliases.values()} == API
     assert all("CodeDeployLambdaAliasUpdate" in alias["UpdatePolicy"] for alias in aliases.values())
-    groups = [r["Properties"] for r in created.values() if r["Type"] == "AWS::CodeDeploy::DeploymentGroup"]
+    groups = [r["Properties"] for r in resources.values() if r["Type"] == "AWS::CodeDeploy::DeploymentGroup"]
     assert len(groups) == len(API)
     for group in groups:
         names = [alarm["Name"]["Ref"] for alarm in group["AlarmConfiguration"]["Alarms"]]
@@ -112,7 +117,7 @@ def test_calls_move_to_a_release_gradually_and_back_on_an_alarm() -> None:
         assert "DEPLOYMENT_STOP_ON_ALARM" in group["AutoRollbackConfiguration"]["Events"]
     # The API's routes lead to the aliases, which wait for the alarm: it may not name the API.
     for name in names:
-        assert "HttpApi" not in json.dumps(created[name]["Properties"])
+        assert "HttpApi" not in json.dumps(resources[name]["Properties"])
     at_once = as_created(without_events(parsed(complete())), {"Rollout": "AllAtOnce"})["Resources"]
     assert "AllAtOnce" in json.dumps(at_once["LookupFunctionDeploymentGroup"])
 

@@ -7,9 +7,8 @@ import jsonschema
 import pytest
 
 from calibdb import schema
-from calibdb_client import offline
 from infra.web_build import openapi, schemas, site
-from tests.helpers.recordings import recording_of
+from tests.helpers.recordings import calibration_of
 from tests.helpers.service.known import consensus
 from tests.helpers.service.published import calibration
 
@@ -21,8 +20,7 @@ VALIDATOR = jsonschema.Draft202012Validator(SERVED)
 def kinds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """A document of every kind, by name."""
     folder = tmp_path_factory.mktemp("kinds")
-    result = offline.calibrate_recording(recording_of("opencv_left"), "rectilinear").calibration
-    result.save(folder / "offline.json")
+    calibration_of("opencv_left").calibration.save(folder / "offline.json")
     document = calibration("Camera of a schema", 0)
     pooled = consensus().calibration
     assert pooled is not None

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from calibsolver import Board
-from tests.helpers.browser import photographs, stop_and_go
+from tests.helpers.browser import photographs
 from tests.helpers.data import data_dir, external_data
 from tests.helpers.marks import thorough
 
@@ -83,6 +83,8 @@ def test_corners_in_photographs_are_those_of_the_python_package(
 @pytest.mark.thorough
 def test_no_trouble_is_suspected_where_a_real_board_is_well_detected(tmp_path: Path) -> None:
     """In at most 2 % of the frames of a hand-held glossy board whose corners fit a plane to 0.3 px."""
+    from tests.helpers.browser import stop_and_go  # with Playwright, which no other test here needs
+
     frames = stop_and_go.frames_of(data_dir() / "videos" / "caliscope_opt1.mp4")
     greys = [cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY) for frame in frames]
     board = Board((4, 5), 0.75, inverted=True)

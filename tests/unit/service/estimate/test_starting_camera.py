@@ -10,6 +10,8 @@ from calibdb.estimate.starting_camera import starting_camera
 from calibsolver import Board, Camera
 from calibsolver.capture import Capture
 from tests.bench import first_views
+from tests.helpers.marks import thorough
+from tests.helpers.solver import synthetic
 
 C920 = EstimateQuery("HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64", (1280, 720))
 GOPRO = EstimateQuery("GoPro HERO7 Black", "video", (1920, 1440))
@@ -39,7 +41,12 @@ def test_no_other_model_is_guessed() -> None:
     assert starting_camera(C920, "omnidirectional") is None
 
 
-def test_first_views_from_an_estimate_are_accepted_as_often_as_from_the_flat_guess() -> None:
+@pytest.mark.parametrize("every", [3, *thorough(1)])
+def test_first_views_from_an_estimate_are_accepted_as_often_as_from_the_flat_guess(
+    every: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cameras = synthetic.rectilinear_cameras()[::every]
+    monkeypatch.setattr(synthetic, "rectilinear_cameras", lambda: cameras)
     flat = first_views.first_accepted(None, seeds=1)
     assert first_views.first_accepted(0.15, seeds=1) >= flat
 
