@@ -23,8 +23,11 @@ class Knowledge:
 
     def __init__(self, facts: Iterable[Fact]) -> None:
         self.facts = tuple(facts)
-        self._index = FactIndex(self.facts)
         self._distribution = functools.lru_cache(maxsize=256)(self._compute_distribution)
+
+    @functools.cached_property
+    def _index(self) -> FactIndex:
+        return FactIndex(self.facts)
 
     def published(self, device: Device, size: Size) -> Evidence | None:
         """Evidence of what is published about the device's model, None if there is nothing."""
