@@ -4,6 +4,7 @@ moto lets everybody do everything. So the calls are recorded on their way out, b
 them, and held against the template's statements.
 """
 
+import functools
 import json
 import time
 from collections.abc import Iterator
@@ -56,11 +57,12 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
             instances[key] = Service.build(settings, contended(settings), clock)
         return instances[key]
 
-    with LocalStack(environment={"CONTRIBUTOR_PERIOD": "86400"}) as stack, Service.override(of):
+    environment = {"CONTRIBUTOR_PERIOD": "86400", "MIN_CALIBRATIONS": "2"}
+    with LocalStack(environment) as stack, Service.override(of):
         for token_id in ("page", "other"):
             token = ApiToken(token_id, secret_hash("secret"), plan="page")
             store(stack).tokens.create(token)
-        for n in range(5):
+        for n in range(2):
             store(stack).calibrations.publish(calibration("Well known", n))
         mode = mode_of(calibration("Well known", 0))
         with recorder.recording():
@@ -82,16 +84,22 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
             stack.functions["RefitFunction"]({**asked(mode).model_dump(mode="json"), "queued": True})
             stack.wait_until_idle(60)
             # The answers at the edge change, and go.
-            store(stack).calibrations.publish(calibration("Well known", 5))
+            store(stack).calibrations.publish(calibration("Well known", 2))
             invoke("RefitFunction", asked(mode, "rectilinear").model_dump(mode="json"))
-            for n in range(6):
+            for n in range(3):
                 store(stack).calibrations.withdraw(calibration("Well known", n), "wrong", 0)
             invoke("RefitFunction", asked(mode).model_dump(mode="json"))
         yield recorder.needed
 
 
+@functools.cache
+def functions() -> Any:
+    """Client of AWS Lambda."""
+    return boto3.client("lambda")
+
+
 def invoke(function: str, payload: Any) -> Any:
-    answer = boto3.client("lambda").invoke(FunctionName=function, Payload=json.dumps(payload).encode())
+    answer = functions().invoke(FunctionName=function, Payload=json.dumps(payload).encode())
     content = json.load(answer["Payload"])
     assert "FunctionError" not in answer, content
     return content

@@ -1,7 +1,7 @@
 """Computations of the solver, each made once in a process for the same arguments.
 
-They are pure functions. Captures of the same simulated camera, and retries of a request that failed, ask for the
-same fits and target poses again. Servers in other processes compute everything.
+They are pure functions. Captures of the same simulated camera, and retries of a request that failed, ask for
+the same fits and target poses again. Servers in other processes compute everything.
 """
 
 import functools
@@ -27,15 +27,19 @@ from calibsolver.models import Model
 from calibsolver.rig.fit import _RigFit
 
 estimate = import_module("calibsolver.rig.estimate")  # whose package has a function of this name
-_JACOBIAN = "projection_jacobian_rotation_free"
-#: owner and name of each function that is remembered
-PURE: tuple[tuple[Any, str], ...] = (
-    (_Fit, "run"),
-    (_RigFit, "run"),
-    (ProjectionUncertainty, "choose"),
-    (estimate, "next_moment"),
-    (estimate, "held_out_rms"),
-    *((module, _JACOBIAN) for module in (agreement, calibration, coverage, estimate, location, rivals, uncertainty)),
+JACOBIAN = "projection_jacobian_rotation_free"
+USERS_OF_JACOBIAN = (agreement, calibration, coverage, estimate, location, rivals, uncertainty)
+#: owner, name and code of each function that is remembered, as it is without this module
+PURE: tuple[tuple[Any, str, Callable[..., Any]], ...] = tuple(
+    (owner, name, getattr(owner, name))
+    for owner, name in (
+        (_Fit, "run"),
+        (_RigFit, "run"),
+        (ProjectionUncertainty, "choose"),
+        (estimate, "next_moment"),
+        (estimate, "held_out_rms"),
+        *((module, JACOBIAN) for module in USERS_OF_JACOBIAN),
+    )
 )
 
 _results: dict[tuple[str, bytes], Any] = {}
@@ -46,8 +50,8 @@ _locks: defaultdict[tuple[str, bytes], threading.Lock] = defaultdict(threading.L
 def solved_once() -> Iterator[None]:
     """Remember results within the block, and those of earlier blocks."""
     with pytest.MonkeyPatch.context() as patch:
-        for owner, name in PURE:
-            patch.setattr(owner, name, _remembered(getattr(owner, name)))
+        for owner, name, function in PURE:
+            patch.setattr(owner, name, _remembered(function))
         yield
 
 
