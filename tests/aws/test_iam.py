@@ -170,7 +170,7 @@ def overtaken(key: str = "SESSION#") -> Iterator[None]:
 
 def capture_rig(stack: LocalStack) -> str:
     """Capture a rig from its first camera to its files, and forget another; return the id of the first."""
-    rig = RigTruth(stack, seed=13, baseline=3.0, api_token=TOKEN)
+    rig = RigTruth(stack, seed=3, api_token=TOKEN)
     with overtaken("RIG#"):
         rig.open()
     assert rig.clients[0].pose().status == 200, "the first to ask computes the target"
@@ -184,7 +184,7 @@ def capture_rig(stack: LocalStack) -> str:
     assert rig.result("ros").status == 200
     store(stack).rigs.forget(rig.rig_id, 0)  # as if it had expired
     assert rig.result().json["cameras"]
-    forgotten = RigTruth(stack, seed=14, api_token=TOKEN).open()
+    forgotten = RigTruth(stack, seed=3, api_token=TOKEN).open()
     assert forgotten.clients[1].call("DELETE", "/v1/session").status == 204
     with overtaken("RIG#"):
         assert forgotten.join(1).status == 201

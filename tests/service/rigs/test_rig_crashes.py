@@ -53,7 +53,7 @@ def completed(stack: Server, send: Callable[[], Said], check: Callable[[], None]
 
 @pytest.fixture(scope="module")
 def rig(stack: Server) -> RigTruth:
-    return RigTruth(stack, seed=20, baseline=3.0)
+    return RigTruth(stack, seed=3)
 
 
 def readable(rig: RigTruth, names: list[str]) -> Callable[[], None]:
