@@ -92,7 +92,7 @@ def test_five_of_five_contributors_are_reliable(stack: Server) -> None:
     assert 0.5 < answer["uncertainty"]["covered"] <= 1
 
 
-@pytest.mark.parametrize("lie", [1045.0, 960.0, *thorough(969.0)])
+@pytest.mark.parametrize("lie", [960.0, *thorough(1045.0, 969.0)])
 def test_three_daily_contributors_do_not_outvote_five(stack: Server, lie: float) -> None:
     camera = f"Overruled at {lie}"
     for n in range(5):
