@@ -6,6 +6,13 @@ import pytest
 
 from tests.aws.emulator import LocalStack
 from tests.helpers.service.client import Client
+from tests.helpers.service.solved_once import solved_once
+
+
+@pytest.fixture(scope="session", autouse=True)
+def results_of_the_solver() -> Iterator[None]:
+    with solved_once():
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,7 @@ MAX_COMPUTE_USD = {"a million lookups": 0.1, "a finished calibration": 0.0001}
 def test_a_lookup_and_a_calibration_are_affordable() -> None:
     prices = yaml.safe_load(PRICES.read_text())
     with lasting_tokens():
-        uses = measure(lookups=5, pooled=2)
+        uses = measure(lookups=5, pooled=1)
     lookup, calibration = uses["a million lookups"], uses["a finished calibration"]
     assert lookup.requests == lookup.invocations == 5
     # One Query each, nothing written, nothing else asked.

@@ -10,6 +10,7 @@ from calibdb.store import Store
 from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import TOKEN, Client
+from tests.helpers.service.solved_once import solved_once
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -17,6 +18,12 @@ def certificates() -> Iterator[None]:
     """Certificates of this machine, read once: each HTTP client reads them for 20 ms."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(ssl, "create_default_context", functools.cache(ssl.create_default_context))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def results_of_the_solver() -> Iterator[None]:
+    with solved_once():
         yield
 
 

@@ -34,7 +34,7 @@ PLATFORMS = {
 SIZES = ((1280, 720), (640, 480), (960, 540), (1920, 1080), (720, 1280), (1000, 700))
 FISHEYE = fit((1280, 720), 700.0, distortion=(-0.01, 0.02, 0.0, 0.0), model="fisheye")
 #: of the labels, one in so many is asked for
-STEP = 1 if os.environ.get("THOROUGH") else 2
+STEP = 1 if os.environ.get("THOROUGH") else 3
 PROGRAM = """
 import { readFileSync } from "node:fs";
 import { Bundle } from "./web/sdk/bundle.js";

@@ -92,7 +92,7 @@ def test_five_of_five_contributors_are_reliable(stack: Server) -> None:
     assert 0.5 < answer["uncertainty"]["covered"] <= 1
 
 
-@pytest.mark.parametrize("lie", [1045.0, 960.0, *thorough(969.0)])
+@pytest.mark.parametrize("lie", [960.0, *thorough(1045.0, 969.0)])
 def test_three_daily_contributors_do_not_outvote_five(stack: Server, lie: float) -> None:
     camera = f"Overruled at {lie}"
     for n in range(5):
@@ -108,7 +108,7 @@ def test_three_daily_contributors_do_not_outvote_five(stack: Server, lie: float)
 
 def test_contributor_has_one_vote_a_day_and_none_on_own_calibration(stack: Server) -> None:
     camera, home = "Checked by three", Client(stack, api_token=TOKENS[0], address="198.51.100.7")
-    state = Truth(seed=1).calibrate(home, camera=camera, platform=PLATFORM)
+    state = Truth(seed=4).calibrate(home, camera=camera, platform=PLATFORM)
     pooled(stack, *store(stack).calibrations.read([state["calibration_id"]]))
     for token in TOKENS:
         own = check(stack, home.address, camera, token=token).json

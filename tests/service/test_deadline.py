@@ -21,7 +21,7 @@ from tests.helpers.service.strangers import standing_clock
 
 @pytest.fixture(scope="module")
 def calibration(stack: Server) -> str:
-    found: str = Truth(seed=1).calibrate(Client(stack), **BRIEF)["calibration_id"]
+    found: str = Truth(seed=3).calibrate(Client(stack), **BRIEF)["calibration_id"]
     return found
 
 
@@ -112,7 +112,7 @@ def test_rig_that_took_too_long_is_charged_as_a_view_and_not_computed_by_every_r
     monkeypatch.setattr(Rig, "solver_record", counted)
     with standing_clock(plans={**PLANS, "development": PLANS["page"]}) as clock:
         quotas = Service.of_process().store.quotas
-        rig = RigTruth(stack, seed=4).open()
+        rig = RigTruth(stack, seed=3).open()
         rig.moment("m0")
         for bound, status, times in ((0.0, 409, 1), (5.2, 409, 0)):
             monkeypatch.setattr(calls, "MAX_RIG_COMPUTE_S", bound)

@@ -209,9 +209,8 @@ def test_restart_keeps_sessions_and_excludes_a_second_server(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("number", "workers"),
     [
-        (signal.SIGINT, "1"),
-        (signal.SIGTERM, "2"),
-        *thorough((signal.SIGTERM, "1"), (signal.SIGINT, "2")),
+        (signal.SIGINT, "2"),
+        *thorough((signal.SIGINT, "1"), (signal.SIGTERM, "2"), (signal.SIGTERM, "1")),
     ],
 )
 def test_server_stops_within_three_seconds(tmp_path: Path, number: signal.Signals, workers: str) -> None:

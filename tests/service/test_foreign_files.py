@@ -18,7 +18,7 @@ from tests.helpers.marks import thorough
 from tests.helpers.service.client import TOKEN, Answer, Client
 from tests.helpers.service.foreign_files import MATRIX, ForeignFiles
 
-FILES = int(os.environ.get("FILES", "300"))
+FILES = int(os.environ.get("FILES", "150"))
 SEED = int(os.environ.get("SEED", "0"))
 LENGTH = 99_000
 MIXED = "a1.- \t[](){}\"'\n/\\:,;=<>#%&*!_eE+x\u00e9"

@@ -21,22 +21,38 @@ from infra.deploy.package import complete_template
 from infra.deploy.template import parse_text
 
 ROOT = Path(__file__).parents[2]
-#: the modules of each function in a fork of its own, made when what they share is loaded
+#: The modules of each function in a fork of its own, made when what they share is loaded. `groups`: layers
+#: besides the first one, shared modules, and the folders of the functions that have them.
 FORKING = """
 import importlib, json, os, sys
-sys.path[:0] = {layers}
-for name in {shared}:
-    importlib.import_module(name)
-for folder in {folders}:
+
+def fork(work, *arguments):
     sys.stdout.flush()
     child = os.fork()
     if not child:
-        sys.path.insert(0, folder)
-        import app
-        print(json.dumps([callable(app.handler), sorted(sys.modules), sorted(sys.path)]), flush=True)
+        work(*arguments)
+        sys.stdout.flush()
         os._exit(0)
     if os.waitpid(child, 0)[1]:
-        sys.exit(folder)
+        sys.exit(str(arguments))
+
+def load(folder):
+    sys.path.insert(0, folder)
+    import app
+    print(json.dumps([folder, callable(app.handler), sorted(sys.modules), sorted(sys.path)]))
+
+def load_group(layers, shared, folders):
+    sys.path[1:1] = layers
+    for name in shared:
+        importlib.import_module(name)
+    for folder in folders:
+        fork(load, folder)
+
+sys.path.insert(0, {layer!r})
+for name in {shared}:
+    importlib.import_module(name)
+for group in {groups}:
+    fork(load_group, *group)
 """
 #: where compiled modules are kept: isolated, an interpreter does not hear of it from the environment
 COMPILED = ("-X", f"pycache_prefix={sys.pycache_prefix}") if sys.pycache_prefix else ()
@@ -49,7 +65,7 @@ SERVED = {
 COMPUTED = SERVED | {"calibsolver", "cv2", "numpy"}
 #: of our own code, with what it needs: what takes long to load and nearly all functions use
 SHARED = ("calibdb.http.application", "calibdb.service")
-SHARED_COMPUTED = (*SHARED, "calibsolver.fitting")
+SHARED_COMPUTED = ("calibsolver.fitting",)
 #: parts of what is used that only tests, pages, other protocols or other functions have a use for
 UNUSED = (
     *("boto3", "numpy.f2py", "numpy.testing", "pydantic.v1", "starlette.staticfiles"),
@@ -131,19 +147,19 @@ def run(script: str) -> list[Any]:
 
 @pytest.fixture(scope="module")
 def all_imported(layers: dict[str, Path]) -> dict[str, Imported]:
-    found: dict[str, Imported] = {}
     alike: dict[tuple[tuple[str, ...], bool], list[str]] = {}
     for function, needed in deployed().items():
-        alike.setdefault((needed, function in ELSEWHERE), []).append(function)
-    for (needed, computing), functions in alike.items():
-        script = FORKING.format(
-            layers=[str(layers[layer]) for layer in needed],
-            shared=SHARED_COMPUTED if computing else SHARED,
-            folders=[str(ROOT / "functions" / function) for function in functions],
-        )
-        for function, (is_callable, modules, path) in zip(functions, run(script), strict=True):
-            found[function] = Imported(is_callable, frozenset(modules), tuple(path))
-    return found
+        assert needed[0] == "service"
+        alike.setdefault((needed[1:], function in ELSEWHERE), []).append(str(ROOT / "functions" / function))
+    groups = [
+        ([str(layers[layer]) for layer in others], SHARED_COMPUTED if computing else (), folders)
+        for (others, computing), folders in alike.items()
+    ]
+    lines = run(FORKING.format(layer=str(layers["service"]), shared=SHARED, groups=groups))
+    return {
+        Path(folder).name: Imported(is_callable, frozenset(modules), tuple(path))
+        for folder, is_callable, modules, path in lines
+    }
 
 
 def test_every_handler_loads_with_its_own_layers_alone(all_imported: dict[str, Imported]) -> None:

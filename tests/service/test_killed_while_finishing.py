@@ -1,6 +1,6 @@
 """kill -9 while captures end: afterwards all of a calibration is there or nothing, and a retry completes it.
 
-`CALIBDB_KILLS` says the number of moments; 2 by default.
+`CALIBDB_KILLS` says the number of moments; 1 by default.
 """
 
 import os
@@ -23,7 +23,7 @@ from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
 from tests.helpers.service.published import store
 from tests.helpers.stack.processes import LocalProcess
 
-MOMENTS = int(os.environ.get("CALIBDB_KILLS", "2"))
+MOMENTS = int(os.environ.get("CALIBDB_KILLS", "1"))
 AT_ONCE = min(
     6, MOMENTS
 )  # captures that end when the server is killed: each is cut off at a moment of its own

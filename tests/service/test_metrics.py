@@ -11,6 +11,7 @@ from infra.server.server import Server
 from tests.helpers.data import ROOT
 from tests.helpers.service.client import BRIEF, CAMERA, Client, Truth
 
+JOBS = False
 PLATFORM = "X11; Linux x86_64"
 
 

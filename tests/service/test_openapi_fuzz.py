@@ -73,7 +73,7 @@ def known(stack: Server) -> dict[str, list[str]]:
 @pytest.fixture(scope="module")
 def finished_rig(stack: Server) -> str:
     """Id of a rig that is finished."""
-    rig = RigTruth(stack, seed=9).open()
+    rig = RigTruth(stack, seed=3).open()
     for n in range(4):
         rig.moment(f"m{n}")
     assert rig.call("POST", "/finish").status == 200

@@ -31,7 +31,7 @@ def data_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("files") / "data"
     with Server(folder) as stack:
         client = Client(stack)
-        Truth(seed=9).calibrate(client, camera=LABEL, platform=PLATFORM, licence="CC0-1.0", **BRIEF)
+        Truth(seed=3).calibrate(client, camera=LABEL, platform=PLATFORM, licence="CC0-1.0", **BRIEF)
         given = (calibration(str(CAMERA["camera"]), n) for n in range(5))
         published.publish(stack, *(one.model_copy(update={"licence": "CC0-1.0"}) for one in given))
         stack.wait_until_idle(60)

@@ -28,7 +28,7 @@ def test_what_was_given_without_counts_and_stays_out_of_dumps(
     monkeypatch.setenv("DATA_DIR", str(tmp_path / "data"))
     with Server(tmp_path / "data") as stack:
         client = Client(stack)
-        given = [Truth(seed=9).calibrate(client, **BRIEF, **CONSENT)["calibration_id"]]
+        given = [Truth(seed=3).calibrate(client, **BRIEF, **CONSENT)["calibration_id"]]
         others = [calibration(str(CAMERA["camera"]), n) for n in range(4)]
         others[0] = others[0].model_copy(update=CONSENT)
         publish(stack, *others)

@@ -1,4 +1,4 @@
-"""In whatever order things happen, the table says what the bucket says; `CALIBDB_ROUNDS` times (5)."""
+"""In whatever order things happen, the table says what the bucket says; `CALIBDB_ROUNDS` times (3)."""
 
 import os
 import random
@@ -13,7 +13,7 @@ from tests.helpers.service.index_items import items
 from tests.helpers.service.published import asked, calibration, held, mode_of, store
 from tests.helpers.service.strangers import context
 
-ROUNDS = int(os.environ.get("CALIBDB_ROUNDS", "5"))
+ROUNDS = int(os.environ.get("CALIBDB_ROUNDS", "3"))
 LABELS = "Webcam Z77 (1111:0001)", "Webcam Z77 (1111:0002)", "Webcam Z77", "Integrated Camera (2222:0003)"
 RULES = {"MIN_CALIBRATIONS": "2", "MIN_CONTRIBUTORS": "2", "CONTRIBUTOR_PERIOD": "86400"}
 

@@ -3,7 +3,6 @@
 import os
 import re
 import subprocess
-import sys
 import sysconfig
 import threading
 import venv
@@ -16,7 +15,7 @@ from calibdb import __version__
 from infra.release import wheels
 from tests.helpers.service.client import BRIEF, Client, Truth
 from tests.helpers.service.remote import Remote
-from tests.helpers.stack.processes import without_checkout
+from tests.helpers.stack.processes import install_wheels, without_checkout
 
 NOT_INSTALLED = ("boto3", "botocore", "s3transfer", "mangum", "moto")
 MAX_S = 120
@@ -30,8 +29,7 @@ def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert wheel.name == f"calibdb_server-{__version__}-py3-none-any.whl"
     venv.create(root / "venv", with_pip=False)
     scripts = root / "venv" / "bin"
-    install = ("install", "--quiet", "--no-index", "--no-deps", "--no-compile", str(wheel))
-    subprocess.run([sys.executable, "-m", "pip", "--python", str(scripts / "python"), *install], check=True)
+    install_wheels(scripts / "python", wheel)
     (packages,) = (root / "venv" / "lib").glob("python*/site-packages")
     missing = f"import sys; sys.modules.update(dict.fromkeys({NOT_INSTALLED}))"
     (packages / "third-party.pth").write_text(f"{sysconfig.get_path('purelib')}\n{missing}\n")

@@ -7,7 +7,6 @@ import json
 import os
 import re
 import subprocess
-import sys
 import sysconfig
 import venv
 from pathlib import Path
@@ -25,7 +24,7 @@ from tests.helpers import board_pictures
 from tests.helpers.data import data_dir, external_data
 from tests.helpers.service.client import Client, until
 from tests.helpers.service.in_process import request
-from tests.helpers.stack.processes import without_checkout
+from tests.helpers.stack.processes import install_wheels, without_checkout
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "clients/python/examples"
@@ -51,8 +50,7 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> Path:
     wheels = [make_wheel_in(project / "pyproject.toml", root).file for project in projects]
     venv.create(root / "venv", with_pip=False)
     scripts = root / "venv" / "bin"
-    install = ("install", "--quiet", "--no-index", "--no-deps", "--no-compile", *map(str, wheels))
-    subprocess.run([sys.executable, "-m", "pip", "--python", str(scripts / "python"), *install], check=True)
+    install_wheels(scripts / "python", *wheels)
     (packages,) = (root / "venv" / "lib").glob("python*/site-packages")
     (packages / "third-party.pth").write_text(sysconfig.get_path("purelib") + "\n")
     return scripts

@@ -35,6 +35,16 @@ def without_checkout(environment: Mapping[str, str]) -> dict[str, str]:
     }
 
 
+def install_wheels(python: Path, *wheels: Path) -> None:
+    """Install wheels, without what they depend on, into the environment of a Python."""
+    uv = Path(sys.executable).with_name("uv")
+    if uv.exists():  # takes an eighth of pip's time
+        install: list[str | Path] = [uv, "pip", "install", "--python", python]
+    else:
+        install = [sys.executable, "-m", "pip", "--python", python, "install", "--no-compile"]
+    subprocess.run([*install, "--quiet", "--no-index", "--no-deps", *wheels], check=True)
+
+
 class LocalProcess:
     """`python -m infra.server` on a free port, ready when the block begins; killed when it ends.
 

@@ -53,7 +53,7 @@ def completed(stack: Server, send: Callable[[], Said], check: Callable[[], None]
 
 @pytest.fixture(scope="module")
 def rig(stack: Server) -> RigTruth:
-    return RigTruth(stack, seed=20, baseline=3.0)
+    return RigTruth(stack, seed=3)
 
 
 def readable(rig: RigTruth, names: list[str]) -> Callable[[], None]:
@@ -110,7 +110,7 @@ def test_a_whole_capture_survives_a_crash_at_every_write(rig: RigTruth) -> None:
 
 
 def test_forgetting_a_rig_survives_a_crash_at_every_write(stack: Server) -> None:
-    rig = RigTruth(stack, seed=21).open()
+    rig = RigTruth(stack, seed=3).open()
     rig.moment("m0")
     completed(rig.stack, lambda: rig.call("DELETE"))
     for client in rig.clients:
@@ -118,7 +118,7 @@ def test_forgetting_a_rig_survives_a_crash_at_every_write(stack: Server) -> None
 
 
 def test_session_started_anew_while_its_rig_ends_is_another_capture(stack: Server) -> None:
-    rig = RigTruth(stack, seed=22).open()
+    rig = RigTruth(stack, seed=3).open()
     for n in range(4):
         rig.moment(f"m{n}")
     with mock.patch("calibdb.store.endings.publish_rig", side_effect=UnavailableError("killed")):

@@ -30,9 +30,9 @@ def names(stack: Server, *prefixes: str) -> set[str]:
     return {name for name in stack.storage.objects.names("") if name.startswith(prefixes)}
 
 
-def two_places(stack: Server, seed: int, moments: int = 4) -> RigTruth:
+def two_places(stack: Server, moments: int = 4) -> RigTruth:
     """A rig whose second camera is somebody else's."""
-    rig = RigTruth(stack, seed=seed, address=HERE, baseline=3.0)
+    rig = RigTruth(stack, seed=3, address=HERE)
     rig.clients[1].address = THERE
     rig.open()
     for number in range(moments):
@@ -43,7 +43,7 @@ def two_places(stack: Server, seed: int, moments: int = 4) -> RigTruth:
 @pytest.fixture(scope="module")
 def unpublished(stack: Server) -> RigTruth:
     """A rig that was killed right after its document said that it had ended; nobody asks again."""
-    rig = two_places(stack, 30)
+    rig = two_places(stack)
     rig.state()
     with crash_after(stack.storage, 2):  # the rig's object and item
         assert rig.call("POST", "/finish").status == 503
@@ -53,7 +53,7 @@ def unpublished(stack: Server) -> RigTruth:
 def test_reindex_completes_a_rig_that_ended_and_mends_the_index(
     stack: Server, context: OpsContext, unpublished: RigTruth, tmp_path: Path
 ) -> None:
-    rig, running = unpublished, two_places(stack, 31, moments=1)
+    rig, running = unpublished, two_places(stack, moments=1)
     state = rig.state()
     assert state["status"] == "finished"
     assert names(stack, "rig_calibrations/", "calibrations/") == set()
@@ -80,7 +80,7 @@ def test_reindex_completes_a_rig_that_ended_and_mends_the_index(
 
 def test_forgetting_a_contributor_takes_their_rigs(stack: Server, context: OpsContext) -> None:
     before = names(stack, "rigs/", "rig_calibrations/")
-    finished, running = two_places(stack, 32), two_places(stack, 33, moments=1)
+    finished, running = two_places(stack), two_places(stack, moments=1)
     result = finished.call("POST", "/finish").json["result"]
     gone = contributor(context.settings.contributor_secret, THERE, "dev")
     assert gone in withdrawal._contributors(context)
