@@ -20,7 +20,7 @@ CAMERA = synthetic.rectilinear_cameras()[5]
 
 @cache
 def captured(hand: hands.Hand, views: int = 15) -> list[View]:
-    return peers.random_poses(CAMERA, np.random.default_rng(1), views, 0.2, hand).views
+    return peers.random_views(CAMERA, np.random.default_rng(1), views, 0.2, hand)
 
 
 def test_bend_is_recovered_and_no_longer_spoils_the_camera() -> None:
