@@ -52,9 +52,9 @@ def test_too_simple_model_gets_a_suggestion() -> None:
     """Photographs through a fisheye, taken as if by a plain lens."""
     views, size = corner_views("jy_left")
     rules = Capture(BOARD, size, target_error=1e-3)
-    taken: list[View] = []
-    estimate, suggested, advice = rules.estimate([]), None, set[str]()
-    for view in views[:12]:
+    taken = list(views[:6])
+    estimate, suggested, advice = rules.estimate(taken), None, set[str]()
+    for view in views[6:12]:
         decision = rules.judge(taken, None, view, estimate.excluded)
         if decision.estimate is not None:
             taken, estimate = [*taken, view], decision.estimate
@@ -73,10 +73,12 @@ def squashed(camera: Camera, factor: float) -> Camera:
     return Camera(camera.model, matrix, camera.distortion, camera.img_size)
 
 
-@pytest.mark.parametrize("factor", [0.6, *thorough(1.0, 1.3)])
-def test_seed_starts_a_capture_and_does_not_end_it(factor: float) -> None:
+@pytest.mark.parametrize(
+    ("factor", "numbers"), [(0.6, (10,)), *thorough((0.6, (1,)), (1.0, (1, 10)), (1.3, (1, 10)))]
+)
+def test_seed_starts_a_capture_and_does_not_end_it(factor: float, numbers: tuple[int, ...]) -> None:
     """Right or wrong, the prior leaves no trace in the result."""
-    for i in (1, 10):
+    for i in numbers:
         camera = CAMERAS[i]
         prior = squashed(camera, factor)
         rules = Capture(BOARD, camera.img_size, seed=prior)
