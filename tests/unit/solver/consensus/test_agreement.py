@@ -1,5 +1,7 @@
 """Clustering of calibrations: liars, hidden modes, published lens profiles."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -40,17 +42,17 @@ def test_answer_is_not_moved_where_noise_might_excuse_lies(number: int) -> None:
 @pytest.mark.parametrize(
     ("kind", "effort", "totals"),
     [
-        ("focal", "very poor views", (10,)),
-        ("shift", "very many views", (10,)),
-        *thorough(*((kind, effort, (5, 10)) for kind in ("focal", "shift") for effort in attacks.EFFORTS)),
+        ("focal", attacks.EFFORTS["very poor views"], (8,)),
+        ("shift", attacks.Effort(30, 0.05), (8,)),
+        *thorough(*product(("focal", "shift"), attacks.EFFORTS.values(), ((5, 10), (10,)))),
     ],
 )
 def test_attackers_with_very_poor_or_very_many_views_move_no_answer(
-    kind: str, effort: str, totals: tuple[int, ...]
+    kind: str, effort: attacks.Effort, totals: tuple[int, ...]
 ) -> None:
     """The errors that their calibrations state, large or small, give them no more influence."""
     rng = np.random.default_rng(11)
-    trials = [attacks.trial(rng, kind, total, effort=attacks.EFFORTS[effort]) for total in totals]
+    trials = [attacks.trial(rng, kind, total, effort=effort) for total in totals]
     assert not [(t.total, t.moved) for t in trials if t.wrong]
     assert trials[-1].reliable
 

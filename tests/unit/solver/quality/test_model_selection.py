@@ -52,7 +52,7 @@ def test_wild_corners_do_not_decide() -> None:
     camera = synthetic.fisheye_cameras()[8]
     rng = np.random.default_rng(1)
     views = []
-    for view in populations.views(camera, rng, count=4):
+    for view in populations.views(camera, rng, count=3):
         q = view.image_points.copy()
         q[rng.integers(len(q))] += 30
         views.append(View(view.object_points, q))
