@@ -59,7 +59,9 @@ def test_names_of_contributors_change_nothing(honest: list[FittedMember]) -> Non
     assert locations[0].tobytes() == locations[1].tobytes()
 
 
-@pytest.mark.parametrize(("lie", "corners"), [(1.005, 40), (1.02, 40), (1.02, 2401), (1.05, 6), (1.3, 40)])
+@pytest.mark.parametrize(
+    ("lie", "corners"), [(1.005, 40), (1.02, 2401), (1.3, 40), *thorough((1.02, 40), (1.05, 6))]
+)
 def test_liar_however_far_or_dense_pulls_no_harder(lie: float, corners: int) -> None:
     """Five alike and one or two liars: the answer moves by a share of HUBER_WIDTHS."""
     members = [fitted(CAMERA, f"h{i}", i) for i in range(5)]

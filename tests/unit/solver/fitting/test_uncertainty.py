@@ -13,7 +13,7 @@ from tests.helpers.solver import intervals, populations, synthetic
 
 @pytest.mark.parametrize(
     ("model", "captures"),
-    [("rectilinear", 30), ("fisheye", 30), *thorough(*((model, 60) for model in models.NAMES))],
+    [("fisheye", 30), *thorough(*((model, 60) for model in models.NAMES))],
 )
 def test_predicted_error_matches_the_actual_error(model: str, captures: int) -> None:
     """Sixty captures, or half of them. The bounds are for sixty: `make bench DOCS=uncertainty` takes many.

@@ -279,7 +279,7 @@ def test_portrait_capture_stops_after_five_views(img_size: tuple[int, int], seed
 
 @pytest.mark.parametrize(
     ("squares", "most"),
-    [((4, 4), 10), ((3, 12), 7), ((44, 44), 7), *thorough(((5, 4), 6), ((30, 20), 5))],
+    [((4, 4), 10), ((44, 44), 7), *thorough(((3, 12), 7), ((5, 4), 6), ((30, 20), 5))],
 )
 def test_capture_with_an_unusual_board_stops(squares: tuple[int, int], most: int) -> None:
     board = Board(squares, dictionary="DICT_4X4_1000")
