@@ -42,7 +42,7 @@ def test_answer_is_not_moved_where_noise_might_excuse_lies(number: int) -> None:
 @pytest.mark.parametrize(
     ("kind", "effort", "totals"),
     [
-        ("focal", attacks.EFFORTS["very poor views"], (8,)),
+        ("focal", attacks.EFFORTS["very poor views"], (10,)),
         ("shift", attacks.Effort(30, 0.05), (8,)),
         *thorough(*product(("focal", "shift"), attacks.EFFORTS.values(), ((5, 10), (10,)))),
     ],
