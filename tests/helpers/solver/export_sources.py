@@ -1,12 +1,12 @@
 """Calibrations to export: one camera of every model, calibrated from views with a little noise."""
 
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 
 from calibsolver import Board, Camera, View, fit, rotation
 from calibsolver.arrays import Array
-from calibsolver.formats import ExportSource
+from calibsolver.formats import ExportedFile, ExportSource, write
 
 IMG_SIZE = (1280, 720)
 TRUTH = {
@@ -22,7 +22,7 @@ def truth(model: str) -> Camera:
     return Camera(model, np.array([[f, 0, 650], [0, f * 1.002, 350], [0, 0, 1]]), np.array(d), IMG_SIZE)
 
 
-@lru_cache
+@cache
 def subject(model: str) -> ExportSource:
     board = Board()
     views = captured(truth(model), board)
@@ -37,6 +37,12 @@ def subject(model: str) -> ExportSource:
         time=1_700_000_000,
         record={"id": "calibration-1", "reliable": False},
     )
+
+
+@cache
+def written(model: str, name: str) -> ExportedFile:
+    """File of the format `name` that holds the subject of a model."""
+    return write(subject(model), name)
 
 
 def captured(camera: Camera, board: Board, count: int = 10, noise: float = 0.1) -> tuple[View, ...]:

@@ -79,9 +79,16 @@ def random_poses(
     camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2, hand: Hand = STEADY
 ) -> Session:
     """Someone who shows the board tilted here and there, all of it mostly, and does not think about it."""
+    return _calibrated(camera, random_views(camera, rng, views, noise, hand))
+
+
+def random_views(
+    camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2, hand: Hand = STEADY
+) -> list[View]:
+    """Views of `random_poses`."""
     board = Board()
     unit = rng.uniform(size=(40 * views, 6))
-    return _captured(camera, _possible(camera, board, unit, COMFORTABLE), rng, views, noise, hand)
+    return _seen(camera, _possible(camera, board, unit, COMFORTABLE), rng, views, noise, hand)
 
 
 def waving(camera: Camera, rng: np.random.Generator, views: int, noise: float = 0.2) -> Session:
@@ -89,13 +96,8 @@ def waving(camera: Camera, rng: np.random.Generator, views: int, noise: float = 
     board = Board()
     steps = np.cumsum(0.04 * rng.normal(size=(40 * views, 6)), axis=0) + rng.uniform(0.3, 0.7, 6)
     unit = 1 - np.abs(steps % 2 - 1)  # reflected at the ends
-    return _captured(
-        camera,
-        _possible(camera, board, unit, PoseLimits(width=(0.3, 0.75), max_tilt_deg=30.0)),
-        rng,
-        views,
-        noise,
-    )
+    poses = _possible(camera, board, unit, PoseLimits(width=(0.3, 0.75), max_tilt_deg=30.0))
+    return _calibrated(camera, _seen(camera, poses, rng, views, noise))
 
 
 def _possible(camera: Camera, board: Board, unit: np.ndarray, limits: PoseLimits) -> Poses:
@@ -106,26 +108,33 @@ def _possible(camera: Camera, board: Board, unit: np.ndarray, limits: PoseLimits
     return Poses(poses.r[good], poses.t[good])
 
 
-def _captured(
+def _seen(
     camera: Camera, poses: Poses, rng: np.random.Generator, views: int, noise: float, hand: Hand = STEADY
-) -> Session:
-    board, session = Board(), Session()
+) -> list[View]:
+    board = Board()
     corners = hand.bend(board, rng) if hand.sag_boards else None
-    for r, t in zip(poses.r[:views], poses.t[:views], strict=True):
-        session.attempts += 1
-        session.views.append(
-            detect(
-                board,
-                camera,
-                rotation.vector(r),
-                t,
-                rng,
-                noise,
-                hand=hand,
-                corners=corners,
-                whole_markers=False,
-            )
+    return [
+        detect(
+            board,
+            camera,
+            rotation.vector(r),
+            t,
+            rng,
+            noise,
+            hand=hand,
+            corners=corners,
+            whole_markers=False,
         )
+        for r, t in zip(poses.r[:views], poses.t[:views], strict=True)
+    ]
+
+
+def _calibrated(camera: Camera, views: list[View]) -> Session:
+    """Session that calibrates again after each view."""
+    session = Session()
+    for view in views:
+        session.attempts += 1
+        session.views.append(view)
         try:
             calibration = fit(session.views, camera.img_size, camera.model)
         except CalibrationError:

@@ -272,11 +272,14 @@ def run(
     unreached: tuple[TargetPose, ...] = ()
     quarantined: list[View] = []
     history = History()
-    target = chooser.next_pose([], None)
+    target: TargetPose | None = None
     while session.attempts < max_attempts and len(session.views) < max(
         views, (max_views or 0) if session.stopped is None else 0
     ):
         session.attempts += 1
+        target = target or chooser.next_pose(
+            used(session.views, estimate), estimate.calibration, (), unreached
+        )
         # A plan that does not adapt is drawn with the camera that it was made for.
         drawn = capture.camera(None if isinstance(chooser, FixedPlan) else estimate)
         asked = match_picture(board, drawn, camera, target)
@@ -298,7 +301,7 @@ def run(
         session.note(camera, decision.estimate)
         if estimate.converged and session.stopped is None:
             session.stopped = len(session.views)
-        target = chooser.next_pose(used(session.views, estimate), estimate.calibration, (), unreached)
+        target = None
     return session
 
 

@@ -12,6 +12,9 @@ from calibsolver.arrays import Array, symmetric_inverse
 from calibsolver.capture import Capture
 from calibsolver.consensus import Member, pool
 from calibsolver.consensus.agreement import compare
+from calibsolver.fitting.levenberg_marquardt import Objective, Problem, assess_step
+from calibsolver.fitting.normal_equations import Poses
+from calibsolver.fitting.observations import Observations
 from calibsolver.fitting.resection import reprojection_score
 from tests.helpers.solver import populations, synthetic
 
@@ -190,8 +193,23 @@ def test_views_without_a_start_raise_calibration_error() -> None:
     assert caught.value.code in REASONS
 
 
-def test_step_beyond_the_largest_number_is_refused() -> None:
+@pytest.mark.parametrize("model", models.NAMES)
+def test_step_beyond_the_largest_number_is_refused(model: str) -> None:
     """A step of the focal length by a factor of more than e^709."""
+    camera = CAMERAS[model][0]
+    views = populations.views(camera, np.random.default_rng(0), count=2)
+    problem = Problem(models.get(model), Observations.of(views), SIZE)
+    state = problem.at(camera.intrinsics, Poses.of_vectors(reprojection_score(camera, views).poses))
+    step = np.zeros(len(state.k))
+    step[:2] = 800 * state.k[:2]
+    with np.errstate(all="ignore"):
+        moved = problem._take_step(state, step, np.zeros((len(views), 6)))
+        costs = [Objective(None, np.inf, 0.0).of(each)[0] for each in (state, moved) if each is not None]
+    assert not assess_step(1.0, costs[0] - (costs[1] if moved else np.inf), costs[0])[0]
+
+
+@pytest.mark.thorough
+def test_fit_with_a_step_beyond_the_largest_number_ends_in_a_reason() -> None:
     check_input("rational", "other names", 19265871)
 
 

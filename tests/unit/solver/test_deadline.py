@@ -11,7 +11,7 @@ from calibsolver.capture.consistency import Consistency
 from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import ExportSource, write
 from calibsolver.quality.model_selection import suggest_model
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import populations, synthetic
 
 BOARD = Board()
 CAMERA = synthetic.rectilinear_cameras()[6]
@@ -19,13 +19,7 @@ SIZE = CAMERA.img_size
 
 
 def honest_views(count: int, board: Board = BOARD, seed: int = 0) -> list[View]:
-    rng = np.random.default_rng(seed)
-    capture = Capture(board, SIZE, target_error=1e-3)
-    views: list[View] = []
-    while len(views) < count:
-        target = capture.next_target(views, capture.estimate(views))
-        views.append(synthetic.detect(board, CAMERA, *synthetic.User().hold(board, target, rng), rng))
-    return views
+    return populations.views(CAMERA, np.random.default_rng(seed), count=count, board=board)
 
 
 class Steps:

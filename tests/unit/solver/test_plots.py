@@ -8,6 +8,7 @@ import pytest
 from calibsolver import fit, plots, rotation
 from tests.helpers.data import corner_views
 from tests.helpers.marks import thorough
+from tests.helpers.solver.fits import fit_once
 
 
 def test_residuals_have_the_lengths_and_signs_of_the_fit() -> None:
@@ -25,17 +26,38 @@ def test_residuals_have_the_lengths_and_signs_of_the_fit() -> None:
     assert np.abs(vectors[used].mean(axis=0)).max() < 0.02, "least squares leave no shift"
 
 
-@pytest.mark.parametrize("name", ["jy_left", *thorough("opencv_left")])
+@pytest.mark.parametrize("name", ["opencv_left", *thorough("jy_left")])
 def test_report_draws_six_plots(name: str) -> None:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
     views, size = corner_views(name)
-    calibration = fit(views, size)
+    calibration = fit_once(views, size)
     figure = plots.report(calibration, views, "A camera", np.zeros((size[1], size[0]), dtype=np.uint8))
     titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
     assert len(titles) == 6
     assert titles[1] == f"Corners: {sum(map(len, views))} in {len(views)} views"
-    assert ("of the picture" in titles[2]) == (calibration.camera.domain().covered < 0.9995)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", ["opencv_left", "jy_left"])
+def test_report_is_a_picture(name: str) -> None:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    views, size = corner_views(name)
+    figure = plots.report(
+        fit_once(views, size), views, "A camera", np.zeros((size[1], size[0]), dtype=np.uint8)
+    )
     content = io.BytesIO()
     FigureCanvasAgg(figure).print_png(content)
     assert len(content.getvalue()) > 30_000
+
+
+@pytest.mark.parametrize("name", ["opencv_left", "jy_left"])
+def test_uncertainty_states_the_share_of_the_picture_with_rays(name: str) -> None:
+    from matplotlib.figure import Figure
+
+    calibration = fit_once(*corner_views(name))
+    axes = Figure().add_subplot()
+    plots.uncertainty(axes, calibration)
+    covered = calibration.camera.domain().covered
+    assert (covered < 0.9995) == (name == "jy_left")
+    share = f", {100 * covered:.0f} % of the picture" if covered < 0.9995 else ""
+    assert axes.get_title() == f"Uncertainty, px{share}"

@@ -5,13 +5,14 @@ import numpy as np
 import pytest
 
 from calibsolver import CalibrationError, Camera, fit
+from calibsolver.arrays import Array
 from calibsolver.undistortion import new_camera_matrix, remap_tables
 from tests.helpers.data import corner_views
 from tests.helpers.marks import corner_sets, thorough
 
-SIZE = (1280, 720)
-MATRIX = np.array([[950.0, 0, 652], [0, 948, 351], [0, 0, 1]])
-WIDE = np.array([[420.0, 0, 652], [0, 418, 351], [0, 0, 1]])
+SIZE = (640, 360)
+MATRIX = np.array([[475.0, 0, 326], [0, 474, 175], [0, 0, 1]])
+WIDE = np.array([[210.0, 0, 326], [0, 209, 175], [0, 0, 1]])
 CAMERAS = {
     "rectilinear": (MATRIX, [-0.32, 0.12, 0.0005, -0.0004, -0.02]),
     "fisheye": (WIDE, [0.02, -0.01, 0.004, -0.001]),
@@ -48,20 +49,21 @@ def test_new_camera_matrix_is_near_opencvs(alpha: float) -> None:
     assert np.abs(difference).max() < 0.01 * matrix[0, 0], "OpenCV samples the border at nine points"
 
 
-def share_with_colour(camera: Camera) -> float:
-    x, y = remap_tables(camera, new_camera_matrix(camera))
+def share_with_colour(camera: Camera, matrix: Array) -> float:
+    x, y = remap_tables(camera, matrix)
     w, h = camera.img_size
     return float(((x >= -0.5) & (x <= w - 0.5) & (y >= -0.5) & (y <= h - 0.5)).mean())
 
 
 def test_new_camera_matrix_at_zero_leaves_no_pixel_without_colour() -> None:
-    assert [share_with_colour(camera_of(model)) for model in CAMERAS] == [1.0] * 4
+    cameras = [camera_of(model) for model in CAMERAS]
+    assert [share_with_colour(camera, new_camera_matrix(camera)) for camera in cameras] == [1.0] * 4
 
 
 def test_camera_without_rays_at_the_border_has_a_new_matrix_and_no_pixel_without_colour() -> None:
     assert 0.3 < FOLDED.domain().covered < 0.9
-    assert share_with_colour(FOLDED) == 1.0
-    whole, part = new_camera_matrix(FOLDED, 1.0), new_camera_matrix(FOLDED, 0.0)
+    whole, part = new_camera_matrix(FOLDED, 1.0), new_camera_matrix(FOLDED)
+    assert share_with_colour(FOLDED, part) == 1.0
     assert 0 < whole[0, 0] < part[0, 0]
     x, _ = remap_tables(FOLDED, whole)
     assert (x >= 0).mean() > 0.5
@@ -75,9 +77,9 @@ def test_values_that_cannot_be_used_are_refused() -> None:
 
 
 @pytest.mark.parametrize("name", corner_sets(["mint_isaw", "jy_left"]))
-@pytest.mark.parametrize("model", ["rectilinear", "fisheye", *thorough("rational", "omnidirectional")])
+@pytest.mark.parametrize("model", ["fisheye", *thorough("rectilinear", "rational", "omnidirectional")])
 def test_real_calibrations_have_a_new_matrix(name: str, model: str) -> None:
     views, size = corner_views(name)
     camera = fit(views, size, model).camera
     assert np.isfinite(new_camera_matrix(camera, 1.0)).all()
-    assert share_with_colour(camera) > 0.999
+    assert share_with_colour(camera, new_camera_matrix(camera)) > 0.999

@@ -59,7 +59,10 @@ def test_lying_minority_changes_nothing(honest: list[Member]) -> None:
     noise = Member(
         "noise",
         "mallory",
-        tuple(View(v.object_points, rng.uniform(0, 700, v.image_points.shape)) for v in honest[0].views),
+        tuple(
+            View(v.object_points[::3], rng.uniform(0, 700, v.image_points[::3].shape))
+            for v in honest[0].views[:1]
+        ),
     )
     together = pool([*liars, *honest, noise], SIZE, "rectilinear")
     alone = pool(honest, SIZE, "rectilinear")
@@ -108,7 +111,7 @@ def test_consensus_without_majority_is_not_reliable(honest: list[Member]) -> Non
     assert not split.reliable
 
 
-@pytest.mark.parametrize("model", ["fisheye", "rational", "omnidirectional"])
+@pytest.mark.parametrize("model", ["fisheye", "omnidirectional", *thorough("rational")])
 def test_other_models_pool_the_same_views(model: str) -> None:
     """The rectilinear camera of five sessions, fitted by each of the other models."""
     camera, rng = synthetic.rectilinear_cameras()[6], np.random.default_rng(0)
@@ -160,10 +163,10 @@ def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
     assert pooled.spread < 0.003 * size[0]
 
 
-@pytest.mark.parametrize("contributors", [3, *thorough(1)])
-def test_contributors_with_bent_boards_agree_in_the_shape_of_each(contributors: int) -> None:
+@pytest.mark.parametrize(("contributors", "every"), [(3, 12), *thorough((3, 6), (1, 6))])
+def test_contributors_with_bent_boards_agree_in_the_shape_of_each(contributors: int, every: int) -> None:
     """Boards bend by 0.5 % in any direction, six views each: 0.5 px off at most, within what is stated."""
-    for seed, camera in enumerate(synthetic.rectilinear_cameras()[::6]):
+    for seed, camera in enumerate(synthetic.rectilinear_cameras()[::every]):
         rng = np.random.default_rng(seed)
         members = [
             Member(str(i), str(i), tuple(populations.views(camera, rng, hand=hands.BENT))) for i in range(5)

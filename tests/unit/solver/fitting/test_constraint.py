@@ -7,7 +7,7 @@ import pytest
 from calibsolver import Board, CalibrationError, Camera, View, fit, rotation
 from calibsolver.fitting.constraint import Fix
 from tests.helpers.data import corner_views, float32
-from tests.helpers.marks import corner_sets
+from tests.helpers.marks import corner_sets, thorough
 
 SETS = corner_sets(["opencv_left", "jy_left", "pv_charuco_480", "pv_picam_640", "derlunz"])
 CRITERIA = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 300, 1e-14)
@@ -90,17 +90,18 @@ def noisy_views(rng: np.random.Generator, sigma: np.ndarray) -> list[View]:
     return out
 
 
-def test_covariance_of_fixed_and_weighted_fits_holds_over_simulations() -> None:
+@pytest.mark.parametrize("count", [40, *thorough(100)])
+def test_covariance_of_fixed_and_weighted_fits_holds_over_simulations(count: int) -> None:
     """Squared errors in units of the covariance have the mean of chi square: the 6 free parameters."""
     sigma = np.where(np.arange(BOARD.corner_count) % 3 == 0, 1.0, 0.2)
     fixed = {"aspect": TRUE[0] / TRUE[1], "cx": TRUE[2], "k3": TRUE[8]}
     free = [0, 3, 4, 5, 6, 7]
     rng, squares = np.random.default_rng(1), []
-    for _ in range(100):
+    for _ in range(count):
         found = fit(noisy_views(rng, sigma), SIZE, fix=fixed)
         off = (found.camera.intrinsics - TRUE)[free]
         squares.append(off @ np.linalg.solve(found.covariance[np.ix_(free, free)], off))
-    assert np.mean(squares) == pytest.approx(6, abs=3 * np.sqrt(12 / 100))
+    assert np.mean(squares) == pytest.approx(6, abs=3 * np.sqrt(12 / count))
 
 
 def test_weights_count_as_repeated_points() -> None:

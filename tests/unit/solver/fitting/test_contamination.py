@@ -5,7 +5,7 @@ import pytest
 
 from calibsolver import View, fit
 from tests.helpers.data import corner_views
-from tests.helpers.marks import corner_sets
+from tests.helpers.marks import corner_sets, thorough
 from tests.helpers.solver import synthetic
 
 MODELS = {
@@ -17,9 +17,10 @@ MODELS = {
     "mint_isaw": "omnidirectional",
     "babel_ov_plane": "omnidirectional",
 }
+SLOW = "babel_ov_plane"
 
 
-@pytest.mark.parametrize("name", corner_sets(MODELS))
+@pytest.mark.parametrize("name", [*corner_sets(name for name in MODELS if name != SLOW), *thorough(SLOW)])
 def test_points_3_to_50_px_off_leave_no_trace(name: str) -> None:
     """One in twenty: the fit is the one of the other points alone, to 0.02 px over the image.
 

@@ -8,6 +8,7 @@ from calibsolver.fitting import domain
 from calibsolver.quality.cross_validation import held_out
 from tests.helpers.data import corner_views
 from tests.helpers.marks import corner_sets
+from tests.helpers.solver.fits import fit_once
 
 
 def without_prior(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -30,7 +31,7 @@ def test_rational_domain_covers_the_image_at_no_cost(name: str, monkeypatch: pyt
 def test_points_that_contradict_the_prior_win(model: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The lens of jy_left sees more than these models can: their domain ends inside its image."""
     views, size = corner_views("jy_left")
-    found = fit(views, size, model)
+    found = fit_once(views, size, model)
     assert found.camera.domain().covered < 0.9
     without_prior(monkeypatch)
     np.testing.assert_array_equal(fit(views, size, model).camera.intrinsics, found.camera.intrinsics)
@@ -38,7 +39,7 @@ def test_points_that_contradict_the_prior_win(model: str, monkeypatch: pytest.Mo
 
 def test_fits_that_cover_the_image_are_as_they_were(monkeypatch: pytest.MonkeyPatch) -> None:
     views, size = corner_views("opencv_left")
-    found = {model: fit(views, size, model).camera.intrinsics for model in models.NAMES}
+    found = {model: fit_once(views, size, model).camera.intrinsics for model in models.NAMES}
     without_prior(monkeypatch)
     for model, k in found.items():
         np.testing.assert_array_equal(fit(views, size, model).camera.intrinsics, k)
@@ -47,14 +48,14 @@ def test_fits_that_cover_the_image_are_as_they_were(monkeypatch: pytest.MonkeyPa
 @pytest.mark.parametrize("model", models.NAMES)
 def test_excess_is_positive_where_the_domain_ends_inside_the_image(model: str) -> None:
     views, size = corner_views("jy_left")
-    camera = fit(views, size, model).camera
+    camera = fit_once(views, size, model).camera
     over = domain.excess(models.get(model), camera.intrinsics, size)
     assert (over > 0.1) == (camera.domain().covered < 0.999)
 
 
 def test_gradient_is_that_of_the_excess() -> None:
     views, size = corner_views("jy_left")
-    model, camera = models.get("rectilinear"), fit(views, size).camera
+    model, camera = models.get("rectilinear"), fit_once(views, size).camera
     k, step = camera.intrinsics, np.array([1, -0.5, 0.3, 0.2, 1e-3, -1e-3, 1e-6, 1e-6, 1e-4])
     moved = domain.excess(model, k + 1e-3 * step, size) - domain.excess(model, k - 1e-3 * step, size)
     assert domain.gradient(model, k, size) @ step == pytest.approx(moved / 2e-3, rel=1e-3)

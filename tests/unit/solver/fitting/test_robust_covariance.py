@@ -53,8 +53,14 @@ def error_ratio(camera: Camera, rng: np.random.Generator, hand: hands.Hand, coun
     return synthetic.rms_error(camera, found.camera) / found.uncertainty().rms
 
 
-@pytest.mark.parametrize("hand", [hands.MOVING_AND_BENT, *thorough(hands.BENT, hands.MOVING)])
-def test_errors_in_hands_are_predicted(hand: hands.Hand) -> None:
+@pytest.mark.parametrize(
+    ("hand", "most"),
+    [
+        (hands.MOVING_AND_BENT, 6),
+        *thorough((hands.MOVING_AND_BENT, 12), (hands.BENT, 12), (hands.MOVING, 12)),
+    ],
+)
+def test_errors_in_hands_are_predicted(hand: hands.Hand, most: int) -> None:
     """The board bends by 0.5 %, the same in all views, or moves at 5 cm/s. Of true bars one in 20 is above 2.
 
     White noise alone predicts half or less of most errors; variances by moments alone leave 6, 19 and 21 %.
@@ -62,7 +68,7 @@ def test_errors_in_hands_are_predicted(hand: hands.Hand) -> None:
     ratios = []
     for count in (4, 10):
         rng = np.random.default_rng(count)
-        cameras = synthetic.rectilinear_cameras(12, seed=count)
+        cameras = synthetic.rectilinear_cameras(12, seed=count)[:most]
         ratios += [error_ratio(camera, rng, hand, count) for camera in cameras]
     assert 0.5 < np.median(ratios) < 1.3
     assert np.mean(np.array(ratios) > 2) <= 0.05
@@ -102,12 +108,13 @@ def test_real_views_are_inflated() -> None:
     assert found.record()["systematic"] == found.inflation
 
 
-def test_points_that_motion_moves_too_far_for_the_fit_widen_the_error_bars() -> None:
+@pytest.mark.parametrize("every", [2, *thorough(1)])
+def test_points_that_motion_moves_too_far_for_the_fit_widen_the_error_bars(every: int) -> None:
     """The fit cuts 2 % of the points: what it leaves shows too little of the motion (17 % above 2)."""
     ratios = [
         error_ratio(camera, np.random.default_rng(seed), hands.MOVING, count)
         for count in (4, 6)
-        for seed, camera in enumerate(synthetic.rectilinear_cameras())
+        for seed, camera in list(enumerate(synthetic.rectilinear_cameras()))[::every]
     ]
     assert 0.6 < np.median(ratios) < 1.4
     assert np.mean(np.array(ratios) > 2) < 0.1

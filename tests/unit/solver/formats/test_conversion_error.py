@@ -17,7 +17,7 @@ from calibsolver.formats import ExportSource
 from tests.helpers.data import corner_views, on_board
 from tests.helpers.marks import thorough
 from tests.helpers.solver import hands, populations, synthetic
-from tests.helpers.solver.export_sources import IMG_SIZE, captured, image_rays, subject
+from tests.helpers.solver.export_sources import IMG_SIZE, captured, image_rays, subject, written
 
 GRID = (100, 75)
 TURNS = {
@@ -130,7 +130,7 @@ def test_mrcal_inputs_of_real_photographs_are_at_their_optimum() -> None:
 
 @pytest.mark.parametrize("name", ["kalibr", "gyroflow", "artoolkit"])
 def test_turned_picture_is_converted_to_the_turned_camera(name: str) -> None:
-    upright = formats.write(subject("rational"), name)
+    upright = written("rational", name)
     for transform in (TURNS["turned"], TURNS["mirrored"]):
         turned = formats.write(subject("rational"), name, transform)
         assert turned.error == pytest.approx(upright.error, rel=1e-9)
@@ -171,13 +171,13 @@ def test_files_say_where_their_tools_cannot_project(name: str) -> None:
     warning = formats.write(ExportSource(camera), name).warning
     assert warning is not None
     assert "cannot project rays at 90 degrees" in warning
-    narrow = formats.write(subject("rectilinear"), "ros")
+    narrow = written("rectilinear", "ros")
     assert narrow.warning is None
 
 
 def test_file_says_where_wpical_is_no_reader() -> None:
     for model in models.NAMES:
-        warning = formats.write(subject(model), "calibdb").warning
+        warning = written(model, "calibdb").warning
         assert (warning is None) == (model in ("rectilinear", "rational"))
         assert warning is None or "WPIcal" in warning
 

@@ -22,7 +22,7 @@ from calibsolver.formats.base import ReaderOptions
 from calibsolver.formats.grid import grid
 from calibsolver.formats.reading import read, read_text
 from calibsolver.formats.web import projection_matrix
-from tests.helpers.solver.export_sources import IMG_SIZE, image_rays, subject
+from tests.helpers.solver.export_sources import IMG_SIZE, image_rays, subject, written
 
 W, H = IMG_SIZE
 
@@ -46,7 +46,7 @@ def system_mrcal() -> str | None:
 
 @pytest.mark.parametrize("model", models.NAMES)
 def test_mrcal_model_has_every_member_of_the_reader(model: str) -> None:
-    file, mine = formats.write(subject(model), "mrcal"), subject(model)
+    file, mine = written(model, "mrcal"), subject(model)
     data = ast.literal_eval(file.content.decode())
     sizes = {"LENSMODEL_OPENCV5": 5, "LENSMODEL_OPENCV8": 8}
     assert len(data["intrinsics"]) == 4 + sizes[data["lensmodel"]]
@@ -141,7 +141,7 @@ def test_measurements_stay_with_a_turned_and_mirrored_picture() -> None:
 
 @pytest.mark.parametrize("model", models.NAMES)
 def test_lensfun_maps_the_corrected_picture_to_ours(model: str) -> None:
-    file, camera = formats.write(subject(model), "lensfun"), calibrated(model)
+    file, camera = written(model, "lensfun"), calibrated(model)
     database = lensfunpy.Database(xml=file.content.decode(), load_common=False, load_bundled=False)
     (body,) = database.find_cameras("calibDB", subject(model).name, loose_search=True)
     (lens,) = database.find_lenses(body, "calibDB", subject(model).name, loose_search=True)
@@ -264,7 +264,7 @@ def test_camera_para_is_read_by_artoolkits_own_arithmetic() -> None:
 @pytest.mark.parametrize("model", models.NAMES)
 def test_webxr_matrix_is_column_major(model: str) -> None:
     camera = calibrated(model)
-    data = json.loads(formats.write(subject(model), "webxr").content)
+    data = json.loads(written(model, "webxr").content)
     assert np.array_equal(np.array(data["cameraMatrix"]).reshape(3, 3).T, camera.matrix)
     assert data["distortionCoefficients"] == camera.distortion.tolist()
     assert data["distortionModel"] == model
@@ -276,7 +276,7 @@ def test_webxr_matrix_is_column_major(model: str) -> None:
 
 
 def test_gltf_states_its_omissions() -> None:
-    file, camera = formats.write(subject("rectilinear"), "gltf"), calibrated("rectilinear")
+    file, camera = written("rectilinear", "gltf"), calibrated("rectilinear")
     data = json.loads(file.content)
     lens = data["cameras"][data["nodes"][data["scenes"][data["scene"]]["nodes"][0]]["camera"]]
     assert lens["extras"]["camera_matrix"] == camera.matrix.tolist()

@@ -15,14 +15,10 @@ from calibsolver import CalibrationError, Camera, formats, models
 from calibsolver.arrays import Array
 from calibsolver.fitting.resection import reprojection_score
 from calibsolver.formats import ExportedFile, ExportSource
-from tests.helpers.solver.export_sources import IMG_SIZE, image_rays, subject
+from tests.helpers.solver.export_sources import IMG_SIZE, image_rays, subject, written
 
 ROUGH = 0.01
 """px: how far a tool's projection may be from ours beyond what the file says of itself."""
-
-
-def written(model: str, name: str) -> ExportedFile:
-    return formats.write(subject(model), name)
 
 
 def off(model: str, file: ExportedFile, project: Callable[[Array], Array]) -> None:
@@ -237,7 +233,11 @@ def test_photonvision_holds_the_keypoints(model: str) -> None:
 def test_perspective_model_of_a_wide_lens_fits_to_80_degrees(model: str, keypoints: bool) -> None:
     """All the rays of the image within, far denser than the conversion looks; of what is beyond no word."""
     mine = subject(model)
-    file = formats.write(mine if keypoints else ExportSource(mine.camera), "photonvision")
+    file = (
+        written(model, "photonvision")
+        if keypoints
+        else formats.write(ExportSource(mine.camera), "photonvision")
+    )
     data = json.loads(file.content)
     k, d = np.array(data["cameraIntrinsics"]["data"]).reshape(3, 3), np.array(data["distCoeffs"]["data"])
     assert file.coverage == (image_rays(mine.camera, 129, 97, border=0.5)[0][:, 2] > np.cos(1.4)).mean() > 0.8
@@ -250,13 +250,12 @@ def test_perspective_model_of_a_wide_lens_fits_to_80_degrees(model: str, keypoin
 
 
 def test_inexact_text_formats_carry_the_warning() -> None:
-    mine = subject("omnidirectional")
     for name in ("ros", "colmap", "mrcal", "gyroflow", "opensfm", "lensfun", "gltf", "photonvision"):
-        file = formats.write(mine, name)
+        file = written("omnidirectional", name)
         assert file.error > 0.1
         assert f"{file.error:.2f} px off".encode() in file.content, name
     for name in formats.FORMAT_NAMES:
-        file = formats.write(subject("rectilinear"), name)
+        file = written("rectilinear", name)
         assert (file.warning is not None) == (file.error > formats.MAX_INVISIBLE_PX)
 
 

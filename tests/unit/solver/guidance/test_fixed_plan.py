@@ -28,22 +28,25 @@ def test_committed_plan_is_current() -> None:
         ]
 
 
-def test_plan_poses_are_near_and_visible() -> None:
-    for pose in FixedPlan(Board(), (1280, 720)).poses:
+@pytest.fixture(scope="module")
+def fixed() -> FixedPlan:
+    return FixedPlan(Board(), synthetic.IMG_SIZE)
+
+
+def test_plan_poses_are_near_and_visible(fixed: FixedPlan) -> None:
+    for pose in fixed.poses:
         assert len(pose.ids) >= 0.75 * 40
         assert np.linalg.norm(pose.tvec) < 2.5 * 9
 
 
-def test_skipped_pose_is_followed_by_the_next() -> None:
-    plan = FixedPlan(Board(), (1280, 720))
-    assert plan.next_pose([], None) is plan.poses[0]
-    assert plan.next_pose([], None, [plan.poses[0]]) is plan.poses[1]
+def test_skipped_pose_is_followed_by_the_next(fixed: FixedPlan) -> None:
+    assert fixed.next_pose([], None) is fixed.poses[0]
+    assert fixed.next_pose([], None, [fixed.poses[0]]) is fixed.poses[1]
 
 
 @pytest.mark.parametrize(("every", "draws"), [(2, 1), *thorough((1, 3))])
-def test_fixed_plan_error_after_four_and_six_views(every: int, draws: int) -> None:
+def test_fixed_plan_error_after_four_and_six_views(fixed: FixedPlan, every: int, draws: int) -> None:
     """Every camera or every other, 0.2 px of noise: mean error after 4 and 6 views."""
-    fixed = FixedPlan(Board(), synthetic.IMG_SIZE)
     sessions = [
         synthetic.run(camera, np.random.default_rng(10 * i + 1000 * draw), views=6, guide=fixed)
         for draw in range(draws)

@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 import pytest
 
-from calibsolver import Board, Camera, guidance, rotation
+from calibsolver import Board, Camera, fit, guidance, rotation
 from calibsolver.guidance import ProjectionUncertainty, TargetPose, overlay
 from tests.helpers.marks import thorough
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import populations, synthetic
 
 BOARD = Board()
 
@@ -27,9 +27,9 @@ def targets(kind: str) -> list[tuple[Camera, TargetPose]]:
     out = []
     for i in (0, 6):
         guide = ProjectionUncertainty(BOARD, cameras[i].img_size, kind)
-        session = synthetic.run(cameras[i], np.random.default_rng(0), views=3)
-        assert session.calibration is not None
-        out.append((session.calibration.camera, guide.next_pose(session.views, session.calibration)))
+        views = populations.views(cameras[i], np.random.default_rng(0), count=4)
+        calibration = fit(views, cameras[i].img_size, kind)
+        out.append((calibration.camera, guide.next_pose(views, calibration)))
     easy = guidance.IntrinsicsPosterior.of(kind, (1280, 720), None).camera
     return [*out, (easy, guide.next_pose([], None))]
 

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from calibsolver import Camera, models
 from calibsolver.arrays import Array
 from calibsolver.fitting import prior
+from tests.conftest import THOROUGH
 
 SIZE = (1280, 720)
 SPREAD = {
@@ -21,7 +22,7 @@ SPREAD = {
 }
 WIDEST = {True: np.radians(80), False: np.radians(125)}
 seeds = st.integers(0, 2**32 - 1)
-budget = settings(max_examples=40)
+budget = settings(max_examples=40 if THOROUGH else 15)
 
 
 def drawn(name: str, seed: int, count: int = 60) -> tuple[Camera, Array]:

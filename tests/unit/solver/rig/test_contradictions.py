@@ -26,7 +26,7 @@ def with_lies(truth: rigs.Rig, good: int, bad: int, rng: np.random.Generator) ->
 
 
 @pytest.mark.parametrize(
-    ("seed", "bad"), [(0, 2), (1, 3), *thorough((0, 3), (1, 2), (2, 2), (2, 3), (3, 2), (3, 3))]
+    ("seed", "bad"), [(1, 3), *thorough((0, 2), (0, 3), (1, 2), (2, 2), (2, 3), (3, 2), (3, 3))]
 )
 def test_moments_that_contradict_the_majority_are_set_aside(seed: int, bad: int) -> None:
     rng = np.random.default_rng(seed)

@@ -107,10 +107,10 @@ class TestSyntheticRigs:
         assert set(found.set_aside.values()) == {"contradicts"}
         assert error < 0.6
 
-    @pytest.mark.parametrize("count", [4, *thorough(6)])
-    def test_sets_a_late_view_aside_to_which_the_fit_could_bend(self, count: int) -> None:
+    @pytest.mark.parametrize(("count", "seeds"), [(4, 2), *thorough((4, 5), (6, 5))])
+    def test_sets_a_late_view_aside_to_which_the_fit_could_bend(self, count: int, seeds: int) -> None:
         """One picture is 200 ms old while a hand moves squares of 3 cm at 5 cm/s."""
-        for seed in range(5):
+        for seed in range(seeds):
             rng = np.random.default_rng(seed)
             truth = rigs.side_by_side(synthetic.rectilinear_cameras(2), rng.uniform(1, 4))
             moments = rigs.moments(truth, BOARD, count, 0.2, rng)

@@ -14,6 +14,7 @@ from calibsolver.formats import kalibr
 from calibsolver.rig import formats
 from calibsolver.rig.formats import RigSource
 from calibsolver.rig.rectification import rectify
+from tests.helpers.marks import thorough
 from tests.helpers.solver import rigs, synthetic
 
 
@@ -61,13 +62,14 @@ def test_label_of_a_camera_is_no_member_of_a_file() -> None:
             assert eval(content, {}) == plain
 
 
-def test_kalibr_file_of_eight_cameras_that_it_cannot_hold_turns_none() -> None:
+@pytest.mark.parametrize("count", [2, *thorough(8)])
+def test_kalibr_file_of_cameras_that_it_cannot_hold_turns_none(count: int) -> None:
     lens = [-0.28, 0.09, 0.001, -0.0005, -0.01]
     matrix = np.array([[600.0, 0, 650], [0, 602, 370], [0, 0, 1]])
     camera = Camera("rectilinear", matrix, np.array(lens), (1280, 720))
-    rig = RigSource([camera] * 8, np.zeros((8, 6)))
+    rig = RigSource([camera] * count, np.zeros((count, 6)))
     written = formats.write(rig, "kalibr")
-    held = kalibr.read(yaml.safe_load(written.content)["cam7"]).camera
+    held = kalibr.read(yaml.safe_load(written.content)[f"cam{count - 1}"]).camera
     assert held is not None
     # A fit of keypoints was 2.7 px off on average, 10.6 px in a corner.
     q = np.stack(np.meshgrid(np.linspace(0, 1279, 33), np.linspace(0, 719, 25)), axis=2).reshape(-1, 2)

@@ -1,19 +1,22 @@
 """Guidance of rigs: captures that end, targets that several cameras see, and what links cameras."""
 
 import numpy as np
+import pytest
 
 from calibsolver import Board, View, rig
 from calibsolver.rig.problem import unlinked_cameras
 from tests.bench import rigs as bench
+from tests.helpers.marks import thorough
 from tests.helpers.solver import rigs, synthetic
 
 BOARD = Board((9, 6))
 
 
-def test_guided_captures_of_two_webcams_end_after_a_few_moments() -> None:
+@pytest.mark.parametrize("seeds", [1, *thorough(3)])
+def test_guided_captures_of_two_webcams_end_after_a_few_moments(seeds: int) -> None:
     """At 6 to 60 cm; 200 captures are in the benchmark."""
     taken = []
-    for seed in range(3):
+    for seed in range(seeds):
         rng = np.random.default_rng(1000 + seed)
         taken.append(bench.capture(bench.webcams(rng), rng))
     moments, predicted, errors = np.array(taken).T
