@@ -101,7 +101,8 @@ def test_from_the_landing_page_to_a_lookup_on_another_origin(
         expect(page.locator("#answer")).to_have_text("calibDB does not know New One yet.")
         page.locator("#calibrate").click()
         page.wait_for_url(
-            re.compile(re.escape(f"{stack}/calibrate/?") + r".*return_to=http%3A%2F%2Flocalhost")
+            re.compile(re.escape(f"{stack}/calibrate/?") + r".*return_to=http%3A%2F%2Flocalhost"),
+            wait_until="commit",
         )
         page.goto(f"{own}/#calibration={known['id'] or ''}")
         expect(page.locator("#answer")).to_contain_text('"camera_matrix"')

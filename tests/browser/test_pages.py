@@ -19,6 +19,7 @@ from tests.helpers.browser.interruptions import (
     wait_for_views,
 )
 from tests.helpers.browser.pictures import picture, violations
+from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.waiting import address, at_rest, hear, listen, requests_within, until
 from tests.helpers.marks import thorough
@@ -203,6 +204,7 @@ def test_a_hidden_capture_waits_and_the_keyboard_leads_from_the_first_view_to_th
 
 
 def test_header_of_a_capture_keeps_its_height_on_a_phone(page: Page) -> None:
+    page.add_init_script(BLIND_DETECTOR)
     page.set_viewport_size({"width": 390, "height": 844})
     page.goto(ENDLESS, wait_until="domcontentloaded")
     header = "document.querySelector('header.rim').getBoundingClientRect().height"

@@ -56,7 +56,7 @@ def project(tmp_path: Path, stack: str) -> Iterator[str]:
 
 def test_the_packages_example_runs(camera_page: Page, project: str, stack: str) -> None:
     camera_page.goto(project)
-    camera_page.wait_for_url(f"{stack}/calibrate/?**")
+    camera_page.wait_for_url(f"{stack}/calibrate/?**", wait_until="commit")
     assert parse_qs(urlsplit(camera_page.url).query)["camera"][0].startswith("fake_device")
 
 

@@ -10,7 +10,15 @@ const TIMEOUT_MS = 120_000; // only what fails is waited for so long
 
 const [, , executablePath] = process.argv;
 const limits = { timeout: TIMEOUT_MS, protocolTimeout: 2 * TIMEOUT_MS };
-const browser = await puppeteer.launch({ browser: "firefox", executablePath, headless: false, ...limits });
+// Without a GPU each frame is drawn by the processor, and the second compiler of WebAssembly takes longer than what runs.
+const extraPrefsFirefox = { "layout.frame_rate": 20, "javascript.options.wasm_optimizingjit": false };
+const browser = await puppeteer.launch({
+  browser: "firefox",
+  executablePath,
+  headless: false,
+  extraPrefsFirefox,
+  ...limits,
+});
 
 /** Result of a function in a page, and what the page complains of meanwhile. */
 async function evaluate(page, { address, source, before }) {
