@@ -28,10 +28,10 @@ FOUND = page_function("find_drawn_boards")
 
 
 def test_a_board_is_printed_with_words_of_the_page(page: Page) -> None:
-    page.goto("/board/?lang=en")
-    expect(page.locator("#papers a"), "the paper that is usual here").to_contain_text("Letter")
     for language, pictures in (("en", 0), ("de", 0), ("uk", 3)):
         page.goto(f"/board/?lang={language}")
+        if language == "en":
+            expect(page.locator("#papers a"), "the paper that is usual here").to_contain_text("Letter")
         page.locator("#more-papers summary").click()
         with page.expect_download() as download:
             page.locator(".papers a", has_text="A4").click()

@@ -151,6 +151,7 @@ def offset(page: Page) -> float:
 
 @pytest.mark.thorough
 def test_the_board_moves_and_the_scene_with_it_and_leaves_it_without_the_calibration(page: Page) -> None:
+    page.emulate_media(reduced_motion="no-preference")
     page.goto("/examples/three/?virtual=1&k1=-0.3&error=0&rate=5&img_size=640x360&fx=500")
     complete(page)
     # Of one moment, but a screenshot may fall between picture and scene.

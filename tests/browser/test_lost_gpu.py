@@ -9,6 +9,7 @@ import pytest
 from playwright.sync_api import BrowserContext
 
 from tests.helpers.browser.firefox import InFirefox
+from tests.helpers.browser.scripts import PLAIN
 
 from .test_rectifier import calibration
 
@@ -102,13 +103,13 @@ def check_drawn(sums: list[dict[str, Any]]) -> None:
 
 def test_what_was_on_the_gpu_is_made_anew(context: BrowserContext) -> None:
     page = context.new_page()  # which tells that the GPU was lost
-    page.goto("/board/")
+    page.goto(PLAIN)
     check_drawn(page.evaluate(DRAWN, calibration("rectilinear")))
 
 
 @pytest.mark.thorough
 def test_what_was_on_the_gpu_is_made_anew_in_firefox(stack: str, in_firefox: InFirefox) -> None:
-    check_drawn(in_firefox(f"{stack}/board/", f"() => ({DRAWN})({json.dumps(calibration('rectilinear'))})"))
+    check_drawn(in_firefox(f"{stack}{PLAIN}", f"() => ({DRAWN})({json.dumps(calibration('rectilinear'))})"))
 
 
 @pytest.mark.thorough

@@ -4,6 +4,7 @@ import pytest
 from playwright.sync_api import BrowserContext, expect
 
 from tests.helpers.browser.interruptions import ENDLESS, sessions, views, wait_for_views
+from tests.helpers.browser.scripts import PLAIN
 
 ACQUIRE = """async (busy) => {
   const held = window.held = new AbortController();
@@ -26,7 +27,7 @@ def test_a_capture_is_one_tabs_and_a_busy_tab_is_not_told_otherwise(
 ) -> None:
     first, second = context.new_page(), context.new_page()
     for page in (first, second):
-        page.goto("/board/")
+        page.goto(PLAIN)
     assert first.evaluate(ACQUIRE, 2_000) is True, "longer than another tab would be waited for"
     assert second.evaluate(ACQUIRE, 0) is False
     # Who is gone before it is his turn does not keep the others out.
