@@ -86,7 +86,7 @@ def test_augmented_reality_on_a_webcam(page: Page) -> None:
 
 @pytest.mark.thorough
 def test_augmented_reality_on_a_webcam_in_firefox(stack: str, in_firefox: InFirefox) -> None:
-    check_immersive(in_firefox(f"{stack}{PLAIN}", held("immersive")))
+    check_immersive(in_firefox(f"{stack}{PLAIN}", held("immersive"), size=(1440, 900)))
 
 
 def test_a_camera_that_is_turned_is_asked_for_again(context: BrowserContext, api: httpx.Client) -> None:
