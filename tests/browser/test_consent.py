@@ -5,6 +5,7 @@ from typing import Any
 
 from playwright.sync_api import Page, expect
 
+from tests.helpers.browser.interruptions import PRACTICE
 from tests.helpers.browser.scenes import BLIND_DETECTOR
 
 from ..conftest import THOROUGH
@@ -33,7 +34,7 @@ def test_capture_says_a_licence_only_after_consent(page: Page) -> None:
     box.check()
     expect(note).to_contain_text("Дякуємо")
     # Kept on this device, for every page that calibrates, until it is taken back.
-    page.goto("/calibrate/?lang=en")
+    page.goto(f"{PRACTICE}&lang=en")
     expect(box, "it is asked on the result").to_be_hidden()
     assert start(page) == CONSENT
     page.goto("/import/?lang=en")
@@ -43,7 +44,7 @@ def test_capture_says_a_licence_only_after_consent(page: Page) -> None:
     assert page.evaluate("Object.keys(localStorage).filter((key) => key.includes('consent'))") == [], (
         "as at first"
     )
-    page.goto("/calibrate/")
+    page.goto(PRACTICE)
     assert start(page) == {}
 
 

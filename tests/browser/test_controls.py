@@ -9,6 +9,7 @@ from tests.helpers.browser.interruptions import (
     ENDLESS,
     HIDE,
     PATIENT,
+    PRACTICE,
     UNPLUG,
     views,
     wait_for_views,
@@ -153,7 +154,7 @@ def test_a_camera_that_is_refused_is_explained_in_one_sentence(page: Page) -> No
 def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> None:
     page = context.new_page()
     page.add_init_script(BLIND_DETECTOR)
-    page.goto("/calibrate/")
+    page.goto(PRACTICE)
     page.locator("#wanted", has_text="No camera was found. Plug one in, or try").wait_for()
     expect(page.locator("#start-virtual.primary")).to_be_visible()
     picture(page, "capture-no-camera", ["hand"])
