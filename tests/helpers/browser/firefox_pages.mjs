@@ -10,8 +10,8 @@ const TIMEOUT_MS = 120_000; // only what fails is waited for so long
 
 const [, , executablePath] = process.argv;
 const limits = { timeout: TIMEOUT_MS, protocolTimeout: 2 * TIMEOUT_MS };
-// Without a GPU the processor draws each frame. The second compiler of WebAssembly takes longer than what runs.
-const extraPrefsFirefox = { "layout.frame_rate": 20, "javascript.options.wasm_optimizingjit": false };
+// Without a GPU the processor draws each frame. A process for a page that is never opened takes a second.
+const extraPrefsFirefox = { "layout.frame_rate": 20, "dom.ipc.processPrelaunch.enabled": false };
 const browser = await puppeteer.launch({
   browser: "firefox",
   executablePath,
