@@ -1,4 +1,4 @@
-"""What a capture may send."""
+"""Requests that a capture may send: keypoints, never an image."""
 
 import json
 from collections.abc import Iterable
