@@ -118,8 +118,10 @@ def visitor(chromium: Browser, stack: str) -> Iterator[Visitor]:
     contexts: list[BrowserContext] = []
 
     def opened(**kind: object) -> BrowserContext:
-        # Without the service worker, which has tests of its own: what it answers, routes do not see.
-        options = {"base_url": stack, "viewport": WINDOW, "service_workers": "block"} | kind
+        # Without the service worker, which has tests of its own: what it answers, routes do not see. Without
+        # motion, unless a test asks for it: the processor draws each frame.
+        still = {"service_workers": "block", "reduced_motion": "reduce"}
+        options = {"base_url": stack, "viewport": WINDOW} | still | kind
         contexts.append(chromium.new_context(**options))  # type: ignore[arg-type]
         contexts[-1].set_default_timeout(1000 * TIMEOUT_S)
         return contexts[-1]

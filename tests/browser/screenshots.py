@@ -28,8 +28,8 @@ HELD = f"/calibrate/?{Truth().query(seed=3)}&target_error=0.01&error=0"
 @pytest.mark.parametrize("name", PAGES)
 def test_pages_one_reads(page: Page, name: str, kind: str) -> None:
     page.emulate_media(color_scheme="dark" if kind == "dark" else "light")
-    prepare(page)
-    visit(page, name, kind if kind in {"de", "uk"} else "en")
+    session = prepare(page)
+    visit(page, session, name, kind if kind in {"de", "uk"} else "en")
     picture(page, f"shot-{name}-{kind}", SIZES, full=True, check=False)
 
 

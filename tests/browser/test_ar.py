@@ -18,6 +18,7 @@ from playwright.sync_api import BrowserContext, Page, Request, expect
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import until
@@ -45,8 +46,8 @@ WEBCAM = """
     canvas.setAttribute("aria-hidden", "true");
     document.body.append(canvas);
     const context = canvas.getContext("2d", { alpha: false });
-    setInterval(() => context.fillRect(0, 0, 1280, 720), 50);
-    const stream = canvas.captureStream(30);
+    setInterval(() => context.fillRect(0, 0, 1280, 720), 200);
+    const stream = canvas.captureStream(5);
     const [track] = stream.getVideoTracks();
     Object.defineProperty(track, "label", { value: label });
     track.getSettings = () => ({ width: 1280, height: 720, deviceId: "c920" });
@@ -63,7 +64,7 @@ DETECTOR = cv2.aruco.CharucoDetector(cv2.aruco.CharucoBoard((9, 6), 1.0, 0.65, D
 CORNERS = (0, 7, 32, 39)  # the outermost, which have marks
 COLUMNS = 8
 OUTER = {0, 1, 6, 7}  # columns where no house stands
-AT_THE_CORNER = 0.14 * np.hypot(1280, 720)  # px; nearer there is no whole marker to tell the corner by
+AT_THE_CORNER = 0.14  # diagonals; nearer there is no whole marker to tell the corner by
 WINDOW = 8  # px; half that of a corner's surroundings
 ARM = 14  # px; of a crossing's: lines are up to 9 px wide
 
@@ -101,7 +102,7 @@ def marks(overlay: npt.NDArray[np.uint8]) -> Array:
 
 
 def at_the_corner(look: dict[str, Any]) -> tuple[float, float]:
-    """Give the misalignment of the mark nearest to the picture's corner, and how far it is from that, px."""
+    """Misalignment of the mark nearest to the image's corner, px; its distance from the corner, diagonals."""
     picture, overlay = decoded(look["picture"]), decoded(look["overlay"])
     h, w = picture.shape[:2]
     assert overlay.shape[:2] == (h, w)
@@ -114,7 +115,8 @@ def at_the_corner(look: dict[str, Any]) -> tuple[float, float]:
         if index in CORNERS
     }
     nearest = min(away, key=lambda index: away[index])
-    return float(np.linalg.norm(drawn - corners[nearest], axis=1).min()), away[nearest]
+    misalignment = np.linalg.norm(drawn - corners[nearest], axis=1).min()
+    return float(misalignment), away[nearest] / float(np.hypot(w, h))
 
 
 def over_the_grid(look: dict[str, Any]) -> Array:
@@ -132,7 +134,7 @@ def check(looks: dict[str, Any]) -> None:
     off = {name: at_the_corner(look) for name, look in looks.items()}
     grid = {name: over_the_grid(look) for name, look in looks.items() if name != "matrix"}
     for name, (distance, away) in off.items():
-        print(f"{name}: {distance:.3f} px off, {away:.0f} px from the corner; {looks[name]['said']}")
+        print(f"{name}: {distance:.3f} px off, {away:.3f} diagonals from the corner; {looks[name]['said']}")
     for name, errors in grid.items():
         rms = np.sqrt((errors**2).mean())
         print(f"{name}: {len(errors)} crossings, {rms:.3f} px rms, {errors.max():.3f} at most")
@@ -161,7 +163,7 @@ def test_overlays_fit_in_a_practice_which_asks_the_database_for_an_estimate_only
     page: Page, sent: list[Request]
 ) -> None:
     page.add_init_script(SILENCED)
-    page.goto(ADDRESS.replace("virtual=1&", ""))
+    page.goto(f"{ADDRESS.replace('virtual=1&', '')}&img_size=640x360")
     page.locator("#welcome .virtually").click()
     page.locator("#rms:not(:empty)").wait_for()
     expect(page.locator("#facts")).to_contain_text("exact, because the camera is simulated")
@@ -232,7 +234,7 @@ def test_a_camera_that_nobody_knows_is_sent_to_be_calibrated(context: BrowserCon
     page = context.new_page()  # "not found" is an error in the console
     sent: list[Request] = []
     page.on("request", lambda request: sent.append(request))
-    page.add_init_script(WEBCAM)
+    page.add_init_script(WEBCAM + BLIND_DETECTOR)
     page.goto("/ar/?lang=de")
     page.locator("#start").click()
     page.locator("#unknown:not([hidden])").wait_for()

@@ -8,6 +8,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.specimens import answer, result
 from tests.helpers.browser.waiting import until
 
@@ -51,7 +52,7 @@ def known() -> dict[str, Any]:
 
 def test_camera_asked_for_is_opened_though_the_list_is_late_and_again_once_it_is_back(page: Page) -> None:
     answer(page, "**/v1/lookup", known)
-    page.add_init_script(PLUGGED + LATE)
+    page.add_init_script(PLUGGED + LATE + BLIND_DETECTOR)
     page.goto("/ar/?camera=Overlay+Test+Camera+(1234:0a12)&lang=en")
     page.locator("#start").click()
     page.evaluate("window.answer()")
@@ -74,7 +75,7 @@ def test_camera_asked_for_is_opened_though_the_list_is_late_and_again_once_it_is
 )
 def test_without_a_picture_it_is_said_to_send_none(page: Page, address: str, where: str) -> None:
     page.clock.install()
-    page.add_init_script(WEBCAM + NO_PICTURE)
+    page.add_init_script(WEBCAM + NO_PICTURE + BLIND_DETECTOR)
     page.goto(address)
     page.locator("#start").click()
 
@@ -87,7 +88,7 @@ def test_without_a_picture_it_is_said_to_send_none(page: Page, address: str, whe
 
 def test_a_link_to_a_result_that_is_gone_asks_calibdb(context: BrowserContext) -> None:
     page = context.new_page()  # "gone" is an error in the console
-    page.add_init_script(WEBCAM)
+    page.add_init_script(WEBCAM + BLIND_DETECTOR)
     page.route("**/v1/calibrations/**", lambda route: route.fulfill(status=410, json={"detail": "withdrawn"}))
     answer(page, "**/v1/lookup", known)
     page.goto("/ar/#calibration=gone")

@@ -14,7 +14,7 @@ def test_first_view_and_lookup_through_a_real_camera(
     playwright: Playwright, stack: str, tmp_path: Path
 ) -> None:
     _, truth = board_seen()
-    with camera(playwright, stack, tmp_path) as page:
+    with camera(playwright, stack, tmp_path, rate=8) as page:
         page.goto("/calibrate/")
         page.locator("#camera option").nth(1).wait_for(state="attached")
         with page.expect_request("**/v1/session/views") as view:

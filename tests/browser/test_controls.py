@@ -9,12 +9,13 @@ from tests.helpers.browser.interruptions import (
     ENDLESS,
     HIDE,
     PATIENT,
+    PRACTICE,
     UNPLUG,
     views,
     wait_for_views,
 )
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.scenes import CAMERA
+from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
 from tests.helpers.browser.viewfinder import expect_all_in_reach
 from tests.helpers.browser.waiting import address, hear, listen, until
 
@@ -97,7 +98,7 @@ def test_language_sizes_keys_and_popovers_in_the_middle_of_a_capture(page: Page)
 
 
 def test_the_camera_is_asked_for_the_size_chosen_and_comes_back_by_itself(page: Page) -> None:
-    page.add_init_script(PLUGGED)
+    page.add_init_script(PLUGGED + BLIND_DETECTOR)
     listen(page)
     page.goto("/calibrate/")
     page.locator("#settings > summary").click()
@@ -122,7 +123,7 @@ def test_who_is_quicker_than_the_list_of_cameras_gets_the_one_that_was_asked_for
       navigator.mediaDevices.enumerateDevices = () => listed.then(list);
       window.permitted = true;
     """
-    page.add_init_script(PLUGGED + slowly)
+    page.add_init_script(PLUGGED + slowly + BLIND_DETECTOR)
     page.goto("/calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)")
     page.locator("#start").click()
     expect(page.locator("#camera option"), "nothing is said before it is known").to_have_count(0)
@@ -133,7 +134,7 @@ def test_who_is_quicker_than_the_list_of_cameras_gets_the_one_that_was_asked_for
 
 
 def test_a_camera_that_is_refused_is_explained_in_one_sentence(page: Page) -> None:
-    page.add_init_script(PLUGGED)
+    page.add_init_script(PLUGGED + BLIND_DETECTOR)
     page.goto("/calibrate/")
     refusals = (
         ("#start", "NotAllowedError", "Camera access is blocked. Click the camera icon in the address bar"),
@@ -152,7 +153,8 @@ def test_a_camera_that_is_refused_is_explained_in_one_sentence(page: Page) -> No
 
 def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> None:
     page = context.new_page()
-    page.goto("/calibrate/")
+    page.add_init_script(BLIND_DETECTOR)
+    page.goto(PRACTICE)
     page.locator("#wanted", has_text="No camera was found. Plug one in, or try").wait_for()
     expect(page.locator("#start-virtual.primary")).to_be_visible()
     picture(page, "capture-no-camera", ["hand"])

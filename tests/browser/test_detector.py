@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from tests.helpers.browser.scripts import page_function
+from tests.helpers.browser.scripts import PLAIN, page_function
 from tests.helpers.marks import thorough
 
 WATCH = page_function("watch_detector")
@@ -12,7 +12,7 @@ WATCH = page_function("watch_detector")
 
 @pytest.mark.parametrize("frames", [20, *thorough(2_000)])
 def test_detector_is_exact_and_keeps_its_memory(page: Page, frames: int) -> None:
-    page.goto("/board/")
+    page.goto(PLAIN)
     seen = page.evaluate(WATCH, frames)
     assert seen["full"]["ids"] == list(range(40))
     errors = np.linalg.norm(np.array(seen["full"]["points"]) - np.array(seen["truth"]), axis=1)

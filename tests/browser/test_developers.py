@@ -14,23 +14,19 @@ from playwright.sync_api import BrowserContext, Page, expect
 from tests.helpers.browser.captures import calibrated
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.pictures import WIDE, picture
+from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import passing, until
 
 MAX_ACTIONS = 8
 LABEL = "HD Pro Webcam C920 (046d:082d)"
-# Chromium's own camera, with the name of a real one: the service knows the made-up one for what it is.
-NAMED = f"""
-  Object.defineProperty(MediaStreamTrack.prototype, "label", {{ get: () => {json.dumps(LABEL)} }});
-"""
-CAMERA = {"camera": LABEL, "platform": "X11; Linux x86_64", "img_size": [640, 480]}
-SMALL = Truth(fx=600.0, cx=322.0, cy=238.0, size=(640, 480))
+KEY = {"camera": LABEL, "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 
 
 @pytest.fixture(scope="module")
 def known(api: httpx.Client) -> dict[str, Any]:
     """Calibration of the camera, on which five contributors agree."""
-    return calibrated(api, SMALL, CAMERA)
+    return calibrated(api, Truth(), KEY)
 
 
 @dataclass
@@ -51,11 +47,12 @@ class Developer:
 
 
 @pytest.fixture
-def developer(camera_page: Page, stack: str) -> Developer:
+def developer(context: BrowserContext, stack: str) -> Developer:
     """Developer with an empty profile and a camera."""
-    camera_page.context.grant_permissions(["clipboard-read", "clipboard-write"], origin=stack)
-    camera_page.add_init_script(NAMED)
-    return Developer(camera_page)
+    context.grant_permissions(["clipboard-read", "clipboard-write"], origin=stack)
+    page = context.new_page()  # a refusal is an error in the console
+    page.add_init_script(CAMERA + BLIND_DETECTOR)
+    return Developer(page)
 
 
 def test_from_the_landing_page_to_a_lookup_on_another_origin(
@@ -94,14 +91,13 @@ def test_from_the_landing_page_to_a_lookup_on_another_origin(
         # An unknown camera is calibrated, and its result comes back to the page.
         page.goto(own)
         page.evaluate("sessionStorage.clear()")
-        page.add_init_script(
-            'Object.defineProperty(MediaStreamTrack.prototype, "label", { get: () => "New One" });'
-        )
+        page.add_init_script(CAMERA.replace(LABEL, "New One"))
         page.goto(f"{own}/?again")
         expect(page.locator("#answer")).to_have_text("calibDB does not know New One yet.")
         page.locator("#calibrate").click()
         page.wait_for_url(
-            re.compile(re.escape(f"{stack}/calibrate/?") + r".*return_to=http%3A%2F%2Flocalhost")
+            re.compile(re.escape(f"{stack}/calibrate/?") + r".*return_to=http%3A%2F%2Flocalhost"),
+            wait_until="commit",
         )
         page.goto(f"{own}/#calibration={known['id'] or ''}")
         expect(page.locator("#answer")).to_contain_text('"camera_matrix"')

@@ -7,7 +7,7 @@ from playwright.sync_api import Page, expect
 
 from tests.helpers.browser.interruptions import sessions
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.scripts import page_function
+from tests.helpers.browser.scripts import PLAIN, page_function
 from tests.helpers.browser.truth import SMALL
 from tests.helpers.browser.waiting import address, hear, listen
 
@@ -31,7 +31,7 @@ def test_each_trouble_is_known_from_the_picture(page: Page) -> None:
         "wrong_board": {"board": {"dictionary": "DICT_6X6_250"}},
         "legacy": {"board": {"legacy": True}},
     }
-    page.goto("/board/")
+    page.goto(PLAIN)
     said = page.evaluate(WATCH, faults)
     assert said == {name: None if name == "nothing" else name for name in faults}
 

@@ -70,7 +70,7 @@ def test_quickstart_ends_with_a_page_that_knows_its_camera(
     page.get_by_role("button", name="Open the camera").click()
     expect(page.locator("#answer")).to_contain_text("unknown_camera")
     page.get_by_role("button", name="Calibrate it").click()
-    page.wait_for_url(f"{stack}/calibrate/?**")
+    page.wait_for_url(f"{stack}/calibrate/?**", wait_until="commit")
     asked = {name: values[0] for name, values in parse_qs(urlsplit(page.url).query).items()}
     assert asked["return_to"] == quickstart
     key = {"camera": asked["camera"], "platform": asked["platform"], "img_size": [1280, 720]}

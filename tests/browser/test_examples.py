@@ -14,6 +14,7 @@ from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.truth import SMALL
 from tests.helpers.browser.waiting import until
 
+from ..conftest import THOROUGH
 from .test_ar import WEBCAM
 
 Array = npt.NDArray[np.float64]
@@ -103,7 +104,7 @@ def test_a_scene_lies_on_the_picture(page: Page, engine: str) -> None:
     page.goto(f"/examples/{engine}/?{TRUTH.query(error=0)}&still=1")
     lens = {"img_size": TRUTH.size, "camera_matrix": TRUTH.matrix.tolist(), "distortion_model": "rectilinear"}
     matrix = page.evaluate(STRAIGHT, lens | {"distortion_coefficients": TRUTH.distortion.tolist()})
-    for ratio in RATIOS:
+    for ratio in RATIOS if THOROUGH else RATIOS[1:]:
         page.evaluate(RESIZED, ratio)
         image, marks, seen = complete(page)
         # A stage that begins between two pixels: its screenshot begins at the first.
@@ -151,6 +152,7 @@ def offset(page: Page) -> float:
 
 @pytest.mark.thorough
 def test_the_board_moves_and_the_scene_with_it_and_leaves_it_without_the_calibration(page: Page) -> None:
+    page.emulate_media(reduced_motion="no-preference")
     page.goto("/examples/three/?virtual=1&k1=-0.3&error=0&rate=5&img_size=640x360&fx=500")
     complete(page)
     # Of one moment, but a screenshot may fall between picture and scene.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import re
 from dataclasses import replace
@@ -24,6 +25,7 @@ SENT = {
 }  # fmt: skip
 
 
+@functools.cache
 def captured(name: str = "opencv_right") -> tuple[ExportSource, tuple[int, int]]:
     """Keypoints of a real camera's 13 views, and the camera that a fit of all of them gives."""
     views, size = corner_views(name)

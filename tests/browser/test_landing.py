@@ -11,7 +11,6 @@ DRAWN = "document.querySelector('#loop .black').getAttribute('d')"
 
 def test_a_lookup_answers_with_a_card_beside_the_counts_of_the_database(page: Page) -> None:
     page.add_init_script(CAMERA)
-    page.emulate_media(reduced_motion="reduce")
     answer(page, "**/v1/lookup", lambda: result() | {"calibrations": 7, "reliable": True})
     answer(page, "**/v1/cameras?*", cameras)
     page.goto("/")

@@ -6,10 +6,10 @@ from playwright.sync_api import BrowserContext, Page, Route, expect
 from infra.web_build.site import sources
 from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.site_pages import UNHEARD
-from tests.helpers.browser.truth import Truth
+from tests.helpers.browser.truth import SMALL
 from tests.helpers.browser.waiting import until
 
-VIRTUAL = f"/calibrate/?{Truth().query(seed=3)}"
+VIRTUAL = f"/calibrate/?{SMALL.query(seed=3)}"
 
 
 def test_what_cannot_be_loaded_is_said_in_plain_words(context: BrowserContext) -> None:

@@ -9,8 +9,9 @@ import pytest
 from playwright.sync_api import BrowserContext
 
 from tests.helpers.browser.firefox import InFirefox
+from tests.helpers.browser.scripts import PLAIN
 
-from .test_rectifier import calibration
+from .test_rectifier import HALF, calibration
 
 ADDRESS = "/ar/?virtual=1&k1=-0.3&error=0&rate=10&hand=quick"
 #: a context taken away, and given back; what is drawn meanwhile is nothing
@@ -102,13 +103,13 @@ def check_drawn(sums: list[dict[str, Any]]) -> None:
 
 def test_what_was_on_the_gpu_is_made_anew(context: BrowserContext) -> None:
     page = context.new_page()  # which tells that the GPU was lost
-    page.goto("/board/")
-    check_drawn(page.evaluate(DRAWN, calibration("rectilinear")))
+    page.goto(PLAIN)
+    check_drawn(page.evaluate(DRAWN, calibration("rectilinear", HALF)))
 
 
 @pytest.mark.thorough
 def test_what_was_on_the_gpu_is_made_anew_in_firefox(stack: str, in_firefox: InFirefox) -> None:
-    check_drawn(in_firefox(f"{stack}/board/", f"() => ({DRAWN})({json.dumps(calibration('rectilinear'))})"))
+    check_drawn(in_firefox(f"{stack}{PLAIN}", f"() => ({DRAWN})({json.dumps(calibration('rectilinear'))})"))
 
 
 @pytest.mark.thorough

@@ -13,7 +13,7 @@ from playwright.sync_api import FilePayload, Page, Request, expect
 
 from calibsolver import Board, fit
 from tests.helpers.browser.photographs import CAMERA, board_photographs, jpeg, opencv_fx, sent_views
-from tests.helpers.browser.scripts import page_function
+from tests.helpers.browser.scripts import PLAIN, page_function
 from tests.helpers.browser.truth import SMALL
 
 CHESSBOARD = Board(kind="chessboard", squares=(10, 7))
@@ -46,7 +46,7 @@ def test_boards_are_recognised_and_give_what_opencv_gives(page: Page, names: tup
         name: [base64.b64encode(cv2.imencode(".png", picture)[1].tobytes()).decode() for picture in pictures]
         for name, pictures in series.items()
     }
-    page.goto("/board/")
+    page.goto(PLAIN)
     outcomes = page.evaluate(FIND, data)
     for name, pictures in series.items():
         check(name, outcomes.get(name), pictures)

@@ -26,7 +26,7 @@ def elsewhere(tmp_path: Path, stack: str) -> Iterator[str]:
 
 def test_the_readmes_example_runs_on_another_origin(camera_page: Page, elsewhere: str, stack: str) -> None:
     camera_page.goto(elsewhere)
-    camera_page.wait_for_url(f"{stack}/calibrate/?**")
+    camera_page.wait_for_url(f"{stack}/calibrate/?**", wait_until="commit")
     asked = parse_qs(urlsplit(camera_page.url).query)
     assert asked["camera"][0].startswith("fake_device")
     assert asked["img_size"] == ["640x480"]

@@ -4,7 +4,7 @@ from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import BrowserContext, Page, Route, expect
+from playwright.sync_api import BrowserContext, Page, Request, Route, expect
 
 from tests.helpers.browser.interruptions import (
     ENDLESS,
@@ -19,7 +19,9 @@ from tests.helpers.browser.interruptions import (
     wait_for_views,
 )
 from tests.helpers.browser.pictures import picture, violations
+from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.scripts import page_function
+from tests.helpers.browser.sent import assert_only_keypoints
 from tests.helpers.browser.waiting import address, at_rest, hear, listen, requests_within, until
 from tests.helpers.marks import thorough
 
@@ -73,7 +75,11 @@ new PerformanceObserver((list) => {
 }).observe({ type: "layout-shift", buffered: true });"""
 
 
-def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
+def test_capture_in_all_its_states_sends_keypoints_only(page: Page, api: httpx.Client) -> None:
+    sent: list[Request] = []
+    page.on("request", lambda request: sent.append(request))
+    page.on("websocket", lambda socket: pytest.fail(f"a socket to {socket.url}"))
+    page.emulate_media(reduced_motion="no-preference")
     page.set_viewport_size({"width": 390, "height": 844})
     # The capture must not be over before it is looked at.
     page.add_init_script(SHIFTS)
@@ -123,6 +129,7 @@ def test_capture_in_all_its_states(page: Page, api: httpx.Client) -> None:
     expect(page.locator("#summary")).to_contain_text("practice run")
     expect(page.locator("#practice")).to_contain_text("Practice run")
     expect(page.locator("#done .another")).to_contain_text("Expected: C920")
+    assert_only_keypoints(sent)
     if THOROUGH:
         expect_to_continue_without_a_view(page, api)
 
@@ -203,6 +210,7 @@ def test_a_hidden_capture_waits_and_the_keyboard_leads_from_the_first_view_to_th
 
 
 def test_header_of_a_capture_keeps_its_height_on_a_phone(page: Page) -> None:
+    page.add_init_script(BLIND_DETECTOR)
     page.set_viewport_size({"width": 390, "height": 844})
     page.goto(ENDLESS, wait_until="domcontentloaded")
     header = "document.querySelector('header.rim').getBoundingClientRect().height"

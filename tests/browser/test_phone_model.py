@@ -3,6 +3,7 @@
 from playwright.sync_api import Page, expect
 
 from tests.helpers.browser.pictures import violations
+from tests.helpers.browser.scenes import BLIND_DETECTOR
 
 ASK = """async () => {
   const { askPhoneModel } = await import("/lib/phone-model.js");
@@ -15,6 +16,7 @@ ASK = """async () => {
 
 
 def test_the_visitor_chooses_among_few_models_and_is_asked_once(page: Page) -> None:
+    page.add_init_script(BLIND_DETECTOR)
     page.goto("/calibrate/")
     page.evaluate(ASK)
     dialog = page.locator("dialog")

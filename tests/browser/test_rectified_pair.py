@@ -12,7 +12,7 @@ from calibsolver import Camera
 from calibsolver.rig.rectification import rectify
 from calibsolver.rig.start import RigidMotion
 from tests.helpers.browser.photographs import textured_board
-from tests.helpers.browser.scripts import page_function
+from tests.helpers.browser.scripts import PLAIN, page_function
 from tests.helpers.rig_vectors import RIGS_PATH
 
 from .test_rectifier import camera, decoded
@@ -47,7 +47,7 @@ def test_a_pair_of_two_models_is_drawn_as_opencv_would(page: Page) -> None:
     # So soft that OpenCV's fractions, whole 1/32 px, do not show.
     both = np.asarray(cv2.GaussianBlur(textured_board((2 * SIZE[0], SIZE[1])), (0, 0), 3.0), dtype=np.uint8)
     png = base64.b64encode(cv2.imencode(".png", both)[1].tobytes()).decode()
-    page.goto("/board/")
+    page.goto(PLAIN)
     for packing in (None, "beside"):
         made = page.evaluate(DRAWN, [pair, png, packing])
         sides = (

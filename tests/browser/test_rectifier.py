@@ -15,7 +15,7 @@ from playwright.sync_api import Page
 from calibsolver import Camera
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.photographs import textured_board
-from tests.helpers.browser.scripts import page_function
+from tests.helpers.browser.scripts import PLAIN, page_function
 from tests.helpers.browser.waiting import TIMEOUT_S
 
 from .conftest import CHROMIUM, chromium_path
@@ -137,7 +137,7 @@ def check_all(asked: list[tuple[str, str]], made: list[Any], size: Size) -> None
 
 @pytest.mark.parametrize("size", SIZES)
 def test_every_model_is_warped_as_opencv_would(page: Page, size: Size) -> None:
-    page.goto("/board/")
+    page.goto(PLAIN)
     assert len(ASKED) == 8
     check_all(ASKED, page.evaluate(WARPED, asking(ASKED, size)), size)
 
@@ -152,7 +152,7 @@ def test_every_model_is_warped_as_opencv_would(page: Page, size: Size) -> None:
 def test_models_are_warped_as_opencv_would_in_firefox(
     stack: str, in_firefox: InFirefox, asked: list[tuple[str, str]], size: Size
 ) -> None:
-    made = in_firefox(f"{stack}/board/", f"() => ({WARPED})({json.dumps(asking(asked, size))})")
+    made = in_firefox(f"{stack}{PLAIN}", f"() => ({WARPED})({json.dumps(asking(asked, size))})")
     check_all(asked, made, size)
 
 
@@ -176,7 +176,7 @@ def test_two_hundred_leave_nothing_behind(playwright: Any, stack: str, tmp_path:
     page = context.pages[0]
     warnings: list[str] = []
     page.on("console", lambda message: warnings.append(message.text))
-    page.goto(f"{stack}/board/")
+    page.goto(f"{stack}{PLAIN}")
     browser = min(  # the script that starts it is its parent
         int(path.parent.name)
         for path in Path("/proc").glob("[0-9]*/cmdline")

@@ -14,7 +14,7 @@ from playwright.sync_api import Page
 from tests.helpers.browser.captures import calibrated, capture
 from tests.helpers.browser.elsewhere import serving
 from tests.helpers.browser.pictures import picture
-from tests.helpers.browser.scripts import page_function
+from tests.helpers.browser.scripts import PLAIN, page_function
 from tests.helpers.browser.truth import Truth
 
 from .conftest import ROOT
@@ -56,7 +56,7 @@ def project(tmp_path: Path, stack: str) -> Iterator[str]:
 
 def test_the_packages_example_runs(camera_page: Page, project: str, stack: str) -> None:
     camera_page.goto(project)
-    camera_page.wait_for_url(f"{stack}/calibrate/?**")
+    camera_page.wait_for_url(f"{stack}/calibrate/?**", wait_until="commit")
     assert parse_qs(urlsplit(camera_page.url).query)["camera"][0].startswith("fake_device")
 
 
@@ -64,15 +64,14 @@ def test_a_worker_asks_with_what_it_was_told(page: Page) -> None:
     page.route(
         "**/lookup-worker.js", lambda route: route.fulfill(body=WORKER, content_type="text/javascript")
     )
-    page.goto("/")
+    page.goto(PLAIN)
     found = page.evaluate(IN_WORKER, {**KEY, "zoom": 0, "camera": "A camera that nobody has"})
     assert found == {"reason": "unknown_camera", "pixel": None}
 
 
 def test_the_result_comes_back_to_the_application(page: Page, api: httpx.Client, stack: str) -> None:
     state = capture(api, Truth(), KEY, seed=11)
-    page.goto("/board/")  # stands for an application: same origin, nothing of the result page
-    back = f"{stack}/board/?from=result"
+    back = f"{stack}{PLAIN}?from=result"  # stands for an application: same origin, nothing of the result page
     page.goto(f"/result/?id={state['calibration_id']}&return_to={back}")
     page.locator("#return").click()
     page.wait_for_url(f"{back}#calibration=*")
@@ -105,7 +104,7 @@ def known(api: httpx.Client) -> dict[str, object]:
 
 def test_another_model_is_fitted_when_it_is_asked_for(page: Page, known: dict[str, object]) -> None:
     """Keypoints are kept, so a camera that was calibrated as rectilinear is answered as a fisheye, too."""
-    page.goto("/board/")
+    page.goto(PLAIN)
     found = page.evaluate(REFITTED, known | {"zoom": 0})
     assert found["models"] == ["rectilinear", "fisheye"]
     assert (found["module"], found["coefficients"], found["reliable"]) == ("fisheye", 4, True)

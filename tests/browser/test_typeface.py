@@ -5,6 +5,7 @@ import re
 import pytest
 from playwright.sync_api import Page, Route
 
+from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.scripts import page_function
 from tests.helpers.marks import thorough
 
@@ -38,7 +39,7 @@ def test_first_visits_show_the_typeface_without_a_shift(visitor: Visitor, size: 
     """The font arrives after everything else: text is shown in the stand-in first."""
     for path in PATHS if THOROUGH else PATHS[:2]:
         page = visitor(viewport={"width": size[0], "height": size[1]}, locale="en").new_page()
-        page.add_init_script(SHIFTS)
+        page.add_init_script(SHIFTS + BLIND_DETECTOR)
         held: list[Route] = []
         hold(page, held)
         page.goto(path, wait_until="domcontentloaded")

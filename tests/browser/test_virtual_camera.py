@@ -1,8 +1,7 @@
-"""The whole guided capture, hands-free: a camera that is known, a board in hands that are not perfect."""
+"""The whole guided capture, hands-free: a known camera, a board in hands that are not perfect."""
 
 import json
 from typing import Any
-from urllib.parse import urlsplit
 
 import httpx
 import numpy as np
@@ -15,17 +14,15 @@ from tests.helpers.browser.captures import agreed, capture
 from tests.helpers.browser.firefox import InFirefox
 from tests.helpers.browser.frame_rate import WATCH
 from tests.helpers.browser.interruptions import views
+from tests.helpers.browser.sent import assert_only_keypoints
 from tests.helpers.browser.truth import SMALL, Truth
 from tests.helpers.browser.waiting import address, until
-from tests.helpers.marks import thorough
 from tests.helpers.solver.synthetic import projection_error
 
 from ..conftest import THOROUGH
 
-RATE = 10  # frames/s, of a webcam in poor light
+RATE = 10 if THOROUGH else 5  # frames/s, of a webcam in poor light
 HAND = "person" if THOROUGH else "quick"
-KEYPOINTS = {"index", "ids", "points"}
-SESSION = {"camera", "platform", "img_size", "zoom", "board", "distortion_model", "track", "target_error"}
 
 
 def assert_true(
@@ -42,31 +39,6 @@ def assert_true(
     assert frames >= 5 * views  # of one that is held still there are several
     assert min(seconds, frames / RATE) <= 40  # a machine that looks at fewer has more time
     assert errors.mean() < 0.4 * truth.size[0] / 1280
-
-
-def assert_only_keypoints(sent: list[Request]) -> None:
-    """Assert that GETs, the opening of a session and corner positions leave the page, never a picture."""
-    views = 0
-    for request in sent:
-        if request.method == "GET":
-            assert not request.post_data_buffer
-            continue
-        assert request.method == "POST", request.method
-        path = urlsplit(request.url).path
-        body = json.loads(request.post_data or "null")
-        if path == "/v1/auth":
-            assert body is None
-        elif path == "/v1/session":
-            assert set(body) <= SESSION
-            assert all(isinstance(value, (str, int, float)) for value in body["track"].values())
-        else:
-            assert path == "/v1/session/views"
-            assert set(body) == KEYPOINTS
-            assert len(body["ids"]) == len(body["points"]) <= 40
-            assert all(len(point) == 2 for point in body["points"])
-            assert len(request.post_data or "") < 4096
-            views += 1
-    assert views >= 4
 
 
 LOOKUP = """async (key) =>
@@ -104,7 +76,8 @@ def expect_known_after_five(
     assert "cannot be asked now" in error
 
 
-@pytest.mark.parametrize("truth", [SMALL, *thorough(Truth())], ids=["640", "1280"])
+@pytest.mark.thorough
+@pytest.mark.parametrize("truth", [SMALL, Truth()], ids=["640", "1280"])
 def test_chromium_hands_free_with_nothing_but_keypoints_until_the_camera_is_known(
     page: Page, api: httpx.Client, stack: str, truth: Truth
 ) -> None:
@@ -119,8 +92,7 @@ def test_chromium_hands_free_with_nothing_but_keypoints_until_the_camera_is_know
     stored = api.get(f"/calibrations/{address(page).split('id=')[1]}").json()
     assert_true(stored, views(page), seconds, frames, "Chromium", truth)
     assert_only_keypoints(sent)
-    if THOROUGH:
-        expect_known_after_five(page, api, stack, stored, truth)
+    expect_known_after_five(page, api, stack, stored, truth)
 
 
 LOOKS = """

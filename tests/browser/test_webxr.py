@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page
 
 from tests.helpers.browser.firefox import InFirefox
-from tests.helpers.browser.scripts import FOLDER
+from tests.helpers.browser.scripts import FOLDER, PLAIN
 from tests.helpers.browser.webxr import LABEL, TRUTH, calibrated, script
 
 SESSIONS = (FOLDER / "webxr_sessions.js").read_text()
@@ -65,7 +65,7 @@ def check_immersive(seen: dict[str, Any]) -> None:
 def test_the_browsers_own_inline_session(context: BrowserContext, api: httpx.Client) -> None:
     calibrated(api)
     page = context.new_page()  # which may complain: an unknown camera is a 404
-    page.goto("/board/")
+    page.goto(PLAIN)
     seen = page.evaluate(held("native"))
     assert seen["native"] is True
     for nothing in seen["nothing"]:
@@ -80,18 +80,19 @@ def test_the_browsers_own_inline_session(context: BrowserContext, api: httpx.Cli
 
 def test_augmented_reality_on_a_webcam(page: Page) -> None:
     page.set_viewport_size({"width": 1440, "height": 900})
-    page.goto("/board/")
+    page.goto(PLAIN)
     check_immersive(page.evaluate(held("immersive")))
 
 
+@pytest.mark.thorough
 def test_augmented_reality_on_a_webcam_in_firefox(stack: str, in_firefox: InFirefox) -> None:
-    check_immersive(in_firefox(f"{stack}/board/", held("immersive")))
+    check_immersive(in_firefox(f"{stack}{PLAIN}", held("immersive"), size=(1440, 900)))
 
 
 def test_a_camera_that_is_turned_is_asked_for_again(context: BrowserContext, api: httpx.Client) -> None:
     known = calibrated(api)
     page = context.new_page()  # which may complain: what is unknown upright is a 404
-    page.goto("/board/")
+    page.goto(PLAIN)
     found = page.evaluate(held("changing"))
     first, turned, again = found["seen"]
     check_answered(first, known)
@@ -106,7 +107,7 @@ def test_a_camera_that_is_turned_is_asked_for_again(context: BrowserContext, api
 
 def test_a_picture_that_is_turned_never_has_the_former_ones_matrix(page: Page, api: httpx.Client) -> None:
     known = calibrated(api)
-    page.goto("/board/")
+    page.goto(PLAIN)
     seen = page.evaluate(held("turned"))
     check_answered(seen["before"], known)
     check_nothing(seen["after"])

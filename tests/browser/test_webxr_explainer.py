@@ -12,6 +12,7 @@ import pytest
 from playwright.sync_api import Page
 
 from tests.helpers.browser.elsewhere import serving
+from tests.helpers.browser.scripts import PLAIN
 from tests.helpers.browser.webxr import LABEL, SHARED, known_camera, script
 from tests.helpers.rig_vectors import RIGS_PATH
 
@@ -95,7 +96,7 @@ def test_two_cameras_of_a_rig_are_two_eyes(page: Page, stack: str) -> None:
         "unit": "squares",
     }
     page.route("**/v1/rigs/*/result", lambda route: route.fulfill(json=result))
-    page.goto("/board/")
+    page.goto(PLAIN)
     body = f"""
       const [leftVideo, rightVideo] = [(await webcam([640, 480])).video, (await webcam([640, 480])).video];
       {sample("useRig")}
@@ -138,7 +139,7 @@ def test_two_cameras_of_a_rig_are_two_eyes(page: Page, stack: str) -> None:
 
 
 def test_the_picture_straightened(page: Page, known: dict[str, Any]) -> None:
-    page.goto("/board/")
+    page.goto(PLAIN)
     body = f"""{WAIT}
       const {{ useCamera }} = await import("/webxr/camera.js");
       const video = document.createElement("video");
@@ -159,7 +160,7 @@ def test_the_picture_straightened(page: Page, known: dict[str, Any]) -> None:
 
 def test_a_provider_of_its_own_and_raw_camera_access(page: Page, known: dict[str, Any], stack: str) -> None:
     page.route("**/my-cameras/rectilinear.json", lambda route: route.fulfill(json=known))
-    page.goto("/board/")
+    page.goto(PLAIN)
     body = f"""
       {sample("/my-cameras/")}
       const session = await navigator.xr.requestSession("inline");

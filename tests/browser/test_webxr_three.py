@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Page, Route, ViewportSize
 
 from tests.helpers.browser.firefox import InFirefox
-from tests.helpers.browser.scripts import FOLDER
+from tests.helpers.browser.scripts import FOLDER, PLAIN
 from tests.helpers.browser.waiting import until
 from tests.helpers.browser.webxr import LABEL, known_camera, script
 
@@ -52,7 +52,7 @@ def shown(page: Page, marks: Array, *, rectify: bool) -> tuple[Array, Array]:
     """Run the application over a picture with green `marks`; give where these and its red balls are, px."""
     page.set_viewport_size(ViewportSize(width=WINDOW[0], height=WINDOW[1]))
     page.route("**/three/*.js", serve)
-    page.goto("/board/")
+    page.goto(PLAIN)
     constants = {"label": LABEL, "points": POINTS.tolist(), "marks": marks.tolist(), "rectify": rectify}
     page.evaluate(script(f"{APPLICATION} await run();", **constants))
 
@@ -102,7 +102,7 @@ def test_a_scene_lies_on_the_straightened_picture(page: Page, known: dict[str, A
 
 @pytest.mark.thorough
 def test_its_manager_runs_in_firefox_too(stack: str, in_firefox: InFirefox) -> None:
-    seen = in_firefox(f"{stack}/board/", script(f"{APPLICATION} return managed();"))
+    seen = in_firefox(f"{stack}{PLAIN}", script(f"{APPLICATION} return managed();"))
     assert (seen["matrix"], seen["model"]) == ([500, 0, 0, 0, 505, 0, 325, 178, 1], "rectilinear")
     assert seen["three"] == pytest.approx(seen["p"], abs=1e-6)
     assert (seen["eyes"], seen["drawn"], seen["presenting"]) == (1, 12, False)

@@ -1,4 +1,4 @@
-"""Guided captures over HTTP with synthetic views, where a browser would add nothing but time."""
+"""Calibrations of recorded synthetic views over HTTP, where a guided capture would add nothing but time."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import cv2
 import httpx
+import numpy as np
 
 from tests.helpers.service import client as service
 from tests.helpers.service.client import Client, until
@@ -16,6 +18,15 @@ from .truth import Truth
 from .waiting import TIMEOUT_S
 
 NOISE = 0.05  # px; what the page's detector has
+#: Poses of the board in the recorded views: rotation, degrees; its middle, from the image's middle, and its
+#: width, in parts of the image. They determine a lens as well as guided ones.
+HELD = (
+    ((25, 10, 0), (0, 0), 0.9),
+    ((-30, 25, 5), (-0.27, -0.2), 0.75),
+    ((30, -25, -5), (0.27, 0.2), 0.75),
+    ((-20, -35, 0), (0.27, -0.2), 0.75),
+    ((35, 20, 10), (-0.27, 0.2), 0.75),
+)
 
 
 @contextmanager
@@ -25,8 +36,20 @@ def client(api: httpx.Client) -> Iterator[Client]:
         yield Client(remote)
 
 
+def recorded(truth: service.Truth) -> Iterator[dict[str, Any]]:
+    """Views of the board in the poses of `HELD`, as requests have them."""
+    size, columns = np.array(truth.img_size), truth.squares[0]
+    middle = np.append(np.array(truth.squares) / 2, 0)
+    for tilt, aside, width in HELD:
+        rotation = np.radians(np.array(tilt, dtype=float))
+        depth = columns * truth.fx / (width * size[0])
+        ahead = depth * np.append(np.array(aside) * size / truth.fx, 1)
+        ids, points = truth.detect(rotation, ahead - cv2.Rodrigues(rotation)[0] @ middle)
+        yield {"ids": ids, "points": points}
+
+
 def capture(api: httpx.Client, truth: Truth, key: dict[str, Any], seed: int) -> dict[str, Any]:
-    """Run one session to its end, holding the board as asked, a little off; return its last state."""
+    """Calibrate a camera from recorded views; return the last state of the session."""
     held = service.Truth(
         fx=truth.fx,
         fy=truth.fx,
@@ -37,8 +60,15 @@ def capture(api: httpx.Client, truth: Truth, key: dict[str, Any], seed: int) -> 
         noise=NOISE,
         seed=seed,
     )
-    with client(api) as capturing:
-        state: dict[str, Any] = held.calibrate(capturing, 20, **key)
+    with client(api) as session:
+        opened = session.open(**{"img_size": truth.size} | key, capture="recorded")
+        assert opened.status == 201, opened.body
+        views = list(recorded(held))
+        sent = session.call("POST", "/v1/session/batch", {"index": 0, "views": views})
+        assert sent.status == 200, sent.body
+        state: dict[str, Any] = session.call("POST", "/v1/session/finish").json
+    assert len(state["views"]) == len(HELD)
+    assert state["status"] == "converged"
     return state
 
 

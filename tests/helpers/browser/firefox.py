@@ -17,14 +17,19 @@ import pytest
 
 from .waiting import TIMEOUT_S
 
+Size = tuple[int, int]
+SMALL_WINDOW: Size = (800, 600)  # px; the processor draws each of its pixels
 SCRIPT = Path(__file__).with_name("firefox_pages.mjs")
 
 
 class InFirefox(Protocol):
     """Evaluator of asynchronous JavaScript functions in pages; fails if the page complains."""
 
-    def __call__(self, address: str, function: str, before: str = "") -> Any:
-        """Result of a function in the page at an address, before whose scripts another script has run."""
+    def __call__(self, address: str, function: str, before: str = "", size: Size = SMALL_WINDOW) -> Any:
+        """Result of a function in the page at an address, before whose scripts another script has run.
+
+        `size` is that of the window, px.
+        """
 
 
 def executable(name: str) -> str:
@@ -77,13 +82,14 @@ def firefox() -> Iterator[InFirefox]:
             stack.enter_context(process)  # closes its input, and waits for its end
             return process
 
-        def evaluate(address: str, function: str, before: str = "") -> Any:
+        def evaluate(address: str, function: str, before: str = "", size: Size = SMALL_WINDOW) -> Any:
             if not started:
                 started.append(start())
             (process,) = started
             assert process.stdin
             assert process.stdout
-            process.stdin.write(json.dumps({"address": address, "source": function, "before": before}) + "\n")
+            asked = {"address": address, "source": function, "before": before, "size": size}
+            process.stdin.write(json.dumps(asked) + "\n")
             process.stdin.flush()
             watchdog = threading.Timer(3 * TIMEOUT_S, process.kill)
             watchdog.start()

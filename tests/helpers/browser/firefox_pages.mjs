@@ -1,8 +1,8 @@
 // Firefox for the tests of one process: pages one after the other, each by itself, and what they make of a function.
 // Without a screen Firefox has no WebGL: DISPLAY names one.
 //     DISPLAY=:99 node firefox_pages.mjs <executable>
-// Reads a line of JSON for each page, {address, source, before}, and prints one, {result, complaints} or {error}, until
-// its input ends.
+// Reads a line of JSON for each page, {address, source, before, size}, and prints one, {result, complaints} or {error},
+// until its input ends.
 import { createInterface } from "node:readline";
 import puppeteer from "puppeteer-core";
 
@@ -10,17 +10,25 @@ const TIMEOUT_MS = 120_000; // only what fails is waited for so long
 
 const [, , executablePath] = process.argv;
 const limits = { timeout: TIMEOUT_MS, protocolTimeout: 2 * TIMEOUT_MS };
-const browser = await puppeteer.launch({ browser: "firefox", executablePath, headless: false, ...limits });
+// Without a GPU the processor draws each frame. A process for a page that is never opened takes a second.
+const extraPrefsFirefox = { "layout.frame_rate": 20, "dom.ipc.processPrelaunch.enabled": false };
+const browser = await puppeteer.launch({
+  browser: "firefox",
+  executablePath,
+  headless: false,
+  extraPrefsFirefox,
+  ...limits,
+});
 
 /** Result of a function in a page, and what the page complains of meanwhile. */
-async function evaluate(page, { address, source, before }) {
+async function evaluate(page, { address, source, before, size: [width, height] }) {
   const complaints = [];
   page.setDefaultTimeout(TIMEOUT_MS);
   page.on("console", (message) => {
     if (["error", "warn"].includes(message.type())) complaints.push(`${message.type()}: ${message.text()}`);
   });
   page.on("pageerror", (error) => complaints.push(`uncaught: ${error.message}`));
-  await page.setViewport({ width: 1440, height: 900 });
+  await page.setViewport({ width, height });
   if (before) await page.evaluateOnNewDocument(before);
   await page.goto(address);
   return { result: await page.evaluate(`(${source})()`), complaints };

@@ -10,6 +10,8 @@ from playwright.sync_api import Page, Request, expect
 from .truth import SMALL
 
 VIRTUAL = f"/calibrate/?{SMALL.query(seed=1)}"
+#: the same, once a visitor starts the virtual camera
+PRACTICE = VIRTUAL.replace("virtual=1&", "")
 #: not reached in the time that a test takes
 ENDLESS = f"{VIRTUAL}&target_error=0.01"
 #: in its picture; on a machine that is busy, as the plainer outline that slow devices get

@@ -57,9 +57,11 @@ def violations(page: Page, *rules: str) -> list[str]:
     # Evaluated rather than added as a script: the policy of the pages rightly refuses that.
     if not page.evaluate("'axe' in window"):
         page.evaluate(f"() => {{ {AXE.read_text()} }}")
+    # Style sheets would be fetched once more for a rule that is off by default.
+    options = {"resultTypes": ["violations"], "preload": {"assets": ["media"]}, "selectors": False}
     found = page.evaluate(
-        "async (rules) => (await axe.run(rules)).violations",
-        {"resultTypes": ["violations"]} | ({"runOnly": list(rules)} if rules else {}),
+        "async (options) => (await axe.run(options)).violations",
+        options | ({"runOnly": list(rules)} if rules else {}),
     )
     return [f"{v['id']}: {v['help']}: {[n['html'] for n in v['nodes']]}" for v in found]
 

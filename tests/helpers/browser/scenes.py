@@ -22,10 +22,14 @@ BLIND_DETECTOR = """
     constructor(url, options) {
       if (!String(url).includes("detector.worker")) return new Real(url, options);
     }
-    postMessage({ id, frame }) {
+    postMessage({ id, frame, recognise }) {
+      const size = frame ? [frame.displayWidth ?? frame.width, frame.displayHeight ?? frame.height] : [];
       frame?.close();
-      const seen = { ids: [], points: [], markers: 0, size: [640, 360], elapsed: 1, memory: 0 };
-      setTimeout(() => this.onmessage({ data: { id, result: frame ? seen : {} } }));
+      const nothing = recognise
+        ? { family: null, markers: [], inverted: false, mirrored: false, chessboard: null, size }
+        : { ids: [], points: [], markers: 0, size, elapsed: 1, memory: 0 };
+      const result = frame ? nothing : {};
+      setTimeout(() => this.onmessage({ data: { id, result } }));
     }
     terminate() {}
   };

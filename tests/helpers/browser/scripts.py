@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+#: page with the least on it, for scripts that any page of the site may run
+PLAIN = "/offline.html"
 FOLDER = Path(__file__).parents[2] / "browser" / "scripts"
 
 

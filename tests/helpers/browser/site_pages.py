@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 
-from playwright.sync_api import Page, ViewportSize
+from playwright.sync_api import CDPSession, Page, ViewportSize
 
 from ...conftest import THOROUGH
 from .pictures import SETTLED
@@ -111,16 +111,24 @@ UNHEARD = """
 _AMISS = page_function("page_faults")
 
 
-def prepare(page: Page) -> None:
-    """Let a page be answered by specimens, after it was drawn once, and watch what moves."""
+def prepare(page: Page) -> CDPSession:
+    """Let a page be answered by specimens, after it was drawn once, and watch what moves.
+
+    Returns a session for `visit`.
+    """
     answers = {part: answer() for part, answer in _ANSWERS.items()}
-    page.context.new_cdp_session(page).send("Network.setCacheDisabled", {"cacheDisabled": True})
     page.add_init_script(f"const answers = {json.dumps(answers)};{_LATE_ANSWERS}{BLIND_DETECTOR}")
     page.add_init_script(_WATCH + UNHEARD)
+    return page.context.new_cdp_session(page)
 
 
-def visit(page: Page, name: str, language: str) -> None:
-    """Open a page in a language, and wait until all that it asks for is there."""
+def visit(page: Page, session: CDPSession, name: str, language: str) -> None:
+    """Open a page in a language, as at a first visit, and wait until all that it asks for is there.
+
+    In `make test` pages that do not have to stand still take from the cache what they share with others.
+    """
+    is_first = THOROUGH or name in FILLED_IN
+    session.send("Network.setCacheDisabled", {"cacheDisabled": is_first})
     with at_rest(page):
         page.goto(f"/{'' if language == 'en' else f'{language}/'}{PAGES[name]}")
         page.evaluate("window.drawn")

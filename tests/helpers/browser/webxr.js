@@ -64,8 +64,8 @@ const webcam = async ([width, height] = [640, 360], label = "Nobody's camera (00
   setInterval(() => {
     context.fillRect(0, 0, source.width, source.height);
     paint(context);
-  }, 50);
-  const stream = source.captureStream(30);
+  }, 100);
+  const stream = source.captureStream(10);
   const [track] = stream.getVideoTracks();
   Object.defineProperty(track, "label", { value: label });
   track.getSettings = () => ({ width: source.width, height: source.height, resizeMode: "none" });

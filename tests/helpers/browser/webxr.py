@@ -8,7 +8,7 @@ import httpx
 from playwright.sync_api import Page, Route
 
 from . import captures
-from .specimens import answer, result
+from .specimens import result
 from .truth import Truth
 
 LABEL = "WebXR Test Camera (1234:0a0b)"
@@ -32,7 +32,7 @@ def known_camera(page: Page) -> dict[str, Any]:
     def fulfil(route: Route) -> None:
         route.fulfill(json=fisheye if "fisheye" in (route.request.post_data or "") else known)
 
-    answer(page, "**/v1/lookup", result)  # not by a cache; the route below is asked first
+    page.route("**/known/v1/**", lambda route: route.fulfill(status=404, json={"reason": "unknown_camera"}))
     page.route("**/v1/lookup", fulfil)
     return known
 
