@@ -9,7 +9,7 @@ from tests.helpers.service.client import Client
 from tests.helpers.service.solved_once import solved_once
 
 
-@pytest.fixture(scope="session", autouse=True)
+@pytest.fixture(scope="package", autouse=True)
 def results_of_the_solver() -> Iterator[None]:
     with solved_once():
         yield

@@ -21,7 +21,7 @@ def certificates() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(scope="session", autouse=True)
+@pytest.fixture(scope="package", autouse=True)
 def results_of_the_solver() -> Iterator[None]:
     with solved_once():
         yield
