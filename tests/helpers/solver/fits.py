@@ -20,7 +20,7 @@ def fit_once(
     fix: Fix = (),
     board_shape: bool = True,
 ) -> Calibration:
-    """Return what `fit` returns, or what it returned for the same arguments before."""
+    """Return the result of `fit`, computed once for the same arguments."""
     key = (
         *(_content(view) for view in views),
         (img_size, model, robust, board_shape, repr(fix)),

@@ -32,7 +32,7 @@ POINTS = np.random.default_rng(2).uniform((-0.5, -0.3, 1), (0.5, 0.3, 5), (40, 3
 
 @pytest.fixture(scope="module")
 def drawn() -> dict[str, dict[str, list[list[float]]]]:
-    """Where three.js draws the points with the files of each model."""
+    """Pixels at which three.js draws the points with the files of each model."""
     files = [
         {name: json.loads(written(model, name).content) for name in ("webxr", "gltf")}
         for model in models.NAMES
