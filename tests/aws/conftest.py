@@ -6,12 +6,12 @@ import pytest
 
 from tests.aws.emulator import LocalStack
 from tests.helpers.service.client import Client
-from tests.helpers.service.solved_once import solved_once
+from tests.helpers.solver.computed_once import computed_once
 
 
-@pytest.fixture(scope="package", autouse=True)
+@pytest.fixture(scope="module", autouse=True)
 def results_of_the_solver() -> Iterator[None]:
-    with solved_once():
+    with computed_once():
         yield
 
 

@@ -10,7 +10,7 @@ from calibdb.store import Store
 from infra.server.server import Server
 from tests.helpers.service import published
 from tests.helpers.service.client import TOKEN, Client
-from tests.helpers.service.solved_once import solved_once
+from tests.helpers.solver.computed_once import computed_once
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -21,9 +21,9 @@ def certificates() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(scope="package", autouse=True)
+@pytest.fixture(scope="module", autouse=True)
 def results_of_the_solver() -> Iterator[None]:
-    with solved_once():
+    with computed_once():
         yield
 
 

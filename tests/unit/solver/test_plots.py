@@ -8,7 +8,7 @@ import pytest
 from calibsolver import fit, plots, rotation
 from tests.helpers.data import corner_views
 from tests.helpers.marks import thorough
-from tests.helpers.solver.fits import fit_once
+from tests.helpers.solver.computed_once import fit_once
 
 
 def test_residuals_have_the_lengths_and_signs_of_the_fit() -> None:

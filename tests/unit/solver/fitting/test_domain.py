@@ -8,7 +8,7 @@ from calibsolver.fitting import domain
 from calibsolver.quality.cross_validation import held_out
 from tests.helpers.data import corner_views
 from tests.helpers.marks import corner_sets
-from tests.helpers.solver.fits import fit_once
+from tests.helpers.solver.computed_once import fit_once
 
 
 def without_prior(monkeypatch: pytest.MonkeyPatch) -> None:

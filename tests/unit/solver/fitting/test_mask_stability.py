@@ -8,7 +8,7 @@ import pytest
 from calibsolver import Calibration, Camera, View, fit
 from tests.helpers import data
 from tests.helpers.marks import thorough
-from tests.helpers.solver.fits import fit_once
+from tests.helpers.solver.computed_once import fit_once
 
 FOCAL_WIDTHS = (0.6, 0.8, 1.1)
 SHIFT_DEVIATIONS = 1e-3

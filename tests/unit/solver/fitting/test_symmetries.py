@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from calibsolver import View, fit
 from tests.helpers.data import corner_views
 from tests.helpers.marks import thorough
-from tests.helpers.solver.fits import fit_once
+from tests.helpers.solver.computed_once import fit_once
 
 budget = settings(max_examples=2)
 

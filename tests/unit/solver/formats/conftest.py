@@ -4,12 +4,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from calibsolver.formats import convert
-from tests.helpers.solver.fits import fit_once
+from tests.helpers.solver.computed_once import computed_once
 
 
-@pytest.fixture(autouse=True, scope="package")
+@pytest.fixture(autouse=True, scope="module")
 def fits_made_once() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(convert, "fit", fit_once)
+    with computed_once():
         yield

@@ -1,20 +1,21 @@
 """Fits and target poses, each computed once in a process for the same arguments.
 
-They are pure functions. Captures of the same simulated camera ask for the same ones again and again.
-Servers in other processes compute everything.
+They are pure functions. Captures of the same simulated camera ask for the same ones again and again, and so
+do conversions of the same calibration. Servers in other processes compute everything.
 """
 
+import functools
 import hashlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from types import NoneType
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 import pytest
 
-from calibsolver import deadline
+from calibsolver import deadline, fit
 from calibsolver.fitting.fit import _Fit
 from calibsolver.guidance.projection_uncertainty import ProjectionUncertainty
 from calibsolver.models import Model
@@ -22,29 +23,39 @@ from calibsolver.rig.fit import _RigFit
 
 PURE: tuple[tuple[type, str], ...] = ((_Fit, "run"), (_RigFit, "run"), (ProjectionUncertainty, "choose"))
 
+P = ParamSpec("P")
+T = TypeVar("T")
+
 _results: dict[bytes, Any] = {}
 
 
 @contextmanager
-def solved_once() -> Iterator[None]:
-    """Remember results within the block."""
+def computed_once() -> Iterator[None]:
+    """Remember what is computed in the block, and recall what earlier blocks computed."""
     with pytest.MonkeyPatch.context() as patch:
         for owner, name in PURE:
-            patch.setattr(owner, name, _remembered(getattr(owner, name)))
+            patch.setattr(owner, name, remembered(getattr(owner, name)))
         yield
 
 
-def _remembered(function: Callable[..., Any]) -> Callable[..., Any]:
-    def remembered(*arguments: Any, **named: Any) -> Any:
+def remembered(function: Callable[P, T]) -> Callable[P, T]:
+    """Wrap a pure function so that it is called once for the same arguments."""
+
+    @functools.wraps(function)
+    def recall(*arguments: P.args, **named: P.kwargs) -> T:
         deadline.check()  # a request without time left gets no result
         digest = hashlib.blake2b(function.__qualname__.encode())
         _feed(digest.update, (arguments, named))
         key = digest.digest()
         if key not in _results:
             _results[key] = function(*arguments, **named)
-        return _results[key]
+        found: T = _results[key]
+        return found
 
-    return remembered
+    return recall
+
+
+fit_once = remembered(fit)
 
 
 def _feed(update: Callable[[bytes], None], value: Any) -> None:
