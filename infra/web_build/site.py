@@ -35,9 +35,10 @@ ROOT = Path(__file__).parents[2]
 WEB = ROOT / "web"
 LANGUAGES = ("de", "uk")  # besides English; `web/lib/i18n.js` has them too
 MADE_FILES = ROOT / "built"
-"""In a wheel, which has no sources: the files that are made, of any origin and any contacts."""
+"""In a wheel, which has no sources: the files that are made."""
 _CACHE = ROOT / ".build" / "site"
 _MAX_CACHED = 16
+# In the place of what a deployment says (`Options`)
 _ANY_ORIGIN = "https://origin.invalid"
 _ANY_CONTACTS = {name: f"https://{name}.invalid" for name in ("contact", "imprint")}
 _MAX_BUILD_S = 120
@@ -68,7 +69,7 @@ class Options:
     """Facts about a deployment that its pages tell.
 
     `origin`: "https://calibdb.example"; without it, addresses for search engines are from the root.
-    `contacts`: addresses under "contact", "imprint" and "source" for the footer.
+    `contacts`: addresses under "contact" and "imprint" for the footer.
     """
 
     origin: str = ""
@@ -86,12 +87,10 @@ def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, 
         If a file cannot be made.
     """
     options = options or Options()
-    if MADE_FILES.is_dir():
-        return _complete(json.dumps(dict(options.contacts)), options.origin)
-    if not (web / "messages").is_dir():
+    if not (MADE_FILES.is_dir() or (web / "messages").is_dir()):
         return {}
-    settings_text = json.dumps([_ANY_ORIGIN, dict(options.contacts)], sort_keys=True)
-    return _at_origin(web, settings_text, _state(web), options.origin)
+    state = "" if MADE_FILES.is_dir() else _state(web)
+    return _completed(web, state, json.dumps(dict(options.contacts), sort_keys=True), options.origin)
 
 
 def page_keys(web: Path = WEB) -> list[str]:
@@ -123,19 +122,16 @@ def generate_pages(web: Path = WEB) -> Mapping[str, str]:
 
 def build_for_wheel(folder: Path) -> None:
     """Write to a folder, a wheel's `MADE_FILES`, the files that are made."""
-    settings_text = json.dumps([_ANY_ORIGIN, _ANY_CONTACTS], sort_keys=True)
-    for key, content in _make_files(WEB, settings_text, _state(WEB)).items():
+    for key, content in _make_files(WEB, _state(WEB)).items():
         (folder / key).parent.mkdir(parents=True, exist_ok=True)
         (folder / key).write_bytes(content)
 
 
 @lru_cache(maxsize=8)
-def _complete(settings_text: str, origin: str) -> Mapping[str, bytes]:
-    """Read the built files, and put the site's own address and contacts in."""
-    contacts = json.loads(settings_text)
-    files = {
-        p.relative_to(MADE_FILES).as_posix(): p.read_bytes() for p in MADE_FILES.rglob("*") if p.is_file()
-    }
+def _completed(web: Path, state: str, contacts_text: str, origin: str) -> Mapping[str, bytes]:
+    """Put the site's own address and contacts in: one build serves all, on any port."""
+    contacts = json.loads(contacts_text)
+    files = dict(_make_files(web, state)) if state else _files_of_wheel()
     for key in [key for key in files if key.endswith(".html")]:
         text = files[key].decode().replace(_ANY_ORIGIN, origin)
         for name, place in _ANY_CONTACTS.items():
@@ -147,13 +143,9 @@ def _complete(settings_text: str, origin: str) -> Mapping[str, bytes]:
     return files
 
 
-@lru_cache(maxsize=8)
-def _at_origin(web: Path, settings_text: str, state: str, origin: str) -> Mapping[str, bytes]:
-    """Put the site's own address in: one build serves stacks on any port."""
-    return {
-        key: content.replace(_ANY_ORIGIN.encode(), origin.encode()) if key.endswith(".html") else content
-        for key, content in _make_files(web, settings_text, state).items()
-    }
+def _files_of_wheel() -> dict[str, bytes]:
+    paths = (path for path in MADE_FILES.rglob("*") if path.is_file())
+    return {path.relative_to(MADE_FILES).as_posix(): path.read_bytes() for path in paths}
 
 
 @lru_cache(maxsize=8)
@@ -178,8 +170,8 @@ def _generate_pages(web: Path, state: str) -> Mapping[str, str]:
 
 
 @lru_cache(maxsize=8)
-def _make_files(web: Path, settings_text: str, state: str) -> Mapping[str, bytes]:
-    made = _remember(f"{state}{settings_text}", lambda: _build(web, settings_text))
+def _make_files(web: Path, state: str) -> Mapping[str, bytes]:
+    made = _remember(f"{state}built", lambda: _build(web))
     return {key: content.encode() for key, content in made.items()} | dict(sdk_files(web))
 
 
@@ -194,11 +186,10 @@ def _remember(name: str, make: Callable[[], dict[str, str]]) -> dict[str, str]:
     return pages
 
 
-def _build(web: Path, settings_text: str) -> dict[str, str]:
-    origin, contacts = json.loads(settings_text)
-    if source := _repository():
-        contacts = {"source": source} | contacts
-    task = {"web": str(web), "pages": sources(web), "origin": origin, "contacts": contacts}
+def _build(web: Path) -> dict[str, str]:
+    source = _repository()
+    contacts = _ANY_CONTACTS | ({"source": source} if source else {})
+    task = {"web": str(web), "pages": sources(web), "origin": _ANY_ORIGIN, "contacts": contacts}
     node = shutil.which("node")
     if node is None:
         raise SiteError("the site is made with Node.js, which is not there: install it, version 20 or newer")

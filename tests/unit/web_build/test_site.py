@@ -173,6 +173,7 @@ def test_a_changed_source_is_another_site_and_absent_pages_are_left_out(tmp_path
     options = site.Options("https://site.example", {"contact": "mailto:a@site.example"})
     made = site.made_files(web, options)
     page = made["de/trial/index.html"].decode()
+    assert ".invalid" not in page, "imprint, which is not given"
     assert '<link rel="alternate" hreflang="en" href="https://site.example/trial/">' in page
     assert 'href="mailto:a@site.example"' in page
     assert '<a href="../board/?squares=8x5">' in page, "in the same language"
