@@ -21,7 +21,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 PIP_AUDIT = "pip-audit==2.10.1"
 ASKED = "https://pypi.org/pypi/pip-audit/2.10.1/json"
-"""What pip-audit asks of the service, about a package that is there."""
+"""Address of a request that pip-audit makes too, about a package that exists."""
 LOCKS = ("requirements.lock", "layers/service/requirements.lock", "layers/solver/requirements.lock")
 _AUDIT_TIMEOUT_S = 60.0  # s
 _PROBE_TIMEOUT_S = 10.0  # does the service answer at all?

@@ -171,8 +171,8 @@ def _generate_pages(web: Path, state: str) -> Mapping[str, str]:
 
 @lru_cache(maxsize=8)
 def _make_files(web: Path, state: str) -> Mapping[str, bytes]:
-    made = _remember(f"{state}built", lambda: _build(web))
-    return {key: content.encode() for key, content in made.items()} | dict(sdk_files(web))
+    texts = _remember(f"{state}built", lambda: _build(web))
+    return {key: text.encode() for key, text in texts.items()} | dict(sdk_files(web))
 
 
 def _remember(name: str, make: Callable[[], dict[str, str]]) -> dict[str, str]:

@@ -64,7 +64,7 @@ DETECTOR = cv2.aruco.CharucoDetector(cv2.aruco.CharucoBoard((9, 6), 1.0, 0.65, D
 CORNERS = (0, 7, 32, 39)  # the outermost, which have marks
 COLUMNS = 8
 OUTER = {0, 1, 6, 7}  # columns where no house stands
-AT_THE_CORNER = 0.14  # diagonals; nearer there is no whole marker to tell the corner by
+AT_THE_CORNER = 0.14  # diagonals; nearer, every marker is cut off
 WINDOW = 8  # px; half that of a corner's surroundings
 ARM = 14  # px; of a crossing's: lines are up to 9 px wide
 

@@ -64,7 +64,7 @@ def test_neither_haste_nor_a_killed_detector_nor_a_lost_camera_loses_views(conte
     hear(page, "stop", r"^Stop\?$")
     hear(page, "notice", r"^Press again to stop and lose \d views?\.$")
     expect(page.locator("#controls")).to_be_visible()
-    page.evaluate(HIDE, True)  # frames that nobody looks at
+    page.evaluate(HIDE, True)  # frames that the page does not look at
     picture(page, "capture-stop", ["hand"])
     page.evaluate(HIDE, False)
 

@@ -49,8 +49,8 @@ def remembered(function: Callable[P, T]) -> Callable[P, T]:
         key = digest.digest()
         if key not in _results:
             _results[key] = function(*arguments, **named)
-        found: T = _results[key]
-        return found
+        result: T = _results[key]
+        return result
 
     return recall
 

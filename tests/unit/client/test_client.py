@@ -312,11 +312,11 @@ assert set(calibdb_client.__all__) <= {n for n in calibdb_client.__all__ if geta
 
 def test_import_loads_nothing_heavy_works_without_opencv_and_leaves_no_thread() -> None:
     name = "PYTHONPYCACHEPREFIX"
-    compiled = {name: os.environ[name]} if name in os.environ else {}
+    bytecode_cache = {name: os.environ[name]} if name in os.environ else {}
     subprocess.run(
         [sys.executable, "-c", IMPORT],
         check=True,
-        env={"PYTHONPATH": f"{ROOT}/clients/python:{ROOT}/layers/solver", **compiled},
+        env={"PYTHONPATH": f"{ROOT}/clients/python:{ROOT}/layers/solver", **bytecode_cache},
     )
 
 
