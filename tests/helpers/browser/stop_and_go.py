@@ -11,12 +11,12 @@ import cv2
 import numpy as np
 from playwright.sync_api import Page, Playwright
 
-from ...browser.conftest import CHROMIUM, chromium_path
+from ...browser.conftest import CHROMIUM, WINDOW, chromium_path
 from .waiting import TIMEOUT_S
 
 RATE = 8  # frames/s of the camera
 POSES = 16
-HELD_S, MOVING_S = 2.5, 0.8
+HELD_S, MOVING_S = 2.0, 0.6
 
 
 def frames_of(path: Path) -> list[Any]:
@@ -59,7 +59,7 @@ def camera(playwright: Playwright, url: str, source: Path) -> Iterator[Page]:
     ]
     browser = playwright.chromium.launch(executable_path=chromium_path(), args=CHROMIUM + flags)
     try:
-        page = browser.new_page(base_url=url, service_workers="block")
+        page = browser.new_page(base_url=url, viewport=WINDOW, service_workers="block")
         page.set_default_timeout(1000 * TIMEOUT_S)
         yield page
     finally:
