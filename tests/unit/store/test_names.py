@@ -41,19 +41,6 @@ def test_a_calibration_with_a_usb_id_is_known_under_its_name_too(
     assert len(cameras.known(NAMED.key).same_as) == 2
 
 
-def test_a_key_of_earlier_rules_leads_to_todays(calibrations: Calibrations, cameras: Cameras) -> None:
-    old = "c1-hd-pro-webcam-c920-0123456789ab"
-    stored = calibration(key=old)
-    calibrations.publish(stored)
-    assert cameras.known(old).same_as == (camera_key(C920, LINUX),)
-    found = calibrations.get(stored.id)
-    assert found is not None
-    assert (found.id, found.camera_key) == (stored.id, camera_key(C920, LINUX))
-    assert [mode.camera_key for mode in calibrations.modes(camera_key(C920, LINUX))] == [
-        camera_key(C920, LINUX)
-    ]
-
-
 def test_the_search_finds_words_cut_short(calibrations: Calibrations, cameras: Cameras) -> None:
     calibrations.publish(calibration())
     calibrations.publish(calibration("Razer Kiyo (1532:0e03)", number=1))

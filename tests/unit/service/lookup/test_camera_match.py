@@ -114,32 +114,6 @@ def test_generic_name_is_found_on_private_deployments_only() -> None:
     assert resolve(index, named, private=True)[0] == with_id.key
 
 
-@pytest.mark.parametrize(
-    ("label", "private", "resize_mode", "why"),
-    [
-        ("HD Pro Webcam C920", False, None, None),
-        ("HD Pro Webcam C920", False, "none", None),
-        ("HD Pro Webcam C920", False, "crop-and-scale", camera_match.RESIZED),
-        ("Integrated Camera", False, None, camera_match.AMBIGUOUS),
-        ("Integrated Camera", True, None, None),
-        ("OBS Virtual Camera", True, None, camera_match.VIRTUAL),
-    ],
-)
-def test_unanswerable_cameras_have_a_reason(
-    label: str, private: bool, resize_mode: str | None, why: str | None
-) -> None:
-    found = camera_match.unanswerable_reason(identify(label, LINUX), private=private, resize_mode=resize_mode)
-    assert found == why
-
-
-def test_computable_model_is_an_answer() -> None:
-    index = {
-        FIREFOX.key: CameraRecords([], (CHROME.key,)),
-        CHROME.key: CameraRecords([consensus(fit(model="rational", distortion=(0.0,) * 8))]),
-    }
-    assert resolve(index)[0] == CHROME.key
-
-
 def stored(
     size: tuple[int, int],
     model: str = "rectilinear",
@@ -195,13 +169,3 @@ def test_outdated_model_is_recomputed() -> None:
     # A session asks for both models; between the two a lookup must not hear yesterday's answer.
     known = [stored(HD), stored(HD, "fisheye", reason="too_few", total=4)]
     assert choose(known, HD, 0.0, "fisheye").missing_at == HD
-
-
-def test_another_zoom_never_answers() -> None:
-    assert choose([stored(HD, zoom=1.0)], HD, 0.0, "rectilinear").found is None
-    assert choose([stored(HD, zoom=1.0)], HD, 1.0, "rectilinear").found is not None
-
-
-def test_nothing_known() -> None:
-    choice = choose([], HD, 0.0, "rectilinear")
-    assert (choice.found, choice.missing_at, choice.reason) == (None, None, "unknown_camera")
