@@ -135,7 +135,8 @@ class Objects(Protocol):
 
     def get(self, name: str) -> bytes | None:
         """Return the object's content, None if there is none; raises DeniedReadError."""
-        ...
+        version = self.get_version(name)
+        return None if version is None else version[0]
 
     def get_version(self, name: str) -> tuple[bytes, str] | None:
         """Return the object's content and the tag of this version, None if there is none.

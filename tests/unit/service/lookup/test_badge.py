@@ -4,7 +4,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from calibdb.lookup.badge import NOT_CALIBRATED, Badge, badge_of, svg
+from calibdb.lookup.badge import NOT_CALIBRATED, Badge, badge_of, parse_size, svg
 from calibdb.schema import ConsensusDocument
 from tests.helpers.service.known import consensus, fit
 
@@ -51,3 +51,9 @@ def test_label_in_a_badge_is_text_and_nothing_else(label: str) -> None:
     assert {name for element in root.iter() for name in element.attrib}.isdisjoint(
         {"onload", "style", "href"}
     )
+
+
+def test_sizes_are_read_from_names_of_files() -> None:
+    assert parse_size("1280x720.svg") == SIZE
+    for name in ("1280x720", "0x720.svg", "1280x720.png", "axb.svg", "123456x1.svg", "../x.svg", ""):
+        assert parse_size(name) is None

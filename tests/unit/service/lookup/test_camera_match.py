@@ -114,6 +114,14 @@ def test_generic_name_is_found_on_private_deployments_only() -> None:
     assert resolve(index, named, private=True)[0] == with_id.key
 
 
+def test_computable_model_is_an_answer() -> None:
+    index = {
+        FIREFOX.key: CameraRecords([], (CHROME.key,)),
+        CHROME.key: CameraRecords([consensus(fit(model="rational", distortion=(0.0,) * 8))]),
+    }
+    assert resolve(index)[0] == CHROME.key
+
+
 def stored(
     size: tuple[int, int],
     model: str = "rectilinear",

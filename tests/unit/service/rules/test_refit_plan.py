@@ -35,6 +35,12 @@ def test_other_calibrations_are_pooled() -> None:
     assert actions(None) == [("fisheye", "pool"), ("rectilinear", "pool")]
 
 
+def test_digest_of_the_default_thresholds_is_the_stored_one() -> None:
+    """Computed by version 0.1.0: another value would have every stored consensus computed anew."""
+    stored_digest = "7d37097fcc75566ccde668aff701711c92295859ea823e73567a290589173bdc"
+    assert pool_digest(3, ["a", "b"], Thresholds(), "1.0.0") == stored_digest
+
+
 @pytest.mark.parametrize("name", [field.name for field in fields(Thresholds)])
 def test_digest_differs_by_each_threshold(name: str) -> None:
     changed = replace(Thresholds(), **{name: getattr(Thresholds(), name) + 1})

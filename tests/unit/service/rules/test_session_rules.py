@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibdb.errors import ConflictError, InvalidError
+from calibdb.errors import ConflictError, InvalidError, NotFoundError
 from calibdb.rules import session_result, session_rules
 from calibdb.schema import EstimateDocument, SessionDocument, SessionRequest, ViewDocument
 
@@ -56,6 +56,25 @@ def test_session_holds_at_most_max_points() -> None:
     assert refused.value.kind == "session-full"
 
 
+def test_indices_go_up_by_one_and_are_not_used_again() -> None:
+    document = accept(accept(DOCUMENT, 0, 0.2), 1, 0.4)
+    assert document.next_index == 2
+    assert session_rules.is_idempotent_replay(document, view(1)) is True
+    assert session_rules.is_idempotent_replay(document, view(2)) is False
+    for index in (3, 77):
+        with pytest.raises(ConflictError):
+            session_rules.is_idempotent_replay(document, view(index))
+    left = session_rules.without_view(document, 1)
+    assert left is not None
+    undone = session_rules.with_views(document, left, EstimateDocument(), [(0.1, None)], {})
+    assert undone.next_index == 2
+    with pytest.raises(ConflictError):
+        session_rules.is_idempotent_replay(undone, view(1))
+    assert session_rules.without_view(undone, 1) is None
+    with pytest.raises(NotFoundError):
+        session_rules.without_view(undone, 2)
+
+
 def test_a_repeat_may_name_the_corners_in_another_order() -> None:
     points = ((1.0, 2.0), (3.0, 4.0), (5.0, 6.0))
     document = session_rules.with_view(DOCUMENT, view(0, points), EstimateDocument(), [(None, None)], None)
@@ -74,6 +93,12 @@ def test_progress_grows_and_an_undo_takes_it_back() -> None:
         document, document.views[:1], EstimateDocument(progress=0.3), [(0.1, None)], {}
     )
     assert undone.estimate.progress == 0.3
+
+
+def test_next_view_forgets_skipped_targets() -> None:
+    document = session_rules.without_target(session_rules.with_target(DOCUMENT, {"n": 1}))
+    accepted = accept(document, 0, 0.1)
+    assert (document.skipped, accepted.skipped, accepted.unreached) == (({"n": 1},), (), ({"n": 1},))
 
 
 def test_the_calibrations_id_follows_from_the_session() -> None:
