@@ -9,8 +9,9 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from calibdb.camera_key.characters import visible
-from calibdb.compute.values import Budget, board_of, camera_of, in_time, views_of
+from calibdb.compute.values import board_of, camera_of, in_time, views_of
 from calibdb.errors import InvalidError
+from calibdb.http.call import Call
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery, FitRecord, ReportedCalibration
 from calibdb.schema.fields import label_text
 from calibsolver import Board, CalibrationError, View, fit, formats, image_transform
@@ -23,9 +24,9 @@ MAX_MESSAGE = 1000
 
 
 @contextmanager
-def computing_file(budget: Budget, name: str, slow: str) -> Iterator[None]:
-    """Compute within the budget; raises InvalidError of a field, or UnavailableError."""
-    with in_time(budget, InvalidError.field(name, slow)):
+def computing_file(call: Call, name: str, slow: str) -> Iterator[None]:
+    """Compute in the time of the call; raises InvalidError of a field, or UnavailableError."""
+    with in_time(call, InvalidError.field(name, slow)):
         yield
 
 

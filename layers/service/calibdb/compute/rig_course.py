@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any, Protocol
 
 from calibdb.compute.session_course import finished, without_views
-from calibdb.compute.values import FIT_VERSION, Budget, in_time
+from calibdb.compute.values import FIT_VERSION, in_time
 from calibdb.errors import ConflictError
+from calibdb.http.call import Call
 from calibdb.rules import rig_result, rig_rules
 from calibdb.rules.rig_state import Rig, state
 from calibdb.schema import RigDocument, RigEstimateDocument, RigFinish, RigState, SessionDocument
@@ -17,20 +17,11 @@ from calibdb.store import Store, endings, running_rigs
 from calibsolver import CalibrationError, DeadlineError
 from calibsolver.rig import estimate
 
-Compute = Callable[[dict[str, Any]], dict[str, Any]]
-
-
-class RigBudget(Budget, Protocol):
-    """Request about a rig: `charged` counts each computation as a view."""
-
-    def charged(self, compute: Compute, timeout: type[Exception]) -> Compute:
-        """Return `compute`, each call counted."""
-
 
 @contextmanager
-def computing_moments(budget: Budget) -> Iterator[None]:
-    """Compute within the budget; raises ConflictError or UnavailableError if that is too short."""
-    with in_time(budget, ConflictError(running_rigs.TOO_SLOW, kind="too-slow")):
+def computing_moments(call: Call) -> Iterator[None]:
+    """Compute in the time of the call; raises ConflictError or UnavailableError if that is too short."""
+    with in_time(call, ConflictError(running_rigs.TOO_SLOW, kind="too-slow")):
         yield
 
 
@@ -44,13 +35,13 @@ def head_tag(store: Store, rig_id: str) -> str | None:
     return running_rigs.head_tag(store, rig_id, FIT_VERSION)
 
 
-def ensure_estimate(budget: RigBudget, store: Store, rig: Rig) -> RigEstimateDocument:
+def ensure_estimate(call: Call, store: Store, rig: Rig) -> RigEstimateDocument:
     """Return fit and target of a rig, computed now if they are not stored yet: that counts as a view does."""
-    compute = budget.charged(estimate, DeadlineError)
+    compute = call.charged(estimate, DeadlineError)
     return running_rigs.ensure_estimate(store, rig, FIT_VERSION, compute)
 
 
-def state_of(budget: RigBudget, store: Store, rig_id: str, *, running: bool = True) -> tuple[RigState, str]:
+def state_of(call: Call, store: Store, rig_id: str, *, running: bool = True) -> tuple[RigState, str]:
     """Return state and tag of a rig, running or finished; raises NotFoundError.
 
     `running`: False leaves out fit and target of a rig that is not finished.
@@ -64,18 +55,18 @@ def state_of(budget: RigBudget, store: Store, rig_id: str, *, running: bool = Tr
     rig, tag = load(store, rig_id)
     if not running:
         return state(rig, RigEstimateDocument()), tag
-    with computing_moments(budget):
-        return state(rig, ensure_estimate(budget, store, rig)), tag
+    with computing_moments(call):
+        return state(rig, ensure_estimate(call, store, rig)), tag
 
 
-def skip(budget: RigBudget, store: Store, rig_id: str, leader: str, now: int) -> None:
+def skip(call: Call, store: Store, rig_id: str, leader: str, now: int) -> None:
     """Note that the target is not wanted; raises ForbiddenError for others than the leader."""
     rig, _ = load(store, rig_id)
     rig_rules.require_leader(rig.document, leader)
     rig_rules.require_open(rig.document)
     basis = rig.basis(FIT_VERSION)
-    with computing_moments(budget):
-        current = ensure_estimate(budget, store, rig)
+    with computing_moments(call):
+        current = ensure_estimate(call, store, rig)
 
     def change(document: RigDocument) -> tuple[RigDocument, None]:
         return rig_rules.with_skip(document, basis, current.target_pose), None
@@ -83,7 +74,7 @@ def skip(budget: RigBudget, store: Store, rig_id: str, leader: str, now: int) ->
     store.rigs.update(rig.document.rig, now, change)
 
 
-def undo_moment(budget: Budget, store: Store, rig_id: str, leader: str, moment: str, now: int) -> None:
+def undo_moment(call: Call, store: Store, rig_id: str, leader: str, moment: str, now: int) -> None:
     """Undo a moment in all cameras. Views of it that come late do not count."""
 
     def change(document: RigDocument) -> tuple[RigDocument | None, None]:
@@ -99,13 +90,13 @@ def undo_moment(budget: Budget, store: Store, rig_id: str, leader: str, moment: 
 
     store.rigs.update(rig_id, now, change)
     rig, _ = load(store, rig_id)
-    with computing_moments(budget):
+    with computing_moments(call):
         for _, session in rig.present:
             if any(view.moment == moment for view in session.views):
                 store.sessions.update(session.session, now, without)
 
 
-def finish(budget: Budget, store: Store, rig_id: str, leader: str, now: int) -> int:
+def finish(call: Call, store: Store, rig_id: str, leader: str, now: int) -> int:
     """End a rig with the moments that agree: fix its result, then publish it and its cameras.
 
     Returns the number of calibrations, 0 if it had ended.
@@ -116,7 +107,7 @@ def finish(budget: Budget, store: Store, rig_id: str, leader: str, now: int) -> 
     rig_rules.require_leader(document, leader)
     if document.finish is None:
         rig, _ = load(store, rig_id)
-        outcome = _end(budget, rig, now)
+        outcome = _end(call, rig, now)
 
         def change(known: RigDocument) -> tuple[RigDocument | None, RigDocument]:
             if known.finish is not None:
@@ -130,9 +121,9 @@ def finish(budget: Budget, store: Store, rig_id: str, leader: str, now: int) -> 
     return ended
 
 
-def _end(budget: Budget, rig: Rig, now: int) -> RigFinish:
+def _end(call: Call, rig: Rig, now: int) -> RigFinish:
     """Decide on everything that the end of a rig is to be."""
-    with computing_moments(budget):
+    with computing_moments(call):
         record = rig.solver_record(rig.basis(FIT_VERSION))
         estimate_document = RigEstimateDocument(**estimate(record, final=True))
         fit = rig_result.require_finishable(rig, estimate_document)

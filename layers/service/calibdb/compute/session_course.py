@@ -17,8 +17,9 @@ from calibdb.compute.session_values import (
     target_poses,
     view_statuses,
 )
-from calibdb.compute.values import FIT_VERSION, Budget, in_time, views_of
+from calibdb.compute.values import FIT_VERSION, in_time, views_of
 from calibdb.errors import ConflictError, InvalidError
+from calibdb.http.call import Call
 from calibdb.rules import rig_rules, session_result, session_rules
 from calibdb.rules.session_state import accepted_result
 from calibdb.schema import BatchRequest, SessionDocument, ViewDocument
@@ -33,14 +34,14 @@ MIN_BATCH_S = 1.0
 
 
 @contextmanager
-def computing_views(budget: Budget) -> Iterator[None]:
-    """Compute within the budget; raises ConflictError or UnavailableError if that is too short.
+def computing_views(call: Call) -> Iterator[None]:
+    """Compute in the time of the call; raises ConflictError or UnavailableError if that is too short.
 
     Raises InvalidError if the corners leave the camera undetermined.
     """
     slow = "These corners take longer to compute than a request may; send fewer of them in each view."
     try:
-        with in_time(budget, ConflictError(slow, kind="too-slow")):
+        with in_time(call, ConflictError(slow, kind="too-slow")):
             yield
     except CalibrationError as error:
         raise InvalidError.field("points", error.message) from error

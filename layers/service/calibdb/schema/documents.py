@@ -16,6 +16,7 @@ from calibdb.schema.fields import (
     Members,
     Open,
     Pixel,
+    UnixTime,
     is_none,
 )
 from calibdb.schema.licence import Licensed
@@ -113,7 +114,7 @@ class CalibrationDocument(CaptureDocument):
     solver: str
     contributor: str
     source: str | None = None
-    time: int = Field(description="Unix time, seconds.")
+    time: UnixTime
 
     @property
     def counted_as(self) -> str:

@@ -153,6 +153,20 @@ Coordinate = Annotated[float, Field(ge=-1.0, le=MAX_IMAGE_SIDE_PX)]
 Point = tuple[Coordinate, Coordinate]
 Pixel = tuple[float, float]
 Row = tuple[float, float, float]
+LensModel = Annotated[
+    DistortionModel, Field(description="Model of the lens; its name gives the order of the coefficients.")
+]
+CameraMatrix = Annotated[
+    tuple[Row, Row, Row], Field(description="Row-major; pixel centres at whole numbers.")
+]
+Coefficients = Annotated[
+    tuple[float, ...], Field(description="In the order of the model; see the conventions.")
+]
+CameraLabel = Annotated[str, Field(description="`MediaStreamTrack.label` of the camera.")]
+Platform = Annotated[str, Field(description="The parenthesised part of the user agent.")]
+TrackZoom = Annotated[float, Field(description="`zoom` of the track; 0 if there is none.")]
+UnixTime = Annotated[int, Field(description="Unix time, seconds.")]
+Detail = Annotated[str, Field(description="Explanation for people.")]
 
 
 def size_text(img_size: tuple[int, int]) -> str:
@@ -208,8 +222,6 @@ class StreamRequest(Strict):
     device: DeviceModel | None = Field(None, description=DEVICE_TEXT)
     img_size: ImgSize
     zoom: Zoom = 0.0
-    distortion_model: DistortionModel = Field(
-        "rectilinear", description="Model of the lens; its name gives the order of the coefficients."
-    )
+    distortion_model: LensModel = "rectilinear"
 
     _join_device = model_validator(mode="after")(join_device)

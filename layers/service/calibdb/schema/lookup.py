@@ -13,10 +13,11 @@ from calibdb.schema.deferred import Deferred
 from calibdb.schema.estimate import Estimate
 from calibdb.schema.fields import (
     DEVICE_TEXT,
+    Detail,
     DeviceModel,
-    DistortionModel,
     ImgSize,
     Label,
+    LensModel,
     Open,
     Zoom,
     join_device,
@@ -88,9 +89,7 @@ class LookupRequest(Deferred):
         validation_alias=AliasChoices("img_size", "imsize")
     )
     zoom: Annotated[Zoom, BeforeValidator(_number)] = 0.0
-    distortion_model: DistortionModel = Field(
-        "rectilinear", description="Model of the lens; its name gives the order of the coefficients."
-    )
+    distortion_model: LensModel = "rectilinear"
     resize_mode: ResizeMode | None = Field(
         None,
         validation_alias=AliasChoices("resize_mode", "resizeMode"),
@@ -143,7 +142,7 @@ class NoCalibration(Open):
     )
     reason: Reason = Field(description="Reason, for programs.")
     guidance_url: str = Field(description="Page that calibrates the camera.")
-    detail: str = Field(description="Explanation for people.")
+    detail: Detail
     estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)
 
 

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import BoardShape, Calibration
-from calibdb.schema.fields import DistortionModel, ImgSize, Open, Pixel, Row, Strict, Whole, is_none
+from calibdb.schema.fields import Detail, DistortionModel, ImgSize, Open, Pixel, Row, Strict, Whole, is_none
 from calibdb.schema.membership import MAX_RIG_CAMERAS, MIN_RIG_CAMERAS, MomentId
 from calibdb.schema.session import HintCode
 
@@ -71,7 +71,7 @@ class MomentSetAside(Open):
 
     position: int
     reason: SetAsideReason = Field(description="Reason, for programs.")
-    detail: str = Field(description="Explanation for people.")
+    detail: Detail
 
 
 class LatestMoment(Open):

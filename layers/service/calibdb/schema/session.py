@@ -9,18 +9,24 @@ from pydantic import Field
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import BoardShape, Calibration, Uncertainty
 from calibdb.schema.fields import (
+    CameraLabel,
     CaptureKind,
+    Detail,
     DistortionModel,
     Guidance,
     ImgSize,
     Index,
+    LensModel,
     ModeName,
     Open,
     Pixel,
+    Platform,
     Row,
     StreamRequest,
     Strict,
     TargetError,
+    TrackZoom,
+    UnixTime,
     is_none,
 )
 from calibdb.schema.licence import Licence, LicenceVersion, Licensed
@@ -64,7 +70,7 @@ class SessionOpened(Open):
     """The credential of one guided capture."""
 
     session_id: str = Field(description="Credential of the session's calls.")
-    expires_at: int = Field(description="Unix time, seconds.")
+    expires_at: UnixTime
 
 
 class Track(Open):
@@ -147,7 +153,7 @@ class SetAside(Open):
         description="`outlier`: found wrong once others were there; `disagrees`: more views contradict it; "
         "`degenerate`: its corners lie on a line (of imported views)."
     )
-    detail: str = Field(description="Explanation for people.")
+    detail: Detail
 
 
 class ViewState(Open):
@@ -205,13 +211,11 @@ class SessionState(Open):
     """Progress of the capture."""
 
     status: Literal["capturing", "converged"] = Field(description="`capturing` or `converged`.")
-    camera: str = Field(description="`MediaStreamTrack.label` of the camera.")
-    platform: str = Field(description="The parenthesised part of the user agent.")
+    camera: CameraLabel
+    platform: Platform
     img_size: ImgSize
-    zoom: float = Field(description="`zoom` of the track; 0 if there is none.")
-    distortion_model: DistortionModel = Field(
-        description="Model of the lens; its name gives the order of the coefficients."
-    )
+    zoom: TrackZoom
+    distortion_model: LensModel
     board: Board = Field(description="The board; default: a ChArUco board of 9 x 6 squares.")
     guidance: Guidance = Field(description="How the next pose is chosen.")
     target_error: float = Field(description="Predicted error at which the session ends, px.")
