@@ -58,7 +58,7 @@ def compute(call: application.Call, document: CalibrationDocument | None, asked:
             known = known.model_copy(update={"id": None})  # it is stored nowhere
         if asked.plain:
             return application.json_response(known, headers=AS_IT_IS)
-        return application.file_response(exports.to_file(known, document, asked), with_coverage=True)
+        return exports.file_response(exports.to_file(known, document, asked), with_coverage=True)
 
 
 def convert(call: application.Call) -> Response:
@@ -70,7 +70,7 @@ def convert(call: application.Call) -> Response:
 
     slow = "takes longer to convert than a request may; ask for another format"
     with exports.computing_file(call, "format", slow):
-        return application.file_response(exports.convert_file(asked), with_coverage=True)
+        return exports.file_response(exports.convert_file(asked), with_coverage=True)
 
 
 def show_page(call: application.Call) -> Response:

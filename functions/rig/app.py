@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb.compute import rig_course, rig_files
+from calibdb.compute import exports, rig_course, rig_files
 from calibdb.errors import InvalidError, NotFoundError
 from calibdb.http import application, metrics
 from calibdb.rules import rig_rules
@@ -97,7 +97,7 @@ def result(call: application.Call) -> Response:
     if name == "json":
         return application.json_response(state.result)
     call.service.charge(token, "views", call.address)
-    return application.file_response(rig_files.write(call.with_time_for_a_rig(), state.result, name))
+    return exports.file_response(rig_files.write(call.with_time_for_a_rig(), state.result, name))
 
 
 def state_response(call: application.Call, rig_id: str, status: int = 200) -> Response:

@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
+from starlette.responses import Response
+
 from calibdb.camera_key.characters import visible
 from calibdb.compute.values import board_of, camera_of, in_time, views_of
 from calibdb.errors import InvalidError
@@ -115,6 +117,19 @@ def convert_file(request: ConvertRequest) -> ExportedFile:
         return formats.write(source, request.format)
     except CalibrationError as error:
         raise InvalidError.field("format", error.message) from error
+
+
+def file_response(file: ExportedFile, *, with_coverage: bool = False) -> Response:
+    """Make the response of a file; headers say how far it is from what was to be written."""
+    headers = {
+        "Content-Disposition": f'attachment; filename="{file.filename}"',
+        "X-Conversion-Error": f"{file.error:.6g}",
+    }
+    if with_coverage:
+        headers["X-Conversion-Coverage"] = f"{file.coverage:.4g}"
+    if file.warning:
+        headers["X-Conversion-Warning"] = file.warning
+    return Response(file.content, 200, headers, file.media_type)
 
 
 def with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:

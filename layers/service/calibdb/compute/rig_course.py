@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import hashlib
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 
 from calibdb.compute.session_course import finished, without_views
@@ -13,32 +15,54 @@ from calibdb.rules import rig_result, rig_rules
 from calibdb.rules.rig_state import Rig, state
 from calibdb.schema import RigDocument, RigEstimateDocument, RigFinish, RigState, SessionDocument
 from calibdb.schema.rig_documents import EndingDocument
-from calibdb.store import Store, endings, running_rigs
+from calibdb.store import Store, endings
+from calibdb.store.ports import READERS
 from calibsolver import CalibrationError, DeadlineError
 from calibsolver.rig import estimate
+
+TOO_SLOW = "These moments take longer to compute than a request may; undo some of them."
 
 
 @contextmanager
 def computing_moments(call: Call) -> Iterator[None]:
     """Compute in the time of the call; raises ConflictError or UnavailableError if that is too short."""
-    with in_time(call, ConflictError(running_rigs.TOO_SLOW, kind="too-slow")):
+    with in_time(call, ConflictError(TOO_SLOW, kind="too-slow")):
         yield
 
 
 def load(store: Store, rig_id: str) -> tuple[Rig, str]:
     """Read a running rig and the tag of its state; raises NotFoundError."""
-    return running_rigs.load(store, rig_id, FIT_VERSION)
+    document, version = store.rigs.get_version(rig_id)
+    sessions = _sessions(store, document)
+    versions = [version for _, version in sessions]
+    return Rig(document, tuple(session for session, _ in sessions)), _tag(version, versions)
 
 
 def head_tag(store: Store, rig_id: str) -> str | None:
     """Return the tag of a running rig's state from the index only, None if it does not run."""
-    return running_rigs.head_tag(store, rig_id, FIT_VERSION)
+    head = store.rigs.head(rig_id)
+    if head is None or head.forgotten:
+        return None
+    names = head.facts.get("sessions")
+    versions = [_version(store, name) for name in (names if isinstance(names, list) else [])]
+    return _tag(head.version, versions)
 
 
 def ensure_estimate(call: Call, store: Store, rig: Rig) -> RigEstimateDocument:
-    """Return fit and target of a rig, computed now if they are not stored yet: that counts as a view does."""
-    compute = call.charged(estimate, DeadlineError)
-    return running_rigs.ensure_estimate(store, rig, FIT_VERSION, compute)
+    """Return fit and target of a rig, computed now if they are not stored yet: that counts as a view does.
+
+    Raises ConflictError if these moments take too long, now or before (`too_slow`).
+    """
+    basis = rig.basis(FIT_VERSION)
+    digest = rig.digest(basis)
+    stored = store.rigs.estimate(rig.document.rig, digest)
+    if stored is None:
+        computed = call.charged(estimate, DeadlineError)(rig.solver_record(basis))
+        stored = RigEstimateDocument.model_validate(computed)
+        store.rigs.keep_estimate(rig.document.rig, digest, stored)
+    if stored.too_slow:
+        raise ConflictError(TOO_SLOW, kind="too-slow")
+    return stored
 
 
 def state_of(call: Call, store: Store, rig_id: str, *, running: bool = True) -> tuple[RigState, str]:
@@ -143,3 +167,28 @@ def _ending(rig: Rig, session: SessionDocument, now: int) -> EndingDocument:
     views = tuple(view for view in session.views if view.moment in counted)
     with_counted = session.model_copy(update={"views": views})
     return rig_rules.ending_of(finished(with_counted, now, session.contributor or "", session.source))
+
+
+def _sessions(store: Store, document: RigDocument) -> list[tuple[SessionDocument | None, int]]:
+    """Read the sessions of a rig by position, with their versions."""
+    names = [member.session if member else "" for member in document.members]
+
+    def read(name: str) -> tuple[SessionDocument | None, int]:
+        version = store.sessions.find_version(name) if name else None
+        # A session restarted without the rig is not part of it.
+        if version is None or version[0].rig is None or version[0].rig.id != document.rig:
+            return None, version[1] if version else 0
+        return version
+
+    with ThreadPoolExecutor(min(READERS, len(names))) as readers:
+        return list(readers.map(read, names))
+
+
+def _version(store: Store, name: str) -> int:
+    head = store.sessions.head(name) if name else None
+    return 0 if head is None or head.forgotten else head.version
+
+
+def _tag(version: int, versions: Sequence[int]) -> str:
+    text = "\n".join(map(str, (FIT_VERSION, version, *versions)))
+    return f'"{hashlib.sha256(text.encode()).hexdigest()[:32]}"'

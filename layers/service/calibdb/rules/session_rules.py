@@ -56,26 +56,20 @@ def begin(
     `source`, of a session in a `rig`: that of where they are.
     """
     target = request.target_error
+    changed = {
+        "camera_key": camera_key(request.camera, request.platform),
+        "camera": public_label(request.camera),
+        "platform": public_platform(request.platform),
+        "target_error": TARGET_ERROR_PER_WIDTH * request.img_size[0] if target is None else target,
+        "rig": rig,
+    }
     return SessionDocument(
+        **{**dict(request), **changed},
         session=sid,
         first_version=first_version,
         started=now,
         contributor=contributor,
         source=source,
-        rig=rig,
-        camera_key=camera_key(request.camera, request.platform),
-        camera=public_label(request.camera),
-        platform=public_platform(request.platform),
-        img_size=request.img_size,
-        zoom=request.zoom,
-        distortion_model=request.distortion_model,
-        board=request.board,
-        guidance=request.guidance,
-        target_error=TARGET_ERROR_PER_WIDTH * request.img_size[0] if target is None else target,
-        track=request.track,
-        capture=request.capture,
-        **request.consent,
-        mode_name=request.mode_name,
         prior=seed,
     )
 
