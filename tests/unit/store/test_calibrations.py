@@ -16,8 +16,11 @@ from calibdb.schema import (
     Uncertainty,
     VoteDocument,
 )
-from calibdb.store import Calibrations, Consensuses, Leases, Objects, StreamMode, Table, Votes
+from calibdb.store import Calibrations, Objects, StreamMode, Table
 from calibdb.store.calibrations import CountedCalibration
+from calibdb.store.cameras import Consensuses
+from calibdb.store.leases import Leases
+from calibdb.store.votes import Votes
 
 NOW = 1_700_000_000
 SID = "6553f1000123456789abcdef"

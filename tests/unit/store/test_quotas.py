@@ -6,8 +6,8 @@ import pytest
 
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import UnavailableError
-from calibdb.store import Objects, Quotas, Table, Tokens
-from calibdb.store.quotas import MIN_SHARDED_LIMIT, SHARDS
+from calibdb.store import Objects, Table, Tokens
+from calibdb.store.quotas import MIN_SHARDED_LIMIT, SHARDS, Quotas
 
 NOW = 1_700_000_000
 

@@ -15,8 +15,9 @@ from calibdb.schema import (
     SessionDocument,
     SessionRequest,
 )
-from calibdb.store import Objects, Sessions, Table, Tokens
+from calibdb.store import Objects, Table, Tokens
 from calibdb.store.aws import DynamoTable, S3Objects
+from calibdb.store.sessions import Sessions
 from tests.helpers.service.stores import with_methods
 
 NOW = 1_700_000_000

@@ -18,8 +18,9 @@ from calibdb.rules.refit_plan import Step, input_digest, plan_refit, pool_digest
 from calibdb.rules.votes import with_votes
 from calibdb.schema import DISTORTION_MODELS, ConsensusDocument
 from calibdb.service import Service
-from calibdb.store import IndexedVote, StreamMode
+from calibdb.store import StreamMode
 from calibdb.store.calibrations import CountedCalibration
+from calibdb.store.votes import IndexedVote
 from calibsolver import DeadlineError
 
 MAX_ROUNDS = 5  # of one computation for concurrent callers; then it is their turn
