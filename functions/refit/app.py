@@ -13,12 +13,12 @@ from typing import Any
 
 from calibdb.compute.mode_group import fitting_group
 from calibdb.compute.refits import Consensuses, alone, ensure_current, run_under_lease
+from calibdb.compute.values import time_limit
 from calibdb.http import metrics
 from calibdb.schema import DISTORTION_MODELS, RefitAnswer, RefitRequest
 from calibdb.service import Service
 from calibdb.store import StreamMode
 from calibdb.store.aliases import Alias
-from calibsolver import deadline
 
 MIN_PUBLISHING_S = 8.0  # of an invocation, kept for storage, the edge and the answer
 
@@ -37,7 +37,7 @@ def handler(event: dict[str, Any], context: Any) -> dict[str, Any]:
     mode = StreamMode(request.camera, request.img_size, request.zoom)
     consensuses: Consensuses = {}
     fitting = None
-    with deadline.limit(lambda: context.get_remaining_time_in_millis() / 1000 - MIN_PUBLISHING_S):
+    with time_limit(lambda: context.get_remaining_time_in_millis() / 1000 - MIN_PUBLISHING_S):
         if request.misses:
             service.store.miss_counts.add(request.misses, service.now)
         elif request.alias is not None:

@@ -15,7 +15,9 @@ from calibdb.schema.documents import ViewDocument
 from calibdb.schema.observed_corners import ObservedCorners
 from calibsolver import FIT_VERSION, Board, Camera, DeadlineError, View, deadline
 
-__all__ = ["FIT_VERSION", "board_of", "camera_of", "in_time", "views_of"]
+__all__ = ["FIT_VERSION", "board_of", "camera_of", "in_time", "time_limit", "views_of"]
+
+time_limit = deadline.limit
 
 
 @contextmanager
