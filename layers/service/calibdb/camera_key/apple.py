@@ -43,9 +43,7 @@ _POSITION_WORDS = {
         telephoto, tele, téléobjectif, teleobjetivo, con teleobiettivo, teleobiettivo, telefoto,
         телефото, 望遠, 长焦, 長焦, 망원, テレフォト
     """,
-    "truedepth": """
-        truedepth, 原深感
-    """,
+    "truedepth": "truedepth, 原深感",
     "dual": """
         dual, double, doble, dupla, doppia, dubbel, dubbele, dobbelt, dobbel, kaksois, duální,
         dwuobiektywowy, duálna, dvostruka, kettős, dublă, çift, двойная, здвоєна, двойна, қос, διπλή,
@@ -57,8 +55,8 @@ _POSITION_WORDS = {
     """,
     "camera": """
         camera, kamera, caméra, appareil photo, cámara, càmera, câmera, câmara, fotocamera, aparat,
-        fotoaparát, cameră, камера, κάμερα, מצלמה, كاميرا, الكاميرا, कैमरा, กล้อง, 相機, 相机, 鏡頭相機, 鏡頭, 镜头,
-        カメラ, 카메라
+        fotoaparát, cameră, камера, κάμερα, מצלמה, كاميرا, الكاميرا, कैमरा, กล้อง, 相機,
+        相机, 鏡頭相機, 鏡頭, 镜头, カメラ, 카메라
     """,
     "desk view": """
         desk view, schreibtischansicht, di panoramica scrivania, panoramica scrivania,
