@@ -36,7 +36,7 @@ _AGENT = "calibDB origin verification"
 _SPECIAL_IPV4 = tuple(
     map(
         ipaddress.IPv4Network,
-        [
+        (
             "0.0.0.0/8",
             "10.0.0.0/8",
             "100.64.0.0/10",
@@ -55,7 +55,7 @@ _SPECIAL_IPV4 = tuple(
             "203.0.113.0/24",
             "224.0.0.0/4",
             "240.0.0.0/4",
-        ],
+        ),
     )
 )
 _GLOBAL_UNICAST = ipaddress.IPv6Network("2000::/3")

@@ -9,13 +9,13 @@ from calibdb.camera_key import Identity
 from calibdb.camera_key.names import words
 from calibdb.camera_key.system import System
 
-_DEPTH = frozenset(["realsense", "zed", "kinect", "xtion", "orbbec", "oak", "depthai", "luxonis", "nui"])
+_DEPTH = frozenset({"realsense", "zed", "kinect", "xtion", "orbbec", "oak", "depthai", "luxonis", "nui"})
 _ACTION = frozenset(
-    ["gopro", "hero", "osmo", "insta360", "runcam", "caddx", "foxeer", "akaso", "sjcam", "eken", "firefly"]
+    {"gopro", "hero", "osmo", "insta360", "runcam", "caddx", "foxeer", "akaso", "sjcam", "eken", "firefly"}
 )
-_DRONES = frozenset(["mavic", "phantom", "inspire", "skydio", "anafi", "dji"])
+_DRONES = frozenset({"mavic", "phantom", "inspire", "skydio", "anafi", "dji"})
 _BUILT_IN = frozenset(
-    [
+    {
         "integrated",
         "integrierte",
         "intégrée",
@@ -34,7 +34,7 @@ _BUILT_IN = frozenset(
         "surface",
         "crystal",
         "isight",
-    ]
+    }
 )
 _PHONES = re.compile(r"\b(?:iphone|ipod|pixel|galaxy|redmi|poco|oneplus|xperia|huawei|sm-[a-z0-9]+)\b")
 _TABLETS = re.compile(r"\b(?:ipad|tab|tablet)\b")
@@ -43,7 +43,7 @@ _MODULE = re.compile(r"\b(?:mmal|unicam|arducam|imx[0-9]{3}|ov[0-9]{4})\b")
 # Vendors that make the cameras in lids: Chicony, AzureWave, Quanta, Bison, Sunplus, Realtek, Luxvisions,
 # Syntek, Suyin, Apple, Foxlink, Shinetech, Cheng Uei
 _LID_VENDORS = frozenset(
-    ["04f2", "13d3", "0408", "5986", "1bcf", "0bda", "30c9", "174f", "064e", "05ac", "05c8", "3277", "0bf8"]
+    {"04f2", "13d3", "0408", "5986", "1bcf", "0bda", "30c9", "174f", "064e", "05ac", "05c8", "3277", "0bf8"}
 )
 _VENDORS = {
     "046d": "Logitech", "045e": "Microsoft", "041e": "Creative", "8086": "Intel", "2b03": "Stereolabs",
@@ -58,26 +58,6 @@ _PHONE_MAKERS = (
     ("Apple", re.compile(r"\biphone|\bipad|\bipod|\bfacetime\b|\bmacbook\b|\bimac\b")),
 )
 _FRONT = frozenset({"front", "user", "truedepth", "selfie"})
-_NAMED = [
-    "Logitech",
-    "Microsoft",
-    "Creative",
-    "Intel",
-    "Stereolabs",
-    "Luxonis",
-    "Dell",
-    "HP",
-    "Lenovo",
-    "Orbbec",
-    "GoPro",
-    "RunCam",
-    "Caddx",
-    "Foxeer",
-    "DJI",
-    "Apple",
-    "Samsung",
-    "Google",
-]
 
 
 @dataclass(frozen=True)
@@ -165,3 +145,20 @@ def _maker(identity: Identity, text: str, phone: str) -> str:
             return maker
     named = words(text)
     return next((maker for maker in _NAMED if maker.casefold() in named), "")
+
+
+_NAMED = (
+    *(
+        "Logitech",
+        "Microsoft",
+        "Creative",
+        "Intel",
+        "Stereolabs",
+        "Luxonis",
+        "Dell",
+        "HP",
+        "Lenovo",
+        "Orbbec",
+    ),
+    *("GoPro", "RunCam", "Caddx", "Foxeer", "DJI", "Apple", "Samsung", "Google"),
+)
