@@ -11,7 +11,7 @@ import gzip
 import hashlib
 import io
 import itertools
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -24,7 +24,7 @@ from calibdb.dump.public_copy import Alias, aliases, public_copy
 from calibdb.schema import CalibrationDocument, VoteDocument
 from calibdb.schema.dump import Dump, DumpDraft, DumpedKind, DumpFile
 from calibdb.store.dumps import FOLDER, GZIP, LATEST, Dumps
-from calibdb.store.keys import WITHDRAWN
+from calibdb.store.keys import with_tombstones
 from calibdb.store.ports import READERS
 
 PERIOD_S = 6 * 86_400  # from one dump to the next at least: a little less than the week of the schedule
@@ -149,7 +149,7 @@ class WeeklyDump:
     def _documents(self, prefix: str, after: str) -> Iterator[tuple[str, bytes | None, bool]]:
         """Yield name, content and withdrawal of stored documents in order."""
         with ThreadPoolExecutor(READERS) as readers:
-            for batch in _batches(_with_tombstones(self.dumps.sources(prefix, after)), _MAX_BATCH_DOCUMENTS):
+            for batch in _batches(with_tombstones(self.dumps.sources(prefix, after)), _MAX_BATCH_DOCUMENTS):
                 contents = readers.map(self.dumps.read, [source for _, source, _ in batch])
                 for (last, _, withdrawn), content in zip(batch, contents, strict=True):
                     yield last, content, withdrawn
@@ -169,23 +169,6 @@ class WeeklyDump:
         self.dumps.write(LATEST, dump.model_dump_json(indent=1).encode())
         self.dumps.end()
         return dump
-
-
-def _with_tombstones(names: Iterable[str]) -> Iterator[tuple[str, str, bool]]:
-    """Yield the last name that belongs to a document, its own name, and whether it was withdrawn.
-
-    A tombstone sorts directly after what it is of.
-    """
-    following = itertools.chain(names, [""])
-    name = next(following)
-    while name:
-        other = next(following)
-        if name.endswith(WITHDRAWN):  # of a document that is gone, or was before this part
-            name = other
-            continue
-        withdrawn = other == name.removesuffix(".json") + WITHDRAWN
-        yield (other if withdrawn else name), name, withdrawn
-        name = next(following) if withdrawn else other
 
 
 def _batches(items: Iterator[tuple[str, str, bool]], size: int) -> Iterator[list[tuple[str, str, bool]]]:

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Mapping
 
 from calibdb.schema import RigCalibrationDocument, RigDocument, RigEstimateDocument
-from calibdb.store.ports import Objects, Table, Value
+from calibdb.store.ports import Objects, Table, Value, read_all
 from calibdb.store.versions import Kind, Versions
 
 RIG_CALIBRATIONS_PREFIX = "rig_calibrations/"
@@ -61,10 +61,7 @@ class Rigs(Versions[RigDocument]):
 
     def calibrations(self) -> Iterator[RigCalibrationDocument]:
         """Yield every finished rig. For operators."""
-        for name in self._objects.names(RIG_CALIBRATIONS_PREFIX):
-            content = self._objects.get(name)
-            if content is not None:
-                yield RigCalibrationDocument.model_validate_json(content)
+        return read_all(self._objects, RIG_CALIBRATIONS_PREFIX, RigCalibrationDocument)
 
 
 def is_rig_id(text: str) -> bool:
