@@ -45,10 +45,11 @@ def compute(call: application.Call, document: CalibrationDocument | None, asked:
     """Answer with what is computed for the call: without some views, or as a file."""
     # Imported here, so that a request that only reads a calibration does not load the solver.
     from calibdb.compute import exports
+    from calibdb.compute.values import in_time
 
     name = "without" if asked.without else "format"
     slow = "takes longer to compute than a request may; ask for a larger picture, or another format"
-    with exports.computing_file(call, name, slow):
+    with in_time(call, InvalidError.field(name, slow)):
         if document is not None and asked.without:
             document = exports.refit_without(document, asked.without)
         known = read_reported(call.service.store, call.path("id"), document)
@@ -67,9 +68,10 @@ def convert(call: application.Call) -> Response:
     asked = call.json(ConvertRequest)
     call.service.charge(token, "views", call.address)
     from calibdb.compute import exports
+    from calibdb.compute.values import in_time
 
     slow = "takes longer to convert than a request may; ask for another format"
-    with exports.computing_file(call, "format", slow):
+    with in_time(call, InvalidError.field("format", slow)):
         return exports.file_response(exports.convert_file(asked), with_coverage=True)
 
 

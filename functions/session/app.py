@@ -46,10 +46,7 @@ def start(call: application.Call) -> Response:
     if request.rig is None and document.rig is not None and document.rig.position == 0:
         session = session.model_copy(update={"rig": document.rig})
     if not session_rules.is_same_start(document, session):
-        raise ConflictError(
-            "A session with other content is running under this session id; forget it first.",
-            kind="other-content",
-        )
+        raise other_content()
     if made:
         metrics.count(now, Sessions=1)
     return application.json_response(state(document), 201)
@@ -80,10 +77,7 @@ def place(
             and wanted.id in (None, running_rig.id)
         ):
             return running_rig  # the code may be used up by now
-        raise ConflictError(
-            "A session with other content is running under this session id; forget it first.",
-            kind="other-content",
-        )
+        raise other_content()
     where, secret = call.service.source(call.address), call.service.settings.contributor_secret
     rig = running_rigs.named(store, wanted, where, secret, now)
     member = MemberDocument(session=sid, contributor=who, joined=now)
@@ -97,6 +91,14 @@ def place(
     except NotFoundError as error:  # finished long ago, or forgotten
         field = InvalidError.field("rig.id", "there is no running rig with this id")
         raise (rig_rules.wrong_code() if wanted.code is not None else field) from error
+
+
+def other_content() -> ConflictError:
+    """Return the error of another session that runs under the session id."""
+    return ConflictError(
+        "A session with other content is running under this session id; forget it first.",
+        kind="other-content",
+    )
 
 
 def show(call: application.Call) -> Response:

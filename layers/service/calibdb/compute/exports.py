@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 
 from starlette.responses import Response
 
 from calibdb.camera_key.characters import visible
-from calibdb.compute.values import board_of, camera_of, in_time, views_of
+from calibdb.compute.values import board_of, camera_of, views_of
 from calibdb.errors import InvalidError
-from calibdb.http.call import Call
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery, FitRecord, ReportedCalibration
 from calibdb.schema.fields import label_text
 from calibsolver import Board, CalibrationError, View, fit, formats, image_transform
@@ -23,13 +20,6 @@ COMMAND_LINE = re.compile(r"\s*\(--[^()]*\)|: give it \(--[^()]*\)")
 """Advice in messages of the solver to those who use the operator's command line."""
 MAX_MESSAGE = 1000
 """Characters of what the solver says about a file, which may quote the file."""
-
-
-@contextmanager
-def computing_file(call: Call, name: str, slow: str) -> Iterator[None]:
-    """Compute in the time of the call; raises InvalidError of a field, or UnavailableError."""
-    with in_time(call, InvalidError.field(name, slow)):
-        yield
 
 
 def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 
 from calibdb.compute.session_course import finished, without_views
 from calibdb.compute.values import FIT_VERSION, in_time
@@ -23,11 +23,9 @@ from calibsolver.rig import estimate
 TOO_SLOW = "These moments take longer to compute than a request may; undo some of them."
 
 
-@contextmanager
-def computing_moments(call: Call) -> Iterator[None]:
+def computing_moments(call: Call) -> AbstractContextManager[None]:
     """Compute in the time of the call; raises ConflictError or UnavailableError if that is too short."""
-    with in_time(call, ConflictError(TOO_SLOW, kind="too-slow")):
-        yield
+    return in_time(call, ConflictError(TOO_SLOW, kind="too-slow"))
 
 
 def load(store: Store, rig_id: str) -> tuple[Rig, str]:
