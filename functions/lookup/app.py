@@ -1,6 +1,6 @@
 """Lookup: the calibration of the camera that a page just opened, or the way to one.
 
-A hit is one Query and no write: tokens are cached, lookups counted in memory (`calibdb.access.token_cache`).
+A hit is one Query and no write: tokens are cached, lookups counted in memory (`calibdb.store.token_cache`).
 A hit by POST under a new label and platform makes `refit` store them as an alias. From then on the camera is
 also found by `GET /known/v1/<digest>/…`, which has no credential and which caches keep.
 """

@@ -10,7 +10,6 @@ from starlette.responses import Response
 
 from calibdb.access import token_use
 from calibdb.access.plans import HOUR_S, MAX_PROOF_CALLS
-from calibdb.access.token_cache import retry_after
 from calibdb.access.token_facts import facts, hourly_limits
 from calibdb.access.tokens import ApiToken
 from calibdb.http import application
@@ -24,6 +23,7 @@ from calibdb.schema import (
 )
 from calibdb.schema.managed_token import ProofFailure, UseCounts
 from calibdb.store import managed_tokens
+from calibdb.store.token_cache import retry_after
 
 
 def create(call: application.Call) -> Response:

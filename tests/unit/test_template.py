@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from calibdb.access import token_cache
-from calibdb.store import aws
+from calibdb.store import aws, token_cache
 from infra.deploy import account_check, package
 from infra.web_build import site_headers
 from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S

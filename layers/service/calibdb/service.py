@@ -25,7 +25,6 @@ from calibdb.access.plans import (
     plan,
     rate_limit_headers,
 )
-from calibdb.access.token_cache import TOKEN_TTL_S, TokenCache, retry_after
 from calibdb.access.tokens import (
     ApiToken,
     SessionIds,
@@ -43,6 +42,7 @@ from calibdb.lookup.reports import AliasFilter, MissCounter
 from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb.store.secrets import with_secrets
+from calibdb.store.token_cache import TOKEN_TTL_S, TokenCache, retry_after
 
 WRITE_INTERVAL_S = 1.0
 """Time after which a server writes what no response waits for."""

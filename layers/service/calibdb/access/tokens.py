@@ -165,16 +165,10 @@ class SessionIds:
         Newest first: the first signs, every one verifies, so that a key can be replaced while sessions run.
     clock
         Unix time, seconds.
-    lifetime
-        Seconds for which a session id is valid.
-
     """
 
-    def __init__(
-        self, secrets: Sequence[str], clock: Callable[[], float], lifetime: int = SESSION_LIFETIME_S
-    ) -> None:
+    def __init__(self, secrets: Sequence[str], clock: Callable[[], float]) -> None:
         self._clock = clock
-        self._lifetime = lifetime
         self._serializer = URLSafeTimedSerializer(
             list(reversed(secrets)),  # itsdangerous wants the newest key last
             salt=_SALT,
@@ -188,7 +182,8 @@ class SessionIds:
         if ticket.origin is not None:
             content["o"] = ticket.origin
         signed = self._serializer.dumps(content)
-        return (signed if isinstance(signed, str) else signed.decode()), int(self._clock()) + self._lifetime
+        expires_at = int(self._clock()) + SESSION_LIFETIME_S
+        return (signed if isinstance(signed, str) else signed.decode()), expires_at
 
     def sid_of(self, session_id: str) -> str | None:
         """Return the session that a signed session id names, expired or not; None of a forged one."""
@@ -206,7 +201,7 @@ class SessionIds:
             content, signed = self._serializer.loads(session_id, return_timestamp=True)
         except BadData as error:
             raise ForbiddenError("The session id is not valid.") from error
-        if not -_MAX_SKEW_S <= int(self._clock()) - signed.timestamp() <= self._lifetime:
+        if not -_MAX_SKEW_S <= int(self._clock()) - signed.timestamp() <= SESSION_LIFETIME_S:
             raise ForbiddenError("The session id has expired; start a new session.", kind="session-expired")
         ticket = Ticket(content["s"], content["t"], content.get("o"))
         if ticket.origin is not None and origin is not None and origin != ticket.origin:

@@ -84,9 +84,9 @@ class Cameras:
     def __init__(self, table: Table) -> None:
         self._table = table
 
-    def known(self, camera_key: str, *, consistent: bool = False) -> CameraRecords:
+    def known(self, camera_key: str) -> CameraRecords:
         """Return all that is known under a key: one Query."""
-        items = self._table.query(camera_pk(camera_key), "CONSENSUS", consistent=consistent)
+        items = self._table.query(camera_pk(camera_key), "CONSENSUS")
         others = {
             sk.removeprefix(SAME_AS): _id_support(item)
             for item in items

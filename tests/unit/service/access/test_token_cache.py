@@ -7,12 +7,12 @@ from typing import Any, cast
 import pytest
 
 from calibdb.access.plans import PLANS, Allowance, Plan, plan
-from calibdb.access.token_cache import FLUSH_INTERVAL_S, LOOKUPS_PER_FLUSH, TOKEN_TTL_S, TokenCache
 from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.errors import ForbiddenError, TooManyError, UnavailableError
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store
+from calibdb.store.token_cache import FLUSH_INTERVAL_S, LOOKUPS_PER_FLUSH, TOKEN_TTL_S, TokenCache
 from tests.helpers.clock import Clock
 from tests.unit.service.test_settings import ENVIRONMENT
 

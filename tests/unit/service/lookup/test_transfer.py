@@ -151,16 +151,6 @@ def test_zoom_interpolation_is_gated_by_focal_lengths_at_the_axis(
     assert (bracketing_zooms(documents, (1280, 720), 1.5, "omnidirectional") is not None) is interpolated
 
 
-def test_a_model_without_formulas_is_not_interpolated() -> None:
-    documents = []
-    for document in zoomed((1.0, 900.0), (2.0, 1500.0)):
-        assert document.calibration is not None
-        model = {"distortion_model": "double_sphere"}
-        of = document.calibration.model_copy(update=model)
-        documents.append(document.model_copy(update={**model, "calibration": of}))
-    assert bracketing_zooms(documents, (1280, 720), 1.5, "double_sphere") is None
-
-
 def test_only_reliable_calibrations_are_interpolated() -> None:
     known = [consensus(fit(f=900.0), zoom=1.0), consensus(fit(f=1500.0), zoom=2.0, reason="too_few")]
     assert bracketing_zooms(known, (1280, 720), 1.5, "rectilinear") is None
@@ -235,14 +225,6 @@ def test_half_a_pixel_is_kept() -> None:
 )
 def test_unrelated_sizes_have_no_relation(size: Size, s: float, off: float) -> None:
     assert relate(FULL, made(size, s, FULL, off)) == ("neither", None)
-
-
-def test_relation_is_unknown_for_a_model_without_formulas() -> None:
-    """Documents may hold a model that the solver knows and the lookup's projection does not."""
-    half = made((960, 540), 0.5, FULL)
-    fifth = [c.model_copy(update={"distortion_model": "double_sphere"}) for c in (FULL, half)]
-    assert relate(fifth[0], fifth[1]) == (None, None)
-    assert relate(FULL, half)[0] == "scale"
 
 
 def test_another_bend_is_another_lens() -> None:
