@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb.compute import exports, rig_course, rig_files
+from calibdb.compute import exports, rig_course
 from calibdb.errors import InvalidError, NotFoundError
 from calibdb.http import application, metrics
 from calibdb.rules import rig_rules
@@ -23,7 +23,7 @@ def create(call: application.Call) -> Response:
     ticket = call.session(charge="poses")
     request = call.json(RigRequest)
     service = call.service
-    who, where = service.contributor(call.address, ticket.token), service.source(call.address)
+    who, where = call.contributor(ticket)
     code = rig_rules.code_of(service.random_hex(8))
     secret = service.settings.contributor_secret
     lead = running_rigs.Lead(ticket.sid, who, where)
@@ -89,7 +89,7 @@ def result(call: application.Call) -> Response:
     name = call.request.query_params.get("format", "json")
     ticket = call.session(charge="poses") if call.is_session() else None
     token = call.api_token() if ticket is None else call.service.token_of(ticket)
-    if name not in rig_files.WRITERS:
+    if name not in exports.RIG_WRITERS:
         raise InvalidError.field("format", f"must be one of {', '.join(RIG_FORMATS)}")
     state, _ = rig_course.state_of(call, call.service.store, call.path("id"), running=False)
     if state.result is None:
@@ -97,7 +97,7 @@ def result(call: application.Call) -> Response:
     if name == "json":
         return application.json_response(state.result)
     call.service.charge(token, "views", call.address)
-    return exports.file_response(rig_files.write(call.with_time_for_a_rig(), state.result, name))
+    return exports.file_response(exports.rig_file(call.with_time_for_a_rig(), state.result, name))
 
 
 def state_response(call: application.Call, rig_id: str, status: int = 200) -> Response:

@@ -25,7 +25,7 @@ def submit(call: application.Call) -> Response:
     ticket = call.session(charge="views")
     request = call.json(ViewRequest)
     service = call.service
-    who, where = service.contributor(call.address, ticket.token), service.source(call.address)
+    who, where = call.contributor(ticket)
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, tuple[SessionDocument, Judgement]]:
         view = rig_rules.sent_view(document, request)
@@ -81,7 +81,7 @@ def finish(call: application.Call) -> Response:
     """End a session with the views that agree, however accurate they are, and answer with its state."""
     ticket = call.session(charge="views")
     service = call.service
-    who, where = service.contributor(call.address, ticket.token), service.source(call.address)
+    who, where = call.contributor(ticket)
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
         ended = session_course.finish(document, service.now, who, where)

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb.access import token_use
 from calibdb.access.plans import HOUR_S, MAX_PROOF_CALLS
-from calibdb.access.token_facts import facts, hourly_limits
+from calibdb.access.token_facts import facts, hourly_limits, use_summary
 from calibdb.access.tokens import ApiToken
 from calibdb.http import application
 from calibdb.schema import (
@@ -102,7 +101,7 @@ def _token_response(
 ) -> Response:
     now = call.service.now
     shown = facts(token, call.service.plan_of(token), now, failures)
-    use = token_use.summary(call.service.store.quotas.use(token.id, now), now)
+    use = use_summary(call.service.store.quotas.use(token.id, now), now)
     return application.json_response(ManagedToken(**dict(shown), use=use))
 
 

@@ -1,4 +1,4 @@
-"""Calibrations as other tools' files, such files in other formats, and refits without some views."""
+"""Calibrations and rigs as other tools' files, such files in other formats, and refits without some views."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ import base64
 import re
 from dataclasses import replace
 
+import numpy as np
 from starlette.responses import Response
 
 from calibdb.camera_key.characters import visible
-from calibdb.compute.values import board_of, camera_of, views_of
+from calibdb.compute.values import board_of, camera_of, in_time, views_of
 from calibdb.errors import InvalidError
+from calibdb.http.call import Call
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery, FitRecord, ReportedCalibration
 from calibdb.schema.fields import label_text
+from calibdb.schema.rig import RIG_FORMATS, RigResult
 from calibsolver import Board, CalibrationError, View, fit, formats, image_transform
 from calibsolver.formats import ExportedFile, ExportSource
 
@@ -20,6 +23,7 @@ COMMAND_LINE = re.compile(r"\s*\(--[^()]*\)|: give it \(--[^()]*\)")
 """Advice in messages of the solver to those who use the operator's command line."""
 MAX_MESSAGE = 1000
 """Characters of what the solver says about a file, which may quote the file."""
+RIG_WRITERS = {name: name for name in RIG_FORMATS} | {"opencv_stereo": "opencv-yaml"}
 
 
 def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:
@@ -145,3 +149,23 @@ def content_of(request: ConvertRequest) -> bytes:
         return base64.b64decode(request.file, validate=True)
     except ValueError as error:  # binascii's is one, and so is what is said of characters beyond ASCII
         raise InvalidError.field("file", f"it is not base64: {error}") from error
+
+
+def rig_file(call: Call, result: RigResult, name: str) -> ExportedFile:
+    """Write a result in a format; raises InvalidError if the format cannot hold it."""
+    from calibsolver.rig import formats as rig_formats
+
+    source = rig_formats.RigSource(
+        cameras=[camera_of(one) for one in result.calibrations],
+        poses=np.array([[*one.rvec, *one.tvec] for one in result.extrinsics]),
+        unit=result.unit,
+        names=[f"cam{i} {one.camera}" for i, one in enumerate(result.calibrations)],
+        identifier=result.rig_id,
+        record=result.model_dump(),
+    )
+    slow = "takes longer to compute than a request may; ask for another format"
+    try:
+        with in_time(call, InvalidError.field("format", slow)):
+            return rig_formats.write(source, RIG_WRITERS[name])
+    except CalibrationError as error:
+        raise InvalidError.field("format", error.message) from error

@@ -18,11 +18,10 @@ from datetime import UTC, datetime
 
 from pydantic import ValidationError
 
-from calibdb.dump.counting import Counting
 from calibdb.dump.figures import Figures
 from calibdb.dump.public_copy import Alias, aliases, public_copy
 from calibdb.schema import CalibrationDocument, VoteDocument
-from calibdb.schema.dump import Dump, DumpDraft, DumpedKind, DumpFile
+from calibdb.schema.dump import Dump, DumpCounts, DumpDraft, DumpedKind, DumpFile, Tally
 from calibdb.store.dumps import FOLDER, GZIP, LATEST, Dumps
 from calibdb.store.keys import with_tombstones
 from calibdb.store.ports import READERS
@@ -31,6 +30,7 @@ PERIOD_S = 6 * 86_400  # from one dump to the next at least: a little less than 
 MAX_PART_BYTES = 32 * 2**20  # of documents, before compression
 MIN_PART_S = 60.0  # that an invocation must have left to begin another batch
 _MAX_BATCH_DOCUMENTS = 64  # read at a time
+_DIGITS = 12  # of a digest that is counted: 48 bits, which two of a million share with a chance of 0.2 %
 _STALE_S = 5 * 86_400  # an abandoned draft is started again
 _MODELS: dict[DumpedKind, type[CalibrationDocument] | type[VoteDocument]] = {
     "calibrations": CalibrationDocument,
@@ -169,6 +169,44 @@ class WeeklyDump:
         self.dumps.write(LATEST, dump.model_dump_json(indent=1).encode())
         self.dumps.end()
         return dump
+
+
+class Counting:
+    """Tally that continues another."""
+
+    def __init__(self, begun: Tally, alias: Alias) -> None:
+        self._alias = alias
+        self._calibrations = begun.calibrations
+        self._given, self._votes = begun.given.calibrations, begun.given.votes
+        self._contributors, self._cameras = set(begun.contributors), set(begun.cameras)
+        self._givers, self._given_cameras = set(begun.givers), set(begun.given_cameras)
+
+    def add(self, document: CalibrationDocument | VoteDocument, *, given: bool) -> None:
+        """Count a document; `given`: it is in the dump."""
+        contributor = self._alias(document.counted_as)[:_DIGITS]
+        if given:
+            self._givers.add(contributor)
+        if isinstance(document, VoteDocument):
+            self._votes += given
+            return
+        camera = self._alias(document.current_key)[:_DIGITS]
+        self._calibrations += 1
+        self._contributors.add(contributor)
+        self._cameras.add(camera)
+        if given:
+            self._given += 1
+            self._given_cameras.add(camera)
+
+    def tally(self) -> Tally:
+        """Return the tally as it is now."""
+        return Tally(
+            calibrations=self._calibrations,
+            contributors=frozenset(self._contributors),
+            cameras=frozenset(self._cameras),
+            given=DumpCounts(calibrations=self._given, votes=self._votes),
+            givers=frozenset(self._givers),
+            given_cameras=frozenset(self._given_cameras),
+        )
 
 
 def _batches(items: Iterator[tuple[str, str, bool]], size: int) -> Iterator[list[tuple[str, str, bool]]]:

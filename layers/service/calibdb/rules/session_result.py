@@ -7,7 +7,6 @@ from collections.abc import Mapping
 
 from pydantic import JsonValue
 
-from calibdb.camera_key import current_key
 from calibdb.schema import CalibrationDocument, Finish, SessionDocument
 from calibdb.schema.documents import CaptureDocument
 
@@ -59,17 +58,14 @@ def to_calibration(document: SessionDocument) -> CalibrationDocument:
     if finish is None or fit is None:
         raise ValueError("the session has not converged")
     capture = {name: getattr(document, name) for name in CaptureDocument.model_fields}
-    # A session may have begun under earlier rules.
-    capture["camera_key"] = current_key(document.camera_key, document.camera, document.platform)
+    by_whom = {"contributor": finish.contributor, "source": finish.source}
     return CalibrationDocument(
-        **capture,
+        **{**capture, **by_whom, "camera_key": document.current_key},
         id=finish.calibration_id,
         views=tuple(view for view in document.views if view.set_aside is None),
         set_aside=tuple(view for view in document.views if view.set_aside is not None),
         fits={document.distortion_model: fit},
         report=finish.report,
         solver=finish.solver,
-        contributor=finish.contributor,
-        source=finish.source,
         time=finish.time,
     )

@@ -87,7 +87,7 @@ class Calibrations:
         """Store the calibration and let the index find it; done twice, it is done once."""
         if not self._objects.create(_name(document.id), document.model_dump_json().encode()):
             document = self.get(document.id) or document  # with what was changed since
-        if self._table.put(_item(with_current_key(document)), _NOT_WITHDRAWN):
+        if self._table.put(_item(document), _NOT_WITHDRAWN):
             self._catalogue.publish(document)
 
     def license(self, calibration_id: str, given: Licensed) -> None:
@@ -111,16 +111,16 @@ class Calibrations:
                 return False
             changed = document.model_copy(update=update)
             if self._objects.replace(name, changed.model_dump_json().encode(), version[1]):
-                self._table.put(_item(with_current_key(changed)), _NOT_WITHDRAWN)
+                self._table.put(_item(changed), _NOT_WITHDRAWN)
                 return True
         return False
 
     def index(self, document: CalibrationDocument, *, withdrawn: bool = False) -> None:
         """Write the index item; it follows from the bucket, so that writing it again changes nothing."""
         if withdrawn:
-            self._table.put({**_item(with_current_key(document)), "withdrawn": 1})
+            self._table.put({**_item(document), "withdrawn": 1})
         else:
-            self._table.put(_item(with_current_key(document)), _NOT_WITHDRAWN)
+            self._table.put(_item(document), _NOT_WITHDRAWN)
             self._catalogue.index(document)
 
     def withdraw(self, document: CalibrationDocument, reason: str, now: int) -> bool:
@@ -128,14 +128,12 @@ class Calibrations:
         content = json.dumps({"layout": 1, "id": document.id, "reason": reason, "time": now})
         created = self._objects.create(_tombstone(document.id), content.encode())
         self.index(document, withdrawn=True)
-        self._catalogue.remove(
-            document, [name for _, name in self._not_withdrawn(with_current_key(document).camera_key)]
-        )
+        self._catalogue.remove(document, [name for _, name in self._not_withdrawn(document.current_key)])
         return created
 
     def unindex(self, document: CalibrationDocument) -> None:
         """Remove the index item of a calibration that is to be removed. For operators."""
-        item = _item(with_current_key(document))
+        item = _item(document)
         self._table.delete(str(item["pk"]), str(item["sk"]))
 
     def newest(self, mode: StreamMode, limit: int, period: int = 0) -> list[CountedCalibration]:
@@ -251,6 +249,7 @@ def _tombstone(calibration_id: str) -> str:
 
 
 def _item(document: CalibrationDocument) -> Item:
+    document = with_current_key(document)
     fit = document.fits.get(document.distortion_model)
     shown = fit.model_dump_json(include={"camera_matrix", "avg_reprojection_error"}) if fit else "{}"
     item: Item = {"licence": document.licence} if document.licence else {}

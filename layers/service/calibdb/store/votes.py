@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
-from calibdb.camera_key import current_key
 from calibdb.errors import DeniedReadError
 from calibdb.schema import VoteDocument
 from calibdb.store.keys import StreamMode, vote_object
@@ -87,8 +86,7 @@ def _to_indexed_vote(item: Item) -> IndexedVote:
 
 
 def _item(document: VoteDocument) -> Item:
-    key = current_key(document.camera_key, document.camera, document.platform)
-    mode = StreamMode(key, document.img_size, document.zoom)
+    mode = StreamMode(document.current_key, document.img_size, document.zoom)
     return {
         "pk": mode.pk,
         "sk": f"VOTE#{mode.text}#{document.id}",
