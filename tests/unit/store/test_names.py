@@ -1,7 +1,5 @@
 """Under which names a camera is found, and that they all follow from the calibrations."""
 
-import itertools
-
 import pytest
 
 from calibdb.camera_key import camera_key, identify
@@ -24,11 +22,6 @@ def calibrations(table: Table, objects: Objects) -> Calibrations:
 @pytest.fixture
 def cameras(table: Table) -> Cameras:
     return Cameras(table)
-
-
-def items(table: Table) -> dict[tuple[str, str], Item | None]:
-    """All items of cameras, calibrations and names."""
-    return {key: table.get(*key) for key in table.keys("C")}
 
 
 def test_a_calibration_with_a_usb_id_is_known_under_its_name_too(
@@ -61,21 +54,6 @@ def test_the_search_finds_words_cut_short(calibrations: Calibrations, cameras: C
     assert cameras.search("kiyo", 10, None) == ([(kiyo, "razer kiyo")], None)
 
 
-def test_search_continues_after_a_page(calibrations: Calibrations, cameras: Cameras) -> None:
-    for number in range(7):
-        calibrations.publish(calibration(f"Webcam X{number}00 (1234:00{number:02x})", number=number))
-    for word in ("webcam", ""):
-        seen: list[str] = []
-        after: str | None = None
-        for _ in itertools.count():
-            found, after = cameras.search(word, 3, after)
-            seen += [key for key, _ in found]
-            if after is None:
-                break
-            assert is_place(word, after)
-        assert len(seen) == len(set(seen)) == 7
-
-
 @pytest.mark.parametrize("label", ["\U00020000" * 256, "\ufdfa" * 256, "a" * 256])
 def test_overlong_name_is_found_by_its_beginning(
     calibrations: Calibrations, cameras: Cameras, label: str
@@ -93,46 +71,6 @@ def test_invented_page_token_is_refused(after: str) -> None:
     assert not is_place("c920", after)
     assert is_place("c920", "c920e#c2-webcam-c920e-0123456789ab")
     assert not is_place("", "c920#c2-a-0123456789ab")
-
-
-def test_the_index_made_anew_has_the_same_names(
-    calibrations: Calibrations, table: Table, objects: Objects
-) -> None:
-    """Byte for byte, whatever was published first."""
-    documents = [
-        calibration(),
-        calibration("HD Pro Webcam C920", MAC, number=1),
-        calibration("Logitech HD Pro Webcam C920 (046d:082d)", number=2),
-        calibration("Integrated Camera (04f2:b6d0)", number=3),
-        calibration("後置雙廣角相機", "iPhone; CPU iPhone OS 17_5 like Mac OS X", number=4),
-        calibration("OBS Virtual Camera", number=5),
-        calibration(key="c1-hd-pro-webcam-c920-0123456789ab", number=6),
-    ]
-    for document in documents:
-        calibrations.publish(document)
-    before = items(table)
-    for pk, sk in before:
-        table.delete(pk, sk)
-    anew = Calibrations(table, objects)
-    for document, withdrawn in reversed(list(anew.everything())):
-        anew.index(document, withdrawn=withdrawn)
-    assert items(table) == before
-
-
-def test_camera_without_counted_calibrations_is_not_found(
-    calibrations: Calibrations, cameras: Cameras
-) -> None:
-    first, second = calibration(), calibration(number=1)
-    calibrations.publish(first)
-    calibrations.publish(second)
-    calibrations.withdraw(first, "a test", 0)
-    assert cameras.known(NAMED.key).same_as
-    calibrations.withdraw(second, "a test", 0)
-    assert cameras.known(NAMED.key).same_as == ()
-    assert cameras.search("", 10, None) == ([], None)
-    calibrations.publish(second)  # by a client that repeats its last view
-    assert cameras.known(NAMED.key).same_as == ()
-    assert cameras.search("", 10, None) == ([], None)
 
 
 def test_earlier_key_leads_to_the_camera_while_its_calibration_counts(
@@ -162,12 +100,3 @@ def test_publishing_again_writes_no_more_than_it_must(
 
     Calibrations(with_methods(table, put=put), objects).publish(calibration(number=1))
     assert len(written) == 1
-
-
-def test_earlier_label_is_shown_by_current_rules(calibrations: Calibrations) -> None:
-    stored = calibration("Anna Schmidt's OnePlus 9", "anna@example.com", key="c2-anna-schmidt-s-0123456789ab")
-    calibrations.publish(stored)
-    found = calibrations.get(stored.id)
-    assert found is not None
-    assert (found.camera, found.platform) == ("OnePlus 9", "other")
-    assert found.camera_key == camera_key("OnePlus 9", "other")

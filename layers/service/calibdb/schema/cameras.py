@@ -8,7 +8,16 @@ from pydantic import BeforeValidator, ConfigDict, Field
 
 from calibdb.schema.calibration import Calibration
 from calibdb.schema.deferred import Deferred
-from calibdb.schema.fields import CameraLabel, DistortionModel, ImgSize, Open, Platform, TrackZoom, UnixTime
+from calibdb.schema.fields import (
+    CalibrationName,
+    CameraLabel,
+    DistortionModel,
+    ImgSize,
+    Open,
+    Platform,
+    TrackZoom,
+    UnixTime,
+)
 from calibdb.schema.lookup import Reason
 
 MAX_CAMERAS = 50
@@ -87,7 +96,7 @@ class CameraList(Open):
 class CameraMember(Open):
     """One calibration of the camera, by the model that its session fitted; px."""
 
-    id: str = Field(description="Name of the calibration or consensus, for `GET /v1/calibrations/{id}`.")
+    id: CalibrationName
     time: UnixTime
     fx: float = Field(description="Focal length across, px.")
     fy: float = Field(description="Focal length down, px.")

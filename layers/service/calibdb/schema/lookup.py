@@ -27,6 +27,8 @@ from calibdb.schema.fields import (
 from calibdb.schema.observed_corners import ObservedCorners
 
 Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors", "imprecise"]
+MissReason = Annotated[Reason, Field(description="Reason, for programs.")]
+GuidanceUrl = Annotated[str, Field(description="Page that calibrates the camera.")]
 MAX_LOOKUP_VIEWS = 5
 ResizeMode = Annotated[str, Field(max_length=64)]
 ESTIMATE_TEXT = "Likely camera, with its interval: never a calibration. See the document on estimates."
@@ -140,8 +142,8 @@ class NoCalibration(Open):
     calibration: None = Field(
         None, description="The calibration; null: none yet, or nothing reliable is known."
     )
-    reason: Reason = Field(description="Reason, for programs.")
-    guidance_url: str = Field(description="Page that calibrates the camera.")
+    reason: MissReason
+    guidance_url: GuidanceUrl
     detail: Detail
     estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)
 
@@ -149,14 +151,14 @@ class NoCalibration(Open):
 class UnknownCamera(Open):
     """Reason why `GET /known/v1/…` has no answer; the body of its 404."""
 
-    reason: Reason = Field(description="Reason, for programs.")
+    reason: MissReason
 
 
 class Miss(Open):
     """Address of the guidance page, and the reason for the miss; the body of the 307."""
 
-    guidance_url: str = Field(description="Page that calibrates the camera.")
-    reason: Reason = Field(description="Reason, for programs.")
+    guidance_url: GuidanceUrl
+    reason: MissReason
     detail: str = Field(
         "The database has no reliable calibration of this camera.", description="Explanation for people."
     )

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from calibdb.schema.estimate import Estimate
 from calibdb.schema.fields import Detail, Open
-from calibdb.schema.lookup import ESTIMATE_TEXT, Reason
+from calibdb.schema.lookup import ESTIMATE_TEXT, GuidanceUrl, MissReason
 
 
 class FieldProblem(Open):
@@ -31,6 +31,6 @@ class Problem(Open):
 class LookupProblem(Problem):
     """Nothing reliable is known, and where to go instead (`redirect=false`)."""
 
-    guidance_url: str = Field(description="Page that calibrates the camera.")
-    reason: Reason = Field(description="Reason, for programs.")
+    guidance_url: GuidanceUrl
+    reason: MissReason
     estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)

@@ -8,9 +8,22 @@ from pydantic import Field
 
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import BoardShape, Calibration
-from calibdb.schema.fields import Detail, DistortionModel, ImgSize, Open, Pixel, Row, Strict, Whole, is_none
+from calibdb.schema.fields import (
+    CalibrationName,
+    CornerIds,
+    CornerPixels,
+    Detail,
+    DistortionModel,
+    ImgSize,
+    Open,
+    Pixel,
+    Row,
+    Strict,
+    Whole,
+    is_none,
+)
 from calibdb.schema.membership import MAX_RIG_CAMERAS, MIN_RIG_CAMERAS, MomentId
-from calibdb.schema.session import HintCode
+from calibdb.schema.session import HintName
 
 RigUnit = Literal["squares", "metres"]
 RigVerdictReason = Literal["uncertain", "held_out", "set_aside"]
@@ -77,7 +90,7 @@ class MomentSetAside(Open):
 class LatestMoment(Open):
     """The moment that was opened last."""
 
-    id: str = Field(description="Name of the calibration or consensus, for `GET /v1/calibrations/{id}`.")
+    id: CalibrationName
     positions: tuple[int, ...] = Field(description="Positions of the cameras that have sent a view of it.")
 
 
@@ -108,11 +121,11 @@ class RigTargetView(Open):
     position: int
     rvec: Row
     tvec: Row = Field(description="Translation, squares.")
-    ids: tuple[int, ...] = Field(description="Ids of the board's corners.")
-    corners: tuple[Pixel, ...] = Field(description="Positions of these corners in the image, px.")
+    ids: CornerIds
+    corners: CornerPixels
     outline: tuple[Pixel, ...]
     hint: str
-    hint_code: HintCode = Field(description="The next movement, for programs.")
+    hint_code: HintName
 
 
 class RigTarget(Open):
@@ -120,7 +133,7 @@ class RigTarget(Open):
 
     purpose: str
     hint: str
-    hint_code: HintCode = Field(description="The next movement, for programs.")
+    hint_code: HintName
     cameras: tuple[RigTargetView, ...] = Field(description="Cameras that are absent would not see it.")
 
 

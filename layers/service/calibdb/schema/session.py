@@ -11,6 +11,8 @@ from calibdb.schema.calibration import BoardShape, Calibration, Uncertainty
 from calibdb.schema.fields import (
     CameraLabel,
     CaptureKind,
+    CornerIds,
+    CornerPixels,
     Detail,
     DistortionModel,
     Guidance,
@@ -58,6 +60,9 @@ HintCode = Literal[
     "hold_still",
     "unmirror",
 ]
+
+
+HintName = Annotated[HintCode, Field(description="The next movement, for programs.")]
 
 
 class Health(Open):
@@ -294,9 +299,9 @@ class Pose(Open):
     index: int = Field(description="The index that a view answering this pose carries.")
     rvec: Row = Field(description="Rotation vector, board to camera, rad.")
     tvec: Row = Field(description="Translation, squares.")
-    ids: tuple[int, ...] = Field(description="Ids of the board's corners.")
-    corners: tuple[Pixel, ...] = Field(description="Positions of these corners in the image, px.")
+    ids: CornerIds
+    corners: CornerPixels
     outline: tuple[Pixel, ...] = Field(description="The board's edge as the camera would see it.")
     purpose: str = Field(description="What this view is for, in English.")
     hint: str = Field(description="What to do next, in English, at most six words; sides are the picture's.")
-    hint_code: HintCode = Field(description="The next movement, for programs.")
+    hint_code: HintName
