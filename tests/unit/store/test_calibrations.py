@@ -6,8 +6,10 @@ from calibdb.camera_key import camera_key
 from calibdb.rules import session_result, session_rules
 from calibdb.schema import (
     CalibrationDocument,
+    ConsensusDocument,
     EstimateDocument,
     FitRecord,
+    GroupsDocument,
     SessionDocument,
     SessionRequest,
     Track,
@@ -15,6 +17,8 @@ from calibdb.schema import (
     VoteDocument,
 )
 from calibdb.store import Calibrations, Objects, StreamMode, Table
+from calibdb.store.calibrations import CountedCalibration
+from calibdb.store.cameras import Consensuses
 from calibdb.store.leases import Leases
 from calibdb.store.votes import Votes
 
@@ -43,6 +47,18 @@ def finished(now: int = NOW, sid: str = SID) -> SessionDocument:
         update={"estimate": EstimateDocument(fit=FIT)}
     )
     return session_result.with_finish(document, now, "contributor", "0.1.0")
+
+
+def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> None:
+    calibrations = Calibrations(table, objects)
+    document = session_result.to_calibration(finished())
+    calibrations.publish(document)
+    calibrations.publish(document.model_copy(update={"time": NOW + 9}))
+    assert calibrations.get(document.id) == document  # never overwritten
+    assert calibrations.newest(mode(document), 200) == [
+        CountedCalibration(document.id, "contributor", document.camera, document.platform)
+    ]
+    assert list(calibrations.all()) == [document]
 
 
 def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, objects: Objects) -> None:
@@ -124,6 +140,41 @@ def of_fit(changes: dict[str, object]) -> dict[str, FitRecord]:
     return {"rectilinear": FIT.model_copy(update=changes)}
 
 
+def rests_on(basis: str) -> ConsensusDocument:
+    return ConsensusDocument(
+        camera_key="k",
+        img_size=(1280, 720),
+        zoom=0,
+        distortion_model="rectilinear",
+        total=len(basis),
+        latest=NOW,
+        basis=basis,
+        pooled=f"pooled {basis}",
+        reason="too_few",
+    )
+
+
+def behind(basis: str) -> GroupsDocument:
+    return GroupsDocument(pooled=f"pooled {basis}", groups=((basis,),), errors={basis: 0.5})
+
+
+def test_an_older_consensus_never_replaces_a_newer(table: Table) -> None:
+    """Two read what is stored; whoever writes second is told that it was overtaken."""
+    consensuses = Consensuses(table)
+    assert consensuses.put(rests_on("a"), behind("a"), None)
+    assert not consensuses.put(rests_on("b"), behind("b"), None)
+    assert consensuses.put(rests_on("ab"), behind("ab"), "a")
+    assert not consensuses.put(rests_on("a"), behind("a"), "a")
+    assert not consensuses.put(rests_on("a"), None, "a")
+    assert consensuses.of("k") == consensuses.at(StreamMode("k", (1280, 720), 0.0)) == [rests_on("ab")]
+    assert consensuses.groups(rests_on("ab")) == behind("ab")
+    assert consensuses.groups(rests_on("a")) is None
+    assert not consensuses.drop(rests_on("a"))
+    assert consensuses.drop(rests_on("ab"))
+    assert consensuses.of("k") == []
+    assert consensuses.groups(rests_on("ab")) is None
+
+
 def test_lease_coalesces_concurrent_requests(table: Table) -> None:
     leases, place = Leases(table), StreamMode("k", (1280, 720), 0.0)
     assert leases.take(place, "first", NOW, NOW + 30)
@@ -157,6 +208,21 @@ VOTE = VoteDocument(
     contributor="somebody",
     time=NOW,
 )
+
+
+def test_first_vote_of_an_id_counts(table: Table, objects: Objects) -> None:
+    votes = Votes(table, objects)
+    later = VOTE.model_copy(update={"id": "6553f200aaaaaaaaaaaa", "time": NOW + 256})
+    assert votes.cast(VOTE) == VOTE
+    assert votes.cast(VOTE.model_copy(update={"time": NOW + 9})) == VOTE
+    assert votes.cast(later) == later
+    found = votes.newest(StreamMode(VOTE.camera_key, (1280, 720), 0.0), one_per_source=False)
+    assert [(cast.id, cast.source, cast.time) for cast in found] == [
+        (later.id, "somebody", NOW + 256),
+        (VOTE.id, "somebody", NOW),
+    ]
+    assert votes.read(found) == [later, VOTE]
+    assert list(votes.all()) == [VOTE, later]
 
 
 def test_daily_voter_displaces_no_other_vote(table: Table, objects: Objects) -> None:
