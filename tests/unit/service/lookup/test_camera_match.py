@@ -32,25 +32,6 @@ def resolve(
     return found.key, found.choice.found, len(asked)
 
 
-def test_a_camera_known_under_its_own_key_is_one_query() -> None:
-    known = consensus()
-    assert resolve({CHROME.key: CameraRecords([known])}, CHROME) == (CHROME.key, known, 1)
-
-
-def test_name_finds_its_only_usb_id() -> None:
-    known = consensus()
-    index = {FIREFOX.key: CameraRecords([], (CHROME.key,)), CHROME.key: CameraRecords([known])}
-    assert resolve(index) == (CHROME.key, known, 2)
-
-
-def test_name_of_two_usb_ids_finds_neither() -> None:
-    index = {
-        FIREFOX.key: CameraRecords([], (CHROME.key, OTHER.key)),
-        CHROME.key: CameraRecords([consensus()]),
-    }
-    assert resolve(index) == (FIREFOX.key, None, 1)
-
-
 def test_calibrations_of_the_name_come_first() -> None:
     known = consensus(camera="HD Pro Webcam C920")
     index = {FIREFOX.key: CameraRecords([known], (CHROME.key,)), CHROME.key: CameraRecords([consensus()])}

@@ -93,11 +93,6 @@ def test_evidence_against_scaling_outweighs_other_sizes() -> None:
     assert found.adapted.camera_matrix[0][0] == pytest.approx(1.3 * F, rel=1e-3)
 
 
-def test_exact_size_has_a_relation() -> None:
-    found = asked([at((640, 360)), at((1280, 720))], (640, 360))
-    assert (found.exact_size, found.relation, found.adapted) == (True, "scale", None)
-
-
 def zoomed(*focal: tuple[float, float]) -> list[ConsensusDocument]:
     return [consensus(fit(f=f), zoom=zoom) for zoom, f in focal]
 
