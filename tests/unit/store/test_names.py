@@ -43,6 +43,35 @@ def test_invented_page_token_is_refused(after: str) -> None:
     assert not is_place("", "c920#c2-a-0123456789ab")
 
 
+def items(table: Table) -> dict[tuple[str, str], Item | None]:
+    """All items of cameras, calibrations and names."""
+    return {key: table.get(*key) for key in table.keys("C")}
+
+
+def test_the_index_made_anew_has_the_same_names(
+    calibrations: Calibrations, table: Table, objects: Objects
+) -> None:
+    """Byte for byte, whatever was published first."""
+    documents = [
+        calibration(),
+        calibration("HD Pro Webcam C920", MAC, number=1),
+        calibration("Logitech HD Pro Webcam C920 (046d:082d)", number=2),
+        calibration("Integrated Camera (04f2:b6d0)", number=3),
+        calibration("後置雙廣角相機", "iPhone; CPU iPhone OS 17_5 like Mac OS X", number=4),
+        calibration("OBS Virtual Camera", number=5),
+        calibration(key="c1-hd-pro-webcam-c920-0123456789ab", number=6),
+    ]
+    for document in documents:
+        calibrations.publish(document)
+    before = items(table)
+    for pk, sk in before:
+        table.delete(pk, sk)
+    anew = Calibrations(table, objects)
+    for document, withdrawn in reversed(list(anew.everything())):
+        anew.index(document, withdrawn=withdrawn)
+    assert items(table) == before
+
+
 def test_earlier_key_leads_to_the_camera_while_its_calibration_counts(
     calibrations: Calibrations, cameras: Cameras
 ) -> None:
