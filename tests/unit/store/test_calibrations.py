@@ -12,7 +12,6 @@ from calibdb.schema import (
     GroupsDocument,
     SessionDocument,
     SessionRequest,
-    Track,
     Uncertainty,
     VoteDocument,
 )
@@ -79,22 +78,6 @@ def calibrated(n: int, contributor: str = "", **changes: object) -> CalibrationD
     """The `n`th calibration of one camera, finished n seconds from now."""
     document = session_result.to_calibration(finished(NOW + n, f"{NOW + n:08x}{abs(n):016x}"))
     return document.model_copy(update={"contributor": contributor or f"contributor {n}", **changes})
-
-
-def test_uncounted_calibrations_are_skipped(table: Table, objects: Objects) -> None:
-    calibrations = Calibrations(table, objects)
-    cropped = Track(resizeMode="crop-and-scale")
-    documents = [calibrated(0), calibrated(1, track=cropped), calibrated(2), calibrated(3)]
-    for document in documents:
-        calibrations.publish(document)
-    assert calibrations.withdraw(documents[2], "a mirror", NOW + 9) is True
-    assert calibrations.withdraw(documents[2], "a mirror", NOW + 9) is False
-    calibrations.publish(documents[2])  # the client repeats its last view
-    place = mode(documents[0])
-    assert [c.id for c in calibrations.newest(place, 200)] == [documents[3].id, documents[0].id]
-    everything = sorted(calibrations.everything(), key=lambda one: one[0].time)
-    assert everything == [(document, n == 2) for n, document in enumerate(documents)]
-    assert calibrations.modes(place.camera_key) == [place]
 
 
 def test_source_counts_three_times_at_most(table: Table, objects: Objects) -> None:
