@@ -94,13 +94,8 @@ def badge(call: application.Call) -> Response:
     if img_size is not None and PATTERN.fullmatch(key):
         thresholds = call.service.settings.thresholds
         consensuses = call.service.store.cameras.known(key).consensuses
-        result = badge_of(
-            camera_search.display_name("", consensuses)[0],
-            consensuses,
-            img_size,
-            min_calibrations=thresholds.min_calibrations,
-            min_contributors=thresholds.min_contributors,
-        )
+        name = camera_search.display_name("", consensuses)[0]
+        result = badge_of(name, consensuses, img_size, thresholds)
     return Response(svg(result), 200, _BADGE_HEADERS, "image/svg+xml")
 
 

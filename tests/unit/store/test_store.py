@@ -1,19 +1,21 @@
 """Storage by its promises: crashes leave orphans, races have one winner, what is published stays."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import boto3
 import pytest
 from botocore.exceptions import ClientError
 
+from calibdb.access.tokens import ApiToken
 from calibdb.errors import ConflictError, NotFoundError, UnavailableError
 from calibdb.rules import session_rules
 from calibdb.schema import (
     SessionDocument,
     SessionRequest,
 )
-from calibdb.store import Objects, Table
+from calibdb.store import Objects, Table, Tokens
 from calibdb.store.aws import S3Objects
 from calibdb.store.sessions import Sessions
 from tests.helpers.service.stores import with_methods
@@ -163,6 +165,31 @@ def test_concurrent_change_does_not_revive_a_forgotten_session(sessions: Session
     with pytest.raises(NotFoundError):
         sessions.update(SID, NOW, change)
     assert sessions.find(SID) is None
+
+
+def test_tokens(table: Table, objects: Objects) -> None:
+    tokens = Tokens(table, objects)
+    token = ApiToken("id", "hash", ("https://a.example",), "free", NOW)
+    assert tokens.get("id") is None
+    assert tokens.create(token) is True
+    assert tokens.create(token) is False
+    assert tokens.get("id") == token
+    exchanged = replace(token, secret_sha256="new", former_sha256="hash", former_until=NOW + 9)
+    tokens.change(exchanged)
+    assert tokens.get("id") == exchanged
+    assert list(tokens.all()) == [exchanged]
+    tokens.revoke(exchanged, NOW)
+    assert tokens.get("id") is None
+    assert list(tokens.all()) == []
+    assert tokens.create(token) is False  # an id is never another's
+    tokens.index(exchanged)  # as if the revocation had been cut short
+    assert tokens.reindex() == 0
+    assert tokens.get("id") is None
+    other = replace(token, id="other")
+    tokens.create(other)
+    table.delete("TOKEN#other", "META")
+    assert tokens.reindex() == 1
+    assert tokens.get("other") == other
 
 
 def test_purged_object_leaves_no_version(aws: None) -> None:  # noqa: ARG001

@@ -21,6 +21,7 @@ from pydantic import ValidationError
 from calibdb.dump.figures import Figures
 from calibdb.dump.public_copy import Alias, aliases, public_copy
 from calibdb.schema import CalibrationDocument, VoteDocument
+from calibdb.schema.documents import GivenDocument
 from calibdb.schema.dump import Dump, DumpCounts, DumpDraft, DumpedKind, DumpFile, Tally
 from calibdb.store.dumps import FOLDER, GZIP, LATEST, Dumps
 from calibdb.store.keys import with_tombstones
@@ -32,13 +33,11 @@ MIN_PART_S = 60.0  # that an invocation must have left to begin another batch
 _MAX_BATCH_DOCUMENTS = 64  # read at a time
 _DIGITS = 12  # of a digest that is counted: 48 bits, which two of a million share with a chance of 0.2 %
 _STALE_S = 5 * 86_400  # an abandoned draft is started again
-_MODELS: dict[DumpedKind, type[CalibrationDocument] | type[VoteDocument]] = {
+_MODELS: dict[DumpedKind, type[GivenDocument]] = {
     "calibrations": CalibrationDocument,
     "votes": VoteDocument,
 }
 _FOLLOWING: dict[DumpedKind, DumpedKind | None] = {"calibrations": "votes", "votes": None}
-
-Document = CalibrationDocument | VoteDocument
 
 
 @dataclass(frozen=True)
@@ -120,7 +119,7 @@ class WeeklyDump:
                 document = _parse(draft.kind, content)
                 if document is None or withdrawn:
                     continue
-                copy = _public_copy(document, alias)
+                copy = public_copy(document, alias)
                 counting.add(document, given=copy is not None)
                 if copy is not None:
                     line = copy.model_dump_json().encode() + b"\n"
@@ -181,7 +180,7 @@ class Counting:
         self._contributors, self._cameras = set(begun.contributors), set(begun.cameras)
         self._givers, self._given_cameras = set(begun.givers), set(begun.given_cameras)
 
-    def add(self, document: CalibrationDocument | VoteDocument, *, given: bool) -> None:
+    def add(self, document: GivenDocument, *, given: bool) -> None:
         """Count a document; `given`: it is in the dump."""
         contributor = self._alias(document.counted_as)[:_DIGITS]
         if given:
@@ -214,7 +213,7 @@ def _batches(items: Iterator[tuple[str, str, bool]], size: int) -> Iterator[list
         yield batch
 
 
-def _parse(kind: DumpedKind, content: bytes | None) -> Document | None:
+def _parse(kind: DumpedKind, content: bytes | None) -> GivenDocument | None:
     """Parse a stored document; None of one that is gone, or of a later version."""
     if content is None:
         return None
@@ -222,9 +221,3 @@ def _parse(kind: DumpedKind, content: bytes | None) -> Document | None:
         return _MODELS[kind].model_validate_json(content)
     except ValidationError:
         return None
-
-
-def _public_copy(document: Document, alias: Alias) -> Document | None:
-    if isinstance(document, VoteDocument):
-        return public_copy(document, alias)
-    return public_copy(document, alias)
