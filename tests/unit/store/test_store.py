@@ -115,12 +115,6 @@ def test_session_that_is_deleted_during_a_read_is_missing(
         sessions.get(SID)
 
 
-def test_empty_change_writes_nothing(sessions: Sessions, objects: Objects) -> None:
-    sessions.start(SID, NOW, begin)
-    assert sessions.update(SID, NOW, lambda document: (None, document.next_index)) == 0
-    assert versions(objects) == ["1.json"]
-
-
 def test_orphaned_version_is_skipped(sessions: Sessions, objects: Objects) -> None:
     """The process died between object and index: what it wrote counts for nothing and blocks nothing."""
     sessions.start(SID, NOW, begin)

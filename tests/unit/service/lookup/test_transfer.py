@@ -8,7 +8,6 @@ import pytest
 from calibdb.lookup.transfer import (
     bracketing_zooms,
     build_answer,
-    interpolate_zoom,
     relate,
     scaling_window,
     transfer_intrinsics,
@@ -31,20 +30,6 @@ def asked(known: list[ConsensusDocument], size: Size, answered: int = 0) -> Look
     found = known[answered].calibration
     assert found is not None
     return build_answer(found, known, size)
-
-
-def test_size_between_two_equal_views_is_scaled() -> None:
-    known = [at((640, 360)), at((1920, 1080))]
-    for nearest in (0, 1):
-        found = asked(known, (1280, 720), nearest)
-        assert (found.relation, found.exact_size) == ("scale", False)
-        assert found.adapted is not None
-        assert found.adapted.img_size == (1280, 720)
-        assert found.adapted.camera_matrix[0][0] == pytest.approx(F)
-        assert found.adapted.camera_matrix[0][2] == pytest.approx(639.5)
-        assert found.adapted.interpolated is False
-        # what is stored stands beside it as it is
-        assert found.camera_matrix == known[nearest].calibration.camera_matrix  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize("size", [(1920, 1080), (320, 180)])
@@ -95,20 +80,6 @@ def test_evidence_against_scaling_outweighs_other_sizes() -> None:
 
 def zoomed(*focal: tuple[float, float]) -> list[ConsensusDocument]:
     return [consensus(fit(f=f), zoom=zoom) for zoom, f in focal]
-
-
-def test_zoom_between_two_is_interpolated_and_marked() -> None:
-    pair = bracketing_zooms(
-        zoomed((1.0, 900.0), (2.0, 1700.0), (3.0, 2500.0)), (1280, 720), 1.25, "rectilinear"
-    )
-    assert pair is not None
-    found = interpolate_zoom(*pair, 1.25)
-    assert found.camera_matrix[0][0] == pytest.approx(1100.0)
-    assert (found.zoom, found.id, found.reliable) == (1.25, None, True)
-    assert found.adapted is not None
-    assert found.adapted.interpolated is True
-    assert found.adapted.camera_matrix == found.camera_matrix
-    assert found.uncertainty.rms == 0.2
 
 
 @pytest.mark.parametrize(
