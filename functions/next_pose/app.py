@@ -28,15 +28,14 @@ def show(call: application.Call) -> Response:
     skip = call.flag("skip")
     refused: dict[str, JsonValue] | None = None
 
-    def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
+    def change(document: SessionDocument) -> SessionDocument | None:
         nonlocal refused
         session_rules.require_open(document)
         # When another request got ahead of ours, what it opened is not what the user wanted to skip.
         if document.target is not None and (not skip or refused not in (None, document.target)):
-            return None, document
+            return None
         refused = document.target
-        changed = with_chosen_target(session_rules.without_target(document))
-        return changed, changed
+        return with_chosen_target(session_rules.without_target(document))
 
     running = call.service.store.sessions.get(sid)
     if running.rig is not None:
@@ -44,7 +43,7 @@ def show(call: application.Call) -> Response:
     with choosing_target(call):
         if running.rig is not None:
             return respond(running.next_index, in_rig(call, running, running.rig), media_type)
-        document = call.service.store.sessions.update(sid, call.service.now, change)
+        document = call.service.store.sessions.revise(sid, call.service.now, change)
     return respond(document.next_index, DrawnTarget.of(document), media_type)
 
 

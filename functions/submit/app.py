@@ -67,13 +67,10 @@ def remove(call: application.Call) -> Response:
     """Undo: answer with the state of the session without one of its views."""
     sid = call.session(charge="views").sid
     index, now = call.index("index"), call.service.now
-
-    def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
-        changed = session_course.without_view(document, index, now)
-        return changed, changed or document
-
     with computing_views(call):
-        document = call.service.store.sessions.update(sid, now, change)
+        document = call.service.store.sessions.revise(
+            sid, now, lambda known: session_course.without_view(known, index, now)
+        )
     return application.json_response(state(document))
 
 
@@ -82,13 +79,10 @@ def finish(call: application.Call) -> Response:
     ticket = call.session(charge="views")
     service = call.service
     who, where = call.contributor(ticket)
-
-    def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
-        ended = session_course.finish(document, service.now, who, where)
-        return ended, ended or document
-
     with computing_views(call):
-        document = service.store.sessions.update(ticket.sid, service.now, change)
+        document = service.store.sessions.revise(
+            ticket.sid, service.now, lambda known: session_course.finish(known, service.now, who, where)
+        )
     endings.publish(service.store, document)
     return application.json_response(state(document))
 

@@ -89,33 +89,31 @@ def skip(call: Call, store: Store, rig_id: str, leader: str, now: int) -> None:
     basis = rig.basis(FIT_VERSION)
     with computing_moments(call):
         current = ensure_estimate(call, store, rig)
-
-    def change(document: RigDocument) -> tuple[RigDocument, None]:
-        return rig_rules.with_skip(document, basis, current.target_pose), None
-
-    store.rigs.update(rig.document.rig, now, change)
+    store.rigs.revise(
+        rig.document.rig, now, lambda document: rig_rules.with_skip(document, basis, current.target_pose)
+    )
 
 
 def undo_moment(call: Call, store: Store, rig_id: str, leader: str, moment: str, now: int) -> None:
     """Undo a moment in all cameras. Views of it that come late do not count."""
 
-    def change(document: RigDocument) -> tuple[RigDocument | None, None]:
+    def change(document: RigDocument) -> RigDocument | None:
         rig_rules.require_leader(document, leader)
-        return rig_rules.without_moment(document, moment), None
+        return rig_rules.without_moment(document, moment)
 
-    def without(session: SessionDocument) -> tuple[SessionDocument | None, None]:
+    def without(session: SessionDocument) -> SessionDocument | None:
         left = tuple(view for view in session.views if view.moment != moment)
         elsewhere = session.rig is None or session.rig.id != rig_id
         if elsewhere or len(left) == len(session.views) or session.finish is not None:
-            return None, None
-        return without_views(session, left, now, with_target=False), None
+            return None
+        return without_views(session, left, now, with_target=False)
 
-    store.rigs.update(rig_id, now, change)
+    store.rigs.revise(rig_id, now, change)
     rig, _ = load(store, rig_id)
     with computing_moments(call):
         for _, session in rig.present:
             if any(view.moment == moment for view in session.views):
-                store.sessions.update(session.session, now, without)
+                store.sessions.revise(session.session, now, without)
 
 
 def finish(call: Call, store: Store, rig_id: str, leader: str, now: int) -> int:
@@ -130,14 +128,11 @@ def finish(call: Call, store: Store, rig_id: str, leader: str, now: int) -> int:
     if document.finish is None:
         rig, _ = load(store, rig_id)
         outcome = _end(call, rig, now)
-
-        def change(known: RigDocument) -> tuple[RigDocument | None, RigDocument]:
-            if known.finish is not None:
-                return None, known
-            ended = rig_rules.with_finish(known, rig.document, outcome)
-            return ended, ended
-
-        document = store.rigs.update(rig_id, now, change)
+        document = store.rigs.revise(
+            rig_id,
+            now,
+            lambda known: None if known.finish else rig_rules.with_finish(known, rig.document, outcome),
+        )
         ended = len(document.members)
     endings.publish_rig(store, document, now)
     return ended

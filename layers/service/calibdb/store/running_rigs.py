@@ -54,9 +54,7 @@ def create(store: Store, lead: Lead, request: RigRequest, code: str, secret: str
     )
     rig_rules.require_same_start(document, request)
     rig_rules.require_open(document)
-    store.sessions.update(
-        lead.session, now, lambda known: (rig_rules.with_lead(known, rig_id, lead.source), None)
-    )
+    store.sessions.revise(lead.session, now, lambda known: rig_rules.with_lead(known, rig_id, lead.source))
     until = now + rig_rules.CODE_LIFETIME_S
     stored = CodeDocument(digest=rig_rules.code_digest(secret, code), until=until)
     for digest in store.rigs.update(rig_id, now, lambda known: rig_rules.with_code(known, stored, now)):
@@ -89,11 +87,11 @@ def named(store: Store, wanted: RigJoin, source: str, secret: str, now: int) -> 
 def open_moment(store: Store, rig_id: str, leader: str, moment: str, now: int) -> None:
     """Open a moment: from now on cameras may send views of it. Raises ForbiddenError, ConflictError."""
 
-    def change(document: RigDocument) -> tuple[RigDocument | None, None]:
+    def change(document: RigDocument) -> RigDocument | None:
         rig_rules.require_leader(document, leader)
-        return rig_rules.with_moment(document, moment, now), None
+        return rig_rules.with_moment(document, moment, now)
 
-    store.rigs.update(rig_id, now, change)
+    store.rigs.revise(rig_id, now, change)
 
 
 def forget(store: Store, rig_id: str, leader: str, now: int) -> None:

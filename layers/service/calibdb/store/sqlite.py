@@ -331,12 +331,8 @@ class SqliteObjects(Objects):
     ) -> None:
         self._write(name, content, lambda _: True, media_type, cache_control)
 
-    def purge_all_versions(self, names: Iterable[str]) -> int:
-        """Delete the objects; return their number. There are no earlier versions."""
-        return self._delete(names)
-
     def delete(self, names: Sequence[str]) -> None:
-        self._delete(names)
+        self.purge_all_versions(names)
 
     def names(self, prefix: str, after: str = "") -> Iterator[str]:
         while True:
@@ -393,7 +389,8 @@ class SqliteObjects(Objects):
             self._remove_files({before} - {tag, None})
         return True
 
-    def _delete(self, names: Iterable[str]) -> int:
+    def purge_all_versions(self, names: Iterable[str]) -> int:
+        """Delete the objects; return their number. There are no earlier versions."""
         tags = set()
         count = 0
         with available(), self._database.writing() as connection:

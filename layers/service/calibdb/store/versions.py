@@ -143,6 +143,15 @@ class Versions(Generic[Document]):
                 return answer
         raise self._too_much_contention()
 
+    def revise(self, name: str, now: int, change: Callable[[Document], Document | None]) -> Document:
+        """Apply `change`, which returns None to leave the document, as `update` does; return the document."""
+
+        def with_document(document: Document) -> tuple[Document | None, Document]:
+            changed = change(document)
+            return changed, changed or document
+
+        return self.update(name, now, with_document)
+
     def forget(self, name: str, now: int) -> bool:
         """Forget the document; False if there was nothing to forget."""
         for _ in range(_MAX_UPDATE_ATTEMPTS):
