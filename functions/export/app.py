@@ -31,7 +31,7 @@ def show(call: application.Call) -> Response:
     asked = call.query(ExportQuery)
     if asked.without or not asked.plain:
         call.service.charge(token, "views", call.address)
-    store, calibration_id = call.service.store, call.path("id")
+    store, calibration_id = call.store, call.path("id")
     document = store.calibrations.get(calibration_id)
     if document is not None and (reason := store.calibrations.withdrawal(document)) is not None:
         raise GoneError("This calibration was withdrawn.", kind="withdrawn", extensions={"reason": reason})
@@ -52,7 +52,7 @@ def compute(call: application.Call, document: CalibrationDocument | None, asked:
     with in_time(call, InvalidError.field(name, slow)):
         if document is not None and asked.without:
             document = exports.refit_without(document, asked.without)
-        known = read_reported(call.service.store, call.path("id"), document)
+        known = read_reported(call.store, call.path("id"), document)
         if asked.without:
             if document is None:
                 raise InvalidError.field("without", "a consensus has no views of its own")
@@ -86,7 +86,7 @@ def show_page(call: application.Call) -> Response:
     address = urljoin(call.service.settings.guidance_url, f"/{language}/result/index.html".replace("//", "/"))
     page = site_page(address, int(time.time() / _PAGE_TTL_S))
     if calibration_id := call.request.query_params.get("id"):
-        page = shared_page(page, call.service.store, calibration_id)
+        page = shared_page(page, call.store, calibration_id)
     return Response(page, 200, _PAGE_HEADERS, "text/html")
 
 

@@ -33,11 +33,11 @@ def create(call: application.Call) -> Response:
 
 def show(call: application.Call) -> Response:
     """Answer with the state of the rig, or that it has not changed; `skip=1`: with another target."""
-    rig_id, store = call.path("id"), call.service.store
+    rig_id, store = call.path("id"), call.store
     by_session = call.is_session()
     if call.flag("skip"):
         sid = call.session(charge="poses").sid
-        rig_course.skip(call.with_time_for_a_rig(), store, rig_id, sid, call.service.now)
+        rig_course.skip(call.with_time_for_a_rig(), store, rig_id, sid, call.now)
     elif not by_session:
         call.api_token()
     else:
@@ -55,7 +55,7 @@ def open_moment(call: application.Call) -> Response:
     """Open a moment: from now on cameras may send views of it."""
     sid = call.session(charge="poses").sid
     moment, rig_id = call.json(MomentRequest).moment, call.path("id")
-    running_rigs.open_moment(call.service.store, rig_id, sid, moment, call.service.now)
+    running_rigs.open_moment(call.store, rig_id, sid, moment, call.now)
     return state_response(call, rig_id, 201)
 
 
@@ -80,7 +80,7 @@ def finish(call: application.Call) -> Response:
 def forget(call: application.Call) -> Response:
     """Forget a running rig, and the sessions of its cameras."""
     sid = call.session(charge="poses").sid
-    running_rigs.forget(call.service.store, call.path("id"), sid, call.service.now)
+    running_rigs.forget(call.store, call.path("id"), sid, call.now)
     return application.no_content()
 
 
@@ -91,7 +91,7 @@ def result(call: application.Call) -> Response:
     token = call.api_token() if ticket is None else call.service.token_of(ticket)
     if name not in exports.RIG_WRITERS:
         raise InvalidError.field("format", f"must be one of {', '.join(RIG_FORMATS)}")
-    state, _ = rig_course.state_of(call, call.service.store, call.path("id"), running=False)
+    state, _ = rig_course.state_of(call, call.store, call.path("id"), running=False)
     if state.result is None:
         raise NotFoundError("This rig has no result yet: its leader finishes it.", kind="rig-unfinished")
     if name == "json":
@@ -102,7 +102,7 @@ def result(call: application.Call) -> Response:
 
 def state_response(call: application.Call, rig_id: str, status: int = 200) -> Response:
     """Answer with the state of a rig, running or finished; raises NotFoundError."""
-    state, tag = rig_course.state_of(call.with_time_for_a_rig(), call.service.store, rig_id)
+    state, tag = rig_course.state_of(call.with_time_for_a_rig(), call.store, rig_id)
     return application.json_response(state, status, {"ETag": tag})
 
 

@@ -27,8 +27,8 @@ def start(call: application.Call) -> Response:
     ticket = call.session(charge="poses")
     sid = ticket.sid
     request = call.json(SessionRequest)
-    now = call.service.now
-    store = call.service.store
+    now = call.now
+    store = call.store
     who = call.service.contributor(call.address, ticket.token)
     rig = where = None
     if request.rig is not None:
@@ -67,7 +67,7 @@ def place(
     call: application.Call, sid: str, request: SessionRequest, wanted: RigJoin, who: str
 ) -> RigMembership:
     """Find or take the session's place in the rig that it wants; raises InvalidError, TooManyError."""
-    store, now = call.service.store, call.service.now
+    store, now = call.store, call.now
     running = store.sessions.find(sid)
     if running is not None:
         running_rig = running.rig
@@ -103,13 +103,13 @@ def other_content() -> ConflictError:
 
 def show(call: application.Call) -> Response:
     """Answer with the session's state."""
-    document = call.service.store.sessions.get(call.session(charge="poses").sid)
+    document = call.store.sessions.get(call.session(charge="poses").sid)
     return application.json_response(state(document))
 
 
 def forget(call: application.Call) -> Response:
     """Forget the session's views. What it published when it converged stays."""
-    if not call.service.store.sessions.forget(call.session(charge="poses").sid, call.service.now):
+    if not call.store.sessions.forget(call.session(charge="poses").sid, call.now):
         raise NotFoundError("No session was started under this session id.", kind="no-session")
     return application.no_content()
 

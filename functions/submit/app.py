@@ -66,9 +66,9 @@ def submit_batch(call: application.Call) -> Response:
 def remove(call: application.Call) -> Response:
     """Undo: answer with the state of the session without one of its views."""
     sid = call.session(charge="views").sid
-    index, now = call.index("index"), call.service.now
+    index, now = call.index("index"), call.now
     with computing_views(call):
-        document = call.service.store.sessions.revise(
+        document = call.store.sessions.revise(
             sid, now, lambda known: session_course.without_view(known, index, now)
         )
     return application.json_response(state(document))
@@ -91,7 +91,7 @@ def license_views(call: application.Call) -> Response:
     """Add the contributor's licence to a session and to what it published; answer with its state."""
     sid = call.session(charge="views").sid
     request = call.json(LicenceRequest)
-    document = endings.license_session(call.service.store, sid, request, call.service.now)
+    document = endings.license_session(call.store, sid, request, call.now)
     return application.json_response(state(document))
 
 

@@ -112,7 +112,8 @@ def read_proof(
     trusted = context or ssl.create_default_context()
     try:
         with connection:
-            _check_peer(connection)
+            if not is_public(str(connection.getpeername()[0])):
+                raise ProofError("address")
             connection.settimeout(_seconds_left(deadline))
             with trusted.wrap_socket(
                 connection, server_hostname=host, do_handshake_on_connect=False
@@ -176,11 +177,6 @@ def _connect_to_any(addresses: Sequence[str], connect: Connect, deadline: float)
     raise ProofError(failed)
 
 
-def _check_peer(connection: socket.socket) -> None:
-    if not is_public(str(connection.getpeername()[0])):
-        raise ProofError("address")
-
-
 def _seconds_left(deadline: float) -> float:
     """Return the s that are left; ProofError where there are none."""
     left = deadline - time.monotonic()
@@ -196,16 +192,11 @@ def _shake_hands(secured: ssl.SSLSocket, deadline: float) -> None:
         try:
             secured.do_handshake()
         except ssl.SSLWantReadError:
-            _wait(secured, deadline, reading=True)
+            select.select([secured], [], [], _seconds_left(deadline))
         except ssl.SSLWantWriteError:
-            _wait(secured, deadline, reading=False)
+            select.select([], [secured], [], _seconds_left(deadline))
         else:
             return
-
-
-def _wait(secured: ssl.SSLSocket, deadline: float, *, reading: bool) -> None:
-    waited = [secured]
-    select.select(waited if reading else [], [] if reading else waited, [], _seconds_left(deadline))
 
 
 def _request(host: str) -> bytes:

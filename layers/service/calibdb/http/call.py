@@ -34,6 +34,7 @@ from calibdb.schema.fields import MAX_INDEX
 from calibdb.schema.lookup import QUERY_FLAGS
 from calibdb.schema.origins import is_loopback
 from calibdb.service import Service
+from calibdb.store import Store
 
 MAX_BODY_BYTES = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
 
@@ -71,6 +72,16 @@ class Call:
     """The same when the call began."""
     in_loop: bool = False
     """True in the event loop of a server, which serves no other request meanwhile."""
+
+    @property
+    def store(self) -> Store:
+        """All stores of the service."""
+        return self.service.store
+
+    @property
+    def now(self) -> int:
+        """Unix time, whole seconds."""
+        return self.service.now
 
     def require_thread(self) -> None:
         """Have the endpoint run again in a thread, since it is about to wait or compute."""

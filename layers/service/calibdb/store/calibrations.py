@@ -128,7 +128,7 @@ class Calibrations:
         content = json.dumps({"layout": 1, "id": document.id, "reason": reason, "time": now})
         created = self._objects.create(_tombstone(document.id), content.encode())
         self.index(document, withdrawn=True)
-        self._catalogue.remove(document, [name for _, name in self._not_withdrawn(document.current_key)])
+        self._catalogue.remove(document, [name for _, name in self._places(document.current_key)])
         return created
 
     def unindex(self, document: CalibrationDocument) -> None:
@@ -159,25 +159,27 @@ class Calibrations:
 
     def modes(self, camera_key: str) -> list[StreamMode]:
         """Return the sizes and zooms at which the camera was calibrated."""
-        modes = {mode for mode, _ in self._not_withdrawn(camera_key)}
+        modes = {mode for mode, _ in self._places(camera_key)}
         return sorted(modes, key=lambda mode: (mode.img_size, mode.zoom))
 
     def names(self, camera_key: str) -> set[tuple[str, str]]:
         """Return the labels and platforms of the camera's calibrations that were not withdrawn."""
-        items = self._table.query(camera_pk(camera_key), "CALIBRATION#")
-        counted = (item for item in items if "withdrawn" not in item)
-        return {(str(item["camera"]), str(item["platform"])) for item in counted}
+        items = self._not_withdrawn(camera_key)
+        return {(str(item["camera"]), str(item["platform"])) for item in items}
 
     def licence(self, camera_key: str) -> str | None:
         """Return the licence under which every calibration of the camera was given; None of one without."""
-        items = self._table.query(camera_pk(camera_key), "CALIBRATION#")
-        licences = {str(item.get("licence", "")) for item in items if "withdrawn" not in item}
+        licences = {str(item.get("licence", "")) for item in self._not_withdrawn(camera_key)}
         return (licences.pop() or None) if len(licences) == 1 else None
 
-    def _not_withdrawn(self, camera_key: str) -> list[tuple[StreamMode, str]]:
+    def _not_withdrawn(self, camera_key: str, *, consistent: bool = False) -> list[Item]:
+        items = self._table.query(camera_pk(camera_key), "CALIBRATION#", consistent=consistent)
+        return [item for item in items if "withdrawn" not in item]
+
+    def _places(self, camera_key: str) -> list[tuple[StreamMode, str]]:
         """Return mode and id of every calibration of the camera that was not withdrawn."""
-        items = self._table.query(camera_pk(camera_key), "CALIBRATION#", consistent=True)
-        parsed = (parse_calibration_sk(str(item["sk"])) for item in items if "withdrawn" not in item)
+        items = self._not_withdrawn(camera_key, consistent=True)
+        parsed = (parse_calibration_sk(str(item["sk"])) for item in items)
         return [(StreamMode(camera_key, place[0], place[1]), place[2]) for place in parsed if place]
 
     def read(self, ids: Sequence[str]) -> list[CalibrationDocument]:
