@@ -93,19 +93,17 @@ class RigDocument(Open):
         return first.session if first else ""
 
 
-class ViewSetAside(Open):
-    """View that the joint fit leaves out."""
-
-    moment: str
-    position: int
-    reason: SetAsideReason
-
-
 class TurnedView(Open):
     """View whose corners were numbered from another side of the board."""
 
     moment: str
     position: int
+
+
+class ViewSetAside(TurnedView):
+    """View that the joint fit leaves out."""
+
+    reason: SetAsideReason
 
 
 class BoardPose(Open):
