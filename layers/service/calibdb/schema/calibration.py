@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -25,6 +25,15 @@ from calibdb.schema.licence import Licensed
 
 Basis = Literal["consensus", "checked"]
 Relation = Literal["scale", "crop", "scale+crop", "neither"]
+
+
+Systematic = Annotated[
+    float | None,
+    Field(
+        description="Variance of the parameters that the views show / variance that independent noise of the "
+        "corners would give; 1: nothing systematic. null: made before it was estimated."
+    ),
+]
 
 
 class Uncertainty(Open):
@@ -66,11 +75,7 @@ class FitRecord(Intrinsics):
 
     avg_reprojection_error: float = Field(description="rms over all measurements, px")
     uncertainty: Uncertainty
-    systematic: float | None = Field(
-        None,
-        description="Variance of the parameters that the views show / variance that independent noise of the "
-        "corners would give; 1: nothing systematic. null: made before it was estimated.",
-    )
+    systematic: Systematic = None
     board_shape: BoardShape | None = Field(
         None, exclude_if=is_none, description="Estimated shape of the board; missing: as drawn."
     )
@@ -98,11 +103,7 @@ class Calibration(Intrinsics):
         description="Predicted error of a projection over the image, px; null before the first fit."
     )
     calibration_time: UnixTime
-    systematic: float | None = Field(
-        None,
-        description="Variance of the parameters that the views show / variance that independent noise of the "
-        "corners would give; 1: nothing systematic. null: made before it was estimated.",
-    )
+    systematic: Systematic = None
     spread: float | None = Field(
         None,
         description="px rms over the image between the calibrations that agree, after the best rotation.",

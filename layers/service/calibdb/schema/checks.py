@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from calibdb.schema.board import Board
+from calibdb.schema.board import Board, DescribedBoard
 from calibdb.schema.calibration import Calibration, Intrinsics
 from calibdb.schema.documents import Votes
 from calibdb.schema.fields import Coefficients, Open, StreamRequest
@@ -34,7 +34,7 @@ class CheckRequest(StreamRequest, Licensed):
     resize_mode: ResizeMode | None = Field(
         None, description="`resizeMode` of the track: a stream that the browser crops is another picture."
     )
-    board: Board = Field(Board(), description="The board; default: a ChArUco board of 9 x 6 squares.")
+    board: DescribedBoard = Board()
     views: tuple[CheckView, ...] = Field(
         min_length=1, max_length=MAX_VIEWS, description="Views with different tilts."
     )

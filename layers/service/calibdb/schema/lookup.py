@@ -8,7 +8,7 @@ from urllib.parse import urlencode
 
 from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field, model_validator
 
-from calibdb.schema.board import Board
+from calibdb.schema.board import Board, DescribedBoard
 from calibdb.schema.deferred import Deferred
 from calibdb.schema.estimate import Estimate
 from calibdb.schema.fields import (
@@ -101,7 +101,7 @@ class LookupRequest(Deferred):
     reported: Reported | None = Field(
         None, description="A field of view that the device reports. Only the estimate uses it."
     )
-    board: Board = Field(Board(), description="The board; default: a ChArUco board of 9 x 6 squares.")
+    board: DescribedBoard = Board()
     views: tuple[ObservedCorners, ...] = Field(
         (),
         max_length=MAX_LOOKUP_VIEWS,

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
-from calibdb.schema.board import Board
+from calibdb.schema.board import DescribedBoard
 from calibdb.schema.calibration import BoardShape, Calibration
 from calibdb.schema.fields import (
     CalibrationName,
@@ -202,7 +202,7 @@ class RigState(Open):
 
     rig_id: str
     status: Literal["capturing", "finished"] = Field(description="`capturing` or `finished`.")
-    board: Board = Field(description="The board; default: a ChArUco board of 9 x 6 squares.")
+    board: DescribedBoard
     square_size: float | None
     unit: RigUnit
     cameras: tuple[RigCamera, ...] = Field(description="Matching cameras, or cameras of the rig.")

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from calibdb.schema.board import Board
+from calibdb.schema.board import Board, DescribedBoard
 from calibdb.schema.calibration import BoardShape, Calibration, Uncertainty
 from calibdb.schema.fields import (
     CameraLabel,
@@ -102,7 +102,7 @@ class LicenceRequest(Strict, Licensed):
 class SessionRequest(StreamRequest, Licensed):
     """Starts a guided capture of one camera."""
 
-    board: Board = Field(Board(), description="The board; default: a ChArUco board of 9 x 6 squares.")
+    board: DescribedBoard = Board()
     guidance: Guidance = Field("projection-uncertainty", description="How the next pose is chosen.")
     target_error: TargetError | None = Field(
         None, description="px over the image at which the session ends; default 0.3 at 1280 px image width."
@@ -221,7 +221,7 @@ class SessionState(Open):
     img_size: ImgSize
     zoom: TrackZoom
     distortion_model: LensModel
-    board: Board = Field(description="The board; default: a ChArUco board of 9 x 6 squares.")
+    board: DescribedBoard
     guidance: Guidance = Field(description="How the next pose is chosen.")
     target_error: float = Field(description="Predicted error at which the session ends, px.")
     capture: CaptureKind = Field(
