@@ -36,7 +36,7 @@ def search(call: application.Call) -> Response:
     word = terms[0] if terms else ""
     if request.after is not None and not is_place(word, request.after):
         raise InvalidError.field("after", "must be the `next` value of an earlier answer to the same query")
-    store = call.service.store.cameras
+    store = call.store.cameras
     cameras, following = store.search(word, request.limit, request.after)
     if not word:
         # Practice captures create cameras, which are found only by their name.
@@ -61,7 +61,7 @@ def show(call: application.Call) -> Response:
     """Return one camera with its calibrations and their agreement."""
     call.api_token()
     key = call.path("key")
-    store = call.service.store.cameras
+    store = call.store.cameras
     name = store.name(key) if PATTERN.fullmatch(key) else None
     if name is None and PATTERN.fullmatch(key):
         others = store.known(key).same_as  # a key of earlier rules, or of a name alone
@@ -73,7 +73,7 @@ def show(call: application.Call) -> Response:
     camera, platform = camera_search.display_name(name, consensuses)
     shown = camera_search.best_modes(consensuses, _MAX_MODES)
     least = call.service.settings.thresholds.min_calibrations
-    mode_of = functools.partial(camera_search.camera_mode, call.service.store, least)
+    mode_of = functools.partial(camera_search.camera_mode, call.store, least)
     with ThreadPoolExecutor(_READERS) as readers:
         modes = tuple(readers.map(lambda found: mode_of(StreamMode(key, *found[0]), found[1]), shown))
     usb_id = camera_search.usb_id(consensuses)
@@ -93,14 +93,9 @@ def badge(call: application.Call) -> Response:
     result = NOT_CALIBRATED
     if img_size is not None and PATTERN.fullmatch(key):
         thresholds = call.service.settings.thresholds
-        consensuses = call.service.store.cameras.known(key).consensuses
-        result = badge_of(
-            camera_search.display_name("", consensuses)[0],
-            consensuses,
-            img_size,
-            min_calibrations=thresholds.min_calibrations,
-            min_contributors=thresholds.min_contributors,
-        )
+        consensuses = call.store.cameras.known(key).consensuses
+        name = camera_search.display_name("", consensuses)[0]
+        result = badge_of(name, consensuses, img_size, thresholds)
     return Response(svg(result), 200, _BADGE_HEADERS, "image/svg+xml")
 
 

@@ -30,7 +30,7 @@ def check(call: application.Call) -> Response:
     if request.calibration is not None:
         with computing_check(call):
             return application.json_response(view_checks.check_given(request, request.calibration))
-    store, thresholds = call.service.store, call.service.settings.thresholds
+    store, thresholds = call.store, call.service.settings.thresholds
     mode, known = find_checked(store, request, private=thresholds.min_contributors == 1)
     with computing_check(call):
         examined = view_checks.examine(request)

@@ -37,9 +37,7 @@ def handler(_: Mapping[str, Any], context: Any) -> dict[str, Any]:
     least = Thresholds.from_environment(os.environ).min_contributors
     dump = WeeklyDump(
         dumps=dumps,
-        figures=Figures(
-            dumps, Cameras(table), MissCounts(table), calibrations.names, calibrations.licence, least
-        ),
+        figures=Figures(dumps, Cameras(table), MissCounts(table), calibrations, least),
         now=lambda: int(time.time()),
         random_hex=secrets.token_hex,
         seconds_left=lambda: context.get_remaining_time_in_millis() / 1000,

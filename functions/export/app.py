@@ -31,7 +31,7 @@ def show(call: application.Call) -> Response:
     asked = call.query(ExportQuery)
     if asked.without or not asked.plain:
         call.service.charge(token, "views", call.address)
-    store, calibration_id = call.service.store, call.path("id")
+    store, calibration_id = call.store, call.path("id")
     document = store.calibrations.get(calibration_id)
     if document is not None and (reason := store.calibrations.withdrawal(document)) is not None:
         raise GoneError("This calibration was withdrawn.", kind="withdrawn", extensions={"reason": reason})
@@ -45,20 +45,21 @@ def compute(call: application.Call, document: CalibrationDocument | None, asked:
     """Answer with what is computed for the call: without some views, or as a file."""
     # Imported here, so that a request that only reads a calibration does not load the solver.
     from calibdb.compute import exports
+    from calibdb.compute.values import in_time
 
     name = "without" if asked.without else "format"
     slow = "takes longer to compute than a request may; ask for a larger picture, or another format"
-    with exports.computing_file(call, name, slow):
+    with in_time(call, InvalidError.field(name, slow)):
         if document is not None and asked.without:
             document = exports.refit_without(document, asked.without)
-        known = read_reported(call.service.store, call.path("id"), document)
+        known = read_reported(call.store, call.path("id"), document)
         if asked.without:
             if document is None:
                 raise InvalidError.field("without", "a consensus has no views of its own")
             known = known.model_copy(update={"id": None})  # it is stored nowhere
         if asked.plain:
             return application.json_response(known, headers=AS_IT_IS)
-        return application.file_response(exports.to_file(known, document, asked), with_coverage=True)
+        return exports.file_response(exports.to_file(known, document, asked), with_coverage=True)
 
 
 def convert(call: application.Call) -> Response:
@@ -67,10 +68,11 @@ def convert(call: application.Call) -> Response:
     asked = call.json(ConvertRequest)
     call.service.charge(token, "views", call.address)
     from calibdb.compute import exports
+    from calibdb.compute.values import in_time
 
     slow = "takes longer to convert than a request may; ask for another format"
-    with exports.computing_file(call, "format", slow):
-        return application.file_response(exports.convert_file(asked), with_coverage=True)
+    with in_time(call, InvalidError.field("format", slow)):
+        return exports.file_response(exports.convert_file(asked), with_coverage=True)
 
 
 def show_page(call: application.Call) -> Response:
@@ -84,7 +86,7 @@ def show_page(call: application.Call) -> Response:
     address = urljoin(call.service.settings.guidance_url, f"/{language}/result/index.html".replace("//", "/"))
     page = site_page(address, int(time.time() / _PAGE_TTL_S))
     if calibration_id := call.request.query_params.get("id"):
-        page = shared_page(page, call.service.store, calibration_id)
+        page = shared_page(page, call.store, calibration_id)
     return Response(page, 200, _PAGE_HEADERS, "text/html")
 
 

@@ -1,6 +1,6 @@
 """Lookup: the calibration of the camera that a page just opened, or the way to one.
 
-A hit is one Query and no write: tokens are cached, lookups counted in memory (`calibdb.access.token_cache`).
+A hit is one Query and no write: tokens are cached, lookups counted in memory (`calibdb.store.token_cache`).
 A hit by POST under a new label and platform makes `refit` store them as an alias. From then on the camera is
 also found by `GET /known/v1/<digest>/…`, which has no credential and which caches keep.
 """
@@ -93,14 +93,14 @@ def _group(call: application.Call, request: LookupRequest, found: LookupResult) 
     if not request.views or found.reason != "disagree" or not found.key:
         return None
     call.require_thread()
-    return call.service.store.refit.now(RefitRequest.of_views(found.key, request)).fitting
+    return call.store.refit.now(RefitRequest.of_views(found.key, request)).fitting
 
 
 def known(call: application.Call) -> Response:
     """Answer a lookup by the digest of label and platform: the same for all callers."""
     wanted = LookupQuery.of_path(call.path("size"), call.path("zoom"), call.path("file"))
     private = call.service.settings.thresholds.min_contributors == 1
-    found = find_by_digest(call.service.store, call.path("digest"), wanted, private=private)
+    found = find_by_digest(call.store, call.path("digest"), wanted, private=private)
     if found is None:
         return application.json_response(UnknownCamera(reason="unknown_camera"), 404, _UNKNOWN)
     metrics.count(call.service.clock(), Lookups=1)

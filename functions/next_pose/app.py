@@ -28,23 +28,22 @@ def show(call: application.Call) -> Response:
     skip = call.flag("skip")
     refused: dict[str, JsonValue] | None = None
 
-    def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
+    def change(document: SessionDocument) -> SessionDocument | None:
         nonlocal refused
         session_rules.require_open(document)
         # When another request got ahead of ours, what it opened is not what the user wanted to skip.
         if document.target is not None and (not skip or refused not in (None, document.target)):
-            return None, document
+            return None
         refused = document.target
-        changed = with_chosen_target(session_rules.without_target(document))
-        return changed, changed
+        return with_chosen_target(session_rules.without_target(document))
 
-    running = call.service.store.sessions.get(sid)
+    running = call.store.sessions.get(sid)
     if running.rig is not None:
         call = call.with_time_for_a_rig()
     with choosing_target(call):
         if running.rig is not None:
             return respond(running.next_index, in_rig(call, running, running.rig), media_type)
-        document = call.service.store.sessions.update(sid, call.service.now, change)
+        document = call.store.sessions.revise(sid, call.now, change)
     return respond(document.next_index, DrawnTarget.of(document), media_type)
 
 
@@ -62,9 +61,9 @@ def in_rig(call: application.Call, document: SessionDocument, place: RigMembersh
     from calibdb.compute import rig_course
 
     session_rules.require_open(document)
-    rig, _ = rig_course.load(call.service.store, place.id)
+    rig, _ = rig_course.load(call.store, place.id)
     rig_rules.require_open(rig.document)
-    estimate = rig_course.ensure_estimate(call, call.service.store, rig)
+    estimate = rig_course.ensure_estimate(call, call.store, rig)
     if estimate.target is None:
         raise not_in_view()
     fit = estimate.fit.cameras[place.position] if estimate.fit else None

@@ -11,8 +11,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from calibdb.compute.mode_group import fitting_group
-from calibdb.compute.refits import Consensuses, alone, ensure_current, run_under_lease
+from calibdb.compute.refits import Consensuses, alone, ensure_current, fitting_group, run_under_lease
 from calibdb.compute.values import time_limit
 from calibdb.http import metrics
 from calibdb.schema import DISTORTION_MODELS, RefitAnswer, RefitRequest

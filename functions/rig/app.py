@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb.compute import rig_course, rig_files
+from calibdb.compute import exports, rig_course
 from calibdb.errors import InvalidError, NotFoundError
 from calibdb.http import application, metrics
 from calibdb.rules import rig_rules
@@ -23,7 +23,7 @@ def create(call: application.Call) -> Response:
     ticket = call.session(charge="poses")
     request = call.json(RigRequest)
     service = call.service
-    who, where = service.contributor(call.address, ticket.token), service.source(call.address)
+    who, where = call.contributor(ticket)
     code = rig_rules.code_of(service.random_hex(8))
     secret = service.settings.contributor_secret
     lead = running_rigs.Lead(ticket.sid, who, where)
@@ -33,11 +33,11 @@ def create(call: application.Call) -> Response:
 
 def show(call: application.Call) -> Response:
     """Answer with the state of the rig, or that it has not changed; `skip=1`: with another target."""
-    rig_id, store = call.path("id"), call.service.store
+    rig_id, store = call.path("id"), call.store
     by_session = call.is_session()
     if call.flag("skip"):
         sid = call.session(charge="poses").sid
-        rig_course.skip(call.with_time_for_a_rig(), store, rig_id, sid, call.service.now)
+        rig_course.skip(call.with_time_for_a_rig(), store, rig_id, sid, call.now)
     elif not by_session:
         call.api_token()
     else:
@@ -55,7 +55,7 @@ def open_moment(call: application.Call) -> Response:
     """Open a moment: from now on cameras may send views of it."""
     sid = call.session(charge="poses").sid
     moment, rig_id = call.json(MomentRequest).moment, call.path("id")
-    running_rigs.open_moment(call.service.store, rig_id, sid, moment, call.service.now)
+    running_rigs.open_moment(call.store, rig_id, sid, moment, call.now)
     return state_response(call, rig_id, 201)
 
 
@@ -80,7 +80,7 @@ def finish(call: application.Call) -> Response:
 def forget(call: application.Call) -> Response:
     """Forget a running rig, and the sessions of its cameras."""
     sid = call.session(charge="poses").sid
-    running_rigs.forget(call.service.store, call.path("id"), sid, call.service.now)
+    running_rigs.forget(call.store, call.path("id"), sid, call.now)
     return application.no_content()
 
 
@@ -89,20 +89,20 @@ def result(call: application.Call) -> Response:
     name = call.request.query_params.get("format", "json")
     ticket = call.session(charge="poses") if call.is_session() else None
     token = call.api_token() if ticket is None else call.service.token_of(ticket)
-    if name not in rig_files.WRITERS:
+    if name not in exports.RIG_WRITERS:
         raise InvalidError.field("format", f"must be one of {', '.join(RIG_FORMATS)}")
-    state, _ = rig_course.state_of(call, call.service.store, call.path("id"), running=False)
+    state, _ = rig_course.state_of(call, call.store, call.path("id"), running=False)
     if state.result is None:
         raise NotFoundError("This rig has no result yet: its leader finishes it.", kind="rig-unfinished")
     if name == "json":
         return application.json_response(state.result)
     call.service.charge(token, "views", call.address)
-    return application.file_response(rig_files.write(call.with_time_for_a_rig(), state.result, name))
+    return exports.file_response(exports.rig_file(call.with_time_for_a_rig(), state.result, name))
 
 
 def state_response(call: application.Call, rig_id: str, status: int = 200) -> Response:
     """Answer with the state of a rig, running or finished; raises NotFoundError."""
-    state, tag = rig_course.state_of(call.with_time_for_a_rig(), call.service.store, rig_id)
+    state, tag = rig_course.state_of(call.with_time_for_a_rig(), call.store, rig_id)
     return application.json_response(state, status, {"ETag": tag})
 
 

@@ -27,8 +27,8 @@ def start(call: application.Call) -> Response:
     ticket = call.session(charge="poses")
     sid = ticket.sid
     request = call.json(SessionRequest)
-    now = call.service.now
-    store = call.service.store
+    now = call.now
+    store = call.store
     who = call.service.contributor(call.address, ticket.token)
     rig = where = None
     if request.rig is not None:
@@ -46,10 +46,7 @@ def start(call: application.Call) -> Response:
     if request.rig is None and document.rig is not None and document.rig.position == 0:
         session = session.model_copy(update={"rig": document.rig})
     if not session_rules.is_same_start(document, session):
-        raise ConflictError(
-            "A session with other content is running under this session id; forget it first.",
-            kind="other-content",
-        )
+        raise other_content()
     if made:
         metrics.count(now, Sessions=1)
     return application.json_response(state(document), 201)
@@ -70,7 +67,7 @@ def place(
     call: application.Call, sid: str, request: SessionRequest, wanted: RigJoin, who: str
 ) -> RigMembership:
     """Find or take the session's place in the rig that it wants; raises InvalidError, TooManyError."""
-    store, now = call.service.store, call.service.now
+    store, now = call.store, call.now
     running = store.sessions.find(sid)
     if running is not None:
         running_rig = running.rig
@@ -80,10 +77,7 @@ def place(
             and wanted.id in (None, running_rig.id)
         ):
             return running_rig  # the code may be used up by now
-        raise ConflictError(
-            "A session with other content is running under this session id; forget it first.",
-            kind="other-content",
-        )
+        raise other_content()
     where, secret = call.service.source(call.address), call.service.settings.contributor_secret
     rig = running_rigs.named(store, wanted, where, secret, now)
     member = MemberDocument(session=sid, contributor=who, joined=now)
@@ -99,15 +93,23 @@ def place(
         raise (rig_rules.wrong_code() if wanted.code is not None else field) from error
 
 
+def other_content() -> ConflictError:
+    """Return the error of another session that runs under the session id."""
+    return ConflictError(
+        "A session with other content is running under this session id; forget it first.",
+        kind="other-content",
+    )
+
+
 def show(call: application.Call) -> Response:
     """Answer with the session's state."""
-    document = call.service.store.sessions.get(call.session(charge="poses").sid)
+    document = call.store.sessions.get(call.session(charge="poses").sid)
     return application.json_response(state(document))
 
 
 def forget(call: application.Call) -> Response:
     """Forget the session's views. What it published when it converged stays."""
-    if not call.service.store.sessions.forget(call.session(charge="poses").sid, call.service.now):
+    if not call.store.sessions.forget(call.session(charge="poses").sid, call.now):
         raise NotFoundError("No session was started under this session id.", kind="no-session")
     return application.no_content()
 

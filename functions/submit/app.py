@@ -25,7 +25,7 @@ def submit(call: application.Call) -> Response:
     ticket = call.session(charge="views")
     request = call.json(ViewRequest)
     service = call.service
-    who, where = service.contributor(call.address, ticket.token), service.source(call.address)
+    who, where = call.contributor(ticket)
 
     def change(document: SessionDocument) -> tuple[SessionDocument | None, tuple[SessionDocument, Judgement]]:
         view = rig_rules.sent_view(document, request)
@@ -66,14 +66,11 @@ def submit_batch(call: application.Call) -> Response:
 def remove(call: application.Call) -> Response:
     """Undo: answer with the state of the session without one of its views."""
     sid = call.session(charge="views").sid
-    index, now = call.index("index"), call.service.now
-
-    def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
-        changed = session_course.without_view(document, index, now)
-        return changed, changed or document
-
+    index, now = call.index("index"), call.now
     with computing_views(call):
-        document = call.service.store.sessions.update(sid, now, change)
+        document = call.store.sessions.revise(
+            sid, now, lambda known: session_course.without_view(known, index, now)
+        )
     return application.json_response(state(document))
 
 
@@ -81,14 +78,11 @@ def finish(call: application.Call) -> Response:
     """End a session with the views that agree, however accurate they are, and answer with its state."""
     ticket = call.session(charge="views")
     service = call.service
-    who, where = service.contributor(call.address, ticket.token), service.source(call.address)
-
-    def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
-        ended = session_course.finish(document, service.now, who, where)
-        return ended, ended or document
-
+    who, where = call.contributor(ticket)
     with computing_views(call):
-        document = service.store.sessions.update(ticket.sid, service.now, change)
+        document = service.store.sessions.revise(
+            ticket.sid, service.now, lambda known: session_course.finish(known, service.now, who, where)
+        )
     endings.publish(service.store, document)
     return application.json_response(state(document))
 
@@ -97,7 +91,7 @@ def license_views(call: application.Call) -> Response:
     """Add the contributor's licence to a session and to what it published; answer with its state."""
     sid = call.session(charge="views").sid
     request = call.json(LicenceRequest)
-    document = endings.license_session(call.service.store, sid, request, call.service.now)
+    document = endings.license_session(call.store, sid, request, call.now)
     return application.json_response(state(document))
 
 

@@ -8,10 +8,8 @@ from __future__ import annotations
 
 from starlette.responses import Response
 
-from calibdb.access import token_use
 from calibdb.access.plans import HOUR_S, MAX_PROOF_CALLS
-from calibdb.access.token_cache import retry_after
-from calibdb.access.token_facts import facts, hourly_limits
+from calibdb.access.token_facts import facts, hourly_limits, use_summary
 from calibdb.access.tokens import ApiToken
 from calibdb.http import application
 from calibdb.schema import (
@@ -24,6 +22,7 @@ from calibdb.schema import (
 )
 from calibdb.schema.managed_token import ProofFailure, UseCounts
 from calibdb.store import managed_tokens
+from calibdb.store.token_cache import retry_after
 
 
 def create(call: application.Call) -> Response:
@@ -44,7 +43,7 @@ def show(call: application.Call) -> Response:
 def change(call: application.Call) -> Response:
     """Give the token other origins or another name; an origin that it keeps stays as it is."""
     token = _living(call)
-    return _token_response(call, managed_tokens.change(call.service.store, token, call.json(TokenChange)))
+    return _token_response(call, managed_tokens.change(call.store, token, call.json(TokenChange)))
 
 
 def verify(call: application.Call) -> Response:
@@ -72,14 +71,14 @@ def rotate(call: application.Call) -> Response:
 
 def revoke(call: application.Call) -> Response:
     """Revoke the token for good. Idempotent."""
-    call.service.store.tokens.revoke(call.managed_token(), call.service.now)
+    call.store.tokens.revoke(call.managed_token(), call.now)
     return application.no_content()
 
 
 def usage(call: application.Call) -> Response:
     """Answer with the use of the API token in this hour."""
     token = call.api_token()
-    service, now = call.service, call.service.now
+    service, now = call.service, call.now
     allowed = service.plan_of(token)
     who = service.contributor(call.address, token.id)
     answer = UsageAnswer(
@@ -94,15 +93,15 @@ def usage(call: application.Call) -> Response:
 
 
 def _living(call: application.Call) -> ApiToken:
-    return managed_tokens.require_living(call.managed_token(), call.service.now)
+    return managed_tokens.require_living(call.managed_token(), call.now)
 
 
 def _token_response(
     call: application.Call, token: ApiToken, failures: dict[str, ProofFailure] | None = None
 ) -> Response:
-    now = call.service.now
+    now = call.now
     shown = facts(token, call.service.plan_of(token), now, failures)
-    use = token_use.summary(call.service.store.quotas.use(token.id, now), now)
+    use = use_summary(call.store.quotas.use(token.id, now), now)
     return application.json_response(ManagedToken(**dict(shown), use=use))
 
 

@@ -14,7 +14,8 @@ from typing import Any
 
 from calibdb.camera_key.characters import visible
 from calibdb.schema import CalibrationDocument, ConsensusDocument
-from calibdb.store import Aliases, StreamMode
+from calibdb.store import StreamMode
+from calibdb.store.aliases import Aliases
 from calibdb.store.keys import WITHDRAWN, camera_pk, tombstone_object
 from infra.ops import OpsError, reindex
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext

@@ -23,14 +23,7 @@ def publish_dump(context: OpsContext) -> Dump:
     store, least = context.store, context.settings.thresholds.min_contributors
     dump = WeeklyDump(
         dumps=dumps,
-        figures=Figures(
-            dumps,
-            store.cameras,
-            store.miss_counts,
-            store.calibrations.names,
-            store.calibrations.licence,
-            least,
-        ),
+        figures=Figures(dumps, store.cameras, store.miss_counts, store.calibrations, least),
         now=lambda: context.now,
         random_hex=context.random_hex,
         seconds_left=lambda: math.inf,

@@ -14,20 +14,13 @@ from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
 from calibdb.rules import session_result
 from calibdb.schema import CalibrationDocument, RefitRequest
-from calibdb.store import (
-    Calibrations,
-    Condition,
-    Priors,
-    Rigs,
-    Sessions,
-    StreamMode,
-    Table,
-    Tokens,
-    Votes,
-    endings,
-)
+from calibdb.store import Calibrations, StreamMode, Table, Tokens, endings
 from calibdb.store.names import with_current_key
-from calibdb.store.ports import Item
+from calibdb.store.ports import Condition, Item
+from calibdb.store.priors import Priors
+from calibdb.store.rigs import Rigs
+from calibdb.store.sessions import Sessions
+from calibdb.store.votes import Votes
 from infra.ops.context import CALIBRATIONS_PREFIX, Key, OpsContext, count_objects
 
 # What a computation writes; all other items of a camera follow from single objects.

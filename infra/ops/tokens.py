@@ -6,8 +6,8 @@ import time
 from collections.abc import Callable, Sequence
 from urllib.parse import urlsplit
 
-from calibdb.access import token_use
 from calibdb.access.plans import HOUR_S, PLANS
+from calibdb.access.token_facts import use_summary
 from calibdb.access.tokens import ApiToken, secret_hash, with_secret
 from calibdb.schema.managed_token import TokenUse
 from calibdb.store import Tokens
@@ -54,7 +54,7 @@ def describe(token: ApiToken) -> tuple[str, str, str, str, str]:
 
 def use(context: OpsContext, token_id: str) -> TokenUse:
     """Sum up the use of a token by hour and by day."""
-    return token_use.summary(context.store.quotas.use(token_id, context.now), context.now)
+    return use_summary(context.store.quotas.use(token_id, context.now), context.now)
 
 
 def get(context: OpsContext, token_id: str) -> ApiToken:

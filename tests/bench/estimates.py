@@ -78,6 +78,11 @@ class Case:
         return abs(math.log(self.truth / math.sqrt(self.low * self.high)))
 
 
+def is_aspect(fact: Fact) -> bool:
+    """True if `size` is an aspect only, such as 16, 9."""
+    return fact.size[0] < 64
+
+
 def device(fact: Fact) -> Device:
     """Device that a fact is about, its model named."""
     words = max(fact.words, key=len) if fact.words else frozenset[str]()
@@ -93,7 +98,7 @@ def sources_left_out() -> Iterator[Case]:
             for f in facts
             if (f.maker, f.model, f.camera) == (fact.maker, fact.model, fact.camera) and f.url != fact.url
         ]
-        if fact.what not in MEASURED or fact.title == lens_facts.TITLE or not others or fact.is_aspect:
+        if fact.what not in MEASURED or fact.title == lens_facts.TITLE or not others or is_aspect(fact):
             continue
         result = estimated(device(fact), fact.size, facts, others)
         yield Case.of("webcams, depth cameras and phones, by model", fact.model, fact.log_tan, result)
@@ -187,7 +192,7 @@ def sizes_left_out() -> Iterator[Case]:
 
 def _own_calibrations(facts: Sequence[Fact], *, same: bool) -> Iterator[Case]:
     for fact in facts:
-        if fact.what != "calibration" or fact.is_aspect or fact.title == lens_facts.TITLE:
+        if fact.what != "calibration" or is_aspect(fact) or fact.title == lens_facts.TITLE:
             continue
         model = [f for f in facts if (f.maker, f.model, f.camera) == (fact.maker, fact.model, fact.camera)]
         others = [
@@ -195,7 +200,7 @@ def _own_calibrations(facts: Sequence[Fact], *, same: bool) -> Iterator[Case]:
             for f in model
             if f.what == "calibration"
             and f is not fact
-            and not f.is_aspect
+            and not is_aspect(f)
             and (f.size == fact.size) == same
             and (f.url != fact.url or not same)
         ]

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from calibdb.store import Alias
+from calibdb.store.aliases import Alias
 from infra.ops.__main__ import main
 from infra.server.server import Server
 from tests.helpers.marks import thorough

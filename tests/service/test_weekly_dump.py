@@ -69,8 +69,7 @@ def writer(
 ) -> WeeklyDump:
     dumps, store = dumps_of(context), context.store
     assert dumps is not None
-    known = store.calibrations
-    figures = Figures(dumps, store.cameras, store.miss_counts, known.names, known.licence, 3)
+    figures = Figures(dumps, store.cameras, store.miss_counts, store.calibrations, 3)
     return WeeklyDump(dumps, figures, lambda: now, context.random_hex, left, **options)
 
 

@@ -80,15 +80,6 @@ def test_times_are_those_of_the_template() -> None:
     assert "a backup of 35 days" in NOTICE
 
 
-def test_no_log_holds_an_address() -> None:
-    text = resources()["HttpApi"]["Properties"]["AccessLogSettings"]["Format"]
-    assert set(re.findall(r"\$context\.([\w.]+)", text)) == {
-        *("requestTime", "requestId", "routeKey", "status", "responseLength", "responseLatency"),
-        *("integrationLatency", "error.responseType"),
-    }
-    assert "Logging" not in resources()["Distribution"]["Properties"]["DistributionConfig"]
-
-
 def test_pages_agree_on_the_text_of_the_licence() -> None:
     script = (ROOT / "web/lib/consent.js").read_text("utf-8")
     found = re.search(r'LICENCE_VERSION = "([\d-]+)"', script)

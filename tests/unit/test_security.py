@@ -1,6 +1,5 @@
 """Links of docs/security.md to the tests that hold its promises."""
 
-import ast
 import gzip
 import json
 import re
@@ -17,16 +16,12 @@ def test_every_linked_test_exists() -> None:
     named = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", (ROOT / "docs/security.md").read_text())
     assert len(named) > 25
     for path, name in named:
-        tree = ast.parse((ROOT / path).read_text())
-        assert name in {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}, (
-            path,
-            name,
-        )
+        assert f"\ndef {name}(" in (ROOT / path).read_text(), (path, name)
 
 
 def test_a_compressed_body_is_never_unpacked() -> None:
-    bomb = gzip.compress(b" " * 50_000_000 + json.dumps({"camera": "x"}).encode())
-    assert len(bomb) < 100_000
+    bomb = gzip.compress(b" " * 5_000_000 + json.dumps({"camera": "x"}).encode())
+    assert len(bomb) < 10_000
     with Server() as stack:
         client = Client(stack)
         for encoding in ("gzip", "deflate", "br", "identity"):

@@ -97,7 +97,6 @@ def read_proof(
     context: ssl.SSLContext | None = None,
     resolve: Resolve = resolve,
     connect: Connect = connect,
-    clock: Callable[[], float] = time.monotonic,
     max_s: float = MAX_FETCH_S,
 ) -> str:
     """Return the text of `https://<host>/.well-known/calibdb.txt`.
@@ -107,21 +106,22 @@ def read_proof(
     ProofError
         If it cannot be had: see `ProofFailure`.
     """
-    deadline = clock() + max_s
-    addresses = _public_addresses(host, resolve, deadline - clock())
-    connection = _connect_to_any(addresses, connect, clock, deadline)
+    deadline = time.monotonic() + max_s
+    addresses = _public_addresses(host, resolve, deadline - time.monotonic())
+    connection = _connect_to_any(addresses, connect, deadline)
     trusted = context or ssl.create_default_context()
     try:
         with connection:
-            _check_peer(connection)
-            connection.settimeout(_seconds_left(deadline, clock))
+            if not is_public(str(connection.getpeername()[0])):
+                raise ProofError("address")
+            connection.settimeout(_seconds_left(deadline))
             with trusted.wrap_socket(
                 connection, server_hostname=host, do_handshake_on_connect=False
             ) as secured:
-                _shake_hands(secured, clock, deadline)
-                secured.settimeout(_seconds_left(deadline, clock))
+                _shake_hands(secured, deadline)
+                secured.settimeout(_seconds_left(deadline))
                 secured.sendall(_request(host))
-                return _text(_receive(secured, clock, deadline))
+                return _text(_receive(secured, deadline))
     except TimeoutError as error:
         raise ProofError("timeout") from error
     except ssl.SSLError as error:
@@ -164,14 +164,12 @@ def is_public(text: str) -> bool:
     )
 
 
-def _connect_to_any(
-    addresses: Sequence[str], connect: Connect, clock: Callable[[], float], deadline: float
-) -> socket.socket:
+def _connect_to_any(addresses: Sequence[str], connect: Connect, deadline: float) -> socket.socket:
     # IPv4 first: functions outside of a VPC have no IPv6.
     tried = sorted(addresses, key=lambda address: ":" in address)[:_MAX_ADDRESSES]
     for left, address in zip(range(len(tried), 0, -1), tried, strict=True):
         try:
-            return connect(address, _seconds_left(deadline, clock) / left)
+            return connect(address, _seconds_left(deadline) / left)
         except TimeoutError:
             failed: ProofFailure = "timeout"
         except OSError:
@@ -179,36 +177,26 @@ def _connect_to_any(
     raise ProofError(failed)
 
 
-def _check_peer(connection: socket.socket) -> None:
-    if not is_public(str(connection.getpeername()[0])):
-        raise ProofError("address")
-
-
-def _seconds_left(deadline: float, clock: Callable[[], float]) -> float:
+def _seconds_left(deadline: float) -> float:
     """Return the s that are left; ProofError where there are none."""
-    left = deadline - clock()
+    left = deadline - time.monotonic()
     if left <= 0:
         raise ProofError("timeout")
     return left
 
 
-def _shake_hands(secured: ssl.SSLSocket, clock: Callable[[], float], deadline: float) -> None:
+def _shake_hands(secured: ssl.SSLSocket, deadline: float) -> None:
     """Shake hands before the deadline: a peer that sends a byte at a time restarts every other time limit."""
     secured.settimeout(0.0)
     while True:
         try:
             secured.do_handshake()
         except ssl.SSLWantReadError:
-            _wait(secured, clock, deadline, reading=True)
+            select.select([secured], [], [], _seconds_left(deadline))
         except ssl.SSLWantWriteError:
-            _wait(secured, clock, deadline, reading=False)
+            select.select([], [secured], [], _seconds_left(deadline))
         else:
             return
-
-
-def _wait(secured: ssl.SSLSocket, clock: Callable[[], float], deadline: float, *, reading: bool) -> None:
-    waited = [secured]
-    select.select(waited if reading else [], [] if reading else waited, [], _seconds_left(deadline, clock))
 
 
 def _request(host: str) -> bytes:
@@ -223,11 +211,11 @@ def _request(host: str) -> bytes:
     return "\r\n".join((*lines, "", "")).encode("ascii")
 
 
-def _receive(secured: ssl.SSLSocket, clock: Callable[[], float], deadline: float) -> bytes:
+def _receive(secured: ssl.SSLSocket, deadline: float) -> bytes:
     """Read the response to its end; ProofError if it is too large or too slow."""
     received = bytearray()
     while True:
-        secured.settimeout(_seconds_left(deadline, clock))
+        secured.settimeout(_seconds_left(deadline))
         try:
             part = secured.recv(4096)
         except ssl.SSLEOFError:

@@ -25,7 +25,6 @@ from calibdb.access.plans import (
     plan,
     rate_limit_headers,
 )
-from calibdb.access.token_cache import TOKEN_TTL_S, TokenCache, retry_after
 from calibdb.access.tokens import (
     ApiToken,
     SessionIds,
@@ -35,7 +34,6 @@ from calibdb.access.tokens import (
     matches,
     network,
     parse,
-    parse_management,
     source,
 )
 from calibdb.errors import ForbiddenError, TooManyError
@@ -43,6 +41,7 @@ from calibdb.lookup.reports import AliasFilter, MissCounter
 from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb.store.secrets import with_secrets
+from calibdb.store.token_cache import TOKEN_TTL_S, TokenCache, retry_after
 
 WRITE_INTERVAL_S = 1.0
 """Time after which a server writes what no response waits for."""
@@ -84,9 +83,7 @@ class Service:
     def in_server(cls) -> Iterator[None]:
         """Make `of_process` return one service, with a thread that writes what no response needs."""
         global _of_server
-        settings = _ProcessSettings.read().settings
-        plans = multiplied(settings.plan_factors)
-        service = cls.build(settings, Store.of(settings), plans=plans, in_background=True)
+        service = cls.make(_ProcessSettings.read().settings, in_background=True)
         stopping = threading.Event()
 
         def work() -> None:
@@ -149,9 +146,10 @@ class Service:
         _remembered.cache_clear()
 
     @classmethod
-    def make(cls, settings: Settings) -> Service:
-        """Return a new service of `settings`."""
-        return cls.build(settings, Store.of(settings), plans=multiplied(settings.plan_factors))
+    def make(cls, settings: Settings, *, in_background: bool = False) -> Service:
+        """Return a new service of `settings`; `in_background`: as of `build`."""
+        plans = multiplied(settings.plan_factors)
+        return cls.build(settings, Store.of(settings), plans=plans, in_background=in_background)
 
     @classmethod
     def build(
@@ -214,7 +212,7 @@ class Service:
 
         Raises ForbiddenError, the same, and as fast, for unknown tokens and wrong secrets.
         """
-        parts = parse_management(text)
+        parts = parse(text, "cdbm")
         token = self.store.tokens.read(parts[0]) if parts else None
         if parts is None or not manages(token, parts[1]) or token is None:
             raise ForbiddenError("The management token is not valid.")

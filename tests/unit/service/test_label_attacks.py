@@ -19,7 +19,6 @@ HOME, USERS = "home", "Users"  # folders of persons, apart from the paths that h
     [
         "HD Pro Webcam C920: HD Pro Webcam C920 <img src=//evil.example/x> RECALLED (046d:082d)",
         "HD Pro Webcam C920: HD Pro Webcam C920 see evil.example (046d:082d)",
-        "HD Pro Webcam C920: HD Pro Webcam C920 2 (046d:082d)",
     ],
 )
 def test_text_behind_a_repeated_name_makes_another_camera(text: str) -> None:
@@ -58,7 +57,6 @@ def test_label_of_nothing_visible_is_refused(blank: str) -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "HD Pro Webcam \u0421920 (046d:082d)",  # Cyrillic Es
         "H\u0044 \u0420ro Webcam C920 (046d:082d)",  # Cyrillic Er
         "HD Pr\u03bf W\u0435bc\u0430m C920 (046d:082d)",  # Greek omicron, Cyrillic ie and a
         "\u041dD Pro Webcam \u0421920 (046d:082d)",
@@ -73,7 +71,6 @@ def test_confusable_letters_are_latin_ones(text: str) -> None:
     "text",
     [
         "\u0424\u0440\u043e\u043d\u0442\u0430\u043b\u044c\u043d\u0430 \u043a\u0430\u043c\u0435\u0440\u0430",
-        "\u0412\u0435\u0431-\u043a\u0430\u043c\u0435\u0440\u0430 2",
         "\u6444\u50cf\u5934 1",
     ],
 )

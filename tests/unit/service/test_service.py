@@ -32,12 +32,6 @@ def test_sessions_sort_by_their_start(service: Service, clock: Clock) -> None:
     assert service.ticket(token, None).sid > first
 
 
-def test_ticket_of_an_origin_token_is_bound_to_its_page(service: Service) -> None:
-    page = "https://a.example"
-    assert service.ticket(ApiToken("t", "", (page,)), page).origin == page
-    assert service.ticket(ApiToken("t", ""), page).origin is None
-
-
 @pytest.mark.usefixtures("function_environment")
 def test_environment_is_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
     service = Service.of_process()

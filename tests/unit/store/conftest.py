@@ -1,4 +1,7 @@
-"""Both implementations of the ports, in memory: SQLite, and AWS as the template makes it."""
+"""Implementations of the ports, in memory: SQLite, and AWS as the template makes it.
+
+`test_ports.py` holds both to the same behaviour, so that the tests of the stores need only one.
+"""
 
 import os
 from collections.abc import Iterator
@@ -11,6 +14,7 @@ from calibdb.store import Objects, Table
 from calibdb.store.aws import DynamoTable, S3Objects
 from calibdb.store.sqlite import Database, SqliteObjects, SqliteTable
 from tests.helpers.aws import account
+from tests.helpers.marks import thorough
 
 REGION = "eu-central-1"
 #: unix time of SQLite, which hides what has expired
@@ -52,11 +56,7 @@ def aws(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
-#: implementations that a test runs on
-ADAPTERS = ("aws",) if os.environ.get("CONFORMANCE_ENDPOINT") else ("sqlite", "aws")
-
-
-@pytest.fixture(params=ADAPTERS)
+@pytest.fixture(params=["aws"] if "CONFORMANCE_ENDPOINT" in os.environ else ["sqlite", *thorough("aws")])
 def adapter(request: pytest.FixtureRequest) -> str:
     if request.param == "aws":
         request.getfixturevalue("aws")

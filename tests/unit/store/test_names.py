@@ -1,7 +1,5 @@
 """Under which names a camera is found, and that they all follow from the calibrations."""
 
-import itertools
-
 import pytest
 
 from calibdb.camera_key import camera_key, identify
@@ -9,7 +7,7 @@ from calibdb.camera_key.names import words
 from calibdb.store import Calibrations, Cameras, Objects, Table
 from calibdb.store.cameras import is_place
 from calibdb.store.ports import Condition, Item
-from tests.helpers.service.known import C920, LINUX, calibration
+from tests.helpers.service.known import LINUX, calibration
 from tests.helpers.service.stores import with_methods
 
 MAC = "Macintosh; Intel Mac OS X 10_15_7"
@@ -24,69 +22,6 @@ def calibrations(table: Table, objects: Objects) -> Calibrations:
 @pytest.fixture
 def cameras(table: Table) -> Cameras:
     return Cameras(table)
-
-
-def items(table: Table) -> dict[tuple[str, str], Item | None]:
-    """All items of cameras, calibrations and names."""
-    return {key: table.get(*key) for key in table.keys("C")}
-
-
-def test_a_calibration_with_a_usb_id_is_known_under_its_name_too(
-    calibrations: Calibrations, cameras: Cameras
-) -> None:
-    calibrations.publish(calibration())
-    assert cameras.known(NAMED.key).same_as == (camera_key(C920, LINUX),)
-    assert cameras.known(camera_key(C920, LINUX)).same_as == ()
-    calibrations.publish(calibration("Logitech HD Pro Webcam C920 (046d:0892)", number=1))
-    assert len(cameras.known(NAMED.key).same_as) == 2
-
-
-def test_a_key_of_earlier_rules_leads_to_todays(calibrations: Calibrations, cameras: Cameras) -> None:
-    old = "c1-hd-pro-webcam-c920-0123456789ab"
-    stored = calibration(key=old)
-    calibrations.publish(stored)
-    assert cameras.known(old).same_as == (camera_key(C920, LINUX),)
-    found = calibrations.get(stored.id)
-    assert found is not None
-    assert (found.id, found.camera_key) == (stored.id, camera_key(C920, LINUX))
-    assert [mode.camera_key for mode in calibrations.modes(camera_key(C920, LINUX))] == [
-        camera_key(C920, LINUX)
-    ]
-
-
-def test_the_search_finds_words_cut_short(calibrations: Calibrations, cameras: Cameras) -> None:
-    calibrations.publish(calibration())
-    calibrations.publish(calibration("Razer Kiyo (1532:0e03)", number=1))
-    c920, kiyo = camera_key(C920, LINUX), camera_key("Razer Kiyo (1532:0e03)", LINUX)
-    for word, keys in {
-        "c920": [c920],
-        "c9": [c920],
-        "web": [c920],
-        "046d": [c920],
-        "082d": [c920],
-        "logitech": [c920],  # the USB vendor: the label does not say it
-        "raz": [kiyo],
-        "kiy": [kiyo],
-        "": [c920, kiyo],
-        "920": [],
-    }.items():
-        assert [key for key, _ in cameras.search(word, 10, None)[0]] == keys, word
-    assert cameras.search("kiyo", 10, None) == ([(kiyo, "razer kiyo")], None)
-
-
-def test_search_continues_after_a_page(calibrations: Calibrations, cameras: Cameras) -> None:
-    for number in range(7):
-        calibrations.publish(calibration(f"Webcam X{number}00 (1234:00{number:02x})", number=number))
-    for word in ("webcam", ""):
-        seen: list[str] = []
-        after: str | None = None
-        for _ in itertools.count():
-            found, after = cameras.search(word, 3, after)
-            seen += [key for key, _ in found]
-            if after is None:
-                break
-            assert is_place(word, after)
-        assert len(seen) == len(set(seen)) == 7
 
 
 @pytest.mark.parametrize("label", ["\U00020000" * 256, "\ufdfa" * 256, "a" * 256])
@@ -106,6 +41,11 @@ def test_invented_page_token_is_refused(after: str) -> None:
     assert not is_place("c920", after)
     assert is_place("c920", "c920e#c2-webcam-c920e-0123456789ab")
     assert not is_place("", "c920#c2-a-0123456789ab")
+
+
+def items(table: Table) -> dict[tuple[str, str], Item | None]:
+    """All items of cameras, calibrations and names."""
+    return {key: table.get(*key) for key in table.keys("C")}
 
 
 def test_the_index_made_anew_has_the_same_names(
@@ -130,22 +70,6 @@ def test_the_index_made_anew_has_the_same_names(
     for document, withdrawn in reversed(list(anew.everything())):
         anew.index(document, withdrawn=withdrawn)
     assert items(table) == before
-
-
-def test_camera_without_counted_calibrations_is_not_found(
-    calibrations: Calibrations, cameras: Cameras
-) -> None:
-    first, second = calibration(), calibration(number=1)
-    calibrations.publish(first)
-    calibrations.publish(second)
-    calibrations.withdraw(first, "a test", 0)
-    assert cameras.known(NAMED.key).same_as
-    calibrations.withdraw(second, "a test", 0)
-    assert cameras.known(NAMED.key).same_as == ()
-    assert cameras.search("", 10, None) == ([], None)
-    calibrations.publish(second)  # by a client that repeats its last view
-    assert cameras.known(NAMED.key).same_as == ()
-    assert cameras.search("", 10, None) == ([], None)
 
 
 def test_earlier_key_leads_to_the_camera_while_its_calibration_counts(

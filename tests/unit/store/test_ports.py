@@ -1,5 +1,6 @@
 """Conformance of the ports' implementations: SQLite, and AWS by moto or (`make verify`) ministack."""
 
+import os
 import threading
 from collections.abc import Callable
 
@@ -17,6 +18,8 @@ from calibdb.store.ports import (
     equals,
 )
 
+ADAPTERS = ["aws"] if "CONFORMANCE_ENDPOINT" in os.environ else ["sqlite", "aws"]
+pytestmark = pytest.mark.parametrize("adapter", ADAPTERS, indirect=True)
 ITEM: Item = {"pk": "P#1", "sk": "S#1", "name": "Kamera é 📷", "count": 7, "list": ["b", "a"], "empty": []}
 
 
@@ -138,6 +141,13 @@ def test_names_are_listed_in_order(objects: Objects) -> None:
     assert list(objects.names("b/", "b/1")) == ["b/10", "b/2"]
     assert list(objects.names("")) == ["a/1", "b", "b/1", "b/10", "b/2", "c"]
     assert list(objects.names("d")) == []
+
+
+def test_purged_object_is_gone(objects: Objects) -> None:
+    objects.put("a/b", b"1")
+    objects.put("a/bc", b"2")
+    assert objects.purge_all_versions(["a/b", "a/none"]) == 1
+    assert list(objects.names("")) == ["a/bc"]
 
 
 def at_once(count: int, call: Callable[[int], object]) -> list[object]:

@@ -6,29 +6,10 @@ import pytest
 
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import UnavailableError
-from calibdb.store import Objects, Quotas, Table, Tokens
-from calibdb.store.quotas import MIN_SHARDED_LIMIT, SHARDS
+from calibdb.store import Objects, Table, Tokens
+from calibdb.store.quotas import MIN_SHARDED_LIMIT, SHARDS, Quotas
 
 NOW = 1_700_000_000
-
-
-def test_a_counter_stops_at_its_limit(table: Table) -> None:
-    quotas = Quotas(table)
-    assert [quotas.take("t", "views", NOW, 3) for _ in range(5)] == [1, 2, 3, None, None]
-    assert quotas.take("t", "views", NOW, 3, "someone")  # counted apart
-    assert quotas.take("t", "sessions", NOW, 3)
-    assert quotas.take("t", "views", NOW + 3600, 3)  # the next hour
-    assert not quotas.take("t", "views", NOW, 0)
-    assert quotas.add("t", "lookups", NOW, 250) == 250
-    assert quotas.add("t", "lookups", NOW, 250) == 500
-    assert table.get("TOKEN#t", "QUOTA#2023-11-14T22") == {
-        "pk": "TOKEN#t",
-        "sk": "QUOTA#2023-11-14T22",
-        "views": 3,
-        "sessions": 1,
-        "lookups": 500,
-        "ttl": 1_700_002_800 + 31 * 86_400,
-    }
 
 
 def test_large_counter_is_split_and_stops_exactly_at_its_limit(table: Table) -> None:

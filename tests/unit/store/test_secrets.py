@@ -2,7 +2,6 @@
 
 import heapq
 import itertools
-import math
 import random
 import threading
 from collections.abc import Sequence
@@ -13,7 +12,7 @@ import pytest
 from botocore.exceptions import ClientError, EndpointConnectionError
 
 from calibdb.errors import UnavailableError
-from calibdb.store.secrets import MAX_ATTEMPTS, NAMES, SECRETS_TTL_S, Secrets, with_secrets
+from calibdb.store.secrets import MAX_ATTEMPTS, NAMES, SECRETS_TTL_S, Secrets
 from tests.helpers.clock import Clock
 from tests.helpers.marks import thorough
 
@@ -56,11 +55,6 @@ def test_cached_secrets_are_used_during_an_outage() -> None:
         Secrets(lambda: ssm, "/calibdb/stack", clock, pauses.append)()
     assert len(pauses) == MAX_ATTEMPTS - 1
     assert max(pauses) <= 3.0
-
-
-def test_secrets_without_path_come_from_the_environment() -> None:
-    environment = {"SECRETS_PATH": "", "SESSION_SECRETS": "x"}
-    assert with_secrets(environment) == (environment, math.inf)
 
 
 CROWD, QUOTA = 300, 40  # functions that start within a second; calls in a second that SSM gives an account

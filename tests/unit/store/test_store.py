@@ -6,7 +6,7 @@ from typing import Any
 
 import boto3
 import pytest
-from botocore.exceptions import ClientError, EndpointConnectionError
+from botocore.exceptions import ClientError
 
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import ConflictError, NotFoundError, UnavailableError
@@ -15,8 +15,9 @@ from calibdb.schema import (
     SessionDocument,
     SessionRequest,
 )
-from calibdb.store import Objects, Sessions, Table, Tokens
-from calibdb.store.aws import DynamoTable, S3Objects
+from calibdb.store import Objects, Table, Tokens
+from calibdb.store.aws import S3Objects
+from calibdb.store.sessions import Sessions
 from tests.helpers.service.stores import with_methods
 
 NOW = 1_700_000_000
@@ -42,16 +43,6 @@ def opened(document: SessionDocument) -> tuple[SessionDocument, int]:
 
 def versions(objects: Objects) -> list[str]:
     return sorted(name.rpartition("/")[2] for name in objects.names(f"sessions/{SID}/"))
-
-
-def test_a_session_is_kept_version_by_version(sessions: Sessions, objects: Objects) -> None:
-    assert sessions.find(SID) is None
-    assert sessions.start(SID, NOW, begin) == (begin(1), True)
-    assert sessions.start(SID, NOW, begin) == (begin(1), False)
-    assert sessions.update(SID, NOW, opened) == 1
-    assert sessions.update(SID, NOW, opened) == 2
-    assert sessions.get(SID).next_index == 2
-    assert versions(objects) == ["1.json", "2.json", "3.json"]
 
 
 def aimed(n: int) -> Callable[[SessionDocument], tuple[SessionDocument, int]]:
@@ -124,20 +115,6 @@ def test_session_that_is_deleted_during_a_read_is_missing(
         sessions.get(SID)
 
 
-def test_empty_change_writes_nothing(sessions: Sessions, objects: Objects) -> None:
-    sessions.start(SID, NOW, begin)
-    assert sessions.update(SID, NOW, lambda document: (None, document.next_index)) == 0
-    assert versions(objects) == ["1.json"]
-
-
-def test_unstarted_session_is_not_found(sessions: Sessions) -> None:
-    with pytest.raises(NotFoundError):
-        sessions.get(SID)
-    with pytest.raises(NotFoundError):
-        sessions.update(SID, NOW, opened)
-    assert sessions.forget(SID, NOW) is False
-
-
 def test_orphaned_version_is_skipped(sessions: Sessions, objects: Objects) -> None:
     """The process died between object and index: what it wrote counts for nothing and blocks nothing."""
     sessions.start(SID, NOW, begin)
@@ -147,21 +124,6 @@ def test_orphaned_version_is_skipped(sessions: Sessions, objects: Objects) -> No
     assert sessions.update(SID, NOW, opened) == 1
     assert sessions.get(SID).next_index == 1
     assert sessions.update(SID, NOW, opened) == 2
-
-
-def test_of_two_changes_at_once_one_is_made_anew(sessions: Sessions) -> None:
-    sessions.start(SID, NOW, begin)
-    seen = []
-
-    def change(document: SessionDocument) -> tuple[SessionDocument, int]:
-        seen.append(document.next_index)
-        if len(seen) == 1:  # another request gets ahead, after we read and before we write
-            sessions.update(SID, NOW, opened)
-        return opened(document)
-
-    assert sessions.update(SID, NOW, change) == 2
-    assert seen == [0, 1]
-    assert sessions.get(SID).next_index == 2
 
 
 def test_contended_change_gives_up(sessions: Sessions) -> None:
@@ -185,18 +147,6 @@ def test_write_with_a_lost_response_is_done(table: Table, objects: Objects) -> N
     sessions.start(SID, NOW, begin)
     assert sessions.update(SID, NOW, opened) == 1
     assert sessions.update(SID, NOW, opened) == 2
-
-
-def test_forgotten_session_can_be_restarted(sessions: Sessions, objects: Objects) -> None:
-    sessions.start(SID, NOW, begin)
-    sessions.update(SID, NOW, opened)
-    assert sessions.forget(SID, NOW) is True
-    assert sessions.forget(SID, NOW) is True
-    assert versions(objects) == []
-    assert sessions.find(SID) is None
-    anew, _ = sessions.start(SID, NOW, begin)
-    assert anew.first_version > 1
-    assert sessions.update(SID, NOW, opened) == 1
 
 
 def test_concurrent_change_does_not_revive_a_forgotten_session(sessions: Sessions) -> None:
@@ -236,13 +186,6 @@ def test_tokens(table: Table, objects: Objects) -> None:
     assert tokens.get("other") == other
 
 
-def test_purged_object_is_gone(objects: Objects) -> None:
-    objects.put("a/b", b"1")
-    objects.put("a/bc", b"2")
-    assert objects.purge_all_versions(["a/b", "a/none"]) == 1
-    assert list(objects.names("")) == ["a/bc"]
-
-
 def test_purged_object_leaves_no_version(aws: None) -> None:  # noqa: ARG001
     client = boto3.client("s3", REGION)
     objects = S3Objects(lambda: client, "bucket")
@@ -255,41 +198,6 @@ def test_purged_object_leaves_no_version(aws: None) -> None:  # noqa: ARG001
     left = client.list_object_versions(Bucket="bucket")
     assert [found["Key"] for found in left["Versions"]] == ["a/bc"]
     assert "DeleteMarkers" not in left
-
-
-def failing(error: Exception) -> Callable[[], Any]:
-    class Client:
-        def __getattr__(self, name: str) -> Callable[..., Any]:
-            def call(**_: object) -> Any:
-                raise error
-
-            return call
-
-    return Client
-
-
-@pytest.mark.parametrize(
-    "error",
-    [
-        ClientError({"Error": {"Code": "ProvisionedThroughputExceededException"}}, "PutItem"),
-        ClientError({"Error": {"Code": "SlowDown"}}, "PutObject"),
-        EndpointConnectionError(endpoint_url="http://storage"),
-    ],
-)
-def test_storage_outage_is_a_503(error: Exception) -> None:
-    objects, table = S3Objects(failing(error), "bucket"), DynamoTable(failing(error), "table")
-    calls: list[Callable[[], object]] = [
-        lambda: objects.get("name"),
-        lambda: objects.create("name", b""),
-        lambda: objects.delete(["name"]),
-        lambda: table.get("pk", "sk"),
-        lambda: table.put({"pk": "pk", "sk": "sk"}),
-        lambda: table.query("pk", "sk"),
-    ]
-    for call in calls:
-        with pytest.raises(UnavailableError) as raised:
-            call()
-        assert raised.value.headers == {"Retry-After": "1"}
 
 
 class Undecided:

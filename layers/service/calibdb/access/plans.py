@@ -54,29 +54,26 @@ class Plan:
 # a page is public: a person who copies it gets the share of one user, or of three if their line has IPv6.
 # Many such people exhaust only that page's plan.
 _EACH = Allowance(sessions=20, views=400, lookups=600, poses=1_200)
-_TRIAL = Allowance(sessions=20, views=400, lookups=600, poses=1_200)
+_PARTNER = Allowance(sessions=5_000, views=100_000, lookups=2_000_000, poses=300_000)
 _NONE = Allowance(None, None, None, None)
 
 PLANS: dict[str, Plan] = {
     # New users: every page on their own machine, and programs.
-    "trial": Plan(_TRIAL, _TRIAL, counts_each_lookup=True),
+    "trial": Plan(_EACH, _EACH, counts_each_lookup=True),
     "free": Plan(Allowance(sessions=60, views=1_500, lookups=10_000, poses=4_500), _EACH),
     "page": Plan(Allowance(sessions=1_000, views=25_000, lookups=200_000, poses=75_000), _EACH),
     # A private server, which sends the requests of many users from one address.
-    "partner": Plan(
-        Allowance(sessions=5_000, views=100_000, lookups=2_000_000, poses=300_000),
-        Allowance(sessions=5_000, views=100_000, lookups=2_000_000, poses=300_000),
-    ),
+    "partner": Plan(_PARTNER, _PARTNER),
     "development": Plan(_NONE, _NONE),
 }
 
 
-def multiplied(factors: Iterable[tuple[str, int]], plans: Mapping[str, Plan] = PLANS) -> dict[str, Plan]:
+def multiplied(factors: Iterable[tuple[str, int]]) -> dict[str, Plan]:
     """Multiply what all users of a token share, by plan; of a plan for one user also what each has.
 
     Raises ValueError if there is no such plan.
     """
-    result = dict(plans)
+    result = dict(PLANS)
     for name, factor in factors:
         if name not in result:
             raise ValueError(f"there is no plan {name}")

@@ -1,21 +1,26 @@
-"""Facts about a token, as its owner is shown them."""
+"""Facts about a token and its use, as its owner is shown them."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 
-from calibdb.access.plans import Allowance, Plan
+from calibdb.access.plans import HOUR_S, KINDS, Plan
 from calibdb.access.tokens import ApiToken, former_secrets
 from calibdb.schema.managed_token import (
+    DayOfUse,
     HourlyLimits,
+    HourOfUse,
     OriginProof,
     OriginState,
-    PlanLimits,
     ProofFailure,
     TokenFacts,
+    TokenUse,
 )
 from calibdb.schema.origins import proof_content, proof_url
 
+HOURS, DAYS = 48, 30  # of use that are shown
+_DAY_S = 24 * HOUR_S
 _FAILURE_DETAILS: dict[ProofFailure, str] = {
     "name": "The domain name has no address.",
     "address": "The domain name has an address that is not on the public internet.",
@@ -51,11 +56,7 @@ def facts(
 
 def hourly_limits(allowed: Plan) -> HourlyLimits:
     """Return the limits of a plan as in responses."""
-    return HourlyLimits(together=_limits(allowed.together), each=_limits(allowed.each))
-
-
-def _limits(allowed: Allowance) -> PlanLimits:
-    return PlanLimits(**vars(allowed))
+    return HourlyLimits.model_validate(allowed, from_attributes=True)
 
 
 def _pending(token: ApiToken, origin: str, failure: ProofFailure | None) -> OriginState:
@@ -66,3 +67,27 @@ def _pending(token: ApiToken, origin: str, failure: ProofFailure | None) -> Orig
         failure=failure,
         detail=None if failure is None else _FAILURE_DETAILS[failure],
     )
+
+
+def use_summary(counts: Mapping[str, Mapping[str, int]], now: int) -> TokenUse:
+    """Sum up counters by hour (`2026-11-22T16`, UTC): the last 48 hours, and the last 30 days."""
+    hours = [_text("%Y-%m-%dT%H", now - back * HOUR_S) for back in reversed(range(HOURS))]
+    days = [_text("%Y-%m-%d", now - back * _DAY_S) for back in reversed(range(DAYS))]
+    by_day: dict[str, dict[str, int]] = {day: dict.fromkeys(KINDS, 0) for day in days}
+    for hour, used in counts.items():
+        day = by_day.get(hour[:10])
+        if day is not None:
+            for kind in KINDS:
+                day[kind] += used.get(kind, 0)
+    return TokenUse(
+        hours=tuple(HourOfUse(hour=hour, **_by_kind(counts.get(hour, {}))) for hour in hours),
+        days=tuple(DayOfUse(day=day, **by_day[day]) for day in days),
+    )
+
+
+def _by_kind(used: Mapping[str, int]) -> dict[str, int]:
+    return {kind: used.get(kind, 0) for kind in KINDS}
+
+
+def _text(form: str, now: int) -> str:
+    return time.strftime(form, time.gmtime(now))

@@ -12,7 +12,7 @@ import ipaddress
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Literal
 
 from itsdangerous import BadData, TimestampSigner, URLSafeTimedSerializer
 
@@ -21,8 +21,7 @@ from calibdb.schema.fields import IPV6_SOURCE
 from calibdb.schema.origins import is_loopback, portless
 
 SESSION_LIFETIME_S = 30 * 60  # seconds; a capture takes two minutes, a distracted one ten
-TOKEN_PATTERN = re.compile(r"cdb_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
-MANAGEMENT_PATTERN = re.compile(r"cdbm_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
+_TOKEN = re.compile(r"(cdbm?)_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
 MAX_FORMER_SECRETS = 10
 """Secrets before the present one that may still open: a rotation whose response was lost is repeated."""
 _MAX_SKEW_S = 300  # s by which the signer's clock may be ahead of the verifier's
@@ -73,10 +72,10 @@ class ApiToken:
         return self.expires is not None and now >= self.expires
 
 
-def parse(text: str) -> tuple[str, str] | None:
-    """Split an API token into id and secret; None if it is not one."""
-    match = TOKEN_PATTERN.fullmatch(text)
-    return (match[1], match[2]) if match else None
+def parse(text: str, kind: Literal["cdb", "cdbm"] = "cdb") -> tuple[str, str] | None:
+    """Split an API token, or (`cdbm`) a management token, into id and secret; None if it is not one."""
+    match = _TOKEN.fullmatch(text)
+    return (match[2], match[3]) if match and match[1] == kind else None
 
 
 def secret_hash(secret: str) -> str:
@@ -123,12 +122,6 @@ def with_secret(token: ApiToken, sha256: str, now: int, grace_s: int) -> ApiToke
 _NO_HASH = secret_hash("")
 
 
-def parse_management(text: str) -> tuple[str, str] | None:
-    """Split a management token into id and secret; None if it is not one."""
-    match = MANAGEMENT_PATTERN.fullmatch(text)
-    return (match[1], match[2]) if match else None
-
-
 def manages(token: ApiToken | None, secret: str) -> bool:
     """True if `secret` manages the token, in constant time, whether there is such a token or not."""
     digest = None if token is None else token.management_sha256
@@ -165,16 +158,10 @@ class SessionIds:
         Newest first: the first signs, every one verifies, so that a key can be replaced while sessions run.
     clock
         Unix time, seconds.
-    lifetime
-        Seconds for which a session id is valid.
-
     """
 
-    def __init__(
-        self, secrets: Sequence[str], clock: Callable[[], float], lifetime: int = SESSION_LIFETIME_S
-    ) -> None:
+    def __init__(self, secrets: Sequence[str], clock: Callable[[], float]) -> None:
         self._clock = clock
-        self._lifetime = lifetime
         self._serializer = URLSafeTimedSerializer(
             list(reversed(secrets)),  # itsdangerous wants the newest key last
             salt=_SALT,
@@ -188,7 +175,8 @@ class SessionIds:
         if ticket.origin is not None:
             content["o"] = ticket.origin
         signed = self._serializer.dumps(content)
-        return (signed if isinstance(signed, str) else signed.decode()), int(self._clock()) + self._lifetime
+        expires_at = int(self._clock()) + SESSION_LIFETIME_S
+        return (signed if isinstance(signed, str) else signed.decode()), expires_at
 
     def sid_of(self, session_id: str) -> str | None:
         """Return the session that a signed session id names, expired or not; None of a forged one."""
@@ -206,7 +194,7 @@ class SessionIds:
             content, signed = self._serializer.loads(session_id, return_timestamp=True)
         except BadData as error:
             raise ForbiddenError("The session id is not valid.") from error
-        if not -_MAX_SKEW_S <= int(self._clock()) - signed.timestamp() <= self._lifetime:
+        if not -_MAX_SKEW_S <= int(self._clock()) - signed.timestamp() <= SESSION_LIFETIME_S:
             raise ForbiddenError("The session id has expired; start a new session.", kind="session-expired")
         ticket = Ticket(content["s"], content["t"], content.get("o"))
         if ticket.origin is not None and origin is not None and origin != ticket.origin:
@@ -220,7 +208,7 @@ def contributor(secret: str, address: str, token_id: str) -> str:
     Only the first 64 bits of an IPv6 address count: a household chooses the rest (RFC 4291, 2.5.4), and could
     otherwise pose as many contributors.
     """
-    return hmac.new(secret.encode(), f"{_site(address)}\n{token_id}".encode(), hashlib.sha256).hexdigest()
+    return _keyed_hash(secret, f"{_site(address)}\n{token_id}")
 
 
 def source(secret: str, address: str) -> str:
@@ -232,8 +220,7 @@ def source(secret: str, address: str) -> str:
     address of either family, and must not count twice (`calibdb.rules.votes.count_lines`).
     """
     site = _site(address, 48)
-    hashed = hmac.new(secret.encode(), f"source\n{site}".encode(), hashlib.sha256).hexdigest()
-    return (IPV6_SOURCE if ":" in site else "") + hashed
+    return (IPV6_SOURCE if ":" in site else "") + _keyed_hash(secret, f"source\n{site}")
 
 
 def network(secret: str, address: str, token_id: str) -> str | None:
@@ -244,7 +231,11 @@ def network(secret: str, address: str, token_id: str) -> str | None:
     """
     if ":" not in (line := _site(address, 48)):
         return None
-    return hmac.new(secret.encode(), f"network\n{line}\n{token_id}".encode(), hashlib.sha256).hexdigest()
+    return _keyed_hash(secret, f"network\n{line}\n{token_id}")
+
+
+def _keyed_hash(secret: str, text: str) -> str:
+    return hmac.new(secret.encode(), text.encode(), hashlib.sha256).hexdigest()
 
 
 def _site(address: str, bits: int = 64) -> str:

@@ -7,32 +7,24 @@ import re
 # This project's own: its label names the lens that it computes, so it is as good as a real one.
 _OURS = "calibdb virtual camera"
 
+_NAMED = (
+    *("camtwist", "manycam", "droidcam", "splitcam", "youcam", "sparkocam", "altercam", "chromacam"),
+    *("webcamoid", "spoutcam", "snap camera", "unity video capture", "screen-capture-recorder"),
+)
 _PROGRAMS = {
+    **{name: rf"\b{name}\b" for name in _NAMED},
     "obs virtual camera": r"\bobs(?:[ -]?virtual)?[ -]?cam(?:era)?\b|\bobs-?camera ?[0-9]*\b|^obs\b",
-    "camtwist": r"\bcamtwist\b",
-    "manycam": r"\bmanycam\b",
-    "droidcam": r"\bdroidcam\b",
     "iriun webcam": r"\biriun\b",
     "epoccam": r"\bepoccam\b",
     "ivcam": r"\bivcam\b|\be2esoft\b",
     "camo": r"^camo\b|\breincubate camo\b|\bcamo(?: camera)?$",
     "nvidia broadcast": r"\bnvidia (?:broadcast|camera)\b",
-    "snap camera": r"\bsnap camera\b",
     "xsplit vcam": r"\bxsplit\b",
     "mmhmm": r"\bmmhmm\b",
     "ecamm live": r"\becamm\b",
     "logi capture": r"\blogi(?:tech)? (?:capture|tune virtual)\b",
     "ndi video": r"\bnewtek ndi\b|\bndi (?:video|webcam|virtual)\b",
-    "splitcam": r"\bsplitcam\b",
-    "youcam": r"\byoucam\b",
-    "sparkocam": r"\bsparkocam\b",
-    "altercam": r"\baltercam\b",
-    "chromacam": r"\bchromacam\b",
-    "webcamoid": r"\bwebcamoid\b",
     "prism live": r"\bprism (?:live|lens)\b",
-    "unity video capture": r"\bunity video capture\b",
-    "spoutcam": r"\bspoutcam\b",
-    "screen-capture-recorder": r"\bscreen-capture-recorder\b",
     "windows virtual camera": r"\(windows virtual camera\)|\bwindows virtual camera\b",
     "v4l2loopback": r"\bv4l2[ -]?loopback\b|\bdummy video device\b",
     # Chromium's and Firefox's, under test.

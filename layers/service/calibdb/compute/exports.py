@@ -1,18 +1,21 @@
-"""Calibrations as other tools' files, such files in other formats, and refits without some views."""
+"""Calibrations and rigs as other tools' files, such files in other formats, and refits without some views."""
 
 from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 
+import numpy as np
+from starlette.responses import Response
+
 from calibdb.camera_key.characters import visible
-from calibdb.compute.values import Budget, board_of, camera_of, in_time, views_of
+from calibdb.compute.values import board_of, camera_of, in_time, views_of
 from calibdb.errors import InvalidError
+from calibdb.http.call import Call
 from calibdb.schema import CalibrationDocument, ConvertRequest, ExportQuery, FitRecord, ReportedCalibration
 from calibdb.schema.fields import label_text
+from calibdb.schema.rig import RIG_FORMATS, RigResult
 from calibsolver import Board, CalibrationError, View, fit, formats, image_transform
 from calibsolver.formats import ExportedFile, ExportSource
 
@@ -20,13 +23,7 @@ COMMAND_LINE = re.compile(r"\s*\(--[^()]*\)|: give it \(--[^()]*\)")
 """Advice in messages of the solver to those who use the operator's command line."""
 MAX_MESSAGE = 1000
 """Characters of what the solver says about a file, which may quote the file."""
-
-
-@contextmanager
-def computing_file(budget: Budget, name: str, slow: str) -> Iterator[None]:
-    """Compute within the budget; raises InvalidError of a field, or UnavailableError."""
-    with in_time(budget, InvalidError.field(name, slow)):
-        yield
+RIG_WRITERS = {name: name for name in RIG_FORMATS} | {"opencv_stereo": "opencv-yaml"}
 
 
 def refit_without(document: CalibrationDocument, without: tuple[int, ...]) -> CalibrationDocument:
@@ -116,6 +113,19 @@ def convert_file(request: ConvertRequest) -> ExportedFile:
         raise InvalidError.field("format", error.message) from error
 
 
+def file_response(file: ExportedFile, *, with_coverage: bool = False) -> Response:
+    """Make the response of a file; headers say how far it is from what was to be written."""
+    headers = {
+        "Content-Disposition": f'attachment; filename="{file.filename}"',
+        "X-Conversion-Error": f"{file.error:.6g}",
+    }
+    if with_coverage:
+        headers["X-Conversion-Coverage"] = f"{file.coverage:.4g}"
+    if file.warning:
+        headers["X-Conversion-Warning"] = file.warning
+    return Response(file.content, 200, headers, file.media_type)
+
+
 def with_corners(source: ExportSource, views: tuple[View, ...]) -> ExportSource:
     """Return the source with the corners that its file has: pages read them of PhotonVision's files alone."""
     from calibsolver.formats.grid import grid
@@ -139,3 +149,23 @@ def content_of(request: ConvertRequest) -> bytes:
         return base64.b64decode(request.file, validate=True)
     except ValueError as error:  # binascii's is one, and so is what is said of characters beyond ASCII
         raise InvalidError.field("file", f"it is not base64: {error}") from error
+
+
+def rig_file(call: Call, result: RigResult, name: str) -> ExportedFile:
+    """Write a result in a format; raises InvalidError if the format cannot hold it."""
+    from calibsolver.rig import formats as rig_formats
+
+    source = rig_formats.RigSource(
+        cameras=[camera_of(one) for one in result.calibrations],
+        poses=np.array([[*one.rvec, *one.tvec] for one in result.extrinsics]),
+        unit=result.unit,
+        names=[f"cam{i} {one.camera}" for i, one in enumerate(result.calibrations)],
+        identifier=result.rig_id,
+        record=result.model_dump(),
+    )
+    slow = "takes longer to compute than a request may; ask for another format"
+    try:
+        with in_time(call, InvalidError.field("format", slow)):
+            return rig_formats.write(source, RIG_WRITERS[name])
+    except CalibrationError as error:
+        raise InvalidError.field("format", error.message) from error

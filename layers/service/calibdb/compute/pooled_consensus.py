@@ -7,9 +7,10 @@ import functools
 import math
 from collections.abc import Callable, Sequence
 
+from calibdb.camera_key import public_label, public_platform
 from calibdb.compute.values import board_of, camera_of, views_of
 from calibdb.rules import quality_gates
-from calibdb.rules.contributed_name import most_contributed_label, most_contributed_platform
+from calibdb.rules.contributed_name import most_contributed
 from calibdb.rules.votes import Finding, OwnCamera, decide_vote, family, tally
 from calibdb.schema import (
     Calibration,
@@ -59,8 +60,8 @@ def pool(
     calibration = Calibration.of(
         FitRecord.model_validate(record_covered(agreed.calibration, agreed.coverage)),
         id=consensus_id(mode.camera_key, mode.img_size, mode.zoom, model),
-        camera=most_contributed_label(group),
-        platform=most_contributed_platform(group),
+        camera=most_contributed(group, lambda d: public_label(d.camera)),
+        platform=most_contributed(group, lambda d: public_platform(d.platform)),
         zoom=mode.zoom,
         calibration_time=max(d.time for d in group),
         calibrations=len(agreed.members),

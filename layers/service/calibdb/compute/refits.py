@@ -11,16 +11,19 @@ from dataclasses import dataclass
 from typing import Any
 
 from calibdb.compute.pooled_consensus import count, pool
-from calibdb.compute.values import FIT_VERSION
+from calibdb.compute.values import FIT_VERSION, camera_of, views_of
 from calibdb.errors import UnavailableError
 from calibdb.lookup import well_known_ids
+from calibdb.rules.contributed_name import mode_names
 from calibdb.rules.refit_plan import Step, input_digest, plan_refit, pool_digest
 from calibdb.rules.votes import with_votes
-from calibdb.schema import DISTORTION_MODELS, ConsensusDocument
+from calibdb.schema import DISTORTION_MODELS, CalibrationDocument, ConsensusDocument, FittingGroup, ModeViews
 from calibdb.service import Service
-from calibdb.store import IndexedVote, StreamMode
+from calibdb.store import StreamMode
 from calibdb.store.calibrations import CountedCalibration
-from calibsolver import DeadlineError
+from calibdb.store.votes import IndexedVote
+from calibsolver import Board, CalibrationError, DeadlineError
+from calibsolver.consensus.mode import fitting_camera
 
 MAX_ROUNDS = 5  # of one computation for concurrent callers; then it is their turn
 WAITS_S = (0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 2.0, 2.0, 2.0)  # for the same computation; a caller has 25 s
@@ -174,3 +177,33 @@ def _drop(service: Service, mode: StreamMode, models: Sequence[str], stored: Sto
     if gone and dropped:
         well_known_ids.refresh_well_known(service.store, mode.camera_key, service.settings.thresholds)
     return dict.fromkeys(models) if dropped else None
+
+
+def fitting_group(service: Service, document: ConsensusDocument, seen: ModeViews) -> FittingGroup | None:
+    """Return the one group of calibrations that fits the views, by its most certain calibration.
+
+    None if no group does, or several do. Nothing is stored.
+    """
+    behind = service.store.consensuses.groups(document)
+    if behind is None or len(behind.groups) < 2:
+        return None
+    ids = [one for group in behind.groups for one in group]
+    documents = {d.id: d for d in service.store.calibrations.read(ids)}
+    groups = [[documents[one] for one in group if one in documents] for group in behind.groups]
+    groups = [group for group in groups if group]
+    model = document.distortion_model
+
+    def rank(d: CalibrationDocument) -> tuple[bool, float]:
+        return d.distortion_model != model, d.fits[d.distortion_model].uncertainty.rms
+
+    known = [min(group, key=rank).answer() for group in groups]
+    try:
+        views = views_of(Board.from_record(seen.board), seen.views)
+        index = fitting_camera([camera_of(one) for one in known], views, model)
+    except (CalibrationError, ValueError):
+        return None
+    if index is None:
+        return None
+    calibration = known[index].model_copy(update={"calibrations": len(groups[index])})
+    names = mode_names([[(d.counted_as, d.mode_name or "") for d in group] for group in groups])
+    return FittingGroup(calibration=calibration, groups=len(known), name=names[index])

@@ -2,55 +2,68 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import Any, Protocol
+import hashlib
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager
 
 from calibdb.compute.session_course import finished, without_views
-from calibdb.compute.values import FIT_VERSION, Budget, in_time
+from calibdb.compute.values import FIT_VERSION, in_time
 from calibdb.errors import ConflictError
+from calibdb.http.call import Call
 from calibdb.rules import rig_result, rig_rules
 from calibdb.rules.rig_state import Rig, state
 from calibdb.schema import RigDocument, RigEstimateDocument, RigFinish, RigState, SessionDocument
 from calibdb.schema.rig_documents import EndingDocument
-from calibdb.store import Store, endings, running_rigs
+from calibdb.store import Store, endings
+from calibdb.store.ports import READERS
 from calibsolver import CalibrationError, DeadlineError
 from calibsolver.rig import estimate
 
-Compute = Callable[[dict[str, Any]], dict[str, Any]]
+TOO_SLOW = "These moments take longer to compute than a request may; undo some of them."
 
 
-class RigBudget(Budget, Protocol):
-    """Request about a rig: `charged` counts each computation as a view."""
-
-    def charged(self, compute: Compute, timeout: type[Exception]) -> Compute:
-        """Return `compute`, each call counted."""
-
-
-@contextmanager
-def computing_moments(budget: Budget) -> Iterator[None]:
-    """Compute within the budget; raises ConflictError or UnavailableError if that is too short."""
-    with in_time(budget, ConflictError(running_rigs.TOO_SLOW, kind="too-slow")):
-        yield
+def computing_moments(call: Call) -> AbstractContextManager[None]:
+    """Compute in the time of the call; raises ConflictError or UnavailableError if that is too short."""
+    return in_time(call, ConflictError(TOO_SLOW, kind="too-slow"))
 
 
 def load(store: Store, rig_id: str) -> tuple[Rig, str]:
     """Read a running rig and the tag of its state; raises NotFoundError."""
-    return running_rigs.load(store, rig_id, FIT_VERSION)
+    document, version = store.rigs.get_version(rig_id)
+    sessions = _sessions(store, document)
+    versions = [version for _, version in sessions]
+    return Rig(document, tuple(session for session, _ in sessions)), _tag(version, versions)
 
 
 def head_tag(store: Store, rig_id: str) -> str | None:
     """Return the tag of a running rig's state from the index only, None if it does not run."""
-    return running_rigs.head_tag(store, rig_id, FIT_VERSION)
+    head = store.rigs.head(rig_id)
+    if head is None or head.forgotten:
+        return None
+    names = head.facts.get("sessions")
+    versions = [_version(store, name) for name in (names if isinstance(names, list) else [])]
+    return _tag(head.version, versions)
 
 
-def ensure_estimate(budget: RigBudget, store: Store, rig: Rig) -> RigEstimateDocument:
-    """Return fit and target of a rig, computed now if they are not stored yet: that counts as a view does."""
-    compute = budget.charged(estimate, DeadlineError)
-    return running_rigs.ensure_estimate(store, rig, FIT_VERSION, compute)
+def ensure_estimate(call: Call, store: Store, rig: Rig) -> RigEstimateDocument:
+    """Return fit and target of a rig, computed now if they are not stored yet: that counts as a view does.
+
+    Raises ConflictError if these moments take too long, now or before (`too_slow`).
+    """
+    basis = rig.basis(FIT_VERSION)
+    digest = rig.digest(basis)
+    stored = store.rigs.estimate(rig.document.rig, digest)
+    if stored is None:
+        computed = call.charged(estimate, DeadlineError)(rig.solver_record(basis))
+        stored = RigEstimateDocument.model_validate(computed)
+        store.rigs.keep_estimate(rig.document.rig, digest, stored)
+    if stored.too_slow:
+        raise ConflictError(TOO_SLOW, kind="too-slow")
+    return stored
 
 
-def state_of(budget: RigBudget, store: Store, rig_id: str, *, running: bool = True) -> tuple[RigState, str]:
+def state_of(call: Call, store: Store, rig_id: str, *, running: bool = True) -> tuple[RigState, str]:
     """Return state and tag of a rig, running or finished; raises NotFoundError.
 
     `running`: False leaves out fit and target of a rig that is not finished.
@@ -64,48 +77,46 @@ def state_of(budget: RigBudget, store: Store, rig_id: str, *, running: bool = Tr
     rig, tag = load(store, rig_id)
     if not running:
         return state(rig, RigEstimateDocument()), tag
-    with computing_moments(budget):
-        return state(rig, ensure_estimate(budget, store, rig)), tag
+    with computing_moments(call):
+        return state(rig, ensure_estimate(call, store, rig)), tag
 
 
-def skip(budget: RigBudget, store: Store, rig_id: str, leader: str, now: int) -> None:
+def skip(call: Call, store: Store, rig_id: str, leader: str, now: int) -> None:
     """Note that the target is not wanted; raises ForbiddenError for others than the leader."""
     rig, _ = load(store, rig_id)
     rig_rules.require_leader(rig.document, leader)
     rig_rules.require_open(rig.document)
     basis = rig.basis(FIT_VERSION)
-    with computing_moments(budget):
-        current = ensure_estimate(budget, store, rig)
-
-    def change(document: RigDocument) -> tuple[RigDocument, None]:
-        return rig_rules.with_skip(document, basis, current.target_pose), None
-
-    store.rigs.update(rig.document.rig, now, change)
+    with computing_moments(call):
+        current = ensure_estimate(call, store, rig)
+    store.rigs.revise(
+        rig.document.rig, now, lambda document: rig_rules.with_skip(document, basis, current.target_pose)
+    )
 
 
-def undo_moment(budget: Budget, store: Store, rig_id: str, leader: str, moment: str, now: int) -> None:
+def undo_moment(call: Call, store: Store, rig_id: str, leader: str, moment: str, now: int) -> None:
     """Undo a moment in all cameras. Views of it that come late do not count."""
 
-    def change(document: RigDocument) -> tuple[RigDocument | None, None]:
+    def change(document: RigDocument) -> RigDocument | None:
         rig_rules.require_leader(document, leader)
-        return rig_rules.without_moment(document, moment), None
+        return rig_rules.without_moment(document, moment)
 
-    def without(session: SessionDocument) -> tuple[SessionDocument | None, None]:
+    def without(session: SessionDocument) -> SessionDocument | None:
         left = tuple(view for view in session.views if view.moment != moment)
         elsewhere = session.rig is None or session.rig.id != rig_id
         if elsewhere or len(left) == len(session.views) or session.finish is not None:
-            return None, None
-        return without_views(session, left, now, with_target=False), None
+            return None
+        return without_views(session, left, now, with_target=False)
 
-    store.rigs.update(rig_id, now, change)
+    store.rigs.revise(rig_id, now, change)
     rig, _ = load(store, rig_id)
-    with computing_moments(budget):
+    with computing_moments(call):
         for _, session in rig.present:
             if any(view.moment == moment for view in session.views):
-                store.sessions.update(session.session, now, without)
+                store.sessions.revise(session.session, now, without)
 
 
-def finish(budget: Budget, store: Store, rig_id: str, leader: str, now: int) -> int:
+def finish(call: Call, store: Store, rig_id: str, leader: str, now: int) -> int:
     """End a rig with the moments that agree: fix its result, then publish it and its cameras.
 
     Returns the number of calibrations, 0 if it had ended.
@@ -116,23 +127,20 @@ def finish(budget: Budget, store: Store, rig_id: str, leader: str, now: int) -> 
     rig_rules.require_leader(document, leader)
     if document.finish is None:
         rig, _ = load(store, rig_id)
-        outcome = _end(budget, rig, now)
-
-        def change(known: RigDocument) -> tuple[RigDocument | None, RigDocument]:
-            if known.finish is not None:
-                return None, known
-            ended = rig_rules.with_finish(known, rig.document, outcome)
-            return ended, ended
-
-        document = store.rigs.update(rig_id, now, change)
+        outcome = _end(call, rig, now)
+        document = store.rigs.revise(
+            rig_id,
+            now,
+            lambda known: None if known.finish else rig_rules.with_finish(known, rig.document, outcome),
+        )
         ended = len(document.members)
     endings.publish_rig(store, document, now)
     return ended
 
 
-def _end(budget: Budget, rig: Rig, now: int) -> RigFinish:
+def _end(call: Call, rig: Rig, now: int) -> RigFinish:
     """Decide on everything that the end of a rig is to be."""
-    with computing_moments(budget):
+    with computing_moments(call):
         record = rig.solver_record(rig.basis(FIT_VERSION))
         estimate_document = RigEstimateDocument(**estimate(record, final=True))
         fit = rig_result.require_finishable(rig, estimate_document)
@@ -152,3 +160,28 @@ def _ending(rig: Rig, session: SessionDocument, now: int) -> EndingDocument:
     views = tuple(view for view in session.views if view.moment in counted)
     with_counted = session.model_copy(update={"views": views})
     return rig_rules.ending_of(finished(with_counted, now, session.contributor or "", session.source))
+
+
+def _sessions(store: Store, document: RigDocument) -> list[tuple[SessionDocument | None, int]]:
+    """Read the sessions of a rig by position, with their versions."""
+    names = [member.session if member else "" for member in document.members]
+
+    def read(name: str) -> tuple[SessionDocument | None, int]:
+        version = store.sessions.find_version(name) if name else None
+        # A session restarted without the rig is not part of it.
+        if version is None or version[0].rig is None or version[0].rig.id != document.rig:
+            return None, version[1] if version else 0
+        return version
+
+    with ThreadPoolExecutor(min(READERS, len(names))) as readers:
+        return list(readers.map(read, names))
+
+
+def _version(store: Store, name: str) -> int:
+    head = store.sessions.head(name) if name else None
+    return 0 if head is None or head.forgotten else head.version
+
+
+def _tag(version: int, versions: Sequence[int]) -> str:
+    text = "\n".join(map(str, (FIT_VERSION, version, *versions)))
+    return f'"{hashlib.sha256(text.encode()).hexdigest()[:32]}"'

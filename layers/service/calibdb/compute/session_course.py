@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 
-from pydantic import JsonValue
-
 from calibdb.compute.session_values import (
     Session,
     current_camera,
@@ -17,8 +15,9 @@ from calibdb.compute.session_values import (
     target_poses,
     view_statuses,
 )
-from calibdb.compute.values import FIT_VERSION, Budget, in_time, views_of
+from calibdb.compute.values import FIT_VERSION, in_time, views_of
 from calibdb.errors import ConflictError, InvalidError
+from calibdb.http.call import Call
 from calibdb.rules import rig_rules, session_result, session_rules
 from calibdb.rules.session_state import accepted_result
 from calibdb.schema import BatchRequest, SessionDocument, ViewDocument
@@ -33,14 +32,14 @@ MIN_BATCH_S = 1.0
 
 
 @contextmanager
-def computing_views(budget: Budget) -> Iterator[None]:
-    """Compute within the budget; raises ConflictError or UnavailableError if that is too short.
+def computing_views(call: Call) -> Iterator[None]:
+    """Compute in the time of the call; raises ConflictError or UnavailableError if that is too short.
 
     Raises InvalidError if the corners leave the camera undetermined.
     """
     slow = "These corners take longer to compute than a request may; send fewer of them in each view."
     try:
-        with in_time(budget, ConflictError(slow, kind="too-slow")):
+        with in_time(call, ConflictError(slow, kind="too-slow")):
             yield
     except CalibrationError as error:
         raise InvalidError.field("points", error.message) from error
@@ -131,7 +130,8 @@ class Course:
             if refused is not None and history_of(refused).is_exhausted(len(views) - len(excluded)):
                 estimate = rules.estimate(views, excluded).with_cause(views)
                 estimate = replace(estimate, progress=1.0, end="nothing_new")
-                refused = self._end(self._with_estimate(refused, estimate), estimate, views)
+                refused = _with_estimate(refused, estimate, self._now)
+                refused = self._end(refused, estimate, views) or refused
             self.document, self._session = refused or self.document, Session(rules, views, excluded)
             return Judgement(refused, decision.reason, hint)
         everything = [*views, observation]
@@ -144,7 +144,7 @@ class Course:
             document, view, document_of_fit, statuses, following, decision.on_target
         )
         if estimate.converged:
-            changed = self._end(changed, estimate, everything)
+            changed = self._end(changed, estimate, everything) or changed
         self.document, self._estimate = changed, estimate
         self._session = Session(rules, everything, dict(estimate.excluded))
         return Judgement(changed)
@@ -158,18 +158,10 @@ class Course:
                     self.document, estimate_document(estimate, self._now)
                 )
 
-    def _with_estimate(self, document: SessionDocument, estimate: Estimate) -> SessionDocument:
-        estimate_record = estimate_document(estimate, self._now)
-        return session_rules.with_estimate(document, estimate_record, view_statuses(estimate))
-
-    def _end(self, document: SessionDocument, estimate: Estimate, views: Sequence[View]) -> SessionDocument:
-        """Return the document of a session that ends with this estimate of its views."""
-        outcome = _outcome(document, estimate, views)
-        if outcome is None:
-            return document
-        ended = session_rules.with_fit(document, outcome.fit)
-        report = outcome.report
-        return session_result.with_finish(ended, self._now, self._who, FIT_VERSION, report, self._where)
+    def _end(
+        self, document: SessionDocument, estimate: Estimate, views: Sequence[View]
+    ) -> SessionDocument | None:
+        return _end(document, estimate, views, self._now, self._who, self._where)
 
 
 def judge_batch(
@@ -178,8 +170,8 @@ def judge_batch(
     """Judge the views of a batch in their order, as many as the time allows."""
     session_rules.require_recorded(document)
     replayed = session_rules.replayed_views(document, request.index, request.views)
-    if document.finish is not None and None in replayed:
-        raise session_rules.already_converged()
+    if None in replayed:
+        session_rules.require_open(document)
     session_rules.validate_batch(document, request.views, replayed)
     course = Course(document, now, explains=False)
     results: list[BatchResult] = []
@@ -250,13 +242,10 @@ def finished(document: SessionDocument, now: int, who: str, where: str | None) -
     session = Session.of(document)
     estimate = session.estimate().with_cause(session.views)
     estimate = replace(estimate, progress=1.0, end="asked")
-    document_of_fit, statuses = estimate_document(estimate, now), view_statuses(estimate)
-    changed = session_rules.with_estimate(document, document_of_fit, statuses)
-    outcome = _outcome(changed, estimate, session.views)
-    if outcome is None:
+    ended = _end(_with_estimate(document, estimate, now), estimate, session.views, now, who, where)
+    if ended is None:
         raise CalibrationError("no_fit", "no camera explains these views")
-    changed = session_rules.with_fit(changed, outcome.fit)
-    return session_result.with_finish(changed, now, who, FIT_VERSION, outcome.report, where)
+    return ended
 
 
 def open_target(document: SessionDocument, session: Session) -> TargetPose:
@@ -267,16 +256,20 @@ def open_target(document: SessionDocument, session: Session) -> TargetPose:
     return session.rules.redraw(target, session.active, current_camera(document, session.rules))
 
 
-@dataclass(frozen=True)
-class _Outcome:
-    """Outcome of a capture that ends: the fit's record, with rivals, and a report."""
-
-    fit: dict[str, JsonValue]
-    report: dict[str, JsonValue]
+def _with_estimate(document: SessionDocument, estimate: Estimate, now: int) -> SessionDocument:
+    stored = estimate_document(estimate, now)
+    return session_rules.with_estimate(document, stored, view_statuses(estimate))
 
 
-def _outcome(document: SessionDocument, estimate: Estimate, views: Sequence[View]) -> _Outcome | None:
-    """Describe a capture that ends with this estimate of its views; None if there is no fit."""
+def _end(
+    document: SessionDocument,
+    estimate: Estimate,
+    views: Sequence[View],
+    now: int,
+    who: str,
+    where: str | None,
+) -> SessionDocument | None:
+    """Return the document of a session that ends with this estimate of its views; None without a fit."""
     from calibsolver.quality import report  # only an end needs it
     from calibsolver.quality.rivals import with_rivals
 
@@ -285,8 +278,9 @@ def _outcome(document: SessionDocument, estimate: Estimate, views: Sequence[View
     indices = [view.index for view in document.views if view.set_aside is None]
     used = [one for i, one in enumerate(views) if i not in estimate.excluded]
     judged = with_rivals(estimate.calibration, used)
-    record = record_covered(judged, Coverage.of(judged, used))
-    return _Outcome(record, report.describe(judged, used, indices))
+    ended = session_rules.with_fit(document, record_covered(judged, Coverage.of(judged, used)))
+    described = report.describe(judged, used, indices)
+    return session_result.with_finish(ended, now, who, FIT_VERSION, described, where)
 
 
 def _refused(document: SessionDocument, view: ViewDocument, decision: ViewDecision) -> SessionDocument | None:

@@ -9,7 +9,6 @@ from typing import Any
 from pydantic import JsonValue
 
 from calibdb.compute.values import board_of, camera_of, views_of
-from calibdb.rules import session_rules
 from calibdb.schema import EstimateDocument, SessionDocument
 from calibsolver import Camera, View
 from calibsolver.capture import Capture, Estimate, Exclusion, History
@@ -80,6 +79,7 @@ def estimate_document(estimate: Estimate, now: int) -> EstimateDocument:
     if uncertainty and coverage:
         stated = {"rms": uncertainty.rms, "max": uncertainty.max, **uncertainty_members(coverage)}
     record: dict[str, Any] = {
+        "time": now,
         "fit": record_covered(fit, coverage) if fit and coverage else None,
         "uncertainty": stated,
         "progress": estimate.progress,
@@ -88,7 +88,7 @@ def estimate_document(estimate: Estimate, now: int) -> EstimateDocument:
         "advice": [{"code": advice.code, "text": advice.text} for advice in estimate.advice],
         "suggested_model": estimate.suggested_model,
     }
-    return session_rules.estimate_document(record, now)
+    return EstimateDocument.model_validate(record)
 
 
 def view_statuses(estimate: Estimate) -> list[tuple[float | None, dict[str, str] | None]]:

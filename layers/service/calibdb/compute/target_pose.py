@@ -9,8 +9,9 @@ from typing import Literal
 
 from calibdb.compute.session_course import open_target
 from calibdb.compute.session_values import Session, current_camera, target_poses
-from calibdb.compute.values import Budget, in_time
+from calibdb.compute.values import in_time
 from calibdb.errors import ConflictError
+from calibdb.http.call import Call
 from calibdb.rules import session_rules
 from calibdb.schema import FitRecord, Pose, SessionDocument
 from calibdb.schema.rig import RigTarget
@@ -21,11 +22,11 @@ PictureFormat = Literal["jpeg", "png"]
 
 
 @contextmanager
-def choosing_target(budget: Budget) -> Iterator[None]:
-    """Compute within the budget; raises ConflictError or UnavailableError if that is too short."""
+def choosing_target(call: Call) -> Iterator[None]:
+    """Compute in the time of the call; raises ConflictError or UnavailableError if that is too short."""
     slow = "The views take longer to compute than a request may; undo one."
     try:
-        with in_time(budget, ConflictError(slow, kind="too-slow")):
+        with in_time(call, ConflictError(slow, kind="too-slow")):
             yield
     except CalibrationError as error:
         raise ConflictError(f"No target can be chosen: {error.message}; undo one.") from error

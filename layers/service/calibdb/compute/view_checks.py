@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
-from calibdb.compute.values import Budget, board_of, camera_of, in_time, views_of
+from calibdb.compute.values import board_of, camera_of, in_time, views_of
 from calibdb.errors import FieldError, InvalidError
+from calibdb.http.call import Call
 from calibdb.rules.votes import OwnCamera, decide_vote, expected_error
 from calibdb.schema import (
     Calibration,
@@ -65,12 +65,10 @@ class Score:
     expected: float  # px
 
 
-@contextmanager
-def computing_check(budget: Budget) -> Iterator[None]:
-    """Compute within the budget; raises InvalidError or UnavailableError if that is too short."""
+def computing_check(call: Call) -> AbstractContextManager[None]:
+    """Compute in the time of the call; raises InvalidError or UnavailableError if that is too short."""
     slow = "take longer to compute than a request may; send fewer corners in each"
-    with in_time(budget, InvalidError.field("views", slow)):
-        yield
+    return in_time(call, InvalidError.field("views", slow))
 
 
 def score(request: CheckRequest, examined: MeasuredViews, consensus: Calibration, max_ratio: float) -> Score:

@@ -14,9 +14,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from calibdb.camera_key import identify, public_label
+from calibdb.camera_key import public_label
 from calibdb.camera_key.system import system_of
-from calibdb.lookup.camera_match import choose, resolve, unanswerable_reason
+from calibdb.lookup.camera_match import LookupQuery, choose, resolve, unanswerable_reason
 from calibdb.lookup.transfer import build_answer
 from calibdb.schema import Calibration, ConsensusDocument, Uncertainty
 from calibdb.schema.fields import ImgSize
@@ -143,10 +143,10 @@ def _meanings(
     meant: defaultdict[str, defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
 
     def found(label: str, platform: str, c: ConsensusDocument) -> str | None:
-        identity = identify(label, platform)
-        if unanswerable_reason(identity, private=private, resize_mode=None):
+        query = LookupQuery(label, platform, c.img_size, c.zoom, c.distortion_model)
+        if unanswerable_reason(query, private=private):
             return None
-        resolved = resolve(read, identity, c.img_size, c.zoom, c.distortion_model, private=private)
+        resolved = resolve(read, query, private=private)
         return resolved.key if resolved.choice.found else None
 
     for key, (names, reliable) in source.track(cameras.items(), "cameras", len(cameras)):

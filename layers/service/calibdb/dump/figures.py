@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import heapq
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -14,6 +14,7 @@ from calibdb.camera_key.usb_vendors import vendor_of
 from calibdb.dump.bundle import Source, build_bundle, names_of, rank
 from calibdb.lookup.camera_search import display_name, is_listed
 from calibdb.schema.dump import BundleFile, DumpDraft, Snapshot, Statistics, WantedCamera
+from calibdb.store import Calibrations
 from calibdb.store.cameras import Cameras
 from calibdb.store.dumps import FOLDER, STATISTICS, Dumps
 from calibdb.store.miss_counts import USB, MissCounts
@@ -30,14 +31,13 @@ _PAGE = 200  # cameras read together
 class Figures:
     """Figures of the database, and the bundle.
 
-    `licence`: of all calibrations of a camera. `min_contributors`: that must agree on a public value.
+    `min_contributors`: that must agree on a public value.
     """
 
     dumps: Dumps
     cameras: Cameras
     miss_counts: MissCounts
-    names: Callable[[str], set[tuple[str, str]]]
-    licence: Callable[[str], str | None]
+    calibrations: Calibrations
     min_contributors: int
 
     def write(self, draft: DumpDraft) -> Statistics:
@@ -82,10 +82,12 @@ class Figures:
 
     def _bundle(self, keys: Sequence[str], now: int) -> BundleFile | None:
         """Write the bundle of these cameras, under the names with which they were calibrated."""
-        names = {key: {name for own in self.names(key) for name in names_of(*own)} for key in keys}
+        names = {
+            key: {name for own in self.calibrations.names(key) for name in names_of(*own)} for key in keys
+        }
         if not any(names.values()):
             return None
-        source = Source(self.cameras.known, self.licence, self.min_contributors == 1, now)
+        source = Source(self.cameras.known, self.calibrations.licence, self.min_contributors == 1, now)
         made = build_bundle(source, names, MAX_BUNDLED)
         self.dumps.write(FOLDER + BUNDLE, made.content)
         digest = hashlib.sha256(made.content).hexdigest()

@@ -8,10 +8,10 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from calibdb.camera_key import public_label, public_platform
-from calibdb.schema import CalibrationDocument, VoteDocument
+from calibdb.schema.documents import GivenDocument
 
 Alias = Callable[[str], str]
-Document = TypeVar("Document", CalibrationDocument, VoteDocument)
+Document = TypeVar("Document", bound=GivenDocument)
 
 
 def aliases(key: str) -> Alias:

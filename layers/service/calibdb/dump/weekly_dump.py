@@ -11,34 +11,33 @@ import gzip
 import hashlib
 import io
 import itertools
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
 from pydantic import ValidationError
 
-from calibdb.dump.counting import Counting
 from calibdb.dump.figures import Figures
 from calibdb.dump.public_copy import Alias, aliases, public_copy
 from calibdb.schema import CalibrationDocument, VoteDocument
-from calibdb.schema.dump import Dump, DumpDraft, DumpedKind, DumpFile
+from calibdb.schema.documents import GivenDocument
+from calibdb.schema.dump import Dump, DumpCounts, DumpDraft, DumpedKind, DumpFile, Tally
 from calibdb.store.dumps import FOLDER, GZIP, LATEST, Dumps
-from calibdb.store.keys import WITHDRAWN
+from calibdb.store.keys import with_tombstones
 from calibdb.store.ports import READERS
 
 PERIOD_S = 6 * 86_400  # from one dump to the next at least: a little less than the week of the schedule
 MAX_PART_BYTES = 32 * 2**20  # of documents, before compression
 MIN_PART_S = 60.0  # that an invocation must have left to begin another batch
 _MAX_BATCH_DOCUMENTS = 64  # read at a time
+_DIGITS = 12  # of a digest that is counted: 48 bits, which two of a million share with a chance of 0.2 %
 _STALE_S = 5 * 86_400  # an abandoned draft is started again
-_MODELS: dict[DumpedKind, type[CalibrationDocument] | type[VoteDocument]] = {
+_MODELS: dict[DumpedKind, type[GivenDocument]] = {
     "calibrations": CalibrationDocument,
     "votes": VoteDocument,
 }
 _FOLLOWING: dict[DumpedKind, DumpedKind | None] = {"calibrations": "votes", "votes": None}
-
-Document = CalibrationDocument | VoteDocument
 
 
 @dataclass(frozen=True)
@@ -120,7 +119,7 @@ class WeeklyDump:
                 document = _parse(draft.kind, content)
                 if document is None or withdrawn:
                     continue
-                copy = _public_copy(document, alias)
+                copy = public_copy(document, alias)
                 counting.add(document, given=copy is not None)
                 if copy is not None:
                     line = copy.model_dump_json().encode() + b"\n"
@@ -149,7 +148,7 @@ class WeeklyDump:
     def _documents(self, prefix: str, after: str) -> Iterator[tuple[str, bytes | None, bool]]:
         """Yield name, content and withdrawal of stored documents in order."""
         with ThreadPoolExecutor(READERS) as readers:
-            for batch in _batches(_with_tombstones(self.dumps.sources(prefix, after)), _MAX_BATCH_DOCUMENTS):
+            for batch in _batches(with_tombstones(self.dumps.sources(prefix, after)), _MAX_BATCH_DOCUMENTS):
                 contents = readers.map(self.dumps.read, [source for _, source, _ in batch])
                 for (last, _, withdrawn), content in zip(batch, contents, strict=True):
                     yield last, content, withdrawn
@@ -171,21 +170,42 @@ class WeeklyDump:
         return dump
 
 
-def _with_tombstones(names: Iterable[str]) -> Iterator[tuple[str, str, bool]]:
-    """Yield the last name that belongs to a document, its own name, and whether it was withdrawn.
+class Counting:
+    """Tally that continues another."""
 
-    A tombstone sorts directly after what it is of.
-    """
-    following = itertools.chain(names, [""])
-    name = next(following)
-    while name:
-        other = next(following)
-        if name.endswith(WITHDRAWN):  # of a document that is gone, or was before this part
-            name = other
-            continue
-        withdrawn = other == name.removesuffix(".json") + WITHDRAWN
-        yield (other if withdrawn else name), name, withdrawn
-        name = next(following) if withdrawn else other
+    def __init__(self, begun: Tally, alias: Alias) -> None:
+        self._alias = alias
+        self._calibrations = begun.calibrations
+        self._given, self._votes = begun.given.calibrations, begun.given.votes
+        self._contributors, self._cameras = set(begun.contributors), set(begun.cameras)
+        self._givers, self._given_cameras = set(begun.givers), set(begun.given_cameras)
+
+    def add(self, document: GivenDocument, *, given: bool) -> None:
+        """Count a document; `given`: it is in the dump."""
+        contributor = self._alias(document.counted_as)[:_DIGITS]
+        if given:
+            self._givers.add(contributor)
+        if isinstance(document, VoteDocument):
+            self._votes += given
+            return
+        camera = self._alias(document.current_key)[:_DIGITS]
+        self._calibrations += 1
+        self._contributors.add(contributor)
+        self._cameras.add(camera)
+        if given:
+            self._given += 1
+            self._given_cameras.add(camera)
+
+    def tally(self) -> Tally:
+        """Return the tally as it is now."""
+        return Tally(
+            calibrations=self._calibrations,
+            contributors=frozenset(self._contributors),
+            cameras=frozenset(self._cameras),
+            given=DumpCounts(calibrations=self._given, votes=self._votes),
+            givers=frozenset(self._givers),
+            given_cameras=frozenset(self._given_cameras),
+        )
 
 
 def _batches(items: Iterator[tuple[str, str, bool]], size: int) -> Iterator[list[tuple[str, str, bool]]]:
@@ -193,7 +213,7 @@ def _batches(items: Iterator[tuple[str, str, bool]], size: int) -> Iterator[list
         yield batch
 
 
-def _parse(kind: DumpedKind, content: bytes | None) -> Document | None:
+def _parse(kind: DumpedKind, content: bytes | None) -> GivenDocument | None:
     """Parse a stored document; None of one that is gone, or of a later version."""
     if content is None:
         return None
@@ -201,9 +221,3 @@ def _parse(kind: DumpedKind, content: bytes | None) -> Document | None:
         return _MODELS[kind].model_validate_json(content)
     except ValidationError:
         return None
-
-
-def _public_copy(document: Document, alias: Alias) -> Document | None:
-    if isinstance(document, VoteDocument):
-        return public_copy(document, alias)
-    return public_copy(document, alias)

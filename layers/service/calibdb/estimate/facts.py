@@ -31,7 +31,6 @@ FACT_COLUMNS = (
     *("kind", "maker", "model", "words", "usb", "devices", "camera", "mode", "width", "height"),
     *("quantity", "value", "sigma", "n", "what", "distortion", "title", "url", "licence"),
 )
-_MIN_PIXELS = 64  # a width below it is an aspect
 
 # A maker's diagonal angle against calibrations of six webcams, degrees: too wide by 1.75, scatter 2.5.
 _SPECIFIED_BIAS, _SPECIFIED_SIGMA = 1.75, 2.5
@@ -59,11 +58,6 @@ class Fact:
     title: str
     url: str
 
-    @property
-    def is_aspect(self) -> bool:
-        """True if `size` is an aspect only."""
-        return self.size[0] < _MIN_PIXELS
-
 
 def fact_of(row: dict[str, str]) -> Fact:
     """Parse a row; raises ValueError or KeyError."""
@@ -72,22 +66,15 @@ def fact_of(row: dict[str, str]) -> Fact:
     if quantity == "dfov" and row["what"] == "specification" and row["kind"] in _WEBCAMS:
         value, sigma = value - _SPECIFIED_BIAS, max(sigma, _SPECIFIED_SIGMA)
     return Fact(
-        kind=row["kind"],
-        maker=row["maker"],
-        model=row["model"],
+        **{name: row[name] for name in ("kind", "maker", "model", "camera", "mode", "what", "title", "url")},
         words=tuple(frozenset(words(text)) for text in row["words"].split(";") if text),
         usb=frozenset(filter(None, row["usb"].split(";"))),
         devices=frozenset(filter(None, row["devices"].split(";"))),
-        camera=row["camera"],
-        mode=row["mode"],
         size=size,
         log_tan=log_tan(quantity, value, size),
         sigma=log_tan_sigma(quantity, value, sigma, size),
         n=int(row["n"]),
-        what=row["what"],
         lens=tuple(float(k) for k in row["distortion"].split()[1:]),
-        title=row["title"],
-        url=row["url"],
     )
 
 

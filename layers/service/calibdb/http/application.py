@@ -14,7 +14,7 @@ import time
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from http import HTTPStatus
-from typing import Any, Protocol, cast
+from typing import Any, cast
 from urllib.parse import urljoin
 
 from pydantic import BaseModel
@@ -60,41 +60,6 @@ def tagged_response(request: Request, model: BaseModel, headers: Mapping[str, st
     if request.headers.get("if-none-match") == tag:
         return Response(status_code=304, headers=headers)
     return Response(content, 200, headers, "application/json")
-
-
-class _File(Protocol):
-    """File to download, and how far it is from what was to be written."""
-
-    @property
-    def content(self) -> bytes: ...
-
-    @property
-    def media_type(self) -> str: ...
-
-    @property
-    def filename(self) -> str: ...
-
-    @property
-    def error(self) -> float: ...
-
-    @property
-    def coverage(self) -> float: ...
-
-    @property
-    def warning(self) -> str | None: ...
-
-
-def file_response(file: _File, *, with_coverage: bool = False) -> Response:
-    """Make the response of a file; headers say how far it is from what was to be written."""
-    headers = {
-        "Content-Disposition": f'attachment; filename="{file.filename}"',
-        "X-Conversion-Error": f"{file.error:.6g}",
-    }
-    if with_coverage:
-        headers["X-Conversion-Coverage"] = f"{file.coverage:.4g}"
-    if file.warning:
-        headers["X-Conversion-Warning"] = file.warning
-    return Response(file.content, 200, headers, file.media_type)
 
 
 def no_content() -> Response:

@@ -23,17 +23,18 @@ from calibdb.errors import (
     ForbiddenError,
     InvalidError,
     MalformedError,
+    NotAcceptableError,
     TooLargeError,
     UnauthenticatedError,
     UnavailableError,
     UnsupportedMediaTypeError,
 )
 from calibdb.http import metrics
-from calibdb.http.content_negotiation import negotiate
 from calibdb.schema.fields import MAX_INDEX
 from calibdb.schema.lookup import QUERY_FLAGS
 from calibdb.schema.origins import is_loopback
 from calibdb.service import Service
+from calibdb.store import Store
 
 MAX_BODY_BYTES = 1_000_000  # bytes; a view of the largest board with all digits is a tenth of it
 
@@ -47,6 +48,8 @@ MIN_REMAINING_S = 1.5
 RATE_LIMITS = "calibdb.rate_limits"
 """Key in a request's scope of the headers that report what is left of the plan."""
 _HOPS_OF_EDGE = 2  # in X-Forwarded-For: the caller, CloudFront
+
+_WEIGHT = re.compile(r"[01](\.[0-9]{0,3})?")
 
 Model = TypeVar("Model", bound=BaseModel)
 Compute = Callable[[dict[str, Any]], dict[str, Any]]
@@ -69,6 +72,16 @@ class Call:
     """The same when the call began."""
     in_loop: bool = False
     """True in the event loop of a server, which serves no other request meanwhile."""
+
+    @property
+    def store(self) -> Store:
+        """All stores of the service."""
+        return self.service.store
+
+    @property
+    def now(self) -> int:
+        """Unix time, whole seconds."""
+        return self.service.now
 
     def require_thread(self) -> None:
         """Have the endpoint run again in a thread, since it is about to wait or compute."""
@@ -138,8 +151,7 @@ class Call:
         Raises TooLargeError, MalformedError, or InvalidError naming the fields: all, or the first of those
         whose paths begin with the same `depth` members.
         """
-        if len(self.body) > MAX_BODY_BYTES:
-            raise TooLargeError(f"The body is too large; at most {MAX_BODY_BYTES} bytes are allowed.")
+        self._require_small_body()
         try:
             return model.model_validate_json(self.body)
         except ValidationError as error:
@@ -167,14 +179,17 @@ class Call:
 
     def json_text(self, name: str) -> str | None:
         """Return a text member of the body, None if it is missing or the body is not a JSON object."""
-        if len(self.body) > MAX_BODY_BYTES:
-            raise TooLargeError(f"The body is too large; at most {MAX_BODY_BYTES} bytes are allowed.")
+        self._require_small_body()
         try:
             content = from_json(self.body)
         except ValueError:
             return None
         member = content.get(name) if isinstance(content, dict) else None
         return member if isinstance(member, str) else None
+
+    def _require_small_body(self) -> None:
+        if len(self.body) > MAX_BODY_BYTES:
+            raise TooLargeError(f"The body is too large; at most {MAX_BODY_BYTES} bytes are allowed.")
 
     def flag(self, name: str, *, default: bool = False) -> bool:
         """Return a query parameter that switches something: `1` or `true`, `0` or `false`."""
@@ -193,8 +208,15 @@ class Call:
         return int(text)
 
     def negotiate_media_type(self, types: Sequence[str]) -> str:
-        """Choose the media type of `types` that the caller prefers; raises NotAcceptableError."""
-        return negotiate(self.request.headers.get("accept") or "*/*", types)
+        """Choose the one of `types` that the caller weighs most; of equals the first.
+
+        Raises NotAcceptableError if the caller accepts none of them.
+        """
+        accept = self.request.headers.get("accept") or "*/*"
+        weight, best = max(((_weight(accept, t), t) for t in types), key=lambda pair: pair[0])
+        if weight <= 0:
+            raise NotAcceptableError(f"This path offers only {', '.join(types)}; accept one of them.")
+        return best
 
     def session(self, charge: Kind | None = None) -> Ticket:
         """Verify the session id, count the call as one of `charge`, and return the claims.
@@ -274,6 +296,10 @@ class Call:
             metrics.count(self.service.clock(), UnknownEdges=1)
         return self.request.client.host if self.request.client else ""
 
+    def contributor(self, ticket: Ticket) -> tuple[str, str]:
+        """Return the keyed hashes of the contributor and of their source."""
+        return self.service.contributor(self.address, ticket.token), self.service.source(self.address)
+
     def path(self, name: str) -> str:
         """Return a parameter of the path."""
         return str(self.request.path_params[name])
@@ -283,6 +309,17 @@ class Call:
         if scheme.lower() != "bearer" or not credential.strip():
             raise UnauthenticatedError("Send the credential as `Authorization: Bearer …`.")
         return credential.strip()
+
+
+def _weight(accept: str, media_type: str) -> float:
+    """Weight of the most specific range of `accept` that contains `media_type` (RFC 9110, 12.5.1), else 0."""
+    ranges = {}
+    for entry in accept.lower().split(","):
+        name, *parameters = (part.strip() for part in entry.split(";"))
+        weights = [p[2:] for p in parameters if p.startswith("q=")]
+        ranges[name] = float(weights[0]) if weights and _WEIGHT.fullmatch(weights[0]) else 1.0
+    family = media_type.partition("/")[0] + "/*"
+    return next((ranges[r] for r in (media_type, family, "*/*") if r in ranges), 0.0)
 
 
 def refusal(error: ValidationError, depth: int | None = None) -> CalibdbError:

@@ -21,19 +21,10 @@ Result = TypeVar("Result")
 NAMESPACE = "calibDB"
 #: every metric and its unit; each costs as much in a month as 150,000 lookups
 UNITS = {
-    "Lookups": "Count",
-    "Misses": "Count",
-    "Redirects": "Count",
-    "Sessions": "Count",
-    "Views": "Count",
-    "Refusals": "Count",
-    "Calibrations": "Count",
-    "ViewsPerSession": "Count",
+    **dict.fromkeys(("Lookups", "Misses", "Redirects", "Sessions", "Views", "Refusals"), "Count"),
+    **dict.fromkeys(("Calibrations", "ViewsPerSession", "Errors", "ComputeTimeouts"), "Count"),
+    **dict.fromkeys(("DeniedReads", "UnknownEdges"), "Count"),
     "FitTime": "Milliseconds",
-    "Errors": "Count",
-    "ComputeTimeouts": "Count",
-    "DeniedReads": "Count",
-    "UnknownEdges": "Count",
 }
 #: those that are also counted by their reason; of others the log names it
 REASONED = ("Refusals",)

@@ -43,7 +43,7 @@ class Part:
 
     name: PartName
     limit_s: float
-    prepare: Callable[[], Callable[[], None]]
+    prepare: Callable[[], Callable[[], object]]
 
     def measure(self) -> float:
         """Check the part; return the ms that it took."""

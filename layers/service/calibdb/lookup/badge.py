@@ -13,6 +13,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 from calibdb.lookup.camera_search import best_consensus, count_agreeing, group_by_mode, is_listed
 from calibdb.schema import ConsensusDocument
+from calibdb.settings import Thresholds
 
 Colour = Literal["green", "amber", "grey"]
 _COLOURS: dict[Colour, str] = {"green": "#2a6b2f", "amber": "#8a5a00", "grey": "#5d6468"}
@@ -44,9 +45,7 @@ def badge_of(
     camera: str,
     documents: Sequence[ConsensusDocument],
     img_size: tuple[int, int],
-    *,
-    min_calibrations: int,
-    min_contributors: int,
+    thresholds: Thresholds,
 ) -> Badge:
     """Return the badge of a camera at a size.
 
@@ -58,10 +57,10 @@ def badge_of(
         Its consensuses.
     img_size
         Width and height, px. Of several zooms the one that a lookup returns counts.
-    min_calibrations, min_contributors
-        As in `Thresholds`. A camera that no search shows has no name here either.
+    thresholds
+        The deployment's. A camera that no search shows has no name here either.
     """
-    if not is_listed(documents, min_contributors):
+    if not is_listed(documents, thresholds.min_contributors):
         return NOT_CALIBRATED
     name = without_usb_id(camera)
     short = name if len(name) <= _MAX_SHOWN_LENGTH else name[: _MAX_SHOWN_LENGTH - 1] + "…"
@@ -73,7 +72,7 @@ def badge_of(
         (best_consensus(consensuses) for consensuses in here), key=lambda c: (c.reliable, count_agreeing(c))
     )
     if not best.reliable or best.calibration is None:
-        return Badge(left, f"{count_agreeing(best)} of {min_calibrations} calibrations", "amber")
+        return Badge(left, f"{count_agreeing(best)} of {thresholds.min_calibrations} calibrations", "amber")
     return Badge(left, f"calibrated ± {rough(best.calibration.uncertainty.rms)} px", "green")
 
 

@@ -38,6 +38,44 @@ _MISS_DETAILS = {
 
 
 @dataclass(frozen=True)
+class LookupQuery:
+    """Camera, size, zoom and model that are looked up."""
+
+    camera: str
+    platform: str
+    img_size: tuple[int, int]
+    zoom: float
+    model: str
+    resize_mode: str | None = None
+
+    @property
+    def identity(self) -> Identity:
+        """Identity of the camera."""
+        return identify(self.camera, self.platform)
+
+    @classmethod
+    def of(cls, request: LookupRequest | CheckRequest) -> LookupQuery:
+        """Return the query of a request."""
+        camera = request.camera, request.platform, request.img_size, request.zoom
+        return cls(*camera, request.distortion_model, request.resize_mode)
+
+    @classmethod
+    def of_path(cls, size: str, zoom: str, file: str) -> LookupQuery | None:
+        """Parse the end of a path of known cameras, without a camera; None if it has another form.
+
+        Each answer has one address.
+        """
+        model = file.removesuffix(".json")
+        match = _PATH_SIZE.fullmatch(size)
+        if match is None or not _PATH_ZOOM.fullmatch(zoom) or model not in DISTORTION_MODELS or model == file:
+            return None
+        img_size = int(match[1]), int(match[2])
+        if size_text(img_size) != size or zoom_text(float(zoom)) != zoom:
+            return None
+        return cls("", "", img_size, float(zoom), model)
+
+
+@dataclass(frozen=True)
 class Choice:
     """Selected consensus, or a size at which the model is yet to be computed, or the reason for a miss."""
 
@@ -97,34 +135,26 @@ def choose(known: Sequence[ConsensusDocument], img_size: tuple[int, int], zoom: 
     return Choice(reason=exact[0] if exact else "too_few" if here else "unknown_camera")
 
 
-def unanswerable_reason(identity: Identity, *, private: bool, resize_mode: str | None) -> str | None:
+def unanswerable_reason(query: LookupQuery, *, private: bool) -> str | None:
     """Return why nothing can be said of such a camera; None if the database may know it.
 
     `private`: the database of one person, who has few cameras, and knows which is meant.
     """
-    if identity.virtual:
+    if query.identity.virtual:
         return VIRTUAL
-    if resize_mode == CROPPED:
+    if query.resize_mode == CROPPED:
         return RESIZED
-    return AMBIGUOUS if identity.ambiguous and not private else None
+    return AMBIGUOUS if query.identity.ambiguous and not private else None
 
 
-def resolve(
-    read: Callable[[str], CameraRecords],
-    identity: Identity,
-    img_size: tuple[int, int],
-    zoom: float,
-    model: str,
-    *,
-    private: bool,
-) -> CameraMatch:
-    """Resolve an identity to the key under which its camera is known (docs/camera-keys.md, "In which order").
+def resolve(read: Callable[[str], CameraRecords], query: LookupQuery, *, private: bool) -> CameraMatch:
+    """Resolve a query to the key under which its camera is known (docs/camera-keys.md, "In which order").
 
     `read` is called once if the camera is known under its own key and no other camera of its name is well
     known; never more than twice.
     """
-    search = _Search(read, identity, img_size, zoom, model, private)
-    for step in _STEPS[identity.usb_id is not None, identity.distinct, private]:
+    search = _Search(read, query, query.identity, private)
+    for step in _STEPS[search.identity.usb_id is not None, search.identity.distinct, private]:
         match = step(search)
         if match is not None:
             return match
@@ -136,10 +166,8 @@ class _Search:
     """One search for a camera: what is known under its own key, and reads of other keys."""
 
     read: Callable[[str], CameraRecords]
+    query: LookupQuery
     identity: Identity
-    img_size: tuple[int, int]
-    zoom: float
-    model: str
     private: bool
 
     @functools.cached_property
@@ -155,9 +183,9 @@ class _Search:
     def match(self, key: str, known: CameraRecords | None = None) -> CameraMatch:
         """Choose what answers among all that is known under `key`, read now unless given."""
         known = known or self.read(key)
-        return CameraMatch(
-            key, known.consensuses, choose(known.consensuses, self.img_size, self.zoom, self.model)
-        )
+        query = self.query
+        choice = choose(known.consensuses, query.img_size, query.zoom, query.model)
+        return CameraMatch(key, known.consensuses, choice)
 
     def prefer(self, other: CameraMatch) -> CameraMatch:
         """Return `other`, unless only the camera's own key says why there is no answer."""
@@ -225,39 +253,6 @@ Compute = Callable[[str, tuple[int, int]], ConsensusDocument | None]
 
 
 @dataclass(frozen=True)
-class LookupQuery:
-    """Camera, size, zoom and model that are looked up."""
-
-    camera: str
-    platform: str
-    img_size: tuple[int, int]
-    zoom: float
-    model: str
-    resize_mode: str | None = None
-
-    @classmethod
-    def of(cls, request: LookupRequest) -> LookupQuery:
-        """Return the query of a request."""
-        camera = request.camera, request.platform, request.img_size, request.zoom
-        return cls(*camera, request.distortion_model, request.resize_mode)
-
-    @classmethod
-    def of_path(cls, size: str, zoom: str, file: str) -> LookupQuery | None:
-        """Parse the end of a path of known cameras, without a camera; None if it has another form.
-
-        Each answer has one address.
-        """
-        model = file.removesuffix(".json")
-        match = _PATH_SIZE.fullmatch(size)
-        if match is None or not _PATH_ZOOM.fullmatch(zoom) or model not in DISTORTION_MODELS or model == file:
-            return None
-        img_size = int(match[1]), int(match[2])
-        if size_text(img_size) != size or zoom_text(float(zoom)) != zoom:
-            return None
-        return cls("", "", img_size, float(zoom), model)
-
-
-@dataclass(frozen=True)
 class LookupResult:
     """Answer of a lookup, or the reason why there is none.
 
@@ -297,11 +292,10 @@ def find(
         Computes a model on its first request.
     """
     size, zoom, model = wanted.img_size, wanted.zoom, wanted.model
-    identity = identify(wanted.camera, wanted.platform)
-    why = unanswerable_reason(identity, private=private, resize_mode=wanted.resize_mode)
+    why = unanswerable_reason(wanted, private=private)
     if why is not None:
         return LookupResult("", None, detail=why)
-    resolved = resolve(read, identity, size, zoom, model, private=private)
+    resolved = resolve(read, wanted, private=private)
     consensus, reason = resolved.choice.found, resolved.choice.reason
     if resolved.choice.missing_at is not None:
         # A model that was not requested before can be computed from the stored keypoints.
@@ -334,11 +328,10 @@ def find_checked(store: Store, request: CheckRequest, *, private: bool) -> tuple
     It is found as a lookup would find it, but at no other size or zoom than the views'. As in a lookup, what
     a browser cropped is another picture.
     """
+    query = LookupQuery.of(request)
     size, zoom, model = request.img_size, request.zoom, request.distortion_model
-    identity = identify(request.camera, request.platform)
-    if unanswerable_reason(identity, private=private, resize_mode=request.resize_mode) is None:
-        read = store.cameras.known
-        resolved = resolve(read, identity, size, zoom, model, private=private)
+    if unanswerable_reason(query, private=private) is None:
+        resolved = resolve(store.cameras.known, query, private=private)
         mode = StreamMode(resolved.key, size, zoom)
         here = [c for c in resolved.known if (c.img_size, c.zoom) == (size, zoom)]
         consensus = consensus_of_model(here, model) or (store.refit.consensus(mode, model) if here else None)

@@ -102,19 +102,20 @@ def camera_entry(
     sizes = []
     for (img_size, zoom), here in group_by_mode(consensuses):
         best = best_consensus(here)
+        calibration = best.calibration
         sizes.append(
             CameraSize(
                 img_size=img_size,
                 zoom=zoom,
                 models=tuple(c.distortion_model for c in here),
                 calibrations=max(c.total for c in here),
-                contributors=best.calibration.contributors if best.calibration else 0,
+                contributors=calibration.contributors if calibration else 0,
                 agreeing=count_agreeing(best),
                 required=min_calibrations,
                 reliable=best.reliable,
-                fx=best.calibration.camera_matrix[0][0] if best.calibration else None,
-                uncertainty=best.calibration.uncertainty.rms if best.calibration else None,
-                calibration_time=best.calibration.calibration_time if best.calibration else None,
+                fx=calibration and calibration.camera_matrix[0][0],
+                uncertainty=calibration and calibration.uncertainty.rms,
+                calibration_time=calibration and calibration.calibration_time,
             )
         )
     own = usb_id(consensuses)

@@ -12,7 +12,7 @@ from calibdb.estimate.device import device_of
 from calibdb.estimate.estimator import EstimateQuery, estimate
 from calibdb.estimate.evidence import Evidence
 from calibdb.estimate.own import calibrated, other_size, reported, seen
-from calibdb.lookup.projection import axis_focal, distort_ray, is_projectable
+from calibdb.lookup.projection import axis_focal, distort_ray
 from calibdb.lookup.transfer import closeness
 from calibdb.schema import Calibration, ConsensusDocument, FittingGroup, LookupRequest
 from calibdb.schema.estimate import Estimate
@@ -96,9 +96,7 @@ def _calibration_here(request: LookupRequest, known: Sequence[ConsensusDocument]
     here = [
         c
         for c in known
-        if (c.img_size, c.zoom) == (request.img_size, request.zoom)
-        and c.calibration is not None
-        and is_projectable(c.calibration)
+        if (c.img_size, c.zoom) == (request.img_size, request.zoom) and c.calibration is not None
     ]
     return max(here, key=lambda c: (c.distortion_model == request.distortion_model, c.total), default=None)
 
@@ -110,7 +108,7 @@ def _other_sizes(request: LookupRequest, known: Sequence[ConsensusDocument], kin
         mode = c.img_size, c.zoom
         if mode == (request.img_size, request.zoom) or c.calibration is None:
             continue
-        if c.reason != "disagree" and is_projectable(c.calibration):
+        if c.reason != "disagree":
             modes.setdefault(mode, c.calibration)
     closest = sorted(modes, key=lambda m: (m[1] != request.zoom, closeness(m[0], request.img_size)))
     return [_elsewhere(modes[mode], request, kind) for mode in closest[:_MAX_OTHER_SIZES]]

@@ -17,22 +17,15 @@ Vector = tuple[float, float]
 _AZIMUTHS, _STEPS = 16, 24
 # On the plane of unit focal length, and of the valid domain: docs/conventions.md.
 _MAX_RADIUS, _MIN_TANGENTIAL_RATIO = 50.0, 7.0
-# Largest angle off the axis, rad, at which images are compared, by the models that this module knows.
+# Largest angle off the axis, rad, at which images are compared, by model.
 _MAX_ANGLE_RAD = {"rectilinear": 1.4, "rational": 1.4, "fisheye": 1.9, "omnidirectional": 1.9}
 
 
-def is_projectable(camera: Calibration) -> bool:
-    """True if this module knows the formulas of the camera's model."""
-    return camera.distortion_model in _MAX_ANGLE_RAD
-
-
 def axis_focal(camera: Calibration) -> Vector:
-    """Return the focal lengths along x and y, px per radian at the axis; raises ValueError.
+    """Return the focal lengths along x and y, px per radian at the axis.
 
     The fx of an omnidirectional camera is (1 + xi) times that.
     """
-    if not is_projectable(camera):
-        raise ValueError(f"no formulas for {camera.distortion_model}")
     (fx, _, _), (_, fy, _), _ = camera.camera_matrix
     xi = camera.distortion_coefficients[0] if camera.distortion_model == "omnidirectional" else 0.0
     return fx / (1 + xi), fy / (1 + xi)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from calibdb.camera_key import VERSION, current_key
+from calibdb.camera_key import VERSION
 from calibdb.errors import NotFoundError
 from calibdb.schema import CalibrationDocument, ReportedCalibration
 from calibdb.store import Store
@@ -20,7 +20,6 @@ def read_reported(
 
 def _reported(document: CalibrationDocument) -> ReportedCalibration:
     """Return a single calibration, with what its session found out about it."""
-    key = current_key(document.camera_key, document.camera, document.platform)
     report = dict(document.report or {})
     covariance = report.pop("covariance", None)
     return ReportedCalibration(
@@ -29,7 +28,7 @@ def _reported(document: CalibrationDocument) -> ReportedCalibration:
         covariance=covariance,
         board=document.board,
         board_shape=document.fits[document.distortion_model].board_shape,
-        camera_key=key,
+        camera_key=document.current_key,
         **document.consent,
     )
 

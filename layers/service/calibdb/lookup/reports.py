@@ -14,7 +14,7 @@ from calibdb.lookup.camera_match import LookupResult
 from calibdb.lookup.camera_search import is_listed
 from calibdb.schema import LookupRequest, NewAlias, RefitRequest
 from calibdb.store import CameraRecords, Store
-from calibdb.store.aliases import alias_digest
+from calibdb.store.aliases import Alias
 from calibdb.store.miss_counts import USB
 
 REPORT_S = 600  # seconds between two reports of an instance; what an instance that ends has counted is lost
@@ -103,7 +103,7 @@ def alias_report(
     name = request.camera, request.platform
     if not seen.admit(name, now) or not is_public(name):
         return None
-    alias = store.aliases.get(alias_digest(*name))
+    alias = store.aliases.get(Alias(*name).digest)
     if alias is not None and alias.is_fresh(now):
         return None
     new = NewAlias(label=request.camera, platform=request.platform, source=sender())

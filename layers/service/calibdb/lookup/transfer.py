@@ -13,7 +13,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from calibdb.lookup.projection import axis_focal, distort_ray, is_projectable, rays_in_view
+from calibdb.lookup.projection import axis_focal, distort_ray, rays_in_view
 from calibdb.schema import Adapted, Calibration, ConsensusDocument, LookupAnswer, Uncertainty
 from calibdb.schema.calibration import Relation
 from calibdb.schema.fields import Row
@@ -121,7 +121,6 @@ def bracketing_zooms(
             c.calibration
             for c in consensuses
             if c.calibration
-            and is_projectable(c.calibration)
             and c.reliable
             and c.zoom
             and (c.img_size, c.distortion_model) == (img_size, model)
@@ -139,13 +138,11 @@ def bracketing_zooms(
 def relate(one: Calibration, other: Calibration) -> tuple[Relation | None, Window | None]:
     """Return the relation of two sizes of one camera, and how `other`'s picture is made from `one`'s.
 
-    No relation where the calibrations are too uncertain to tell, or of a model without formulas here; no
-    window where there is none, or where `other` shows more than `one`. Remembered: a camera in use is asked
+    No relation where the calibrations are too uncertain to tell; no window where there is none, or where
+    `other` shows more than `one`. Remembered: a camera in use is asked
     for again and again, and a comparison takes a millisecond.
     """
     (w, h), (ow, oh) = one.img_size, other.img_size
-    if not (is_projectable(one) and is_projectable(other)):
-        return None, None
     if any(c.uncertainty.rms > _MAX_UNCERTAINTY * c.img_size[0] for c in (one, other)):
         return None, None
     fitted = _fit_scale(one, other)

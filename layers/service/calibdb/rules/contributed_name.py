@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 
-from calibdb.camera_key import public_label, public_platform
 from calibdb.camera_key.label import public_mode_name
 from calibdb.schema import CalibrationDocument
 
 
-def most_contributed_label(group: Sequence[CalibrationDocument]) -> str:
-    """Return the label that most contributors of a group sent, by today's rules; of equals the oldest."""
-    return _most_contributed(group, lambda document: public_label(document.camera))
-
-
-def most_contributed_platform(group: Sequence[CalibrationDocument]) -> str:
-    """Return the platform that most contributors of a group sent, by today's rules; of equals the oldest."""
-    return _most_contributed(group, lambda document: public_platform(document.platform))
+def most_contributed(
+    group: Sequence[CalibrationDocument], public: Callable[[CalibrationDocument], str]
+) -> str:
+    """Return the text, such as a public label, that most contributors sent; of equals the oldest."""
+    contributors: dict[str, set[str]] = {}
+    for document in sorted(group, key=lambda d: (d.time, d.id)):
+        contributors.setdefault(public(document), set()).add(document.counted_as)
+    return max(contributors, key=lambda text: len(contributors[text]))  # the first of equals
 
 
 def mode_names(groups: Sequence[Iterable[tuple[str, str]]]) -> tuple[str | None, ...]:
@@ -41,12 +40,3 @@ def _mode_name(group: Iterable[tuple[str, str]]) -> str | None:
     if not contributors:
         return None
     return spellings[max(sorted(contributors), key=lambda name: len(contributors[name]))]
-
-
-def _most_contributed(
-    group: Sequence[CalibrationDocument], public: Callable[[CalibrationDocument], str]
-) -> str:
-    contributors: dict[str, set[str]] = {}
-    for document in sorted(group, key=lambda d: (d.time, d.id)):
-        contributors.setdefault(public(document), set()).add(document.counted_as)
-    return max(contributors, key=lambda text: len(contributors[text]))  # the first of equals

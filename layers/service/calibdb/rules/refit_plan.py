@@ -48,15 +48,16 @@ def plan_refit(
     input_digest
         Digest of these and the votes: all inputs of a consensus.
     """
-    return [_step(model, stored.get(model), pool_digest, input_digest) for model in models]
-
-
-def _step(model: str, stored: ConsensusDocument | None, pool_digest: str, input_digest: str) -> Step:
-    if stored is not None and stored.basis == input_digest:
-        return Step(model, stored, "keep")
-    if stored is not None and stored.pooled == pool_digest:
-        return Step(model, stored, "recount")
-    return Step(model, stored, "pool")
+    steps = []
+    for model in models:
+        document = stored.get(model)
+        if document is not None and document.basis == input_digest:
+            steps.append(Step(model, document, "keep"))
+        elif document is not None and document.pooled == pool_digest:
+            steps.append(Step(model, document, "recount"))
+        else:
+            steps.append(Step(model, document, "pool"))
+    return steps
 
 
 def pool_digest(method: int, ids: Sequence[str], thresholds: Thresholds, solver_version: str) -> str:

@@ -15,8 +15,8 @@ import hmac
 from collections.abc import Collection, Sequence
 
 from calibdb.errors import ConflictError, ForbiddenError, InvalidError
-from calibdb.rules import session_result
-from calibdb.rules.session_rules import MIN_RECORDED_VIEWS, already_converged, view_fingerprint
+from calibdb.rules import session_result, session_rules
+from calibdb.rules.session_rules import MIN_RECORDED_VIEWS
 from calibdb.schema import (
     RigDocument,
     RigFinish,
@@ -251,14 +251,8 @@ def is_replay(session: SessionDocument, view: ViewDocument) -> bool:
     The moment says what a view is of, its index nothing: a client that was without its network sends late.
     Raises ConflictError if the moment carries another view.
     """
-    for stored in session.views:
-        if stored.moment == view.moment:
-            if view_fingerprint(stored) == view_fingerprint(view):
-                return True
-            raise ConflictError("This camera has another view of the moment.", kind="other-content")
-    if session.finish is not None:
-        raise already_converged()
-    return False
+    known = next((one for one in session.views if one.moment == view.moment), None)
+    return session_rules.is_replay(session, known, view, "This camera has another view of the moment.")
 
 
 def ending_of(ended: SessionDocument) -> EndingDocument:

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 
 from pydantic import JsonValue
 
-from calibdb.camera_key import current_key
 from calibdb.schema import CalibrationDocument, Finish, SessionDocument
+from calibdb.schema.documents import CaptureDocument
 
 _DAY_S = 86_400
 
@@ -57,29 +57,15 @@ def to_calibration(document: SessionDocument) -> CalibrationDocument:
     finish, fit = document.finish, document.estimate.fit
     if finish is None or fit is None:
         raise ValueError("the session has not converged")
+    capture = {name: getattr(document, name) for name in CaptureDocument.model_fields}
+    by_whom = {"contributor": finish.contributor, "source": finish.source}
     return CalibrationDocument(
+        **{**capture, **by_whom, "camera_key": document.current_key},
         id=finish.calibration_id,
-        # A session may have begun under earlier rules.
-        camera_key=current_key(document.camera_key, document.camera, document.platform),
-        camera=document.camera,
-        platform=document.platform,
-        img_size=document.img_size,
-        zoom=document.zoom,
-        distortion_model=document.distortion_model,
-        board=document.board,
-        guidance=document.guidance,
-        target_error=document.target_error,
-        track=document.track,
-        capture=document.capture,
-        rig=document.rig,
-        mode_name=document.mode_name,
-        **document.consent,
         views=tuple(view for view in document.views if view.set_aside is None),
         set_aside=tuple(view for view in document.views if view.set_aside is not None),
         fits={document.distortion_model: fit},
         report=finish.report,
         solver=finish.solver,
-        contributor=finish.contributor,
-        source=finish.source,
         time=finish.time,
     )

@@ -56,26 +56,20 @@ def begin(
     `source`, of a session in a `rig`: that of where they are.
     """
     target = request.target_error
+    changed = {
+        "camera_key": camera_key(request.camera, request.platform),
+        "camera": public_label(request.camera),
+        "platform": public_platform(request.platform),
+        "target_error": TARGET_ERROR_PER_WIDTH * request.img_size[0] if target is None else target,
+        "rig": rig,
+    }
     return SessionDocument(
+        **{**dict(request), **changed},
         session=sid,
         first_version=first_version,
         started=now,
         contributor=contributor,
         source=source,
-        rig=rig,
-        camera_key=camera_key(request.camera, request.platform),
-        camera=public_label(request.camera),
-        platform=public_platform(request.platform),
-        img_size=request.img_size,
-        zoom=request.zoom,
-        distortion_model=request.distortion_model,
-        board=request.board,
-        guidance=request.guidance,
-        target_error=TARGET_ERROR_PER_WIDTH * request.img_size[0] if target is None else target,
-        track=request.track,
-        capture=request.capture,
-        **request.consent,
-        mode_name=request.mode_name,
         prior=seed,
     )
 
@@ -94,18 +88,24 @@ def is_idempotent_replay(document: SessionDocument, view: ViewDocument) -> bool:
 
     Raises ConflictError if the index carries another view, was undone, or is not open (yet).
     """
-    for known in document.views:
-        if known.index == view.index:
-            if view_fingerprint(known) == view_fingerprint(view):
-                return True
-            raise ConflictError("Another view was accepted under this index.", kind="other-content")
-    if document.finish is not None:
-        raise already_converged()
+    known = next((one for one in document.views if one.index == view.index), None)
+    if is_replay(document, known, view, "Another view was accepted under this index."):
+        return True
     if view.index != document.next_index:
         raise ConflictError(
             f"This index is not open; send the view with index {document.next_index}.", kind="index-not-open"
         )
     return False
+
+
+def is_replay(document: SessionDocument, known: ViewDocument | None, view: ViewDocument, detail: str) -> bool:
+    """True if `view` replays the `known` one, False if there is none; raises ConflictError with `detail`."""
+    if known is None:
+        require_open(document)
+        return False
+    if view_fingerprint(known) != view_fingerprint(view):
+        raise ConflictError(detail, kind="other-content")
+    return True
 
 
 def validate_view(document: SessionDocument, view: ViewDocument) -> None:
@@ -233,8 +233,7 @@ def without_view(document: SessionDocument, index: int) -> tuple[ViewDocument, .
 
     Raises ConflictError on a converged session, NotFoundError for an index that no view ever had.
     """
-    if document.finish is not None:
-        raise already_converged()
+    require_open(document)
     if index >= document.next_index:
         raise NotFoundError("No view was accepted under this index.", kind="no-view")
     left = tuple(view for view in document.views if view.index != index)
@@ -281,11 +280,6 @@ def with_advice(document: SessionDocument, estimate: EstimateDocument) -> Sessio
     return document.model_copy(update={"estimate": document.estimate.model_copy(update=advised)})
 
 
-def estimate_document(record: Mapping[str, JsonValue], now: int) -> EstimateDocument:
-    """Return the estimate that the solver recorded, as it is stored."""
-    return EstimateDocument.model_validate({**record, "time": now})
-
-
 def with_fit(document: SessionDocument, record: Mapping[str, JsonValue]) -> SessionDocument:
     """Replace the fit of the document's estimate."""
     fitted = document.estimate.model_copy(update={"fit": FitRecord.model_validate(record)})
@@ -311,7 +305,7 @@ def without_target(document: SessionDocument) -> SessionDocument:
 def require_open(document: SessionDocument) -> None:
     """Raise ConflictError if the session has converged."""
     if document.finish is not None:
-        raise already_converged()
+        raise ConflictError("The session has converged and accepts no more changes.", kind="converged")
 
 
 def require_finishable(document: SessionDocument) -> None:
@@ -336,11 +330,6 @@ def _with_statuses(
 def view_fingerprint(view: ViewDocument | ObservedCorners) -> dict[int, tuple[float, float]]:
     """Return the corners by id, the same in whichever order they were sent."""
     return dict(zip(view.ids, view.points, strict=True))
-
-
-def already_converged() -> ConflictError:
-    """Return the error of a session that has ended."""
-    return ConflictError("The session has converged and accepts no more changes.", kind="converged")
 
 
 def find_seed(

@@ -51,18 +51,8 @@ def _members(document: SessionDocument) -> dict[str, Any]:
         calibration_time=finish.time if finish else estimate.time,
     )
     return {
+        **dict(document),  # of which a state has what it shares
         "status": status,
-        "camera": document.camera,
-        "platform": document.platform,
-        "img_size": document.img_size,
-        "zoom": document.zoom,
-        "distortion_model": document.distortion_model,
-        "board": document.board,
-        "guidance": document.guidance,
-        "target_error": document.target_error,
-        "capture": document.capture,
-        "rig": document.rig,
-        **document.consent,
         "views": tuple(
             ViewState(
                 index=v.index, points=len(v.ids), rms=v.rms, set_aside=v.set_aside, on_target=v.on_target

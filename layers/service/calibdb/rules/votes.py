@@ -34,9 +34,7 @@ _NOISE_FLOOR_WIDTHS = 1e-4  # of the image's width: smaller errors do not matter
 _MAX_EXCESS_WIDTHS = 5e-4  # of the width: error beyond the noise that no ratio excuses
 _SPECIMEN_SPREAD_WIDTHS = 4e-3  # of the width: specimens of one product differ by that, rms over the image
 _MAX_SIGMAS = 3.0  # standard deviations of the views' own camera
-MAX_INFORMATIVE_UNCERTAINTY = (
-    2e-3  # of the width: predicted error of a camera from few views, up to which it says which it is
-)
+_MAX_INFORMATIVE_WIDTHS = 2e-3  # of the width: predicted error of a camera, up to which it says which it is
 
 
 @dataclass(frozen=True)
@@ -78,21 +76,6 @@ def expected_error(noise: float, width: int) -> float:
     return max(noise, _NOISE_FLOOR_WIDTHS * width)
 
 
-def is_same_camera(difference: float, uncertainty: float, width: int) -> bool:
-    """True if a consensus may be the camera that these views determine.
-
-    Parameters
-    ----------
-    difference
-        px rms over the image, between the two.
-    uncertainty
-        px rms over the image, predicted of the views' own.
-    width
-        Width of the image, px.
-    """
-    return difference <= math.hypot(_SPECIMEN_SPREAD_WIDTHS * width, _MAX_SIGMAS * uncertainty)
-
-
 def decide_vote(
     error: float, noise: float, width: int, ratio: float, own: OwnCamera | None, *, same_model: bool
 ) -> bool | None:
@@ -107,10 +90,10 @@ def decide_vote(
     if (
         own is None
         or not math.isfinite(own.difference)
-        or not own.uncertainty <= MAX_INFORMATIVE_UNCERTAINTY * width
+        or not own.uncertainty <= _MAX_INFORMATIVE_WIDTHS * width
     ):
         return None
-    if is_same_camera(own.difference, own.uncertainty, width):
+    if own.difference <= math.hypot(_SPECIMEN_SPREAD_WIDTHS * width, _MAX_SIGMAS * own.uncertainty):
         return True
     return False if same_model else None
 
@@ -206,9 +189,8 @@ def with_votes(
         contributors=calibration.contributors,
     )
     answer = calibration.model_copy(update={"reliable": reason is None, "basis": why})
-    return document.model_copy(
-        update={"votes": votes, "basis": basis, "reason": reason, "calibration": answer}
-    )
+    changed = {"votes": votes, "basis": basis, "reason": reason, "calibration": answer}
+    return document.model_copy(update=changed)
 
 
 def family(source: str) -> str:

@@ -139,3 +139,6 @@ class Board(Strict):
 def _corner_count(kind: str, squares: tuple[int, int]) -> int:
     columns, rows = squares
     return 4 * columns * rows if kind == "aprilgrid" else (columns - 1) * (rows - 1)
+
+
+DescribedBoard = Annotated[Board, Field(description="The board; default: a ChArUco board of 9 x 6 squares.")]

@@ -2,17 +2,38 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from calibdb.schema.board import Board
 from calibdb.schema.estimate import Estimate
-from calibdb.schema.fields import DistortionModel, ImgSize, Members, Open, Row, is_none
+from calibdb.schema.fields import (
+    CameraLabel,
+    CameraMatrix,
+    Coefficients,
+    ImgSize,
+    LensModel,
+    Members,
+    Open,
+    Platform,
+    TrackZoom,
+    UnixTime,
+    is_none,
+)
 from calibdb.schema.licence import Licensed
 
 Basis = Literal["consensus", "checked"]
 Relation = Literal["scale", "crop", "scale+crop", "neither"]
+
+
+Systematic = Annotated[
+    float | None,
+    Field(
+        description="Variance of the parameters that the views show / variance that independent noise of the "
+        "corners would give; 1: nothing systematic. null: made before it was estimated."
+    ),
+]
 
 
 class Uncertainty(Open):
@@ -40,47 +61,40 @@ class BoardShape(Open):
     )
 
 
-class FitRecord(Open):
-    """One fit of one model, as the solver records it."""
+class Intrinsics(Open):
+    """Camera by its size, matrix, distortion and model."""
 
     img_size: ImgSize
-    camera_matrix: tuple[Row, Row, Row] = Field(description="Row-major; pixel centres at whole numbers.")
-    distortion_coefficients: tuple[float, ...]
-    distortion_model: DistortionModel
+    camera_matrix: CameraMatrix
+    distortion_coefficients: Coefficients
+    distortion_model: LensModel
+
+
+class FitRecord(Intrinsics):
+    """One fit of one model, as the solver records it."""
+
     avg_reprojection_error: float = Field(description="rms over all measurements, px")
     uncertainty: Uncertainty
-    systematic: float | None = Field(
-        None,
-        description="Variance of the parameters that the views show / variance that independent noise of the "
-        "corners would give; 1: nothing systematic. null: made before it was estimated.",
-    )
+    systematic: Systematic = None
     board_shape: BoardShape | None = Field(
         None, exclude_if=is_none, description="Estimated shape of the board; missing: as drawn."
     )
 
 
-class Calibration(Open):
+class Calibration(Intrinsics):
     """Calibration of a camera: the fit, its camera, and how far to trust it.
 
     Saved as a file, a rectilinear or rational one loads in WPILib's WPIcal: top-level `camera`, nested
     `camera_matrix`, flat coefficients.
     """
 
-    img_size: ImgSize
-    camera_matrix: tuple[Row, Row, Row] = Field(description="Row-major; pixel centres at whole numbers.")
-    distortion_coefficients: tuple[float, ...] = Field(
-        description="In the order of the model; see the conventions."
-    )
-    distortion_model: DistortionModel = Field(
-        description="Model of the lens; its name gives the order of the coefficients."
-    )
     avg_reprojection_error: float = Field(description="rms over all measurements, px")
     id: str | None = Field(
         description="Name of the calibration or consensus, for `GET /v1/calibrations/{id}`."
     )
-    camera: str = Field(description="`MediaStreamTrack.label` of the camera.")
-    platform: str = Field(description="The parenthesised part of the user agent.")
-    zoom: float = Field(description="`zoom` of the track; 0 if there is none.")
+    camera: CameraLabel
+    platform: Platform
+    zoom: TrackZoom
     calibrations: int = Field(description="Number of agreeing calibrations.")
     contributors: int = Field(description="Number of their contributors.")
     reliable: bool = Field(description="True if enough calibrations agree, or votes confirm it.")
@@ -88,12 +102,8 @@ class Calibration(Open):
     uncertainty: Uncertainty = Field(
         description="Predicted error of a projection over the image, px; null before the first fit."
     )
-    calibration_time: int = Field(description="Unix time, seconds.")
-    systematic: float | None = Field(
-        None,
-        description="Variance of the parameters that the views show / variance that independent noise of the "
-        "corners would give; 1: nothing systematic. null: made before it was estimated.",
-    )
+    calibration_time: UnixTime
+    systematic: Systematic = None
     spread: float | None = Field(
         None,
         description="px rms over the image between the calibrations that agree, after the best rotation.",
@@ -116,46 +126,21 @@ class Calibration(Open):
         platform: str,
         zoom: float,
         calibration_time: int,
-        calibrations: int = 1,
-        contributors: int = 1,
-        reliable: bool = False,
-        spread: float | None = None,
-        held_out_error: float | None = None,
-        basis: Basis | None = None,
+        **consensus: Any,
     ) -> Calibration:
-        """Return `fit` with the facts around it."""
-        return cls(
-            img_size=fit.img_size,
-            camera_matrix=fit.camera_matrix,
-            distortion_coefficients=fit.distortion_coefficients,
-            distortion_model=fit.distortion_model,
-            avg_reprojection_error=fit.avg_reprojection_error,
-            id=id,
-            camera=camera,
-            platform=platform,
-            zoom=zoom,
-            calibrations=calibrations,
-            contributors=contributors,
-            reliable=reliable,
-            exact_size=True,
-            uncertainty=fit.uncertainty,
-            systematic=fit.systematic,
-            calibration_time=calibration_time,
-            spread=spread,
-            held_out_error=held_out_error,
-            basis=basis,
-        )
+        """Return `fit` with the facts around it; `consensus`: those that are not of one calibration."""
+        facts = {"id": id, "camera": camera, "platform": platform, "zoom": zoom, "reliable": False}
+        one = {"calibrations": 1, "contributors": 1, "exact_size": True, "calibration_time": calibration_time}
+        return cls(**{**dict(fit), **facts, **one, **consensus})
 
 
 class Adapted(Open):
     """The calibration, carried to the requested size or zoom."""
 
     img_size: ImgSize
-    zoom: float = Field(description="`zoom` of the track; 0 if there is none.")
-    camera_matrix: tuple[Row, Row, Row] = Field(description="Row-major; pixel centres at whole numbers.")
-    distortion_coefficients: tuple[float, ...] = Field(
-        description="In the order of the model; see the conventions."
-    )
+    zoom: TrackZoom
+    camera_matrix: CameraMatrix
+    distortion_coefficients: Coefficients
     interpolated: bool = Field(False, description="true: between two calibrated zooms.")
 
 

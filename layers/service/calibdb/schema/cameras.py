@@ -8,7 +8,16 @@ from pydantic import BeforeValidator, ConfigDict, Field
 
 from calibdb.schema.calibration import Calibration
 from calibdb.schema.deferred import Deferred
-from calibdb.schema.fields import DistortionModel, ImgSize, Open
+from calibdb.schema.fields import (
+    CalibrationName,
+    CameraLabel,
+    DistortionModel,
+    ImgSize,
+    Open,
+    Platform,
+    TrackZoom,
+    UnixTime,
+)
 from calibdb.schema.lookup import Reason
 
 MAX_CAMERAS = 50
@@ -47,7 +56,7 @@ class CameraSize(Open):
     """Calibrations and consensus of a camera at one size and zoom."""
 
     img_size: ImgSize
-    zoom: float = Field(description="`zoom` of the track; 0 if there is none.")
+    zoom: TrackZoom
     models: tuple[DistortionModel, ...] = Field(description="That were computed.")
     calibrations: int = Field(description="Calibrations that count, agreeing or not.")
     contributors: int = Field(description="Of those that agree.")
@@ -61,14 +70,19 @@ class CameraSize(Open):
     calibration_time: int | None = Field(description="Of the newest that agrees; Unix time, seconds.")
 
 
-class CameraEntry(Open):
-    """A camera that was found."""
+class NamedCamera(Open):
+    """A camera by its names."""
 
     key: str = Field(description="Name of the camera in the database, for `GET /v1/cameras/{key}`.")
-    camera: str = Field(description="`MediaStreamTrack.label` of the camera.")
-    platform: str = Field(description="The parenthesised part of the user agent.")
+    camera: CameraLabel
+    platform: Platform
     usb_id: str | None = Field(description="`vid:pid`; null: no label has one.")
     vendor: str | None = Field(description="Name of the USB vendor; null: not known.")
+
+
+class CameraEntry(NamedCamera):
+    """A camera that was found."""
+
     sizes: tuple[CameraSize, ...] = Field(description="Calibrated sizes and zooms.")
 
 
@@ -82,8 +96,8 @@ class CameraList(Open):
 class CameraMember(Open):
     """One calibration of the camera, by the model that its session fitted; px."""
 
-    id: str = Field(description="Name of the calibration or consensus, for `GET /v1/calibrations/{id}`.")
-    time: int = Field(description="Unix time, seconds.")
+    id: CalibrationName
+    time: UnixTime
     fx: float = Field(description="Focal length across, px.")
     fy: float = Field(description="Focal length down, px.")
     cx: float = Field(description="Principal point, px from the left.")
@@ -97,7 +111,7 @@ class CameraMode(Open):
     """A camera at one size and zoom."""
 
     img_size: ImgSize
-    zoom: float = Field(description="`zoom` of the track; 0 if there is none.")
+    zoom: TrackZoom
     calibrations: int = Field(description="Number of calibrations.")
     contributors: int = Field(description="Number of contributors.")
     agreeing: int = Field(description="How many calibrations agree.")
@@ -111,12 +125,7 @@ class CameraMode(Open):
     members: tuple[CameraMember, ...] = Field(description="The newest, last begun first.")
 
 
-class CameraDetail(Open):
+class CameraDetail(NamedCamera):
     """All that is known of a camera."""
 
-    key: str = Field(description="Name of the camera in the database, for `GET /v1/cameras/{key}`.")
-    camera: str = Field(description="`MediaStreamTrack.label` of the camera.")
-    platform: str = Field(description="The parenthesised part of the user agent.")
-    usb_id: str | None = Field(description="`vid:pid`; null: no label has one.")
-    vendor: str | None = Field(description="Name of the USB vendor; null: not known.")
     modes: tuple[CameraMode, ...] = Field(description="Calibrations and consensus by size and zoom.")

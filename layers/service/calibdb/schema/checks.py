@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from calibdb.schema.board import Board
-from calibdb.schema.calibration import Calibration
+from calibdb.schema.board import Board, DescribedBoard
+from calibdb.schema.calibration import Calibration, Intrinsics
 from calibdb.schema.documents import Votes
-from calibdb.schema.fields import (
-    DistortionModel,
-    ImgSize,
-    Open,
-    Row,
-    StreamRequest,
-)
+from calibdb.schema.fields import Coefficients, Open, StreamRequest
 from calibdb.schema.licence import Licensed
 from calibdb.schema.lookup import ResizeMode
 from calibdb.schema.observed_corners import ObservedCorners
@@ -28,17 +22,10 @@ class CheckView(ObservedCorners):
     """One frame: the board corners seen."""
 
 
-class GivenCalibration(Open):
+class GivenCalibration(Intrinsics):
     """A calibration at hand: a document as the service returns it, of which these members count."""
 
-    img_size: ImgSize
-    camera_matrix: tuple[Row, Row, Row] = Field(description="Row-major; pixel centres at whole numbers.")
-    distortion_coefficients: tuple[float, ...] = Field(
-        max_length=MAX_COEFFICIENTS, description="In the order of the model; see the conventions."
-    )
-    distortion_model: DistortionModel = Field(
-        description="Model of the lens; its name gives the order of the coefficients."
-    )
+    distortion_coefficients: Annotated[Coefficients, Field(max_length=MAX_COEFFICIENTS)]
 
 
 class CheckRequest(StreamRequest, Licensed):
@@ -47,7 +34,7 @@ class CheckRequest(StreamRequest, Licensed):
     resize_mode: ResizeMode | None = Field(
         None, description="`resizeMode` of the track: a stream that the browser crops is another picture."
     )
-    board: Board = Field(Board(), description="The board; default: a ChArUco board of 9 x 6 squares.")
+    board: DescribedBoard = Board()
     views: tuple[CheckView, ...] = Field(
         min_length=1, max_length=MAX_VIEWS, description="Views with different tilts."
     )

@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from calibdb.camera_key import current_key
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import Calibration, FitRecord, Uncertainty
 from calibdb.schema.fields import (
@@ -16,6 +17,7 @@ from calibdb.schema.fields import (
     Members,
     Open,
     Pixel,
+    UnixTime,
     is_none,
 )
 from calibdb.schema.licence import Licensed
@@ -63,8 +65,8 @@ class Finish(Open):
     report: Members | None = None  # how good the result is, in detail
 
 
-class CaptureDocument(Open, Licensed):
-    """Camera, board and options of a session, as it was started."""
+class CameraDocument(Open, Licensed):
+    """Camera whose views a contributor gave, and the board that they show."""
 
     layout: Literal[1] = 1
     camera_key: str
@@ -72,8 +74,33 @@ class CaptureDocument(Open, Licensed):
     platform: str
     img_size: ImgSize
     zoom: float
-    distortion_model: DistortionModel
     board: Board
+    contributor: str | None = None
+    source: str | None = None  # hash of where the contributor is
+
+    @property
+    def current_key(self) -> str:
+        """Key of the camera by today's rules; the document may have been made under earlier ones."""
+        return current_key(self.camera_key, self.camera, self.platform)
+
+
+class GivenDocument(CameraDocument):
+    """Document that counts for a camera, once for each contributor."""
+
+    id: str
+    contributor: str
+    time: UnixTime
+
+    @property
+    def counted_as(self) -> str:
+        """Contributor that counts."""
+        return self.source or self.contributor
+
+
+class CaptureDocument(CameraDocument):
+    """Camera, board and options of a session, as it was started."""
+
+    distortion_model: DistortionModel
     guidance: Guidance
     target_error: float
     track: Track
@@ -89,7 +116,6 @@ class SessionDocument(CaptureDocument):
     first_version: int = 1  # differs between a session and a restarted one with the same id
     started: int  # unix seconds
     contributor: str | None = None  # hash of who started it, to delete it on request; None in old ones
-    source: str | None = None  # hash of where they are; for a session in a rig, which others end
     next_index: int = 0
     views: tuple[ViewDocument, ...] = ()
     target: Members | None = None
@@ -102,23 +128,14 @@ class SessionDocument(CaptureDocument):
     finish: Finish | None = None
 
 
-class CalibrationDocument(CaptureDocument):
+class CalibrationDocument(GivenDocument, CaptureDocument):
     """All of a finished session: `calibrations/<camera key>/<id>.json`. Only a licence is ever added."""
 
-    id: str
     views: tuple[ViewDocument, ...]
     set_aside: tuple[ViewDocument, ...] = ()  # captured too, and found not to belong to the others
     fits: dict[DistortionModel, FitRecord]
     report: Members | None = None  # `calibsolver.quality.report.describe` of the fit
     solver: str
-    contributor: str
-    source: str | None = None
-    time: int = Field(description="Unix time, seconds.")
-
-    @property
-    def counted_as(self) -> str:
-        """Contributor that counts."""
-        return self.source or self.contributor
 
     def answer(self) -> Calibration:
         """Return the calibration of the session's own model, as the API returns it."""
@@ -148,33 +165,17 @@ class ShapeDocument(Open):
     parameters: tuple[float, float, float, float, float]
 
 
-class VoteDocument(Open, Licensed):
+class VoteDocument(GivenDocument):
     """One check that counts: `votes/<camera key>/<id>.json`. Never overwritten.
 
     It keeps the views, not the verdict: they are scored again whenever the consensus changes, so that no
     consensus inherits the verdict on another.
     """
 
-    layout: Literal[1] = 1
-    id: str
-    camera_key: str
-    camera: str
-    platform: str
-    img_size: ImgSize
-    zoom: float
-    board: Board
     views: tuple[ViewDocument, ...]
     noise: float  # px rms of the views under a camera of their own: what no camera can do better
     fit: FitRecord | None = None  # that camera, by the model that was checked; votes of old have none
     board_shape: ShapeDocument | None = Field(None, exclude_if=is_none)  # that `noise` and `fit` refer to
-    contributor: str
-    source: str | None = None
-    time: int  # unix seconds
-
-    @property
-    def counted_as(self) -> str:
-        """Contributor that it counts as."""
-        return self.source or self.contributor
 
 
 class ConsensusDocument(Open):

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from calibdb.schema.fields import Open
+from calibdb.schema.fields import Open, UnixTime
 from calibdb.schema.licence import Licence
 
 DumpedKind = Literal["calibrations", "votes"]
@@ -37,7 +37,7 @@ class Dump(Open):
     format: Literal["calibdb-dump"] = "calibdb-dump"
     version: Literal[1] = Field(1, description="Version of this document and of those in the files.")
     name: str = Field(description="Folder of the dump: the UTC date of its start, and a number.")
-    created: int = Field(description="Unix time, seconds.")
+    created: UnixTime
     licence: Licence = Field("CC0-1.0", description="SPDX identifier of the licence of all of it.")
     document_schema: str = Field("/data/schema.json", description="JSON Schema of this and of the documents.")
     counts: DumpCounts
@@ -80,7 +80,7 @@ class Statistics(Open):
     """The database in figures: `/dumps/statistics.json`."""
 
     version: Literal[1] = 1
-    created: int = Field(description="Unix time, seconds.")
+    created: UnixTime
     history: tuple[Snapshot, ...] = Field(description="One entry per dump, oldest first.")
     wanted: tuple[WantedCamera, ...] = Field(description="Most requested first.")
     bundle: BundleFile | None = Field(

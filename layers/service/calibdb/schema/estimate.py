@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from calibdb.schema.fields import DistortionModel, ImgSize, Open, Row, is_none
+from calibdb.schema.fields import CameraMatrix, Coefficients, ImgSize, LensModel, Open, is_none
 
 EstimateBasis = Literal["calibrations", "views", "device", "other_size", "published", "family", "population"]
 
@@ -28,13 +28,9 @@ class Estimate(Open):
     """Likely camera, if nothing reliable is known. It is not a calibration: nothing of it is ever stored."""
 
     img_size: ImgSize
-    camera_matrix: tuple[Row, Row, Row] = Field(description="Row-major; pixel centres at whole numbers.")
-    distortion_model: DistortionModel = Field(
-        description="Model of the lens; its name gives the order of the coefficients."
-    )
-    distortion_coefficients: tuple[float, ...] = Field(
-        description="In the order of the model; see the conventions."
-    )
+    camera_matrix: CameraMatrix
+    distortion_model: LensModel
+    distortion_coefficients: Coefficients
     hfov_deg: float = Field(description="Horizontal field of view, degrees.")
     interval_90: EstimateInterval
     basis: EstimateBasis = Field(

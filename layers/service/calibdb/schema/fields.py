@@ -56,12 +56,8 @@ def _finite(value: JsonValue) -> JsonValue:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _finite_members(members: dict[str, JsonValue]) -> dict[str, JsonValue]:
-    return {name: _finite(value) for name, value in members.items()}
-
-
 # What another room says, kept as it is. JSON has no infinity: it is unknown, here as when it is written.
-Members = Annotated[dict[str, JsonValue], AfterValidator(_finite_members)]
+Members = Annotated[dict[str, JsonValue], AfterValidator(_finite)]
 
 
 def _canonical(zoom: float) -> float:
@@ -153,6 +149,25 @@ Coordinate = Annotated[float, Field(ge=-1.0, le=MAX_IMAGE_SIDE_PX)]
 Point = tuple[Coordinate, Coordinate]
 Pixel = tuple[float, float]
 Row = tuple[float, float, float]
+LensModel = Annotated[
+    DistortionModel, Field(description="Model of the lens; its name gives the order of the coefficients.")
+]
+CameraMatrix = Annotated[
+    tuple[Row, Row, Row], Field(description="Row-major; pixel centres at whole numbers.")
+]
+Coefficients = Annotated[
+    tuple[float, ...], Field(description="In the order of the model; see the conventions.")
+]
+CameraLabel = Annotated[str, Field(description="`MediaStreamTrack.label` of the camera.")]
+Platform = Annotated[str, Field(description="The parenthesised part of the user agent.")]
+CalibrationName = Annotated[
+    str, Field(description="Name of the calibration or consensus, for `GET /v1/calibrations/{id}`.")
+]
+CornerIds = Annotated[tuple[int, ...], Field(description="Ids of the board's corners.")]
+CornerPixels = Annotated[tuple[Pixel, ...], Field(description="Positions of these corners in the image, px.")]
+TrackZoom = Annotated[float, Field(description="`zoom` of the track; 0 if there is none.")]
+UnixTime = Annotated[int, Field(description="Unix time, seconds.")]
+Detail = Annotated[str, Field(description="Explanation for people.")]
 
 
 def size_text(img_size: tuple[int, int]) -> str:
@@ -208,8 +223,6 @@ class StreamRequest(Strict):
     device: DeviceModel | None = Field(None, description=DEVICE_TEXT)
     img_size: ImgSize
     zoom: Zoom = 0.0
-    distortion_model: DistortionModel = Field(
-        "rectilinear", description="Model of the lens; its name gives the order of the coefficients."
-    )
+    distortion_model: LensModel = "rectilinear"
 
     _join_device = model_validator(mode="after")(join_device)

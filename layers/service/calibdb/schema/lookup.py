@@ -8,15 +8,16 @@ from urllib.parse import urlencode
 
 from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field, model_validator
 
-from calibdb.schema.board import Board
+from calibdb.schema.board import Board, DescribedBoard
 from calibdb.schema.deferred import Deferred
 from calibdb.schema.estimate import Estimate
 from calibdb.schema.fields import (
     DEVICE_TEXT,
+    Detail,
     DeviceModel,
-    DistortionModel,
     ImgSize,
     Label,
+    LensModel,
     Open,
     Zoom,
     join_device,
@@ -26,6 +27,8 @@ from calibdb.schema.fields import (
 from calibdb.schema.observed_corners import ObservedCorners
 
 Reason = Literal["unknown_camera", "too_few", "disagree", "few_contributors", "imprecise"]
+MissReason = Annotated[Reason, Field(description="Reason, for programs.")]
+GuidanceUrl = Annotated[str, Field(description="Page that calibrates the camera.")]
 MAX_LOOKUP_VIEWS = 5
 ResizeMode = Annotated[str, Field(max_length=64)]
 ESTIMATE_TEXT = "Likely camera, with its interval: never a calibration. See the document on estimates."
@@ -88,9 +91,7 @@ class LookupRequest(Deferred):
         validation_alias=AliasChoices("img_size", "imsize")
     )
     zoom: Annotated[Zoom, BeforeValidator(_number)] = 0.0
-    distortion_model: DistortionModel = Field(
-        "rectilinear", description="Model of the lens; its name gives the order of the coefficients."
-    )
+    distortion_model: LensModel = "rectilinear"
     resize_mode: ResizeMode | None = Field(
         None,
         validation_alias=AliasChoices("resize_mode", "resizeMode"),
@@ -100,7 +101,7 @@ class LookupRequest(Deferred):
     reported: Reported | None = Field(
         None, description="A field of view that the device reports. Only the estimate uses it."
     )
-    board: Board = Field(Board(), description="The board; default: a ChArUco board of 9 x 6 squares.")
+    board: DescribedBoard = Board()
     views: tuple[ObservedCorners, ...] = Field(
         (),
         max_length=MAX_LOOKUP_VIEWS,
@@ -141,23 +142,23 @@ class NoCalibration(Open):
     calibration: None = Field(
         None, description="The calibration; null: none yet, or nothing reliable is known."
     )
-    reason: Reason = Field(description="Reason, for programs.")
-    guidance_url: str = Field(description="Page that calibrates the camera.")
-    detail: str = Field(description="Explanation for people.")
+    reason: MissReason
+    guidance_url: GuidanceUrl
+    detail: Detail
     estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)
 
 
 class UnknownCamera(Open):
     """Reason why `GET /known/v1/…` has no answer; the body of its 404."""
 
-    reason: Reason = Field(description="Reason, for programs.")
+    reason: MissReason
 
 
 class Miss(Open):
     """Address of the guidance page, and the reason for the miss; the body of the 307."""
 
-    guidance_url: str = Field(description="Page that calibrates the camera.")
-    reason: Reason = Field(description="Reason, for programs.")
+    guidance_url: GuidanceUrl
+    reason: MissReason
     detail: str = Field(
         "The database has no reliable calibration of this camera.", description="Explanation for people."
     )

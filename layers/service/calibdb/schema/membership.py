@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field, StringConstraints, model_validator
 from pydantic_core import PydanticCustomError
 
-from calibdb.schema.fields import Open, Strict, Whole
+from calibdb.schema.fields import CalibrationName, Open, Strict, Whole
 
 MIN_RIG_CAMERAS, MAX_RIG_CAMERAS = 2, 8
 MAX_MOMENT_LENGTH = 64  # characters
@@ -37,5 +37,5 @@ class RigJoin(Strict):
 class RigMembership(Open):
     """The rig of a session, and the position of its camera."""
 
-    id: str = Field(description="Name of the calibration or consensus, for `GET /v1/calibrations/{id}`.")
+    id: CalibrationName
     position: int

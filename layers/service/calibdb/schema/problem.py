@@ -5,15 +5,15 @@ from __future__ import annotations
 from pydantic import Field
 
 from calibdb.schema.estimate import Estimate
-from calibdb.schema.fields import Open
-from calibdb.schema.lookup import ESTIMATE_TEXT, Reason
+from calibdb.schema.fields import Detail, Open
+from calibdb.schema.lookup import ESTIMATE_TEXT, GuidanceUrl, MissReason
 
 
 class FieldProblem(Open):
     """One field of the request, its path joined by dots, and what is wrong with it."""
 
     field: str = Field(description="Path of the field.")
-    detail: str = Field(description="Explanation for people.")
+    detail: Detail
 
 
 class Problem(Open):
@@ -22,7 +22,7 @@ class Problem(Open):
     type: str = Field(description="Address of a page that explains what to do.")
     title: str = Field(description="Kind of problem, for people.")
     status: int = Field(description="HTTP status.")
-    detail: str = Field(description="Explanation for people.")
+    detail: Detail
     errors: tuple[FieldProblem, ...] = Field(
         (), description="The fields that are wrong, each with the reason."
     )
@@ -31,6 +31,6 @@ class Problem(Open):
 class LookupProblem(Problem):
     """Nothing reliable is known, and where to go instead (`redirect=false`)."""
 
-    guidance_url: str = Field(description="Page that calibrates the camera.")
-    reason: Reason = Field(description="Reason, for programs.")
+    guidance_url: GuidanceUrl
+    reason: MissReason
     estimate: Estimate | None = Field(None, description=ESTIMATE_TEXT)

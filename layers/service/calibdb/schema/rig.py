@@ -6,11 +6,24 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
-from calibdb.schema.board import Board
+from calibdb.schema.board import DescribedBoard
 from calibdb.schema.calibration import BoardShape, Calibration
-from calibdb.schema.fields import DistortionModel, ImgSize, Open, Pixel, Row, Strict, Whole, is_none
+from calibdb.schema.fields import (
+    CalibrationName,
+    CornerIds,
+    CornerPixels,
+    Detail,
+    DistortionModel,
+    ImgSize,
+    Open,
+    Pixel,
+    Row,
+    Strict,
+    Whole,
+    is_none,
+)
 from calibdb.schema.membership import MAX_RIG_CAMERAS, MIN_RIG_CAMERAS, MomentId
-from calibdb.schema.session import HintCode
+from calibdb.schema.session import HintName
 
 RigUnit = Literal["squares", "metres"]
 RigVerdictReason = Literal["uncertain", "held_out", "set_aside"]
@@ -71,13 +84,13 @@ class MomentSetAside(Open):
 
     position: int
     reason: SetAsideReason = Field(description="Reason, for programs.")
-    detail: str = Field(description="Explanation for people.")
+    detail: Detail
 
 
 class LatestMoment(Open):
     """The moment that was opened last."""
 
-    id: str = Field(description="Name of the calibration or consensus, for `GET /v1/calibrations/{id}`.")
+    id: CalibrationName
     positions: tuple[int, ...] = Field(description="Positions of the cameras that have sent a view of it.")
 
 
@@ -108,11 +121,11 @@ class RigTargetView(Open):
     position: int
     rvec: Row
     tvec: Row = Field(description="Translation, squares.")
-    ids: tuple[int, ...] = Field(description="Ids of the board's corners.")
-    corners: tuple[Pixel, ...] = Field(description="Positions of these corners in the image, px.")
+    ids: CornerIds
+    corners: CornerPixels
     outline: tuple[Pixel, ...]
     hint: str
-    hint_code: HintCode = Field(description="The next movement, for programs.")
+    hint_code: HintName
 
 
 class RigTarget(Open):
@@ -120,7 +133,7 @@ class RigTarget(Open):
 
     purpose: str
     hint: str
-    hint_code: HintCode = Field(description="The next movement, for programs.")
+    hint_code: HintName
     cameras: tuple[RigTargetView, ...] = Field(description="Cameras that are absent would not see it.")
 
 
@@ -189,7 +202,7 @@ class RigState(Open):
 
     rig_id: str
     status: Literal["capturing", "finished"] = Field(description="`capturing` or `finished`.")
-    board: Board = Field(description="The board; default: a ChArUco board of 9 x 6 squares.")
+    board: DescribedBoard
     square_size: float | None
     unit: RigUnit
     cameras: tuple[RigCamera, ...] = Field(description="Matching cameras, or cameras of the rig.")

@@ -9,7 +9,7 @@ from pydantic import Field
 from calibdb.schema.board import Board
 from calibdb.schema.calibration import BoardShape, FitRecord
 from calibdb.schema.documents import EstimateDocument, Finish
-from calibdb.schema.fields import Open, is_none
+from calibdb.schema.fields import Open, UnixTime, is_none
 from calibdb.schema.rig import Motion, RigState, RigTarget, RigUncertainty, SetAsideReason
 from calibdb.schema.session import SetAside
 
@@ -59,7 +59,7 @@ class RigCalibrationDocument(Open):
 
     layout: Literal[1] = 1
     id: str
-    time: int = Field(description="Unix time, seconds.")
+    time: UnixTime
     solver: str
     contributors: tuple[str, ...]  # by position
     state: RigState
@@ -93,19 +93,17 @@ class RigDocument(Open):
         return first.session if first else ""
 
 
-class ViewSetAside(Open):
-    """View that the joint fit leaves out."""
-
-    moment: str
-    position: int
-    reason: SetAsideReason
-
-
 class TurnedView(Open):
     """View whose corners were numbered from another side of the board."""
 
     moment: str
     position: int
+
+
+class ViewSetAside(TurnedView):
+    """View that the joint fit leaves out."""
+
+    reason: SetAsideReason
 
 
 class BoardPose(Open):

@@ -6,21 +6,29 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from calibdb.schema.board import Board
+from calibdb.schema.board import Board, DescribedBoard
 from calibdb.schema.calibration import BoardShape, Calibration, Uncertainty
 from calibdb.schema.fields import (
+    CameraLabel,
     CaptureKind,
+    CornerIds,
+    CornerPixels,
+    Detail,
     DistortionModel,
     Guidance,
     ImgSize,
     Index,
+    LensModel,
     ModeName,
     Open,
     Pixel,
+    Platform,
     Row,
     StreamRequest,
     Strict,
     TargetError,
+    TrackZoom,
+    UnixTime,
     is_none,
 )
 from calibdb.schema.licence import Licence, LicenceVersion, Licensed
@@ -54,6 +62,9 @@ HintCode = Literal[
 ]
 
 
+HintName = Annotated[HintCode, Field(description="The next movement, for programs.")]
+
+
 class Health(Open):
     """The service is there."""
 
@@ -64,7 +75,7 @@ class SessionOpened(Open):
     """The credential of one guided capture."""
 
     session_id: str = Field(description="Credential of the session's calls.")
-    expires_at: int = Field(description="Unix time, seconds.")
+    expires_at: UnixTime
 
 
 class Track(Open):
@@ -91,7 +102,7 @@ class LicenceRequest(Strict, Licensed):
 class SessionRequest(StreamRequest, Licensed):
     """Starts a guided capture of one camera."""
 
-    board: Board = Field(Board(), description="The board; default: a ChArUco board of 9 x 6 squares.")
+    board: DescribedBoard = Board()
     guidance: Guidance = Field("projection-uncertainty", description="How the next pose is chosen.")
     target_error: TargetError | None = Field(
         None, description="px over the image at which the session ends; default 0.3 at 1280 px image width."
@@ -147,7 +158,7 @@ class SetAside(Open):
         description="`outlier`: found wrong once others were there; `disagrees`: more views contradict it; "
         "`degenerate`: its corners lie on a line (of imported views)."
     )
-    detail: str = Field(description="Explanation for people.")
+    detail: Detail
 
 
 class ViewState(Open):
@@ -205,14 +216,12 @@ class SessionState(Open):
     """Progress of the capture."""
 
     status: Literal["capturing", "converged"] = Field(description="`capturing` or `converged`.")
-    camera: str = Field(description="`MediaStreamTrack.label` of the camera.")
-    platform: str = Field(description="The parenthesised part of the user agent.")
+    camera: CameraLabel
+    platform: Platform
     img_size: ImgSize
-    zoom: float = Field(description="`zoom` of the track; 0 if there is none.")
-    distortion_model: DistortionModel = Field(
-        description="Model of the lens; its name gives the order of the coefficients."
-    )
-    board: Board = Field(description="The board; default: a ChArUco board of 9 x 6 squares.")
+    zoom: TrackZoom
+    distortion_model: LensModel
+    board: DescribedBoard
     guidance: Guidance = Field(description="How the next pose is chosen.")
     target_error: float = Field(description="Predicted error at which the session ends, px.")
     capture: CaptureKind = Field(
@@ -290,9 +299,9 @@ class Pose(Open):
     index: int = Field(description="The index that a view answering this pose carries.")
     rvec: Row = Field(description="Rotation vector, board to camera, rad.")
     tvec: Row = Field(description="Translation, squares.")
-    ids: tuple[int, ...] = Field(description="Ids of the board's corners.")
-    corners: tuple[Pixel, ...] = Field(description="Positions of these corners in the image, px.")
+    ids: CornerIds
+    corners: CornerPixels
     outline: tuple[Pixel, ...] = Field(description="The board's edge as the camera would see it.")
     purpose: str = Field(description="What this view is for, in English.")
     hint: str = Field(description="What to do next, in English, at most six words; sides are the picture's.")
-    hint_code: HintCode = Field(description="The next movement, for programs.")
+    hint_code: HintName

@@ -18,13 +18,14 @@ from botocore.config import Config
 from botocore.exceptions import BotoCoreError, ClientError
 
 from calibdb.errors import DeniedReadError, UnavailableError
-from calibdb.store.ports import Condition, Item, JobName, Value
+from calibdb.store.ports import Condition, Item, JobName, Jobs, Objects, Table, Value
 
 if TYPE_CHECKING:
     from mypy_boto3_dynamodb import DynamoDBClient
-    from mypy_boto3_dynamodb.type_defs import AttributeValueTypeDef
+    from mypy_boto3_dynamodb.type_defs import AttributeValueTypeDef, QueryOutputTypeDef
     from mypy_boto3_lambda import LambdaClient
     from mypy_boto3_s3 import S3Client
+    from mypy_boto3_s3.type_defs import ObjectIdentifierTypeDef
 
 # 409: another write of the same name is under way. It may still fail, so it is unknown if the name is taken.
 _UNDECIDED = "ConditionalRequestConflict"
@@ -103,7 +104,7 @@ def available() -> Iterator[None]:
         raise UnavailableError(f"Storage did not answer ({name}).") from error
 
 
-class DynamoTable:
+class DynamoTable(Table):
     """`Table` in DynamoDB."""
 
     def __init__(self, client: Callable[[], DynamoDBClient], name: str) -> None:
@@ -111,55 +112,27 @@ class DynamoTable:
         self._name = name
 
     def get(self, pk: str, sk: str, *, consistent: bool = True) -> Item | None:
-        """Return the item, None if there is none."""
         with available():
             response = self._client().get_item(
-                TableName=self._name, Key={"pk": {"S": pk}, "sk": {"S": sk}}, ConsistentRead=consistent
+                TableName=self._name, Key=_key(pk, sk), ConsistentRead=consistent
             )
         return _decode(response["Item"]) if "Item" in response else None
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
-        """Write the item; False, and nothing written, when `condition` does not hold."""
-        with available():
-            try:
-                self._client().put_item(
-                    TableName=self._name,
-                    Item={k: _encode(v) for k, v in item.items()},
-                    **_options(condition),
-                )
-            except ClientError as error:
-                if code(error) != "ConditionalCheckFailedException":
-                    raise
-                return False
-        return True
+        write = self._client().put_item
+        return (
+            _attempt(write, TableName=self._name, Item=_encode_item(item), **_options(condition)) is not None
+        )
 
     def put_transaction(self, items: Sequence[Item], condition: Condition) -> bool:
-        """Write all items or none; False, and nothing written, when `condition` does not hold of the first.
-
-        One of two concurrent writers gets False.
-        """
-        puts: list[dict[str, Any]] = [
-            {"TableName": self._name, "Item": {k: _encode(v) for k, v in item.items()}} for item in items
-        ]
+        puts: list[dict[str, Any]] = [{"TableName": self._name, "Item": _encode_item(item)} for item in items]
         puts[0] |= _options(condition)
-        writes: list[Any] = [{"Put": put} for put in puts]
-        with available():
-            try:
-                self._client().transact_write_items(TransactItems=writes)
-            except ClientError as error:
-                if not _is_conditional_failure(error):
-                    raise
-                return False
-        return True
+        write = self._client().transact_write_items
+        return _attempt(write, TransactItems=[{"Put": put} for put in puts]) is not None
 
     def add(
         self, pk: str, sk: str, name: str, amount: int, *, limit: int | None = None, ttl: int | None = None
     ) -> int | None:
-        """Add to the counter `name` of an item, both made where there is none; return what it became.
-
-        None, and nothing added, where it would exceed `limit`. An addition whose answer got lost is repeated
-        and counts twice: for what need not be exact.
-        """
         if limit is not None and amount > limit:
             return None
         names, values = {"#name": name}, {":amount": _encode(amount)}
@@ -171,50 +144,31 @@ class DynamoTable:
         if limit is not None:
             options["ConditionExpression"] = "attribute_not_exists(#name) OR #name <= :room"
             values[":room"] = _encode(limit - amount)
-        with available():
-            try:
-                changed = self._client().update_item(
-                    TableName=self._name,
-                    Key={"pk": {"S": pk}, "sk": {"S": sk}},
-                    UpdateExpression=update,
-                    ExpressionAttributeNames=names,
-                    ExpressionAttributeValues=values,
-                    ReturnValues="UPDATED_NEW",
-                    **options,
-                )
-            except ClientError as error:
-                if code(error) != "ConditionalCheckFailedException":
-                    raise
-                return None
-        return int(str(_decode(changed["Attributes"])[name]))
+        changed = _attempt(
+            self._client().update_item,
+            TableName=self._name,
+            Key=_key(pk, sk),
+            UpdateExpression=update,
+            ExpressionAttributeNames=names,
+            ExpressionAttributeValues=values,
+            ReturnValues="UPDATED_NEW",
+            **options,
+        )
+        return None if changed is None else int(str(_decode(changed["Attributes"])[name]))
 
     def remove(self, pk: str, sk: str, name: str) -> None:
-        """Remove the attribute `name` of an item, if there is such an item."""
-        with available():
-            try:
-                self._client().update_item(
-                    TableName=self._name,
-                    Key={"pk": {"S": pk}, "sk": {"S": sk}},
-                    UpdateExpression="REMOVE #name",
-                    ConditionExpression="attribute_exists(pk)",
-                    ExpressionAttributeNames={"#name": name},
-                )
-            except ClientError as error:
-                if code(error) != "ConditionalCheckFailedException":
-                    raise
+        _attempt(
+            self._client().update_item,
+            TableName=self._name,
+            Key=_key(pk, sk),
+            UpdateExpression="REMOVE #name",
+            ConditionExpression="attribute_exists(pk)",
+            ExpressionAttributeNames={"#name": name},
+        )
 
     def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
-        """Remove the item, if there is one; False, and nothing removed, when `condition` does not hold."""
-        with available():
-            try:
-                self._client().delete_item(
-                    TableName=self._name, Key={"pk": {"S": pk}, "sk": {"S": sk}}, **_options(condition)
-                )
-            except ClientError as error:
-                if code(error) != "ConditionalCheckFailedException":
-                    raise
-                return False
-        return True
+        write = self._client().delete_item
+        return _attempt(write, TableName=self._name, Key=_key(pk, sk), **_options(condition)) is not None
 
     def query(
         self,
@@ -225,32 +179,26 @@ class DynamoTable:
         limit: int | None = None,
         consistent: bool = False,
     ) -> list[Item]:
-        """Return the items of `pk` whose `sk` begins with `prefix`, in the order of `sk` or against it.
-
-        One Query for every megabyte of items.
-        """
-        return list(self._pages(pk, prefix, newest_first, limit, consistent))
+        """Return items as the port says; one Query for every megabyte of them."""
+        items: list[Item] = []
+        options: dict[str, Any] = {"ScanIndexForward": not newest_first, "ConsistentRead": consistent}
+        while limit is None or len(items) < limit:
+            if limit is not None:
+                options["Limit"] = limit - len(items)
+            page = self._query(pk, prefix, **options)
+            items += map(_decode, page["Items"])
+            if "LastEvaluatedKey" not in page:
+                break
+            options["ExclusiveStartKey"] = page["LastEvaluatedKey"]
+        return items
 
     def page(self, pk: str, prefix: str, limit: int, after: str | None) -> tuple[list[Item], bool]:
-        """Return at most `limit` items after the `sk` `after`, as `query` does, and whether more follow.
-
-        One Query.
-        """
-        start: dict[str, Any] = (
-            {} if after is None else {"ExclusiveStartKey": {"pk": {"S": pk}, "sk": {"S": after}}}
-        )
-        with available():
-            response = self._client().query(
-                TableName=self._name,
-                KeyConditionExpression="pk = :pk AND begins_with(sk, :prefix)",
-                ExpressionAttributeValues={":pk": {"S": pk}, ":prefix": {"S": prefix}},
-                Limit=limit,
-                **start,
-            )
+        start = {} if after is None else {"ExclusiveStartKey": _key(pk, after)}
+        response = self._query(pk, prefix, Limit=limit, **start)
         return [_decode(item) for item in response["Items"]], "LastEvaluatedKey" in response
 
     def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
-        """Yield the keys of all items whose `pk` begins with `pk_prefix`. Reads the whole table."""
+        """Yield keys as the port says; reads the whole table."""
         with available():
             pages = self._client().get_paginator("scan")
             for page in pages.paginate(
@@ -262,40 +210,33 @@ class DynamoTable:
                     if item["pk"]["S"].startswith(pk_prefix):
                         yield item["pk"]["S"], item["sk"]["S"]
 
-    def _pages(
-        self, pk: str, prefix: str, newest_first: bool, limit: int | None, consistent: bool
-    ) -> Iterator[Item]:
-        options: dict[str, Any] = {}
-        left = limit
-        while left is None or left > 0:
-            if left is not None:
-                options["Limit"] = left
-            with available():
-                page = self._client().query(
-                    TableName=self._name,
-                    KeyConditionExpression="pk = :pk AND begins_with(sk, :prefix)",
-                    ExpressionAttributeValues={":pk": {"S": pk}, ":prefix": {"S": prefix}},
-                    ScanIndexForward=not newest_first,
-                    ConsistentRead=consistent,
-                    **options,
-                )
-            for item in page["Items"]:
-                yield _decode(item)
-            if left is not None:
-                left -= len(page["Items"])
-            if "LastEvaluatedKey" not in page:
-                return
-            options["ExclusiveStartKey"] = page["LastEvaluatedKey"]
+    def _query(self, pk: str, prefix: str, **options: Any) -> QueryOutputTypeDef:
+        with available():
+            return self._client().query(
+                TableName=self._name,
+                KeyConditionExpression="pk = :pk AND begins_with(sk, :prefix)",
+                ExpressionAttributeValues={":pk": {"S": pk}, ":prefix": {"S": prefix}},
+                **options,
+            )
 
 
-def _is_conditional_failure(error: ClientError) -> bool:
-    """True if a transaction failed for its condition, or for another writer of the same items."""
-    reasons = [str(r.get("Code")) for r in error.response.get("CancellationReasons", [])]
-    return code(error) == "TransactionCanceledException" and set(reasons) <= {
-        "None",
-        "ConditionalCheckFailed",
-        "TransactionConflict",
-    }
+def _attempt(write: Callable[..., Any], **request: Any) -> Any:
+    """Write and return the response; None if the condition fails, or another writes the same items."""
+    with available():
+        try:
+            return write(**request)
+        except ClientError as error:
+            reasons = {str(r.get("Code")) for r in error.response.get("CancellationReasons", [])}
+            overtaken = reasons <= {"None", "ConditionalCheckFailed", "TransactionConflict"}
+            if code(error) == "ConditionalCheckFailedException":
+                return None
+            if code(error) == "TransactionCanceledException" and overtaken:
+                return None
+            raise
+
+
+def _key(pk: str, sk: str) -> dict[str, AttributeValueTypeDef]:
+    return {"pk": {"S": pk}, "sk": {"S": sk}}
 
 
 def _options(condition: Condition | None) -> dict[str, Any]:
@@ -324,6 +265,10 @@ def _options(condition: Condition | None) -> dict[str, Any]:
     return options | ({"ExpressionAttributeValues": values} if values else {})
 
 
+def _encode_item(item: Item) -> dict[str, AttributeValueTypeDef]:
+    return {name: _encode(value) for name, value in item.items()}
+
+
 def _encode(value: Value) -> AttributeValueTypeDef:
     if isinstance(value, str):
         return {"S": value}
@@ -343,28 +288,17 @@ def _value(value: AttributeValueTypeDef) -> Value:
         return int(Decimal(value["N"]))
     if "L" in value:
         return [element["S"] for element in value["L"]]
-    if "SS" in value:
-        return sorted(value["SS"])
     raise ValueError(f"an attribute of a type that the index does not use: {sorted(value)}")
 
 
-class S3Objects:
+class S3Objects(Objects):
     """`Objects` in a bucket of S3."""
 
     def __init__(self, client: Callable[[], S3Client], bucket: str) -> None:
         self._client = client
         self._bucket = bucket
 
-    def get(self, name: str) -> bytes | None:
-        """Return the object's content, None if there is none; raises DeniedReadError."""
-        version = self.get_version(name)
-        return None if version is None else version[0]
-
     def get_version(self, name: str) -> tuple[bytes, str] | None:
-        """Return the object's content and the tag of this version, None if there is none.
-
-        Raises DeniedReadError.
-        """
         with available():
             try:
                 response = self._client().get_object(Bucket=self._bucket, Key=name)
@@ -377,23 +311,6 @@ class S3Objects:
                     raise
                 return None
 
-    def replace(self, name: str, content: bytes, tag: str) -> bool:
-        """Write the object over the version with this tag; False, and nothing written, over another."""
-        with available():
-            try:
-                self._client().put_object(
-                    Bucket=self._bucket,
-                    Key=name,
-                    Body=content,
-                    ContentType="application/json",
-                    IfMatch=tag,
-                )
-            except ClientError as error:
-                if code(error) not in ("PreconditionFailed", "NoSuchKey", _UNDECIDED):
-                    raise
-                return False
-        return True
-
     def _confirm_missing(self, name: str) -> None:
         """Raise DeniedReadError unless the list of the bucket, which has another right, lacks the object."""
         try:
@@ -403,25 +320,15 @@ class S3Objects:
         if any(entry["Key"] == name for entry in listed.get("Contents", [])):
             raise DeniedReadError("Storage denied a read; try again.")
 
+    def replace(self, name: str, content: bytes, tag: str) -> bool:
+        refusals = ("PreconditionFailed", "NoSuchKey", _UNDECIDED)
+        return self._write(name, content, refusals, IfMatch=tag) is None
+
     def create(self, name: str, content: bytes) -> bool:
-        """Write a new object; False, and nothing written, when the name is taken."""
         for _ in range(_MAX_WRITES):
-            with available():
-                try:
-                    self._client().put_object(
-                        Bucket=self._bucket,
-                        Key=name,
-                        Body=content,
-                        ContentType="application/json",
-                        IfNoneMatch="*",
-                    )
-                except ClientError as error:
-                    if code(error) == "PreconditionFailed":
-                        return False
-                    if code(error) != _UNDECIDED:
-                        raise
-                else:
-                    return True
+            refusal = self._write(name, content, ("PreconditionFailed", _UNDECIDED), IfNoneMatch="*")
+            if refusal != _UNDECIDED:
+                return refusal is None
         raise UnavailableError("Other requests keep writing the same object; send this one again.")
 
     def put(
@@ -431,12 +338,20 @@ class S3Objects:
         media_type: str = "application/json",
         cache_control: str | None = None,
     ) -> None:
-        """Write the object, replacing the one with its name."""
-        options: dict[str, Any] = {"CacheControl": cache_control} if cache_control else {}
+        options = {"CacheControl": cache_control} if cache_control else {}
+        self._write(name, content, ContentType=media_type, **options)
+
+    def _write(self, name: str, content: bytes, refusals: Sequence[str] = (), **options: Any) -> str | None:
+        """Write an object; return the code with which S3 refused it if that is one of `refusals`."""
         with available():
-            self._client().put_object(
-                Bucket=self._bucket, Key=name, Body=content, ContentType=media_type, **options
-            )
+            try:
+                options = {"ContentType": "application/json", **options}
+                self._client().put_object(Bucket=self._bucket, Key=name, Body=content, **options)
+            except ClientError as error:
+                if code(error) not in refusals:
+                    raise
+                return code(error)
+        return None
 
     def purge_all_versions(self, names: Iterable[str]) -> int:
         """Remove the objects with every version that the bucket keeps of them; return how many those were.
@@ -446,18 +361,7 @@ class S3Objects:
         removed = 0
         for name in names:
             versions = list(self._versions(name))
-            for start in range(0, len(versions), _MAX_OBJECTS_PER_DELETE):
-                with available():
-                    self._client().delete_objects(
-                        Bucket=self._bucket,
-                        Delete={
-                            "Objects": [
-                                {"Key": name, "VersionId": version}
-                                for version in versions[start : start + _MAX_OBJECTS_PER_DELETE]
-                            ],
-                            "Quiet": True,
-                        },
-                    )
+            self._delete([{"Key": name, "VersionId": version} for version in versions])
             removed += len(versions)
         return removed
 
@@ -470,16 +374,15 @@ class S3Objects:
                         yield entry["VersionId"]
 
     def delete(self, names: Sequence[str]) -> None:
-        """Remove the objects that exist."""
-        for start in range(0, len(names), _MAX_OBJECTS_PER_DELETE):
-            batch = names[start : start + _MAX_OBJECTS_PER_DELETE]
+        self._delete([{"Key": name} for name in names])
+
+    def _delete(self, objects: Sequence[ObjectIdentifierTypeDef]) -> None:
+        for start in range(0, len(objects), _MAX_OBJECTS_PER_DELETE):
+            batch = objects[start : start + _MAX_OBJECTS_PER_DELETE]
             with available():
-                self._client().delete_objects(
-                    Bucket=self._bucket, Delete={"Objects": [{"Key": name} for name in batch], "Quiet": True}
-                )
+                self._client().delete_objects(Bucket=self._bucket, Delete={"Objects": batch, "Quiet": True})
 
     def names(self, prefix: str, after: str = "") -> Iterator[str]:
-        """Yield the names that begin with `prefix` and come after `after`, in order."""
         start: dict[str, Any] = {"StartAfter": after} if after else {}
         pages = self._client().get_paginator("list_objects_v2")
         with available():
@@ -488,7 +391,7 @@ class S3Objects:
                     yield entry["Key"]
 
 
-class LambdaJobs:
+class LambdaJobs(Jobs):
     """`Jobs` as other functions: queued jobs are asynchronous invocations.
 
     `functions`: their names; None for one that this function may not invoke.
@@ -499,12 +402,10 @@ class LambdaJobs:
         self._functions = functions
 
     def later(self, job: JobName, payload: bytes) -> None:
-        """Invoke the function asynchronously."""
         with available():
             self._client().invoke(FunctionName=self._name(job), InvocationType="Event", Payload=payload)
 
     def now(self, job: JobName, payload: bytes) -> bytes | None:
-        """Invoke the function and return its answer, None if it failed."""
         with available():
             answer = self._client().invoke(
                 FunctionName=self._name(job), InvocationType="RequestResponse", Payload=payload

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Literal, get_args
@@ -30,7 +30,7 @@ from calibdb.store.keys import (
     calibrations_prefix,
     camera_pk,
     parse_calibration_sk,
-    tombstone_object,
+    with_tombstones,
 )
 from calibdb.store.names import Names, with_current_key
 from calibdb.store.ports import READERS, Item, Objects, Table, absent
@@ -48,8 +48,8 @@ class CountedCalibration:
 
     id: str
     source: str  # as what its contributor is counted
-    camera: str = ""  # label and platform; empty of items written before they held them
-    platform: str = ""
+    camera: str
+    platform: str
     views: frozenset[str] = frozenset()  # their digests (`rules.votes.view_digest`)
 
     @property
@@ -87,40 +87,40 @@ class Calibrations:
         """Store the calibration and let the index find it; done twice, it is done once."""
         if not self._objects.create(_name(document.id), document.model_dump_json().encode()):
             document = self.get(document.id) or document  # with what was changed since
-        if self._table.put(_item(with_current_key(document)), _NOT_WITHDRAWN):
+        if self._table.put(_item(document), _NOT_WITHDRAWN):
             self._catalogue.publish(document)
 
     def license(self, calibration_id: str, given: Licensed) -> None:
-        """Add a licence to a calibration that has none: the one change that is ever made to its object."""
-        name = _name(calibration_id)
-        while (version := self._objects.get_version(name)) is not None:
-            document = CalibrationDocument.model_validate_json(version[0])
-            if document.licence is not None:
-                return
-            licensed = document.model_copy(update=given.consent)
-            if self._objects.replace(name, licensed.model_dump_json().encode(), version[1]):
-                self._table.put(_item(with_current_key(licensed)), _NOT_WITHDRAWN)
-                return
+        """Add a licence to a calibration that has none."""
+        self._change(calibration_id, lambda document: {} if document.licence else given.consent)
 
     def remove_mode_name(self, calibration_id: str) -> bool:
         """Remove the name that a contributor gave to the mode; False if there is none. For operators."""
+        return self._change(
+            calibration_id, lambda document: {"mode_name": None} if document.mode_name else {}
+        )
+
+    def _change(
+        self, calibration_id: str, change: Callable[[CalibrationDocument], Mapping[str, str | None]]
+    ) -> bool:
+        """Replace the members that `change` returns, in the object and the item; False if there are none."""
         name = _name(calibration_id)
         while (version := self._objects.get_version(name)) is not None:
             document = CalibrationDocument.model_validate_json(version[0])
-            if document.mode_name is None:
+            if not (update := change(document)):
                 return False
-            unnamed = document.model_copy(update={"mode_name": None})
-            if self._objects.replace(name, unnamed.model_dump_json().encode(), version[1]):
-                self._table.put(_item(with_current_key(unnamed)), _NOT_WITHDRAWN)
+            changed = document.model_copy(update=update)
+            if self._objects.replace(name, changed.model_dump_json().encode(), version[1]):
+                self._table.put(_item(changed), _NOT_WITHDRAWN)
                 return True
         return False
 
     def index(self, document: CalibrationDocument, *, withdrawn: bool = False) -> None:
         """Write the index item; it follows from the bucket, so that writing it again changes nothing."""
         if withdrawn:
-            self._table.put({**_item(with_current_key(document)), "withdrawn": 1})
+            self._table.put({**_item(document), "withdrawn": 1})
         else:
-            self._table.put(_item(with_current_key(document)), _NOT_WITHDRAWN)
+            self._table.put(_item(document), _NOT_WITHDRAWN)
             self._catalogue.index(document)
 
     def withdraw(self, document: CalibrationDocument, reason: str, now: int) -> bool:
@@ -128,14 +128,12 @@ class Calibrations:
         content = json.dumps({"layout": 1, "id": document.id, "reason": reason, "time": now})
         created = self._objects.create(_tombstone(document.id), content.encode())
         self.index(document, withdrawn=True)
-        self._catalogue.remove(
-            document, [name for _, name in self._not_withdrawn(with_current_key(document).camera_key)]
-        )
+        self._catalogue.remove(document, [name for _, name in self._places(document.current_key)])
         return created
 
     def unindex(self, document: CalibrationDocument) -> None:
         """Remove the index item of a calibration that is to be removed. For operators."""
-        item = _item(with_current_key(document))
+        item = _item(document)
         self._table.delete(str(item["pk"]), str(item["sk"]))
 
     def newest(self, mode: StreamMode, limit: int, period: int = 0) -> list[CountedCalibration]:
@@ -161,25 +159,27 @@ class Calibrations:
 
     def modes(self, camera_key: str) -> list[StreamMode]:
         """Return the sizes and zooms at which the camera was calibrated."""
-        modes = {mode for mode, _ in self._not_withdrawn(camera_key)}
+        modes = {mode for mode, _ in self._places(camera_key)}
         return sorted(modes, key=lambda mode: (mode.img_size, mode.zoom))
 
     def names(self, camera_key: str) -> set[tuple[str, str]]:
         """Return the labels and platforms of the camera's calibrations that were not withdrawn."""
-        items = self._table.query(camera_pk(camera_key), "CALIBRATION#")
-        named = (item for item in items if "withdrawn" not in item and "camera" in item)
-        return {(str(item["camera"]), str(item["platform"])) for item in named}
+        items = self._not_withdrawn(camera_key)
+        return {(str(item["camera"]), str(item["platform"])) for item in items}
 
     def licence(self, camera_key: str) -> str | None:
         """Return the licence under which every calibration of the camera was given; None of one without."""
-        items = self._table.query(camera_pk(camera_key), "CALIBRATION#")
-        licences = {str(item.get("licence", "")) for item in items if "withdrawn" not in item}
+        licences = {str(item.get("licence", "")) for item in self._not_withdrawn(camera_key)}
         return (licences.pop() or None) if len(licences) == 1 else None
 
-    def _not_withdrawn(self, camera_key: str) -> list[tuple[StreamMode, str]]:
+    def _not_withdrawn(self, camera_key: str, *, consistent: bool = False) -> list[Item]:
+        items = self._table.query(camera_pk(camera_key), "CALIBRATION#", consistent=consistent)
+        return [item for item in items if "withdrawn" not in item]
+
+    def _places(self, camera_key: str) -> list[tuple[StreamMode, str]]:
         """Return mode and id of every calibration of the camera that was not withdrawn."""
-        items = self._table.query(camera_pk(camera_key), "CALIBRATION#", consistent=True)
-        parsed = (parse_calibration_sk(str(item["sk"])) for item in items if "withdrawn" not in item)
+        items = self._not_withdrawn(camera_key, consistent=True)
+        parsed = (parse_calibration_sk(str(item["sk"])) for item in items)
         return [(StreamMode(camera_key, place[0], place[1]), place[2]) for place in parsed if place]
 
     def read(self, ids: Sequence[str]) -> list[CalibrationDocument]:
@@ -199,20 +199,11 @@ class Calibrations:
 
     def everything(self) -> Iterator[tuple[CalibrationDocument, bool]]:
         """Yield every calibration in the bucket, and whether it was withdrawn: what the index is made of."""
-        names = iter([*self._names(), ""])
-        name = next(names)
-        while name:
-            following = next(names)
-            # A tombstone sorts directly after what it is of.
-            withdrawn = following == name.removesuffix(".json") + WITHDRAWN
-            content = None if name.endswith(WITHDRAWN) else self._objects.get(name)
+        for _, name, withdrawn in with_tombstones(self._objects.names("calibrations/")):
+            content = self._objects.get(name)
             document = _document(content) if content is not None else None
             if document is not None:
                 yield document, withdrawn
-            name = next(names) if withdrawn else following
-
-    def _names(self) -> list[str]:
-        return sorted(self._objects.names("calibrations/"))
 
     def _read_indexed(self, calibration_id: str) -> CalibrationDocument | None:
         content = self._objects.get(_name(calibration_id))
@@ -225,20 +216,19 @@ def _select_counted(items: Sequence[Item], period: int) -> list[CountedCalibrati
     counted, heard = [], set()
     entered: Counter[str] = Counter()
     for item in items:
-        if "withdrawn" in item or item.get("native", 1) == 0:
+        if "withdrawn" in item or item["native"] == 0:
             continue
-        # Items written before there was a source have none.
-        source = str(item.get("source", item["contributor"]))
+        source = str(item["source"])
         if period:
             who = source, int(str(item["time"])) // period
-            if item.get("precise", 1) == 0 or who in heard or entered[source] == MAX_PER_SOURCE:
+            if item["precise"] == 0 or who in heard or entered[source] == MAX_PER_SOURCE:
                 continue
             heard.add(who)
             entered[source] += 1
         calibration_id = str(item["sk"]).rpartition("#")[2]
-        camera, platform = str(item.get("camera", "")), str(item.get("platform", ""))
-        views = frozenset(str(item.get("views", "")).split())
-        counted.append(CountedCalibration(calibration_id, source, camera, platform, views))
+        views = frozenset(str(item["views"]).split())
+        names = str(item["camera"]), str(item["platform"])
+        counted.append(CountedCalibration(calibration_id, source, *names, views))
     return counted
 
 
@@ -257,13 +247,11 @@ def _name(calibration_id: str) -> str:
 
 
 def _tombstone(calibration_id: str) -> str:
-    name = tombstone_object(calibration_id)
-    if name is None:
-        raise ValueError(f"not the id of a calibration: {calibration_id!r}")
-    return name
+    return _name(calibration_id).removesuffix(".json") + WITHDRAWN
 
 
 def _item(document: CalibrationDocument) -> Item:
+    document = with_current_key(document)
     fit = document.fits.get(document.distortion_model)
     shown = fit.model_dump_json(include={"camera_matrix", "avg_reprojection_error"}) if fit else "{}"
     item: Item = {"licence": document.licence} if document.licence else {}

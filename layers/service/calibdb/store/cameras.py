@@ -22,7 +22,7 @@ from calibdb.store.keys import (
     parse_consensus_id,
 )
 from calibdb.store.names import ALL, SAME_AS
-from calibdb.store.ports import IF_EXISTS, IF_NOT_EXISTS, Condition, Item, Table, absent, equals
+from calibdb.store.ports import IF_EXISTS, IF_NOT_EXISTS, Condition, Item, Table, equals
 
 MIN_RIVAL_SHARE = 1 / 3  # contributors of an id / of the best known one of its name, from which it rivals it
 
@@ -84,9 +84,9 @@ class Cameras:
     def __init__(self, table: Table) -> None:
         self._table = table
 
-    def known(self, camera_key: str, *, consistent: bool = False) -> CameraRecords:
+    def known(self, camera_key: str) -> CameraRecords:
         """Return all that is known under a key: one Query."""
-        items = self._table.query(camera_pk(camera_key), "CONSENSUS", consistent=consistent)
+        items = self._table.query(camera_pk(camera_key), "CONSENSUS")
         others = {
             sk.removeprefix(SAME_AS): _id_support(item)
             for item in items
@@ -140,7 +140,7 @@ class Cameras:
         """
         prefix = calibrations_prefix(mode.img_size, mode.zoom)
         items = self._table.query(mode.pk, prefix, newest_first=True, limit=limit)
-        counted = [item for item in items if "withdrawn" not in item and item.get("native", 1) != 0]
+        counted = [item for item in items if "withdrawn" not in item and item["native"] != 0]
         names = {
             str(item["sk"]).rpartition("#")[2]: (str(item["source"]), str(item["mode_name"]))
             for item in counted
@@ -224,7 +224,7 @@ def is_place(word: str, after: str) -> bool:
 
 
 def _member(item: Item, group: frozenset[str]) -> CameraMember | None:
-    fit = from_json(str(item.get("fit", "{}")))
+    fit = from_json(str(item["fit"]))
     if not fit:
         return None
     (fx, _, cx), (_, fy, cy), _ = fit["camera_matrix"]
@@ -245,8 +245,7 @@ def _member(item: Item, group: frozenset[str]) -> CameraMember | None:
 def _still(before: str | None) -> Condition:
     if before is None:
         return IF_NOT_EXISTS
-    # Items without a basis, from earlier versions, give way.
-    return absent("basis") | equals(basis=before)
+    return equals(basis=before)
 
 
 def _documents(items: Iterable[Item]) -> list[ConsensusDocument]:

@@ -29,14 +29,9 @@ def publish(store: Store, document: SessionDocument) -> None:
 
 def license_session(store: Store, sid: str, request: LicenceRequest, now: int) -> SessionDocument:
     """Add the contributor's licence to a session and to what it published; return the session."""
-
-    def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
-        if document.licence is not None:
-            return None, document
-        changed = document.model_copy(update=request.consent)
-        return changed, changed
-
-    document = store.sessions.update(sid, now, change)
+    document = store.sessions.revise(
+        sid, now, lambda known: None if known.licence else known.model_copy(update=request.consent)
+    )
     if document.finish is not None:
         publish(store, document)  # if a crash left that undone
         store.calibrations.license(document.finish.calibration_id, request)
@@ -60,12 +55,7 @@ def end_sessions(store: Store, document: RigDocument, now: int) -> list[SessionD
 
 def _end(store: Store, ending: EndingDocument, now: int) -> SessionDocument | None:
     """End a session of a rig; None if it was forgotten meanwhile."""
-
-    def change(document: SessionDocument) -> tuple[SessionDocument | None, SessionDocument]:
-        ended = rig_rules.end_session(document, ending)
-        return ended, ended or document
-
     try:
-        return store.sessions.update(ending.session, now, change)
+        return store.sessions.revise(ending.session, now, lambda known: rig_rules.end_session(known, ending))
     except NotFoundError:
         return None

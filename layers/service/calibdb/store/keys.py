@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from calibdb.schema.fields import size_text, zoom_text
@@ -89,6 +91,23 @@ def tombstone_object(calibration_id: str) -> str | None:
     """Return the name of the object that says that the calibration was withdrawn; None as above."""
     name = calibration_object(calibration_id)
     return name and name.removesuffix(".json") + WITHDRAWN
+
+
+def with_tombstones(names: Iterable[str]) -> Iterator[tuple[str, str, bool]]:
+    """Yield the last name that belongs to a document, its own name, and whether it was withdrawn.
+
+    A tombstone sorts directly after what it is of.
+    """
+    following = itertools.chain(names, [""])
+    name = next(following)
+    while name:
+        other = next(following)
+        if name.endswith(WITHDRAWN):  # of a document that is gone, or was before this part
+            name = other
+            continue
+        withdrawn = other == name.removesuffix(".json") + WITHDRAWN
+        yield (other if withdrawn else name), name, withdrawn
+        name = next(following) if withdrawn else other
 
 
 def vote_object(camera_key: str, vote_id: str) -> str:

@@ -15,7 +15,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from calibdb.camera_key import PATTERN, Identity, current_key, identify, public_label, public_platform
+from calibdb.camera_key import PATTERN, Identity, identify, public_label, public_platform
 from calibdb.camera_key.names import words
 from calibdb.camera_key.usb_vendors import vendor_words
 from calibdb.schema import CalibrationDocument
@@ -83,7 +83,7 @@ class Names:
 
 def with_current_key(document: CalibrationDocument) -> CalibrationDocument:
     """Return the calibration under today's key of its camera, and with what today is kept of its label."""
-    key = current_key(document.camera_key, document.camera, document.platform)
+    key = document.current_key
     if key == document.camera_key:
         return document
     label, platform = public_label(document.camera), public_platform(document.platform)
@@ -92,7 +92,7 @@ def with_current_key(document: CalibrationDocument) -> CalibrationDocument:
 
 def _name_of(document: CalibrationDocument) -> _NamedCamera:
     identity = identify(document.camera, document.platform)
-    key = current_key(document.camera_key, document.camera, document.platform)
+    key = document.current_key
     made_under = _OWN_ID.sub("", document.id)
     others = {document.camera_key, made_under, *(identity.name_keys if identity.usb_id else ())}
     return _NamedCamera(key, frozenset(k for k in others if k != key and PATTERN.fullmatch(k)), identity)

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal, Protocol, TypeVar
 
+from pydantic import BaseModel
+
+Document = TypeVar("Document", bound=BaseModel)
 Value = str | int | list[str]
 Item = dict[str, Value]
 JobName = Literal["refit", "verify", "dump"]
@@ -135,7 +138,8 @@ class Objects(Protocol):
 
     def get(self, name: str) -> bytes | None:
         """Return the object's content, None if there is none; raises DeniedReadError."""
-        ...
+        version = self.get_version(name)
+        return None if version is None else version[0]
 
     def get_version(self, name: str) -> tuple[bytes, str] | None:
         """Return the object's content and the tag of this version, None if there is none.
@@ -167,6 +171,14 @@ class Objects(Protocol):
     def names(self, prefix: str, after: str = "") -> Iterator[str]:
         """Yield the names that begin with `prefix` and come after `after`, in order."""
         ...
+
+
+def read_all(objects: Objects, prefix: str, model: type[Document]) -> Iterator[Document]:
+    """Yield the documents below a prefix. For operators, and to rebuild the index."""
+    for name in objects.names(prefix):
+        content = objects.get(name)
+        if content is not None:
+            yield model.model_validate_json(content)
 
 
 class Jobs(Protocol):

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from calibdb.schema import FitRecord, PriorDocument
 from calibdb.schema.fields import size_text, zoom_text
 from calibdb.store.keys import camera_pk
-from calibdb.store.ports import Objects, Table
+from calibdb.store.ports import Objects, Table, read_all
 
 _PRIORS_PREFIX = "priors/"
 
@@ -45,10 +45,7 @@ class Priors:
 
     def all(self) -> Iterator[PriorDocument]:
         """Yield every guess in the bucket. For operators."""
-        for name in self._objects.names(_PRIORS_PREFIX):
-            content = self._objects.get(name)
-            if content is not None:
-                yield PriorDocument.model_validate_json(content)
+        return read_all(self._objects, _PRIORS_PREFIX, PriorDocument)
 
 
 def _sk(img_size: tuple[int, int], zoom: float, model: str) -> str:

@@ -10,26 +10,22 @@ import re
 from collections.abc import Iterator, Mapping
 
 from calibdb.schema import RigCalibrationDocument, RigDocument, RigEstimateDocument
-from calibdb.store.ports import Objects, Table, Value
-from calibdb.store.versions import Kind, Versions
+from calibdb.store.ports import Value, read_all
+from calibdb.store.versions import Versions
 
 RIG_CALIBRATIONS_PREFIX = "rig_calibrations/"
 _RIG_ID = re.compile(r"[0-9a-f]{32}")
-_RIGS = Kind(
-    RigDocument,
-    prefix="rigs/",
-    partition="RIG#",
-    noun="rig",
-    missing="There is no rig with this id.",
-    missing_kind="no-rig",
-)
 
 
 class Rigs(Versions[RigDocument]):
     """Rigs under their ids."""
 
-    def __init__(self, table: Table, objects: Objects) -> None:
-        super().__init__(table, objects, _RIGS)
+    model = RigDocument
+    prefix = "rigs/"
+    partition = "RIG#"
+    noun = "rig"
+    missing = "There is no rig with this id."
+    missing_kind = "no-rig"
 
     def facts(self, document: RigDocument) -> Mapping[str, Value]:
         """Sessions by position, so that polling reads no object."""
@@ -61,10 +57,7 @@ class Rigs(Versions[RigDocument]):
 
     def calibrations(self) -> Iterator[RigCalibrationDocument]:
         """Yield every finished rig. For operators."""
-        for name in self._objects.names(RIG_CALIBRATIONS_PREFIX):
-            content = self._objects.get(name)
-            if content is not None:
-                yield RigCalibrationDocument.model_validate_json(content)
+        return read_all(self._objects, RIG_CALIBRATIONS_PREFIX, RigCalibrationDocument)
 
 
 def is_rig_id(text: str) -> bool:
@@ -78,4 +71,4 @@ def rig_calibration_object(rig_id: str) -> str:
 
 
 def _states(rig_id: str) -> str:
-    return f"{_RIGS.prefix}{rig_id}/state/"
+    return f"{Rigs.prefix}{rig_id}/state/"

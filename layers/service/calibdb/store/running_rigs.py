@@ -1,19 +1,13 @@
-"""Running rigs with the sessions of their cameras, and what is computed of them once for each state."""
+"""Running rigs: made, joined, and forgotten with the sessions of their cameras."""
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
 
-from calibdb.errors import ConflictError, InvalidError, NotFoundError, TooManyError
+from calibdb.errors import InvalidError, NotFoundError, TooManyError
 from calibdb.rules import rig_rules, session_rules
-from calibdb.rules.rig_state import Rig
 from calibdb.schema import (
     RigDocument,
-    RigEstimateDocument,
     RigOpened,
     RigRequest,
     SessionDocument,
@@ -21,47 +15,9 @@ from calibdb.schema import (
 )
 from calibdb.schema.membership import RigJoin
 from calibdb.schema.rig_documents import CodeDocument
-from calibdb.store.ports import READERS
 from calibdb.store.rig_codes import GUESS_WINDOW_S, MAX_GUESSES
 from calibdb.store.rigs import is_rig_id
 from calibdb.store.store import Store
-
-TOO_SLOW = "These moments take longer to compute than a request may; undo some of them."
-Compute = Callable[[dict[str, Any]], dict[str, Any]]
-
-
-def head_tag(store: Store, rig_id: str, solver: str) -> str | None:
-    """Return the tag of a running rig's state from the index alone, None if it does not run."""
-    head = store.rigs.head(rig_id)
-    if head is None or head.forgotten:
-        return None
-    names = head.facts.get("sessions")
-    versions = [_version(store, name) for name in (names if isinstance(names, list) else [])]
-    return _tag(solver, head.version, versions)
-
-
-def load(store: Store, rig_id: str, solver: str) -> tuple[Rig, str]:
-    """Read a running rig and the tag of its state; raises NotFoundError."""
-    document, version = store.rigs.get_version(rig_id)
-    sessions = _sessions(store, document)
-    versions = [version for _, version in sessions]
-    return Rig(document, tuple(session for session, _ in sessions)), _tag(solver, version, versions)
-
-
-def ensure_estimate(store: Store, rig: Rig, solver: str, compute: Compute) -> RigEstimateDocument:
-    """Return fit and target of a rig, computed now if they are not stored yet.
-
-    Raises ConflictError where `compute` said, now or before, that these moments take too long (`too_slow`).
-    """
-    basis = rig.basis(solver)
-    digest = rig.digest(basis)
-    stored = store.rigs.estimate(rig.document.rig, digest)
-    if stored is None:
-        stored = RigEstimateDocument.model_validate(compute(rig.solver_record(basis)))
-        store.rigs.keep_estimate(rig.document.rig, digest, stored)
-    if stored.too_slow:
-        raise ConflictError(TOO_SLOW, kind="too-slow")
-    return stored
 
 
 def abandoned_positions(store: Store, document: RigDocument, before: int) -> list[int]:
@@ -98,9 +54,7 @@ def create(store: Store, lead: Lead, request: RigRequest, code: str, secret: str
     )
     rig_rules.require_same_start(document, request)
     rig_rules.require_open(document)
-    store.sessions.update(
-        lead.session, now, lambda known: (rig_rules.with_lead(known, rig_id, lead.source), None)
-    )
+    store.sessions.revise(lead.session, now, lambda known: rig_rules.with_lead(known, rig_id, lead.source))
     until = now + rig_rules.CODE_LIFETIME_S
     stored = CodeDocument(digest=rig_rules.code_digest(secret, code), until=until)
     for digest in store.rigs.update(rig_id, now, lambda known: rig_rules.with_code(known, stored, now)):
@@ -133,11 +87,11 @@ def named(store: Store, wanted: RigJoin, source: str, secret: str, now: int) -> 
 def open_moment(store: Store, rig_id: str, leader: str, moment: str, now: int) -> None:
     """Open a moment: from now on cameras may send views of it. Raises ForbiddenError, ConflictError."""
 
-    def change(document: RigDocument) -> tuple[RigDocument | None, None]:
+    def change(document: RigDocument) -> RigDocument | None:
         rig_rules.require_leader(document, leader)
-        return rig_rules.with_moment(document, moment, now), None
+        return rig_rules.with_moment(document, moment, now)
 
-    store.rigs.update(rig_id, now, change)
+    store.rigs.revise(rig_id, now, change)
 
 
 def forget(store: Store, rig_id: str, leader: str, now: int) -> None:
@@ -165,28 +119,3 @@ def is_replay(store: Store, document: SessionDocument, view: ViewDocument) -> bo
         return True
     rig_rules.require_moment(store.rigs.find(document.rig.id), document, view)
     return False
-
-
-def _sessions(store: Store, document: RigDocument) -> list[tuple[SessionDocument | None, int]]:
-    """Read the sessions of a rig by position, with their versions."""
-    names = [member.session if member else "" for member in document.members]
-
-    def read(name: str) -> tuple[SessionDocument | None, int]:
-        version = store.sessions.find_version(name) if name else None
-        # A session restarted without the rig is not part of it.
-        if version is None or version[0].rig is None or version[0].rig.id != document.rig:
-            return None, version[1] if version else 0
-        return version
-
-    with ThreadPoolExecutor(min(READERS, len(names))) as readers:
-        return list(readers.map(read, names))
-
-
-def _version(store: Store, name: str) -> int:
-    head = store.sessions.head(name) if name else None
-    return 0 if head is None or head.forgotten else head.version
-
-
-def _tag(solver: str, version: int, versions: Sequence[int]) -> str:
-    text = "\n".join(map(str, (solver, version, *versions)))
-    return f'"{hashlib.sha256(text.encode()).hexdigest()[:32]}"'

@@ -7,22 +7,16 @@ item.
 from __future__ import annotations
 
 from calibdb.schema import SessionDocument
-from calibdb.store.ports import Objects, Table
-from calibdb.store.versions import Kind, Versions
-
-_SESSIONS = Kind(
-    SessionDocument,
-    prefix="sessions/",
-    partition="SESSION#",
-    noun="session",
-    missing="No session was started under this session id.",
-    missing_kind="no-session",
-    small=("target", "skipped", "duplicates"),
-)
+from calibdb.store.versions import Versions
 
 
 class Sessions(Versions[SessionDocument]):
     """Sessions under their names."""
 
-    def __init__(self, table: Table, objects: Objects) -> None:
-        super().__init__(table, objects, _SESSIONS)
+    model = SessionDocument
+    prefix = "sessions/"
+    partition = "SESSION#"
+    noun = "session"
+    missing = "No session was started under this session id."
+    missing_kind = "no-session"
+    small = ("target", "skipped", "duplicates")

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from calibdb.errors import UnavailableError
-from calibdb.store.ports import Condition, Item, JobName
+from calibdb.store.ports import Condition, Item, JobName, Jobs, Objects, Table
 
 FILE_NAME = "calibdb.sqlite"
 FOLDER_NAME = "objects"
@@ -179,31 +179,27 @@ class Database:
         return connection
 
 
-class SqliteTable:
+class SqliteTable(Table):
     """`Table` in SQLite. Expired items do not exist."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
 
     def get(self, pk: str, sk: str, *, consistent: bool = True) -> Item | None:  # noqa: ARG002
-        """Return the item, None if there is none."""
         with available(), self._database.reading() as connection:
             return self._get(connection, pk, sk)
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
-        """Write the item; False, and nothing written, if `condition` does not hold."""
         with available(), self._database.writing() as connection:
             return self._put(connection, [item], condition)
 
     def put_transaction(self, items: Sequence[Item], condition: Condition) -> bool:
-        """Write all items or none; False, and nothing written, if `condition` does not hold of the first."""
         with available(), self._database.writing() as connection:
             return self._put(connection, items, condition)
 
     def add(
         self, pk: str, sk: str, name: str, amount: int, *, limit: int | None = None, ttl: int | None = None
     ) -> int | None:
-        """Add to the counter `name` of an item, creating both if necessary; return the new value."""
         with available(), self._database.writing() as connection:
             item = self._get(connection, pk, sk) or {"pk": pk, "sk": sk}
             total = int(str(item.get(name, 0))) + amount
@@ -216,7 +212,6 @@ class SqliteTable:
             return total
 
     def remove(self, pk: str, sk: str, name: str) -> None:
-        """Remove the attribute `name` of an item, if the item exists."""
         with available():
             item = self.get(pk, sk)
             if item is None or name not in item:
@@ -227,7 +222,6 @@ class SqliteTable:
                     self._put(connection, [item], None)
 
     def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
-        """Delete the item, if it exists; False, and nothing deleted, if `condition` does not hold."""
         with available(), self._database.writing() as connection:
             if condition is not None and not condition.holds(self._get(connection, pk, sk)):
                 return False
@@ -243,7 +237,6 @@ class SqliteTable:
         limit: int | None = None,
         consistent: bool = False,  # noqa: ARG002
     ) -> list[Item]:
-        """Return the items of `pk` whose `sk` begins with `prefix`, by `sk` ascending or descending."""
         with available(), self._database.reading() as connection:
             rows = connection.execute(
                 _RANGE + (" DESC LIMIT ?" if newest_first else " LIMIT ?"),
@@ -252,7 +245,6 @@ class SqliteTable:
         return [json.loads(text) for (text,) in rows]
 
     def page(self, pk: str, prefix: str, limit: int, after: str | None) -> tuple[list[Item], bool]:
-        """Return at most `limit` items after the `sk` `after`, as `query` does, and whether more follow."""
         with available(), self._database.reading() as connection:
             rows = connection.execute(
                 "SELECT item FROM items WHERE pk = ? AND sk >= ? AND sk < ? AND sk > ? "
@@ -262,7 +254,6 @@ class SqliteTable:
         return [json.loads(text) for (text,) in rows[:limit]], len(rows) > limit
 
     def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
-        """Yield the keys of all items whose `pk` begins with `pk_prefix`."""
         pk, sk = pk_prefix, ""
         while True:
             with available(), self._database.reading() as connection:
@@ -300,20 +291,14 @@ class SqliteTable:
         return True
 
 
-class SqliteObjects:
+class SqliteObjects(Objects):
     """`Objects` of one bucket in SQLite. The tag is the SHA-256 of the content."""
 
     def __init__(self, database: Database, bucket: str) -> None:
         self._database = database
         self._bucket = bucket
 
-    def get(self, name: str) -> bytes | None:
-        """Return the object's content, None if there is none."""
-        version = self.get_version(name)
-        return None if version is None else version[0]
-
     def get_version(self, name: str) -> tuple[bytes, str] | None:
-        """Return the object's content and the tag of this version, None if there is none."""
         with available():
             while True:
                 with self._database.reading() as connection:
@@ -332,11 +317,9 @@ class SqliteObjects:
                         raise
 
     def replace(self, name: str, content: bytes, tag: str) -> bool:
-        """Write the object over the version with this tag; False, and nothing written, over another."""
         return self._write(name, content, lambda stored: stored == tag)
 
     def create(self, name: str, content: bytes) -> bool:
-        """Write a new object; False, and nothing written, if the name is taken."""
         return self._write(name, content, lambda stored: stored is None)
 
     def put(
@@ -346,19 +329,12 @@ class SqliteObjects:
         media_type: str = "application/json",
         cache_control: str | None = None,
     ) -> None:
-        """Write the object, replacing the one with its name."""
         self._write(name, content, lambda _: True, media_type, cache_control)
 
-    def purge_all_versions(self, names: Iterable[str]) -> int:
-        """Delete the objects; return their number. There are no earlier versions."""
-        return self._delete(names)
-
     def delete(self, names: Sequence[str]) -> None:
-        """Delete the objects that exist."""
-        self._delete(names)
+        self.purge_all_versions(names)
 
     def names(self, prefix: str, after: str = "") -> Iterator[str]:
-        """Yield the names that begin with `prefix` and come after `after`, in order."""
         while True:
             with available(), self._database.reading() as connection:
                 rows = connection.execute(
@@ -413,7 +389,8 @@ class SqliteObjects:
             self._remove_files({before} - {tag, None})
         return True
 
-    def _delete(self, names: Iterable[str]) -> int:
+    def purge_all_versions(self, names: Iterable[str]) -> int:
+        """Delete the objects; return their number. There are no earlier versions."""
         tags = set()
         count = 0
         with available(), self._database.writing() as connection:
@@ -461,7 +438,7 @@ class Job:
     attempts: int
 
 
-class SqliteJobs:
+class SqliteJobs(Jobs):
     """`Jobs` in SQLite. Jobs that fail every time stay, with their error.
 
     Parameters
@@ -479,7 +456,6 @@ class SqliteJobs:
         """Set when a job was queued in this process."""
 
     def later(self, job: JobName, payload: bytes) -> None:
-        """Queue the job; returns once it is stored."""
         with available(), self._database.writing() as connection:
             connection.execute(
                 "INSERT INTO jobs (name, payload, due) VALUES (?, ?, ?)",
@@ -488,7 +464,6 @@ class SqliteJobs:
         self.queued.set()
 
     def now(self, job: JobName, payload: bytes) -> bytes | None:
-        """Run the job in this thread and return its result, None if it failed."""
         return self._run(job, payload)
 
     def take(self, lease_s: float) -> Job | None:

@@ -13,7 +13,7 @@ from dataclasses import replace
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import UnavailableError
 from calibdb.schema import TokenDocument
-from calibdb.store.ports import Item, Objects, Table, absent, at_most
+from calibdb.store.ports import IF_NOT_EXISTS, Item, Objects, Table, at_most
 
 PREFIX = "tokens/"
 _TOMBSTONE_S = 86_400  # s for which a revoked token's item keeps writers away that were overtaken
@@ -56,7 +56,7 @@ class Tokens:
         item = self._table.get(_pk(token_id), "META")
         if item is not None and "ttl" not in item and "revoked" not in item:
             token = replace(token, expires=None)
-        if item is None or int(str(item.get("version", 0))) < token.version:
+        if item is None or int(str(item["version"])) < token.version:
             self.index(token)
         return token
 
@@ -103,7 +103,7 @@ class Tokens:
 
     def index(self, token: ApiToken) -> None:
         """Write the index item, unless it is of a later version; it follows from the token."""
-        self._table.put(_item(token), absent("version") | at_most("version", token.version))
+        self._table.put(_item(token), IF_NOT_EXISTS | at_most("version", token.version))
 
     def all(self) -> Iterator[ApiToken]:
         """Yield every token in the bucket that was not revoked. For operators."""
@@ -220,14 +220,14 @@ def _token(token_id: str, item: Item) -> ApiToken:
         id=token_id,
         secret_sha256=str(item["secret_sha256"]),
         origins=_texts(item, "origins"),
-        plan=str(item.get("plan", "free")),
-        created=int(str(item.get("created", 0))),
+        plan=str(item["plan"]),
+        created=int(str(item["created"])),
         former_sha256=None if previous is None else str(previous),
         former_until=int(str(item.get("former_until", 0))),
         earlier=tuple((one, int(until)) for one, until in map(str.split, _texts(item, "earlier"))),
         pending=_texts(item, "pending"),
         expires=_ttl(item),
-        version=int(str(item.get("version", 0))),
+        version=int(str(item["version"])),
     )
 
 

@@ -51,9 +51,8 @@ class Head:
         return str(self.facts.get("small", ""))
 
 
-@dataclass(frozen=True)
-class Kind(Generic[Document]):
-    """Names of a kind of documents.
+class Versions(Generic[Document]):
+    """Documents of one kind under their names.
 
     Attributes
     ----------
@@ -77,14 +76,9 @@ class Kind(Generic[Document]):
     missing_kind: str
     small: tuple[str, ...] = ()
 
-
-class Versions(Generic[Document]):
-    """Documents of one kind under their names."""
-
-    def __init__(self, table: Table, objects: Objects, kind: Kind[Document]) -> None:
+    def __init__(self, table: Table, objects: Objects) -> None:
         self._table = table
         self._objects = objects
-        self._kind = kind
 
     def facts(self, document: Document) -> Mapping[str, Value]:  # noqa: ARG002
         """Attributes of the item besides the version, which follow from the document."""
@@ -149,6 +143,15 @@ class Versions(Generic[Document]):
                 return answer
         raise self._too_much_contention()
 
+    def revise(self, name: str, now: int, change: Callable[[Document], Document | None]) -> Document:
+        """Apply `change`, which returns None to leave the document, as `update` does; return the document."""
+
+        def with_document(document: Document) -> tuple[Document | None, Document]:
+            changed = change(document)
+            return changed, changed or document
+
+        return self.update(name, now, with_document)
+
     def forget(self, name: str, now: int) -> bool:
         """Forget the document; False if there was nothing to forget."""
         for _ in range(_MAX_UPDATE_ATTEMPTS):
@@ -191,7 +194,7 @@ class Versions(Generic[Document]):
 
     def purge(self, name: str) -> int:
         """Remove all that is stored of the document, for good; return how many objects those were."""
-        names = list(self._objects.names(f"{self._kind.prefix}{name}/"))
+        names = list(self._objects.names(f"{self.prefix}{name}/"))
         removed = self._objects.purge_all_versions(names)
         self._table.delete(self._pk(name), _SK)
         return removed
@@ -206,12 +209,12 @@ class Versions(Generic[Document]):
             if content is not None:
                 return self._parse(content, head.small), head.version
             # The index never points to nothing: it was forgotten between the two reads.
-        raise UnavailableError(f"The {self._kind.noun} could not be read.")
+        raise UnavailableError(f"The {self.noun} could not be read.")
 
     def _versions(self) -> dict[str, int]:
         highest: dict[str, int] = {}
-        for path in self._objects.names(self._kind.prefix):
-            name, _, file = path.removeprefix(self._kind.prefix).partition("/")
+        for path in self._objects.names(self.prefix):
+            name, _, file = path.removeprefix(self.prefix).partition("/")
             version = file.removesuffix(".json")
             if version.isdecimal():
                 highest[name] = max(highest.get(name, 0), int(version))
@@ -225,7 +228,7 @@ class Versions(Generic[Document]):
             if self._objects.create(self._object(name, version), content):
                 break
         else:
-            raise UnavailableError(f"The {self._kind.noun} could not be written.")
+            raise UnavailableError(f"The {self.noun} could not be written.")
         item = {**self._item(name, version, now), **self.facts(document)}
         if self._table.put(item, _if_version(base) if base else IF_NOT_EXISTS):
             return True
@@ -238,14 +241,14 @@ class Versions(Generic[Document]):
         return False
 
     def _is_small(self, document: Document, changed: Document) -> bool:
-        members = set(type(document).model_fields) - set(self._kind.small)
-        return bool(self._kind.small) and all(getattr(document, m) == getattr(changed, m) for m in members)
+        members = set(type(document).model_fields) - set(self.small)
+        return bool(self.small) and all(getattr(document, m) == getattr(changed, m) for m in members)
 
     def _write_small(self, name: str, base: int, document: Document, now: int) -> bool:
         head = self.head(name)
         if head is None or head.version != base:
             return False
-        small = document.model_dump_json(include=set(self._kind.small))
+        small = document.model_dump_json(include=set(self.small))
         item = {
             **self._item(name, base + 1, now),
             **self.facts(document),
@@ -260,23 +263,23 @@ class Versions(Generic[Document]):
     def _parse(self, content: bytes, small: str = "") -> Document:
         if small:
             content = json.dumps({**json.loads(content), **json.loads(small)}).encode()
-        return self._kind.model.model_validate_json(content)
+        return self.model.model_validate_json(content)
 
     def _object(self, name: str, version: int) -> str:
-        return f"{self._kind.prefix}{name}/{version}.json"
+        return f"{self.prefix}{name}/{version}.json"
 
     def _pk(self, name: str) -> str:
-        return f"{self._kind.partition}{name}"
+        return f"{self.partition}{name}"
 
     def _item(self, name: str, version: int, now: int) -> Item:
         return {"pk": self._pk(name), "sk": _SK, "version": version, "ttl": now + LIFETIME_S}
 
     def _not_found(self) -> NotFoundError:
-        return NotFoundError(self._kind.missing, kind=self._kind.missing_kind)
+        return NotFoundError(self.missing, kind=self.missing_kind)
 
     def _too_much_contention(self) -> ConflictError:
         return ConflictError(
-            f"Other requests keep changing this {self._kind.noun}; send this one again.", kind="overtaken"
+            f"Other requests keep changing this {self.noun}; send this one again.", kind="overtaken"
         )
 
 

@@ -6,11 +6,10 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
-from calibdb.camera_key import current_key
 from calibdb.errors import DeniedReadError
 from calibdb.schema import VoteDocument
 from calibdb.store.keys import StreamMode, vote_object
-from calibdb.store.ports import READERS, Item, Objects, Table
+from calibdb.store.ports import READERS, Item, Objects, Table, read_all
 
 MAX_VOTES = 50  # the newest; more could only repeat them
 _MAX_VOTES_READ = 1_000  # of a mode that are looked through for them
@@ -74,24 +73,20 @@ class Votes:
 
     def all(self) -> Iterator[VoteDocument]:
         """Yield every vote in the bucket: what the index is rebuilt from."""
-        for name in self._objects.names("votes/"):
-            content = self._objects.get(name)
-            if content is not None:
-                yield VoteDocument.model_validate_json(content)
+        return read_all(self._objects, "votes/", VoteDocument)
 
 
 def _to_indexed_vote(item: Item) -> IndexedVote:
     return IndexedVote(
         id=str(item["sk"]).rpartition("#")[2],
-        source=str(item.get("source", item["contributor"])),
+        source=str(item["source"]),
         time=int(str(item["time"])),
         object=str(item["object"]),
     )
 
 
 def _item(document: VoteDocument) -> Item:
-    key = current_key(document.camera_key, document.camera, document.platform)
-    mode = StreamMode(key, document.img_size, document.zoom)
+    mode = StreamMode(document.current_key, document.img_size, document.zoom)
     return {
         "pk": mode.pk,
         "sk": f"VOTE#{mode.text}#{document.id}",

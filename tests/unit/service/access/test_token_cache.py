@@ -7,12 +7,12 @@ from typing import Any, cast
 import pytest
 
 from calibdb.access.plans import PLANS, Allowance, Plan, plan
-from calibdb.access.token_cache import FLUSH_INTERVAL_S, LOOKUPS_PER_FLUSH, TOKEN_TTL_S, TokenCache
-from calibdb.access.tokens import ApiToken, Ticket, contributor, secret_hash
+from calibdb.access.tokens import ApiToken, secret_hash
 from calibdb.errors import ForbiddenError, TooManyError, UnavailableError
 from calibdb.service import Service
 from calibdb.settings import Settings
 from calibdb.store import Store
+from calibdb.store.token_cache import FLUSH_INTERVAL_S, LOOKUPS_PER_FLUSH, TOKEN_TTL_S, TokenCache
 from tests.helpers.clock import Clock
 from tests.unit.service.test_settings import ENVIRONMENT
 
@@ -225,16 +225,6 @@ def test_threads_with_wrong_secrets_cost_one_read_together(
     assert tokens.reads == 2
 
 
-def test_new_secrets_work_at_once_one_after_another(service: Service, tokens: Tokens) -> None:
-    for n in range(5):
-        tokens.known["t"] = replace(TOKEN, secret_sha256=secret_hash(f"secret{n}"))
-        service.api_token(f"cdb_t_secret{n}")
-    assert tokens.reads == 5
-    with pytest.raises(ForbiddenError):
-        service.api_token("cdb_t_secret0")
-    assert tokens.reads == 6
-
-
 def test_a_new_token_is_known_at_once(service: Service, tokens: Tokens) -> None:
     with pytest.raises(ForbiddenError):
         service.api_token("cdb_new_x")
@@ -263,18 +253,6 @@ def test_unknown_plan_is_the_smallest() -> None:
     assert plan("gone") is PLANS["free"]
 
 
-def test_contributor_is_limited_by_share_and_token(service: Service) -> None:
-    def opened(address: str) -> bool:
-        try:
-            service.charge(TOKEN, "sessions", address)
-        except TooManyError:
-            return False
-        return True
-
-    assert [opened("192.0.2.1") for _ in range(9)] == [True] * 2 + [False] * 7
-    assert [opened(f"192.0.2.{n}") for n in range(2, 9)] == [True] * 3 + [False] * 4
-
-
 def test_refused_call_takes_nothing_from_the_shared_quota(service: Service, quotas: Quotas) -> None:
     for _ in range(50):
         try:
@@ -285,31 +263,6 @@ def test_refused_call_takes_nothing_from_the_shared_quota(service: Service, quot
         service.contributor("192.0.2.1", "t"): 4,
         "": 4,
     }
-
-
-def test_a_session_ends_within_a_minute_of_its_tokens_revocation(
-    service: Service, tokens: Tokens, clock: Clock
-) -> None:
-    ticket = Ticket("sid", "t")
-    assert service.token_of(ticket) == TOKEN
-    tokens.known.clear()
-    clock.now += int(TOKEN_TTL_S)
-    with pytest.raises(ForbiddenError):
-        service.token_of(ticket)
-
-
-@pytest.mark.parametrize(
-    ("one", "other", "same"),
-    [
-        ("2001:db8:1:2::1", "2001:db8:1:2:ffff::9", True),  # one household
-        ("2001:db8:1:2::1", "2001:db8:1:3::1", False),
-        ("192.0.2.1", "192.0.2.2", False),
-        ("::ffff:192.0.2.1", "192.0.2.1", True),
-        ("", "unknown", False),
-    ],
-)
-def test_contributor_is_address_and_token(one: str, other: str, same: bool) -> None:
-    assert (contributor("secret", one, "t") == contributor("secret", other, "t")) is same
 
 
 def granted(service: Service, kind: Any, addresses: list[str]) -> list[bool]:
@@ -327,11 +280,11 @@ def granted(service: Service, kind: Any, addresses: list[str]) -> list[bool]:
     return out
 
 
-@pytest.mark.parametrize(("kind", "each"), [("sessions", 2), ("views", 2), ("lookups", 20)])
+@pytest.mark.parametrize(("kind", "each"), [("sessions", 2), ("views", 2), ("lookups", 5)])
 def test_one_ipv6_line_has_the_share_of_three_users(
     tokens: Tokens, quotas: Quotas, clock: Clock, kind: str, each: int
 ) -> None:
-    wide = Plan(Allowance(1_000, 1_000, 10_000, 1_000), Allowance(sessions=2, views=2, lookups=20, poses=2))
+    wide = Plan(Allowance(1_000, 1_000, 10_000, 1_000), Allowance(sessions=2, views=2, lookups=5, poses=2))
     settings = Settings.from_environment(ENVIRONMENT)
     store = replace(Store.of(settings), tokens=cast(Any, tokens), quotas=cast(Any, quotas))
     service = Service.build(settings, store, clock, plans={"small": wide, "free": wide})

@@ -30,11 +30,6 @@ def test_contradiction_widens() -> None:
     assert mean - 2 * both < 0.0 or mean + 2 * both > 0.5
 
 
-def test_order_does_not_matter() -> None:
-    some = [evidence(0.0, 0.04), evidence(0.1, 0.1), evidence(0.4, 0.05)]
-    assert combine(some) == pytest.approx(combine(some[::-1]))
-
-
 def test_mixture_of_modes_covers_them() -> None:
     mean, sigma = mixture([(1.0, -0.2, 0.02), (1.0, 0.2, 0.02)])
     assert mean == pytest.approx(0.0)

@@ -6,13 +6,14 @@ import pytest
 
 from calibdb.lookup.badge import NOT_CALIBRATED, Badge, badge_of, parse_size, svg
 from calibdb.schema import ConsensusDocument
+from calibdb.settings import Thresholds
 from tests.helpers.service.known import consensus, fit
 
 SIZE = (1280, 720)
 
 
 def badge(*known: ConsensusDocument, camera: str = "C920 (046d:082d)", least: int = 1) -> Badge:
-    return badge_of(camera, known, SIZE, min_calibrations=5, min_contributors=least)
+    return badge_of(camera, known, SIZE, Thresholds(min_contributors=least))
 
 
 def test_badge_of_a_reliable_camera_says_its_typical_error() -> None:

@@ -4,59 +4,45 @@ from typing import Any
 
 import pytest
 
-from calibdb.camera_key import identify
 from calibdb.lookup import camera_match
-from calibdb.lookup.camera_match import choose
+from calibdb.lookup.camera_match import LookupQuery, choose
 from calibdb.schema import ConsensusDocument
 from calibdb.store import CameraRecords
 from tests.helpers.service.known import C920, LINUX, consensus, fit
 
-FIREFOX = identify("HD Pro Webcam C920", "Windows NT 10.0; Win64; x64")
-CHROME = identify(C920, LINUX)
-OTHER = identify("HD Pro Webcam C920 (046d:0892)", LINUX)
 SIZE = (1280, 720)
 
 
+def query(label: str, platform: str = LINUX) -> LookupQuery:
+    return LookupQuery(label, platform, SIZE, 0.0, "rectilinear")
+
+
+FIREFOX = query("HD Pro Webcam C920", "Windows NT 10.0; Win64; x64")
+NAMED, CHROME = FIREFOX.identity, query(C920).identity
+OTHER = query("HD Pro Webcam C920 (046d:0892)").identity
+
+
 def resolve(
-    index: dict[str, CameraRecords], identity: object = FIREFOX, *, private: bool = False
+    index: dict[str, CameraRecords], asked: LookupQuery = FIREFOX, *, private: bool = False
 ) -> tuple[str, object, int]:
-    asked: list[str] = []
+    keys: list[str] = []
 
     def read(key: str) -> CameraRecords:
-        asked.append(key)
+        keys.append(key)
         return index.get(key, CameraRecords([]))
 
-    found = camera_match.resolve(read, identity, SIZE, 0.0, "rectilinear", private=private)  # type: ignore[arg-type]
-    assert len(asked) <= 2
-    assert asked[0] == identity.key  # type: ignore[attr-defined]
-    return found.key, found.choice.found, len(asked)
-
-
-def test_a_camera_known_under_its_own_key_is_one_query() -> None:
-    known = consensus()
-    assert resolve({CHROME.key: CameraRecords([known])}, CHROME) == (CHROME.key, known, 1)
-
-
-def test_name_finds_its_only_usb_id() -> None:
-    known = consensus()
-    index = {FIREFOX.key: CameraRecords([], (CHROME.key,)), CHROME.key: CameraRecords([known])}
-    assert resolve(index) == (CHROME.key, known, 2)
-
-
-def test_name_of_two_usb_ids_finds_neither() -> None:
-    index = {
-        FIREFOX.key: CameraRecords([], (CHROME.key, OTHER.key)),
-        CHROME.key: CameraRecords([consensus()]),
-    }
-    assert resolve(index) == (FIREFOX.key, None, 1)
+    found = camera_match.resolve(read, asked, private=private)
+    assert len(keys) <= 2
+    assert keys[0] == asked.identity.key
+    return found.key, found.choice.found, len(keys)
 
 
 def test_calibrations_of_the_name_come_first() -> None:
     known = consensus(camera="HD Pro Webcam C920")
-    index = {FIREFOX.key: CameraRecords([known], (CHROME.key,)), CHROME.key: CameraRecords([consensus()])}
-    assert resolve(index) == (FIREFOX.key, known, 1)
+    index = {NAMED.key: CameraRecords([known], (CHROME.key,)), CHROME.key: CameraRecords([consensus()])}
+    assert resolve(index) == (NAMED.key, known, 1)
     few = consensus(camera="HD Pro Webcam C920", reason="too_few", calibrations=2)
-    index = {FIREFOX.key: CameraRecords([few], (CHROME.key,)), CHROME.key: CameraRecords([consensus()])}
+    index = {NAMED.key: CameraRecords([few], (CHROME.key,)), CHROME.key: CameraRecords([consensus()])}
     assert resolve(index)[0] == CHROME.key
 
 
@@ -71,70 +57,53 @@ def test_few_calibrations_of_the_name_do_not_outvote_the_usb_id() -> None:
     for contributors, wins in ((12, True), (4, True), (3, False)):
         many = of(contributors)
         index = {
-            FIREFOX.key: CameraRecords([few], (CHROME.key,), well_known=(CHROME.key,)),
+            NAMED.key: CameraRecords([few], (CHROME.key,), well_known=(CHROME.key,)),
             CHROME.key: CameraRecords([many]),
         }
-        assert resolve(index) == ((CHROME.key, many, 2) if wins else (FIREFOX.key, few, 2))
-        assert resolve(index, private=True) == (FIREFOX.key, few, 1)
+        assert resolve(index) == ((CHROME.key, many, 2) if wins else (NAMED.key, few, 2))
+        assert resolve(index, private=True) == (NAMED.key, few, 1)
     elsewhere = {**index, CHROME.key: CameraRecords([of(12, of=fit((640, 360)))])}
-    assert resolve(elsewhere) == (FIREFOX.key, few, 2), "another size says nothing of this one"
+    assert resolve(elsewhere) == (NAMED.key, few, 2), "another size says nothing of this one"
     two = {
         **index,
-        FIREFOX.key: CameraRecords([few], (CHROME.key, OTHER.key), well_known=(CHROME.key, OTHER.key)),
+        NAMED.key: CameraRecords([few], (CHROME.key, OTHER.key), well_known=(CHROME.key, OTHER.key)),
     }
-    assert resolve(two) == (FIREFOX.key, few, 1), "which of the two it is nobody can say"
+    assert resolve(two) == (NAMED.key, few, 1), "which of the two it is nobody can say"
 
 
 def test_name_with_contradictory_calibrations_finds_nothing() -> None:
     split = consensus(camera="HD Pro Webcam C920", reason="disagree")
-    index = {FIREFOX.key: CameraRecords([split], (CHROME.key,)), CHROME.key: CameraRecords([consensus()])}
-    assert resolve(index) == (FIREFOX.key, None, 1)
+    index = {NAMED.key: CameraRecords([split], (CHROME.key,)), CHROME.key: CameraRecords([consensus()])}
+    assert resolve(index) == (NAMED.key, None, 1)
 
 
 def test_uncalibrated_usb_id_finds_its_name() -> None:
     known = consensus(camera="HD Pro Webcam C920")
-    assert resolve({CHROME.name_key: CameraRecords([known])}, CHROME) == (CHROME.name_key, known, 2)
+    assert resolve({CHROME.name_key: CameraRecords([known])}, query(C920)) == (CHROME.name_key, known, 2)
     # an id that anybody may have invented does not change that
-    assert resolve({CHROME.name_key: CameraRecords([known], (OTHER.key,))}, CHROME)[1:] == (known, 2)
+    assert resolve({CHROME.name_key: CameraRecords([known], (OTHER.key,))}, query(C920))[1:] == (known, 2)
     # but not where the name is another id's, and that is well known
     taken = CameraRecords([known], (OTHER.key,), well_known=(OTHER.key,))
-    assert resolve({CHROME.name_key: taken}, CHROME) == (CHROME.key, None, 2)
+    assert resolve({CHROME.name_key: taken}, query(C920)) == (CHROME.key, None, 2)
     # nor where the id itself is known, and not to be relied on
     index = {
         CHROME.key: CameraRecords([consensus(reason="disagree")]),
         CHROME.name_key: CameraRecords([known]),
     }
-    assert resolve(index, CHROME) == (CHROME.key, None, 1)
+    assert resolve(index, query(C920)) == (CHROME.key, None, 1)
 
 
 def test_generic_name_is_found_on_private_deployments_only() -> None:
-    named, with_id = identify("Integrated Camera", LINUX), identify("Integrated Camera (04f2:b6d0)", LINUX)
-    index = {named.key: CameraRecords([], (with_id.key,)), with_id.key: CameraRecords([consensus()])}
-    assert resolve(index, named) == (named.key, None, 1)
-    assert resolve(index, named, private=True)[0] == with_id.key
-
-
-@pytest.mark.parametrize(
-    ("label", "private", "resize_mode", "why"),
-    [
-        ("HD Pro Webcam C920", False, None, None),
-        ("HD Pro Webcam C920", False, "none", None),
-        ("HD Pro Webcam C920", False, "crop-and-scale", camera_match.RESIZED),
-        ("Integrated Camera", False, None, camera_match.AMBIGUOUS),
-        ("Integrated Camera", True, None, None),
-        ("OBS Virtual Camera", True, None, camera_match.VIRTUAL),
-    ],
-)
-def test_unanswerable_cameras_have_a_reason(
-    label: str, private: bool, resize_mode: str | None, why: str | None
-) -> None:
-    found = camera_match.unanswerable_reason(identify(label, LINUX), private=private, resize_mode=resize_mode)
-    assert found == why
+    asked, with_id = query("Integrated Camera"), query("Integrated Camera (04f2:b6d0)").identity
+    named = asked.identity.key
+    index = {named: CameraRecords([], (with_id.key,)), with_id.key: CameraRecords([consensus()])}
+    assert resolve(index, asked) == (named, None, 1)
+    assert resolve(index, asked, private=True)[0] == with_id.key
 
 
 def test_computable_model_is_an_answer() -> None:
     index = {
-        FIREFOX.key: CameraRecords([], (CHROME.key,)),
+        NAMED.key: CameraRecords([], (CHROME.key,)),
         CHROME.key: CameraRecords([consensus(fit(model="rational", distortion=(0.0,) * 8))]),
     }
     assert resolve(index)[0] == CHROME.key
@@ -195,13 +164,3 @@ def test_outdated_model_is_recomputed() -> None:
     # A session asks for both models; between the two a lookup must not hear yesterday's answer.
     known = [stored(HD), stored(HD, "fisheye", reason="too_few", total=4)]
     assert choose(known, HD, 0.0, "fisheye").missing_at == HD
-
-
-def test_another_zoom_never_answers() -> None:
-    assert choose([stored(HD, zoom=1.0)], HD, 0.0, "rectilinear").found is None
-    assert choose([stored(HD, zoom=1.0)], HD, 1.0, "rectilinear").found is not None
-
-
-def test_nothing_known() -> None:
-    choice = choose([], HD, 0.0, "rectilinear")
-    assert (choice.found, choice.missing_at, choice.reason) == (None, None, "unknown_camera")

@@ -35,12 +35,6 @@ def test_other_calibrations_are_pooled() -> None:
     assert actions(None) == [("fisheye", "pool"), ("rectilinear", "pool")]
 
 
-def test_each_step_carries_what_is_stored() -> None:
-    document = stored("p", "i")
-    known = {"rectilinear": document}
-    assert [s.stored for s in plan_refit(["fisheye", "rectilinear"], known, "p", "i")] == [None, document]
-
-
 def test_digest_of_the_default_thresholds_is_the_stored_one() -> None:
     """Computed by version 0.1.0: another value would have every stored consensus computed anew."""
     stored_digest = "7d37097fcc75566ccde668aff701711c92295859ea823e73567a290589173bdc"

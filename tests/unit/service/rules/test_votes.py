@@ -1,8 +1,6 @@
 """Votes of checks on fresh views, and their limits."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from calibdb.rules.votes import (
     Finding,
@@ -59,12 +57,6 @@ def test_contributors_do_not_vote_on_their_calibrations() -> None:
     assert tally(votes, NOW, frozenset({"a", "b"}), one_per_source=False) == Votes(agree=2, disagree=1)
 
 
-def test_votes_against_expire_at_the_next_agreeing_calibration() -> None:
-    votes = found(("a", True), ("b", False), time=NOW - 1)
-    assert tally(votes, NOW, frozenset(), one_per_source=True) == Votes(agree=1, disagree=0)
-    assert tally(votes, NOW - 1, frozenset(), one_per_source=True) == Votes(agree=1, disagree=1)
-
-
 @pytest.mark.parametrize(
     ("reason", "agree", "disagree", "expected"),
     [
@@ -91,31 +83,6 @@ def test_calibrations_that_disagree_are_confirmed_by_nobody() -> None:
     for reason in ("too_few", "disagree"):
         votes = Votes(agree=100)
         assert decide_reliability(reason, votes, RULE, confirmable=False, contributors=2) == (reason, None)  # type: ignore[arg-type]
-
-
-def test_withdrawal_needs_a_share_of_the_contributors() -> None:
-    def after(disagree: int, contributors: int) -> object:
-        votes = Votes(disagree=disagree)
-        return decide_reliability(None, votes, RULE, confirmable=False, contributors=contributors)[1]
-
-    assert [after(6, 20), after(7, 20)] == ["consensus", None], "a third"
-    assert [after(2, 3), after(3, 3), after(3, 9)] == ["consensus", None, None], "and at least three"
-
-
-@given(st.integers(0, 200), st.integers(0, 20), st.integers(0, 20), st.integers(1, 200))
-def test_two_colluders_neither_confirm_nor_withdraw(
-    honest: int, agree: int, disagree: int, contributors: int
-) -> None:
-    """The honest may say anything: without the three that the rule asks for, two change nothing wrong."""
-    before = decide_reliability("too_few", Votes(), RULE, confirmable=True, contributors=contributors)
-    assert (
-        decide_reliability("too_few", Votes(agree=min(agree, 2)), RULE, confirmable=True, contributors=3)
-        == before
-    )
-    reason, basis = decide_reliability(
-        None, Votes(agree=honest, disagree=min(disagree, 2)), RULE, confirmable=False, contributors=5
-    )
-    assert (reason, basis) == (None, "consensus")
 
 
 def test_a_vote_is_one_of_its_contributor_camera_size_and_day() -> None:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Protocol
 
 from calibdb.access.plans import (
     HOUR_S,
@@ -25,6 +24,8 @@ from calibdb.access.plans import (
 )
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import TooManyError, UnavailableError
+from calibdb.store.quotas import Quotas
+from calibdb.store.tokens import Tokens
 
 # Seconds for which a token is remembered. The edge keeps answers to GET lookups for 20 more: together less
 # than the minute after which a revoked token opens nothing any more.
@@ -34,23 +35,6 @@ LOOKUPS_PER_FLUSH = 250
 FLUSH_INTERVAL_S = 600.0  # after which fewer lookups are also flushed
 _MAX_TOKENS = 1024
 _MAX_SOURCES = 4096  # of one token and hour
-
-
-class TokenStore(Protocol):
-    """Store of tokens."""
-
-    def get(self, token_id: str) -> ApiToken | None:
-        """Return the token, None if there is none (any more)."""
-
-    def keep(self, token_id: str) -> None:
-        """Note that the token was used: it does not expire."""
-
-
-class QuotaStore(Protocol):
-    """Store of use counts."""
-
-    def add(self, token_id: str, kind: Kind, now: int, amount: int) -> int:
-        """Count `amount` more; return how many it are by now, in this hour."""
 
 
 @dataclass
@@ -99,8 +83,8 @@ class TokenCache:
 
     def __init__(
         self,
-        tokens: TokenStore,
-        quotas: QuotaStore,
+        tokens: Tokens,
+        quotas: Quotas,
         clock: Callable[[], float],
         ttl_s: float = TOKEN_TTL_S,
         plans: Mapping[str, Plan] = PLANS,
