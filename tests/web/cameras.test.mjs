@@ -7,6 +7,7 @@ import { lensDifference } from "../../web/lib/lens-difference.js";
 import { widthOf } from "../../web/cameras/list.js";
 import { forgetOwn, keepOwn, ownCalibrations } from "../../web/lib/own-calibrations.js";
 import { agreementOf, followAgreement } from "../../web/lib/result/agreement.js";
+import { keepHere } from "./globals.mjs";
 
 const lens = (f, cx, cy, distortion_coefficients, distortion_model = "rectilinear") => ({
   img_size: [1280, 720],
@@ -113,15 +114,15 @@ test("a calibration stands with those that agree, once the consensus counts it",
   assert.equal(agreementOf("key", { modes: [] }, { id: "a", img_size: [1280, 720], zoom: 0 }).agreeing, 1);
 });
 
-test("the agreement is asked for until the consensus counts the calibration, and not for ever", async () => {
+test("the agreement is asked for until the consensus counts the calibration, and not for ever", async (t) => {
   const asked = [];
-  globalThis.fetch = async (url) => {
+  t.mock.method(globalThis, "fetch", async (url) => {
     const { pathname } = new URL(String(url), "http://page.example/");
     if (pathname.endsWith("config.json")) return Response.json({ api: "/v1", token: "t" });
     asked.push(pathname);
     return Response.json({ modes: [asked.length < 3 ? mode : { ...mode, agreeing: 3, groups: [["a", "b", "c"]] }] });
-  };
-  globalThis.localStorage ??= { getItem: () => null, setItem() {}, removeItem() {} };
+  });
+  keepHere(t);
   const told = [];
   const calibration = { id: "c", img_size: [1280, 720], zoom: 0 };
   await followAgreement(
@@ -143,13 +144,8 @@ test("the agreement is asked for until the consensus counts the calibration, and
   assert.equal(told.length, 1, "one that is not listed will not be");
 });
 
-test("own calibrations are kept once, the newest first, and forgotten one by one or all", () => {
-  const kept = new Map();
-  globalThis.localStorage = {
-    getItem: (key) => kept.get(key) ?? null,
-    setItem: (key, value) => kept.set(key, value),
-    removeItem: (key) => kept.delete(key),
-  };
+test("own calibrations are kept once, the newest first, and forgotten one by one or all", (t) => {
+  const kept = keepHere(t);
   const own = (id) => ({ id, camera: "C920", img_size: [1280, 720], time: 1, level: "good", rms: 0.1 });
   for (const id of ["a", "b", "a"]) keepOwn(own(id));
   assert.deepEqual(

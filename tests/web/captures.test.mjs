@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Captures } from "../../web/calibrate/captures.js";
 import { captureKey } from "../../web/calibrate/state.js";
+import { keepHere } from "./globals.mjs";
 
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
 const view = (id) => ({ ids: [id], points: [[id, id]] });
@@ -20,7 +21,7 @@ function serve(t) {
     if (call === "POST session/views") sent.at(-1).push(JSON.parse(body).ids[0]);
     return answer(200, state());
   });
-  globalThis.localStorage ??= { getItem: () => null, setItem() {} };
+  keepHere(t);
   return sent;
 }
 

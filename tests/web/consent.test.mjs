@@ -1,15 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-
-const kept = new Map();
-globalThis.localStorage = {
-  getItem: (key) => kept.get(key) ?? null,
-  setItem: (key, value) => void kept.set(key, value),
-  removeItem: (key) => void kept.delete(key),
-};
-const { LICENCE_VERSION } = await import("../../web/lib/consent.js");
-const { calibrate } = await import("../../web/lib/series.js");
-const { CaptureSession } = await import("../../web/lib/session.js");
+import { LICENCE_VERSION } from "../../web/lib/consent.js";
+import { calibrate } from "../../web/lib/series.js";
+import { CaptureSession } from "../../web/lib/session.js";
+import { keepHere } from "./globals.mjs";
 
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
 let fresh = 0;
@@ -27,7 +21,8 @@ async function started() {
   return { sent, api, page };
 }
 
-test("no session says a licence unless the person agreed", async () => {
+test("no session says a licence unless the person agreed", async (t) => {
+  keepHere(t);
   const { sent, api } = await started();
   await calibrate(api, "t", REQUEST, [], () => {});
   await new CaptureSession(api, "t", REQUEST).start();
@@ -40,7 +35,8 @@ test("no session says a licence unless the person agreed", async () => {
   );
 });
 
-test("consent to an earlier text is none to this one", async () => {
+test("consent to an earlier text is none to this one", async (t) => {
+  const kept = keepHere(t);
   kept.set("calibdb.consent", "2020-01-01");
   const { hasConsent } = await import("../../web/lib/consent.js?earlier");
   assert.equal(hasConsent(), false);
@@ -49,7 +45,8 @@ test("consent to an earlier text is none to this one", async () => {
   assert.deepEqual(consentFields(), { licence: "CC0-1.0", licence_version: LICENCE_VERSION });
 });
 
-test("a session that was started without a licence is given it under its own id, by another connection", async () => {
+test("a session that was started without a licence is given it under its own id, by another connection", async (t) => {
+  const kept = keepHere(t);
   const { sent, api } = await started();
   kept.delete("calibdb.consent");
   const session = new CaptureSession({ ...api, json: api.json, send: api.send }, "t", REQUEST);

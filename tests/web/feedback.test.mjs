@@ -1,13 +1,13 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Feedback } from "../../web/lib/capture/feedback.js";
+import { setGlobals } from "./globals.mjs";
 
-test("the loudspeaker rests once the last note of a sign is over, and sounds again with the next", () => {
+test("the loudspeaker rests once the last note of a sign is over, and sounds again with the next", (t) => {
   const tones = [];
   const states = [];
   const part = () => ({ gain: { setValueAtTime() {}, exponentialRampToValueAtTime() {} }, connect: (next) => next });
-  globalThis.localStorage = { getItem: () => null };
-  globalThis.AudioContext = class {
+  const AudioContext = class {
     currentTime = 0;
     destination = {};
     resume() {
@@ -25,10 +25,8 @@ test("the loudspeaker rests once the last note of a sign is over, and sounds aga
       return tone;
     }
   };
-  Object.defineProperty(globalThis, "navigator", {
-    value: { userActivation: { hasBeenActive: true } },
-    configurable: true,
-  });
+  const navigator = { userActivation: { hasBeenActive: true } };
+  setGlobals(t, { AudioContext, navigator, localStorage: { getItem: () => null } });
   const feedback = new Feedback();
   feedback.give("taken");
   assert.deepEqual([tones.length, states], [2, ["running"]]);

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { askPhoneModel, modelsOf, phoneModel } from "../../web/lib/phone-model.js";
+import { keepHere } from "./globals.mjs";
 
 const SAFARI = "Mozilla/5.0 (iPhone; CPU iPhone OS 17_5 like Mac OS X) AppleWebKit/605.1.15";
 const MAC = "Mozilla/5.0 (Macintosh; Intel Mac OS X 10_15_7) AppleWebKit/605.1.15";
@@ -37,12 +38,8 @@ test("identifiers are Apple's, and none stands for two models", () => {
   assert.ok(ids.length > 35);
 });
 
-test("nothing is asked of other devices, and what the screen says alone is taken", async () => {
-  const kept = new Map();
-  globalThis.localStorage = {
-    getItem: (name) => kept.get(name) ?? null,
-    setItem: (name, value) => kept.set(name, value),
-  };
+test("nothing is asked of other devices, and what the screen says alone is taken", async (t) => {
+  const kept = keepHere(t);
   assert.equal(await askPhoneModel(signal, { userAgent: MAC, screen: air }), "");
   assert.equal(await askPhoneModel(signal, { userAgent: SAFARI, screen: { width: 1, height: 2, ratio: 3 } }), "");
   assert.equal(kept.size, 0);

@@ -1,20 +1,19 @@
 // Return of the service to a capture: attempts to reconnect, and the views that were stored meanwhile.
 import assert from "node:assert/strict";
-import { afterEach, beforeEach, mock, test } from "node:test";
+import { test } from "node:test";
 import { RequestQueue } from "../../web/calibrate/request-queue.js";
+import { setGlobals } from "./globals.mjs";
 
 const FIRST_PAUSE_MS = 1_000;
-const browser = new EventTarget(); // what a page hears of its network
-globalThis.addEventListener = browser.addEventListener.bind(browser);
-
-beforeEach(() => mock.timers.enable({ apis: ["setTimeout"] }));
-afterEach(() => mock.timers.reset());
 
 /**
  * A queue without the service; each attempt to reconnect stores as many views as are said for it, and may renew the
  * session.
  */
-function away(storedMeanwhile, renewals = 0) {
+function away(t, storedMeanwhile, renewals = 0) {
+  const browser = new EventTarget(); // what a page hears of its network
+  setGlobals(t, { addEventListener: browser.addEventListener.bind(browser) });
+  t.mock.timers.enable({ apis: ["setTimeout"] });
   const [attempts, events] = [[], []];
   const session = {
     waiting: 1,
@@ -36,17 +35,17 @@ function away(storedMeanwhile, renewals = 0) {
     async onOnline() {},
   };
   new RequestQueue(page, session, options).goOffline();
-  return { attempts, events };
+  return { attempts, events, browser };
 }
 
 /** Lets all that waits for nothing but promises run. */
 const settle = () => new Promise((resolve) => setImmediate(resolve));
 
-test("views that are stored while earlier ones are sent follow at once", async () => {
-  const { attempts, events } = away([2, 1, 0]);
+test("views that are stored while earlier ones are sent follow at once", async (t) => {
+  const { attempts, events } = away(t, [2, 1, 0]);
   await settle();
   assert.deepEqual(attempts, [], "the service was away a moment ago");
-  mock.timers.tick(FIRST_PAUSE_MS);
+  t.mock.timers.tick(FIRST_PAUSE_MS);
   await settle();
   assert.deepEqual(attempts, [2, 1, 0]);
   assert.deepEqual(
@@ -55,8 +54,8 @@ test("views that are stored while earlier ones are sent follow at once", async (
   );
 });
 
-test("a network that is back is used at once", async () => {
-  const { attempts, events } = away([0]);
+test("a network that is back is used at once", async (t) => {
+  const { attempts, events, browser } = away(t, [0]);
   browser.dispatchEvent(new Event("online"));
   await settle();
   assert.deepEqual(attempts, [0]);
@@ -66,8 +65,8 @@ test("a network that is back is used at once", async () => {
   );
 });
 
-test("a session that took the place of an expired one during an outage is told of", async () => {
-  const { events } = away([0], 1);
+test("a session that took the place of an expired one during an outage is told of", async (t) => {
+  const { events, browser } = away(t, [0], 1);
   browser.dispatchEvent(new Event("online"));
   await settle();
   assert.deepEqual(

@@ -13,6 +13,7 @@ import {
   returned,
   watch,
 } from "../../web/sdk/calibdb.js";
+import { setGlobals } from "./globals.mjs";
 
 const KEY = { camera: "C920 (046d:082d)", platform: "X11; Linux x86_64", img_size: [1280, 720], zoom: 0 };
 const KNOWN = {
@@ -242,7 +243,7 @@ test("a line that breaks in mid-answer is asked again, and what is no answer is 
   );
 });
 
-test("what was forgotten is said", async () => {
+test("what was forgotten is said", async (t) => {
   const {
     asked,
     options: { api: _, ...options },
@@ -257,9 +258,8 @@ test("what was forgotten is said", async () => {
     [null, "unknown_camera", 0],
     "without a token nobody is asked",
   );
-  globalThis.location = { href: "https://app.example/ar/" };
+  setGlobals(t, { location: { href: "https://app.example/ar/" } });
   await lookup(KEY, { ...options, api: "/calibdb/v1" });
-  delete globalThis.location;
   assert.equal(asked[0].address, "https://app.example/calibdb/v1/lookup");
 });
 
@@ -389,8 +389,7 @@ test("a device that its browser names is part of the platform", async () => {
 
 test("a picture that changes its size, or is turned, is looked up again; its end is the end", async (t) => {
   const userAgent = "Mozilla/5.0 (X11; Linux x86_64) Firefox/140.0";
-  // Node has a navigator from its 21st version on.
-  Object.defineProperty(globalThis, "navigator", { value: { userAgent }, configurable: true });
+  setGlobals(t, { navigator: { userAgent } });
   t.mock.timers.enable({ apis: ["setInterval"] });
   const turn = async (holds = () => true) => {
     do await new Promise(setImmediate);
@@ -434,7 +433,7 @@ test("a picture that changes its size, or is turned, is looked up again; its end
 
 test("a watched camera is looked up again after a failure that may pass", async (t) => {
   const userAgent = "Mozilla/5.0 (X11; Linux x86_64) Firefox/140.0";
-  Object.defineProperty(globalThis, "navigator", { value: { userAgent }, configurable: true });
+  setGlobals(t, { navigator: { userAgent } });
   const turn = async (holds) => {
     do await new Promise(setImmediate);
     while (!holds());

@@ -1,18 +1,16 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { isPracticeReturned } from "../../web/calibrate/history.js";
+import { knownOf, knownText } from "../../web/calibrate/sender.js";
+import { returnAddress } from "../../web/lib/result/return-address.js";
+import { setGlobals } from "./globals.mjs";
+import "./messages.mjs";
 
-globalThis.location = new URL("https://calibdb.example/calibrate/");
-const { setLanguage } = await import("../../web/lib/i18n.js");
-const { isPracticeReturned } = await import("../../web/calibrate/history.js");
-const { knownOf, knownText } = await import("../../web/calibrate/sender.js");
-const { returnAddress } = await import("../../web/lib/result/return-address.js");
-await import("./messages.mjs");
-globalThis.history = { state: null, replaceState() {} };
-setLanguage("en");
-
+const location = new URL("https://calibdb.example/calibrate/");
 const VIRTUAL = "calibDB virtual camera 42e1b240";
 
-test("an application under development gets a practice result, any other only if it asked for one", () => {
+test("an application under development gets a practice result, any other only if it asked for one", (t) => {
+  setGlobals(t, { location });
   assert.equal(isPracticeReturned("http://localhost:9000/app", "HD Pro Webcam C920"), true);
   assert.equal(isPracticeReturned("http://127.0.0.1:9000/", null), true);
   assert.equal(isPracticeReturned("https://app.example/", "HD Pro Webcam C920"), false);
