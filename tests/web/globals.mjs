@@ -1,4 +1,4 @@
-// What a browser has and Node has not: set for one test, because all tests run in one process.
+// Globals of a browser that Node lacks: set for one test, because all tests run in one process.
 
 /** Descriptors by name, undefined for what Node lacks. @type {Map<string, PropertyDescriptor | undefined>} */
 const originals = new Map();
