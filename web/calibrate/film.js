@@ -77,9 +77,8 @@ export class Film {
       return el(
         "i",
         { class: isNext ? "next" : "" },
-        ...(isNext
-          ? [make("svg", { viewBox: `0 0 ${key.img_size.join(" ")}` }, [make("polygon", { points: polygon(aim) })])]
-          : []),
+        isNext &&
+          make("svg", { viewBox: `0 0 ${key.img_size.join(" ")}` }, [make("polygon", { points: polygon(aim) })]),
       );
     });
     if (key) this.#place.style.setProperty("--aspect", String(key.img_size[0] / key.img_size[1]));

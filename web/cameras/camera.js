@@ -33,7 +33,7 @@ export function cameraView(page, explain) {
       { class: "opening" },
       heading,
       el("p", { class: "about" }, aboutText(page)),
-      ...(practice ? [el("p", { class: "lead" }, t("cameras.practice"))] : []),
+      practice && el("p", { class: "lead" }, t("cameras.practice")),
       el("p", { class: "lead", id: "missing" }, missingText(modes[0])),
     ),
     summaryBar(page, modes[0], heading),
@@ -100,7 +100,7 @@ function summaryBar({ camera, platform }, mode, heading) {
   const bar = el(
     "div",
     { class: ready ? "pinned known" : "pinned" },
-    ...(mode ? [ring(mode)] : []),
+    mode && ring(mode),
     el(
       "p",
       {},

@@ -59,7 +59,7 @@ export function tokenView(token, facts, choices, actions) {
       "div",
       { class: "token-title" },
       el("h2", { id: "token-heading", tabindex: -1 }, titleOf(token)),
-      ...(facts ? [factsLine(facts)] : []),
+      facts && factsLine(facts),
     ),
     band("code", ...codePart(token, choices, actions)),
     band("secrets", ...secretsPart(token, actions)),
@@ -160,7 +160,7 @@ function secretsPart(token, actions) {
         "div",
         { class: "actions" },
         shown,
-        ...(hidden ? [reveal] : []),
+        hidden && reveal,
         copyButton(() => secret, t(`developers.secret_${name}`), {
           id: `copy-${name}`,
           onCopied: () => actions.copied(name),
@@ -228,20 +228,17 @@ function originItem({ origin, state, proof, failure, detail }) {
     "li",
     { class: state },
     el("p", {}, el("strong", {}, origin), ` ${t(verified ? "developers.verified" : "developers.pending")}`),
-    ...(proof
-      ? [
-          el(
-            "div",
-            { class: "proof" },
-            el("p", {}, t("developers.place_at")),
-            el("code", {}, proof.url),
-            el("p", {}, t("developers.place_line")),
-            el("code", { class: "proof-line" }, proof.content),
-            copyButton(() => proof.content, t("developers.the_line"), { id: `copy-line-${origin}` }),
-          ),
-        ]
-      : []),
-    ...(why ? [el("p", { class: "problem" }, why)] : []),
+    proof &&
+      el(
+        "div",
+        { class: "proof" },
+        el("p", {}, t("developers.place_at")),
+        el("code", {}, proof.url),
+        el("p", {}, t("developers.place_line")),
+        el("code", { class: "proof-line" }, proof.content),
+        copyButton(() => proof.content, t("developers.the_line"), { id: `copy-line-${origin}` }),
+      ),
+    why && el("p", { class: "problem" }, why),
   );
 }
 

@@ -98,7 +98,7 @@ export class Converter {
     this.#root.append(
       el("p", {}, t("import.open_text")),
       size.element,
-      el("div", { class: "actions" }, ...(unpack ? [corners] : []), open),
+      el("div", { class: "actions" }, unpack && corners, open),
       status,
     );
   }

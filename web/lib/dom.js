@@ -7,7 +7,7 @@ const SVG = "http://www.w3.org/2000/svg";
  * @template {keyof HTMLElementTagNameMap} K
  * @param {K} name
  * @param {Record<string, string | number | boolean | undefined>} [attributes] false and undefined: left out
- * @param {...(Node | string)} content
+ * @param {...(Node | string | false | null | undefined)} content false, null and undefined: left out
  * @returns {HTMLElementTagNameMap[K]}
  */
 export function el(name, attributes = {}, ...content) {
@@ -15,7 +15,7 @@ export function el(name, attributes = {}, ...content) {
   for (const [key, value] of Object.entries(attributes)) {
     if (value !== false && value !== undefined) made.setAttribute(key, value === true ? "" : String(value));
   }
-  made.append(...content);
+  made.append(...content.filter((each) => each !== false && each !== null && each !== undefined));
   return made;
 }
 

@@ -22,20 +22,17 @@ export function estimateView({ hfov_deg, interval_90, basis, sources }) {
       {},
       ...facts.map(([term, value]) => el("div", {}, el("dt", {}, term), el("dd", { class: "number" }, value))),
     ),
-    ...(sources.length
-      ? [
-          el(
-            "details",
-            {},
-            el("summary", {}, t("estimate.sources")),
-            el(
-              "ul",
-              {},
-              ...sources.map(({ title, url }) => el("li", {}, el("a", { href: safe(url), rel: "noreferrer" }, title))),
-            ),
-          ),
-        ]
-      : []),
+    sources.length > 0 &&
+      el(
+        "details",
+        {},
+        el("summary", {}, t("estimate.sources")),
+        el(
+          "ul",
+          {},
+          ...sources.map(({ title, url }) => el("li", {}, el("a", { href: safe(url), rel: "noreferrer" }, title))),
+        ),
+      ),
   );
 }
 

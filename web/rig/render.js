@@ -116,7 +116,7 @@ function renderState({ progress, counts, members, advice, moments, momentList },
           "li",
           { class: moment.set_aside?.length ? "aside" : "" },
           el("span", {}, words.join(" ")),
-          ...(leads ? [button] : []),
+          leads && button,
         );
       })
       .reverse(),

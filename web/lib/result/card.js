@@ -66,16 +66,13 @@ export function card(result, trial, id) {
     "header",
     { class: "opening card" },
     // The page that captured it has already said so.
-    ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
-    ...(trial
-      ? [
-          el(
-            "p",
-            { class: "trial" },
-            t("result.without", { count: trial.without.length, views: listViews(trial.without) }),
-          ),
-        ]
-      : []),
+    practice && origin !== "practice" && el("p", { class: "practice" }, t("result.practice")),
+    trial &&
+      el(
+        "p",
+        { class: "trial" },
+        t("result.without", { count: trial.without.length, views: listViews(trial.without) }),
+      ),
     el(
       "h1",
       { id: "result-name", tabindex: -1 },
@@ -105,9 +102,9 @@ export function card(result, trial, id) {
       ),
     ),
     meaning(calibration),
-    ...(details.length ? [el("p", { class: "errors" }, details.join(" "))] : []),
-    ...(reasons.length > 1 ? [el("p", { class: "improve" }, t("result.improve"))] : []),
-    ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map((text) => el("li", {}, text)))] : []),
+    details.length > 0 && el("p", { class: "errors" }, details.join(" ")),
+    reasons.length > 1 && el("p", { class: "improve" }, t("result.improve")),
+    reasons.length > 0 && el("ul", { class: "reasons" }, ...reasons.map((text) => el("li", {}, text))),
     nextSteps(result, trial, id),
     el("p", { class: "facts muted number" }, factsText(calibration, report, factsOf(id)?.board ?? null)),
     ...(practice || trial || !id ? [] : [el("p", { class: "agreement", id: "agreement" }, "\u00a0")]),
@@ -144,7 +141,7 @@ function nextSteps(result, trial, id) {
   return el(
     "div",
     { class: "next" },
-    ...(back ? [back.element] : []),
+    back?.element,
     downloadPart({ calibration, explain: result.explain, of: { id, without: trial?.without ?? [] } }, "", {
       primary: first === "download",
       before:

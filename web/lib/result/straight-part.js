@@ -22,7 +22,7 @@ export function straightPart(calibration, picture, onPicture, turnOff = null) {
       "div",
       { class: "straight" },
       shown.element,
-      el("div", { class: "actions" }, ...(shown.whole ? [shown.whole] : []), chooser(calibration, onPicture)),
+      el("div", { class: "actions" }, shown.whole, chooser(calibration, onPicture)),
       turnOff
         ? el(
             "p",

@@ -34,9 +34,9 @@ export function tiles(calibration, report, board) {
     { class: report ? "tiles" : "tiles pending", role: "group", tabindex: 0, "aria-label": t("result.part_figures") },
     tile("error", figure(errorPlot(calibration, report), errorValues(calibration, report))),
     tile("coverage", figure(coveragePlot(calibration, report))),
-    ...(isKnownModel(calibration.distortion_model) && (board || !report)
-      ? [tile("poses", poses(calibration, report, board))]
-      : []),
+    isKnownModel(calibration.distortion_model) &&
+      (board || !report) &&
+      tile("poses", poses(calibration, report, board)),
   );
 }
 
@@ -78,7 +78,7 @@ export function figure({ svg, caption, levels, at }, ...more) {
         : caption;
   };
   if (at) for (const name of ["pointermove", "pointerdown", "pointerleave"]) svg.addEventListener(name, read);
-  return el("figure", { class: "figure measured" }, svg, ...(levels ? [scaleOf(levels)] : []), words, ...more);
+  return el("figure", { class: "figure measured" }, svg, levels && scaleOf(levels), words, ...more);
 }
 
 /** The colour scale with the numbers between its colours. @param {number[]} levels px */

@@ -242,9 +242,9 @@ function details(result, calibration) {
     { class: "record" },
     el("p", { id: "summary" }, contributionText(result)),
     el("p", { class: "muted" }, `${calibration.camera} · ${calibration.platform}`),
-    ...(id && id !== new URLSearchParams(location.search).get("id")
-      ? [el("p", {}, el("a", { href: resultAddress(id) }, t("result.address")))]
-      : []),
+    id &&
+      id !== new URLSearchParams(location.search).get("id") &&
+      el("p", {}, el("a", { href: resultAddress(id) }, t("result.address"))),
     recordPart(calibration),
   );
 }

@@ -42,7 +42,7 @@ export function viewsPart({ calibration, report, names = () => "", photo = () =>
     "div",
     {},
     el("p", { class: "muted" }, t("result.views_text")),
-    ...(bad.length ? [advice(bad, left, choices)] : []),
+    bad.length > 0 && advice(bad, left, choices),
     el(
       "ol",
       { class: "views", tabindex: 0, "aria-label": t("result.part_views") },
@@ -70,15 +70,15 @@ export function viewsPart({ calibration, report, names = () => "", photo = () =>
                 { class: "number" },
                 el("strong", {}, t("result.view", { index: index + 1 })),
                 ` ${number(view.rms, 2)}\u00a0px`,
-                ...(names(index) ? [el("span", { class: "source muted" }, names(index))] : []),
+                names(index) && el("span", { class: "source muted" }, names(index)),
               ),
-              ...(choices ? [toggle(index, left, choices)] : []),
+              choices && toggle(index, left, choices),
             ),
-            ...(what ? [el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length }))] : []),
+            what && el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length })),
           );
         }),
     ),
-    ...(choices ? [trialStatus(calibration, trial, choices)] : []),
+    choices && trialStatus(calibration, trial, choices),
   );
 }
 
@@ -139,7 +139,7 @@ function trialStatus(calibration, trial, choices) {
         : el("a", { class: "button", href: choices.elsewhere }, t("result.calibrate_again")),
       button(t("result.all_again"), () => choices.choose([]), { id: "all-again" }),
     ),
-    ...(goOn ? [el("p", { class: "muted" }, t("result.go_on_text"))] : []),
+    goOn && el("p", { class: "muted" }, t("result.go_on_text")),
   );
 }
 
