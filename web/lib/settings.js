@@ -39,5 +39,11 @@ export async function lastSettings(options) {
   }
 }
 
+/** Options for calls of the SDK: where the service is, and the pages' token. */
+export async function sdkOptions() {
+  const { api, token } = await loadSettings();
+  return { token, api: new URL(api, location.href) };
+}
+
 /** Settings of the last visit, for use without a network. @returns {Settings | null} */
 export const storedSettings = () => readJson(STORAGE_KEY);
