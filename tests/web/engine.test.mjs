@@ -74,14 +74,13 @@ function pageOf(t, rounds, more = {}) {
   return page;
 }
 
-const engineOf = (page, cameras, detector, more = {}) =>
+/** An engine that is given these detectors, one after the other. */
+const engineOf = (page, cameras, ...detectors) =>
   new Engine(page, {
     cameras,
     board: () => DEFAULT_BOARD,
-    detector: Promise.resolve(detector),
-    openDetector: async () => assert.fail("another detector"),
+    openDetector: async () => detectors.shift() ?? assert.fail("another detector"),
     signal: new AbortController().signal,
-    ...more,
   });
 
 test("each camera is looked at in each round, and no image is left open", async (t) => {
@@ -99,17 +98,14 @@ test("each camera is looked at in each round, and no image is left open", async 
 });
 
 test("a detector that stops is replaced three times; the fourth failure ends the capture", async (t) => {
-  const broken = () => detectorOf(new DetectorError("gone"));
-  const made = [];
-  const openDetector = async () => {
-    made.push(broken());
-    return made.at(-1);
-  };
+  const made = Array.from({ length: 4 }, () => detectorOf(new DetectorError("gone")));
   const page = pageOf(t, 1);
-  const first = broken();
-  await assert.rejects(engineOf(page, [{ stream: streamOf(), half: 0 }], first, { openDetector }).run(), DetectorError);
+  await assert.rejects(engineOf(page, [{ stream: streamOf(), half: 0 }], ...made).run(), DetectorError);
   assert.deepEqual(page.log, ["stalled", "again", "stalled", "again", "stalled", "again"]);
-  assert.ok(first.closed && made.length === 3 && made[0].closed && made[1].closed);
+  assert.deepEqual(
+    made.map(({ closed }) => closed),
+    [true, true, true, false],
+  );
 });
 
 test("a turned device is reported before its images are looked at", async (t) => {

@@ -18,7 +18,7 @@ import { tint } from "./tint.js";
  *
  * @typedef {object} Resources
  * @property {import("../lib/session.js").CaptureSession} session
- * @property {Promise<import("../lib/detector.js").Detector>} detector the first target is shown while it is loaded
+ * @property {Promise<unknown>} detector the first target is shown while it is loaded
  * @property {import("../lib/capture/streams.js").Stream} stream of the camera
  * @property {import("./plan.js").Step[]} plan
  * @property {AbortSignal} signal
@@ -56,7 +56,6 @@ export class CaptureLoop {
     this.#engine = new Engine(this, {
       cameras: [this.#camera],
       board: () => this.#state.board,
-      detector,
       openDetector: page.openDetector,
       isFlipped: () => this.#state.wanted.flipped === true,
       signal,
@@ -186,15 +185,18 @@ export class CaptureLoop {
       return this.#continue();
     }
     // Detection continues meanwhile: the service may be slow or unavailable.
-    void this.#queue
-      .send(
-        () => {
-          this.#dispatch({ type: "sent", corners });
-          return this.#session.submit(target.index, corners);
-        },
-        (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
-      )
-      .then(() => this.#continue());
+    void this.#send(target, corners).then(() => this.#continue());
+  }
+
+  /** @param {import("../lib/session.js").Pose} target @param {import("../lib/board-outline.js").Corners} corners */
+  #send(target, corners) {
+    return this.#queue.send(
+      () => {
+        this.#dispatch({ type: "sent", corners });
+        return this.#session.submit(target.index, corners);
+      },
+      (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
+    );
   }
 
   /** Sends the sharpest frames of a board that was never held still, and ends the capture with those that agree. */
@@ -209,13 +211,7 @@ export class CaptureLoop {
         sight: { target },
       } = this.#state;
       if (phase !== "capturing" || !target || this.#signal.aborted) return;
-      await this.#queue.send(
-        () => {
-          this.#dispatch({ type: "sent", corners });
-          return this.#session.submit(target.index, corners);
-        },
-        (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
-      );
+      await this.#send(target, corners);
     }
     if (this.#state.phase !== "capturing") return;
     if (isFinishable(this.#state)) await this.#finish();

@@ -107,7 +107,7 @@ function giveFeedback(event, before) {
   const { mismatchWarning, remedy, statusLine, notice } = statusText;
   const news = [mismatchWarning(state), statusLine(state), notice(state.ui.notice)];
   announcer.say([hint, remedy(state)].filter(Boolean).join(". "), ...news);
-  feedback.say(hint, language(), performance.now());
+  feedback.say(hint);
 }
 
 const detector = new PageDetector(() =>

@@ -9,8 +9,8 @@ import * as text from "./status-text.js";
 
 /**
  * @typedef {import("./parts.js").Parts} Parts
- * @typedef {import("./model.js").Model} Model
- * @typedef {import("./model.js").Member} Member
+ * @typedef {import("./capture.js").Model} Model
+ * @typedef {import("./capture.js").Member} Member
  * @typedef {{code: string, address: string, expires: number} | null} Invitation expires: ms since 1970
  *
  * @typedef {import("../lib/capture/target.js").Instruction & {state: import("./service.js").RigState | null,

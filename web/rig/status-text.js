@@ -6,8 +6,8 @@ import { isSeen, requiredHold } from "./moments.js";
 import { MIN_VIEWS, isAlone, remotePositions, silentPositions } from "./progress.js";
 
 /**
- * @typedef {import("./model.js").Model} Model
- * @typedef {import("./model.js").Member} Member
+ * @typedef {import("./capture.js").Model} Model
+ * @typedef {import("./capture.js").Member} Member
  * @typedef {import("./service.js").RigState} RigState
  * @typedef {import("./moments.js").Sight} Sight
  */

@@ -1,5 +1,6 @@
 // Haptic and audible feedback when the board is to be held still and when a view is taken: both hands hold the board,
 // and the eyes may be on it.
+import { language } from "../i18n.js";
 import { keepItem, readJson } from "../storage.js";
 
 /** @typedef {"sound" | "vibration" | "voice"} Sense */
@@ -66,19 +67,15 @@ export class Feedback {
       navigator.vibrate(sign === "refused" ? [30, 60, 30] : sign === "hold" ? 25 : 60);
   }
 
-  /**
-   * Says a hint, unless it has just been said or another one still is.
-   * @param {string} text
-   * @param {string} language
-   * @param {number} time ms
-   */
-  say(text, language, time) {
+  /** Says a hint, unless it has just been said or another one still is. @param {string} text */
+  say(text) {
+    const time = performance.now();
     if (!this.#senses.voice || !Feedback.offers("voice") || !text || text === this.#spoken) return;
     if (time - this.#spokenAt < SPEECH_PAUSE_MS || speechSynthesis.speaking) return;
     this.#spoken = text;
     this.#spokenAt = time;
     const utterance = new SpeechSynthesisUtterance(text);
-    utterance.lang = language;
+    utterance.lang = language();
     speechSynthesis.speak(utterance);
   }
 
