@@ -2,24 +2,21 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Captures } from "../../web/calibrate/captures.js";
 import { captureKey } from "../../web/calibrate/state.js";
-import { keepHere } from "./globals.mjs";
+import { json, keepHere } from "./globals.mjs";
 
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
 const view = (id) => ({ ids: [id], points: [[id, id]] });
-const answer = (status, body) =>
-  new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json" } });
-
 /** A service that takes every view; gives what it was sent, session by session. */
 function serve(t) {
   const sent = [];
   const state = () => ({ status: "capturing", accepted: true, views: sent.at(-1).map((_, index) => ({ index })) });
   t.mock.method(globalThis, "fetch", async (address, { method = "GET", body } = {}) => {
     const call = `${method} ${new URL(address).pathname.split("/").slice(-2).join("/")}`;
-    if (call.endsWith("config.json")) return answer(200, { api: "https://calibdb.example/v1", token: "t" });
-    if (call === "POST v1/auth") return answer(201, { session_id: `s${sent.push([])}` });
-    if (call === "GET session/pose") return answer(200, { index: sent.at(-1).length });
+    if (call.endsWith("config.json")) return json(200, { api: "https://calibdb.example/v1", token: "t" });
+    if (call === "POST v1/auth") return json(201, { session_id: `s${sent.push([])}` });
+    if (call === "GET session/pose") return json(200, { index: sent.at(-1).length });
     if (call === "POST session/views") sent.at(-1).push(JSON.parse(body).ids[0]);
-    return answer(200, state());
+    return json(200, state());
   });
   keepHere(t);
   return sent;
