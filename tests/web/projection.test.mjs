@@ -37,19 +37,6 @@ test("rays and pixels are those of the solver to 1e-9 px, and null where it has 
   assert.ok(count > 2000, `${count} rays`);
 });
 
-test("an unknown model is refused, and every known one has names for its coefficients", () => {
-  assert.throws(
-    () =>
-      lensOf({
-        camera_matrix: [
-          [1, 0, 0],
-          [0, 1, 0],
-          [0, 0, 1],
-        ],
-        distortion_model: "cubic",
-        distortion_coefficients: [],
-      }),
-    /cubic/,
-  );
+test("every known model has names for its coefficients", () => {
   for (const { model, k } of vectors) assert.equal(COEFFICIENTS[model].length, k.length - 4);
 });

@@ -2,7 +2,6 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { isPracticeReturned } from "../../web/calibrate/history.js";
 import { knownOf, knownText } from "../../web/calibrate/sender.js";
-import { returnAddress } from "../../web/lib/result/return-address.js";
 import { setGlobals } from "./globals.mjs";
 import "./messages.mjs";
 
@@ -18,19 +17,6 @@ test("an application under development gets a practice result, any other only if
   assert.equal(isPracticeReturned("https://app.example/", VIRTUAL), true);
   assert.equal(isPracticeReturned(null, null), false);
   assert.equal(isPracticeReturned("/ar/", null), false, "a page of this site is no application under development");
-});
-
-test("the visitor is led back to web pages alone", () => {
-  const sender = (to) => returnAddress(to, location.origin, []);
-  assert.deepEqual(["javascript:alert(1)", "data:text/html,x", "https://user:secret@app.example/", null].map(sender), [
-    null,
-    null,
-    null,
-    null,
-  ]);
-  assert.equal(sender("http://app.example/").allowed, false);
-  const here = sender("/ar/?virtual=1");
-  assert.deepEqual([here.isHere, here.allowed], [true, true]);
 });
 
 test("what a camera still needs is told for the size that was asked for", () => {
