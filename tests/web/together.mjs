@@ -8,5 +8,8 @@ import { pathToFileURL } from "node:url";
 let start = () => {};
 // No test runs while others are loaded: modules look for the globals that a test may have set.
 test("the test files are loaded", () => new Promise((loaded) => (start = loaded)));
-for (const file of process.argv.slice(2)) await import(pathToFileURL(resolve(file)).href);
-start();
+try {
+  for (const file of process.argv.slice(2)) await import(pathToFileURL(resolve(file)).href);
+} finally {
+  start(); // also after a file that cannot be loaded, so that its error is reported
+}
