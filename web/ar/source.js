@@ -7,12 +7,15 @@ import { trueCalibration } from "../lib/virtual/camera.js";
 import { setupFrom } from "../lib/virtual/setup.js";
 
 /**
- * @typedef {import("../sdk/calibdb.js").CameraKey} CameraKey
- *
- * @typedef {import("../vendor/api.js").Estimate & import("../sdk/rectification.js").Calibration} Estimate
+ * @import { CameraKey } from "../sdk/calibdb.js"
+ * @import { Calibration } from "../sdk/rectification.js"
+ */
+
+/**
+ * @typedef {import("../vendor/api.js").Estimate & Calibration} Estimate
  *
  * @typedef {object} Known
- * @property {import("../sdk/rectification.js").Calibration | null} calibration
+ * @property {Calibration | null} calibration
  * @property {"returned" | "known" | "truth" | ""} origin measured just now, looked up, or what the virtual camera is
  *   made from
  * @property {string} guidance address where the camera can be calibrated, and that leads back here

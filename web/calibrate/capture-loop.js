@@ -12,12 +12,14 @@ import { isEnough, isFinishable, isSharpestOffered, viewCount } from "./state.js
 import { tint } from "./tint.js";
 
 /**
- * @typedef {import("./state.js").Event} Event
- *
- * @typedef {import("./request-queue.js").Page} Page
- *
+ * @import { CaptureSession, Pose } from "../lib/session.js"
+ * @import { Page } from "./request-queue.js"
+ * @import { Event } from "./state.js"
+ */
+
+/**
  * @typedef {object} Resources
- * @property {import("../lib/session.js").CaptureSession} session
+ * @property {CaptureSession} session
  * @property {Promise<unknown>} detector the first target is shown while it is loaded
  * @property {import("../lib/capture/streams.js").Stream} stream of the camera
  * @property {import("./plan.js").Step[]} plan
@@ -188,7 +190,7 @@ export class CaptureLoop {
     void this.#send(target, corners).then(() => this.#continue());
   }
 
-  /** @param {import("../lib/session.js").Pose} target @param {import("../lib/board-outline.js").Corners} corners */
+  /** @param {Pose} target @param {import("../lib/board-outline.js").Corners} corners */
   #send(target, corners) {
     return this.#queue.send(
       () => {
@@ -251,7 +253,7 @@ export class CaptureLoop {
     this.#setTarget(planned.pose, null);
   }
 
-  /** @param {import("../lib/session.js").Pose} pose @param {string | null} picture object URL */
+  /** @param {Pose} pose @param {string | null} picture object URL */
   #setTarget(pose, picture) {
     this.#dispatch({ type: "pose", pose, picture, time: performance.now() });
     this.#stream.camera.virtual?.follow(pose);

@@ -4,10 +4,7 @@ import { el, make } from "../lib/dom.js";
 import { polygon } from "../lib/capture/marks.js";
 import { expectedViews, offlineGoal, viewCount } from "./state.js";
 
-/**
- * @typedef {import("./state.js").State} State
- * @typedef {import("./state.js").Event} Event
- */
+/** @import { Event, State } from "./state.js" */
 
 const WIDTH_PX = 240; // px; of a thumbnail, which the result shows larger
 

@@ -5,7 +5,7 @@ import { isEnough, isExhausted, viewCount } from "./state.js";
 import { isNear, isThere, movement } from "../lib/capture/sight.js";
 import { HOLD_MS, LONG_HOLD_MS, lenienceAfter, settled } from "../lib/capture/target.js";
 
-/** @typedef {import("./state.js").State} State */
+/** @import { Instruction, State } from "./state.js" */
 
 const MIN_FORESHORTENING = 0.08; // from which a pose other than the target may be worth sending
 const MIN_HOLD_FRAMES = 3; // so that a stalled video does not count as a steady hand
@@ -74,8 +74,6 @@ export function decide(state, time) {
   return time - capture.nearest.time > STUCK_MS || time - capture.posedAt > MAX_TARGET_MS ? "skip" : null;
 }
 
-/** @typedef {import("./state.js").Instruction} Instruction */
-
 /** @type {Instruction} */
 export const SILENT = { code: "", next: "", since: 0 };
 
@@ -99,7 +97,7 @@ export const HINTS = new Set([
 const MIN_LOOKS = 3; // for another board, before the first view: until then the board may be in the picture
 
 /**
- * @param {import("./state.js").State} state
+ * @param {State} state
  * @param {boolean} holding whether a view would be taken if the board were held still
  * @param {number} time ms
  * @returns {Instruction}
@@ -108,7 +106,7 @@ export function instruct(state, holding, time) {
   return settled(state.ui.instruction, choose(state, holding), time);
 }
 
-/** @param {import("./state.js").State} state @param {boolean} holding */
+/** @param {State} state @param {boolean} holding */
 function choose(state, holding) {
   const { mirrored } = state.capture;
   const { offline, busy } = state.link;

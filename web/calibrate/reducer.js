@@ -6,11 +6,8 @@ import { MOVING, motion } from "../lib/capture/stillness.js";
 import { HOLD_MS, LONG_HOLD_MS, asMirrored } from "../lib/capture/target.js";
 
 /**
- * @typedef {import("./state.js").State} State
- * @typedef {import("./state.js").Event} Event
- * @typedef {import("./state.js").Notice} Notice
- * @typedef {import("../lib/session.js").SessionState} SessionState
- * @typedef {import("../lib/session.js").ViewAnswer} ViewAnswer
+ * @import { SessionState, ViewAnswer } from "../lib/session.js"
+ * @import { Board, Event, Notice, State, Wanted } from "./state.js"
  */
 
 /** @template {Event["type"]} T @typedef {Extract<Event, {type: T}>} EventOf */
@@ -33,7 +30,7 @@ const EXPLAINED_REASONS = new Set([
   "no_information",
 ]);
 
-/** @param {import("./state.js").Board} board @param {import("./state.js").Wanted} wanted @returns {State} */
+/** @param {Board} board @param {Wanted} wanted @returns {State} */
 export function initial(board, wanted) {
   return {
     phase: "welcome",

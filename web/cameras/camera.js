@@ -14,11 +14,7 @@ import { membersView, nameOf } from "./members.js";
 import { ring, spreadOf } from "./agreement.js";
 import { estimateOf, withModel } from "./source.js";
 
-/**
- * @typedef {import("./source.js").CameraPage} CameraPage
- * @typedef {import("./source.js").Mode} Mode
- * @typedef {import("./source.js").Calibration} Calibration
- */
+/** @import { Calibration, CameraPage, Mode } from "./source.js" */
 
 /** @param {CameraPage} page @param {(error: unknown) => string} explain @returns {HTMLElement} */
 export function cameraView(page, explain) {

@@ -1,9 +1,10 @@
 // Requests for cameras of the database.
 import { askJson } from "../lib/api.js";
 
+/** @import { Member } from "./agreement.js" */
+
 /**
  * @typedef {import("../sdk/calibdb.js").CalibrationData} Calibration
- * @typedef {import("./agreement.js").Member} Member
  *
  * @typedef {object} Size
  * @property {[number, number]} img_size

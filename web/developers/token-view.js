@@ -9,15 +9,18 @@ import { SNIPPETS, snippet } from "./snippets.js";
 import { KINDS, useChart, useTable } from "./use-chart.js";
 
 /**
- * @typedef {import("./kept-tokens.js").KeptToken} KeptToken
- * @typedef {import("../vendor/api.js").ManagedToken} ManagedToken
- * @typedef {import("../vendor/api.js").OriginState} OriginState
+ * @import { ManagedToken, OriginState } from "../vendor/api.js"
+ * @import { KeptToken } from "./kept-tokens.js"
+ * @import { Kind, Period } from "./use-chart.js"
+ */
+
+/**
  * @typedef {typeof SNIPPETS[number]} SnippetKind
  *
  * @typedef {object} Choices what is shown of the token
  * @property {SnippetKind} snippet
- * @property {import("./use-chart.js").Period} period
- * @property {import("./use-chart.js").Kind} kind
+ * @property {Period} period
+ * @property {Kind} kind
  *
  * @typedef {object} Actions
  * @property {() => void} verify

@@ -13,11 +13,7 @@ import { COEFFICIENTS } from "../sdk/projection.js";
 import { knownCalibrations } from "../lib/result/source.js";
 import { readCamera, saveAs, searchCameras } from "../lib/conversion.js";
 
-/**
- * @typedef {import("../lib/conversion.js").Source} Source
- * @typedef {import("../lib/conversion.js").Hints} Hints
- * @typedef {import("../lib/conversion.js").Camera} Camera
- */
+/** @import { Camera, Hints, Source } from "../lib/conversion.js" */
 
 const CORNERS_ALONE = "corners-vnl"; // a table of what was measured: there is nothing to write into it
 const MAX_FOUND = 8; // cameras that are offered for a comparison

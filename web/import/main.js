@@ -22,11 +22,11 @@ import { decode } from "./text.js";
 import { card, guessView } from "./views.js";
 
 /**
- * @typedef {import("./read.js").Guess} Guess
- * @typedef {import("./read.js").Numbered} Numbered
- * @typedef {import("./read.js").View} View
- * @typedef {import("../lib/series.js").Judgement} Judgement
- *
+ * @import { Judgement } from "../lib/series.js"
+ * @import { Guess, Numbered, View } from "./read.js"
+ */
+
+/**
  * @typedef {object} Measured
  * @property {import("../lib/board.js").SentBoard} board
  * @property {[number, number]} size of the pictures, px

@@ -2,6 +2,8 @@
 import { ask, askJson } from "./api.js";
 import { offerResponse } from "./files.js";
 
+/** @import { Calibration } from "./result/numbers.js" */
+
 /**
  * @typedef {object} Source what is sent of a file
  * @property {string} file its text, or base64
@@ -76,8 +78,6 @@ export async function unpackCorners(file) {
   });
   return response.text();
 }
-
-/** @typedef {import("./result/numbers.js").Calibration} Calibration */
 
 /**
  * Cameras of the database by name.

@@ -1,9 +1,9 @@
 // The board detector as the page sees it: one call a frame, answered from a Worker.
 import { reach } from "./network.js";
 
+/** @import { Board } from "./board.js" */
+
 /**
- * @typedef {import("./board.js").Board} Board
- *
  * @typedef {object} Detection
  * @property {number[]} ids board corners, id = row * (columns - 1) + column
  * @property {number[][]} points px, pixel centres at whole numbers

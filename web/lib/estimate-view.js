@@ -2,7 +2,7 @@
 import { el } from "./dom.js";
 import { number, t } from "./i18n.js";
 
-/** @typedef {import("../sdk/calibration.js").EstimateData} EstimateData */
+/** @import { EstimateData } from "../sdk/calibration.js" */
 
 /** @param {EstimateData} estimate */
 export function estimateView({ hfov_deg, interval_90, basis, sources }) {

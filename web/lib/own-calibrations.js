@@ -2,6 +2,8 @@
 import { levelOf } from "./result/numbers.js";
 import { keepItem, readJson } from "./storage.js";
 
+/** @import { Calibration, Report } from "./result/numbers.js" */
+
 const KEY = "calibdb.own";
 const MAX_OWN = 100; // calibrations; the oldest go first
 
@@ -16,8 +18,8 @@ const MAX_OWN = 100; // calibrations; the oldest go first
  */
 
 /**
- * @param {import("./result/numbers.js").Calibration & {id: string}} calibration
- * @param {import("./result/numbers.js").Report | null} report
+ * @param {Calibration & {id: string}} calibration
+ * @param {Report | null} report
  * @returns {Own}
  */
 export function ownOf(calibration, report) {

@@ -4,12 +4,12 @@ import { keepReceipt } from "./receipts.js";
 import { number, t } from "./i18n.js";
 
 /**
- * @typedef {import("./api.js").Api} Api
- * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
- * @typedef {import("./session.js").SessionState} SessionState
- * @typedef {import("../vendor/api.js").BatchAnswer} BatchAnswer
- * @typedef {import("../vendor/api.js").Pose} Pose
- *
+ * @import { BatchAnswer, Pose, SessionRequest } from "../vendor/api.js"
+ * @import { Api } from "./api.js"
+ * @import { SessionState } from "./session.js"
+ */
+
+/**
  * @typedef {{ids: number[], points: number[][]}} View
  * @typedef {{view: number, accepted: boolean, reason: string | null, before: number | null, after: number | null}}
  *   Judgement view: its number; before, after: predicted error, px

@@ -12,8 +12,9 @@ import { factsOf, knownCalibrations, load } from "../lib/result/source.js";
 import { button } from "../lib/result/views.js";
 import { readCamera, sourceOf } from "../lib/conversion.js";
 
+/** @import { Own } from "../lib/own-calibrations.js" */
+
 /**
- * @typedef {import("../lib/own-calibrations.js").Own} Own
  * @typedef {Awaited<ReturnType<typeof load>>} Loaded
  */
 

@@ -2,7 +2,7 @@
 import { askJson } from "../lib/api.js";
 import { estimateView } from "../lib/estimate-view.js";
 
-/** @typedef {import("./group.js").Found} Found */
+/** @import { Found } from "./group.js" */
 
 /** The camera that was asked for last. */
 let asked = "";

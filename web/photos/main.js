@@ -25,9 +25,8 @@ import { distinct, sortByGain, rankByNovelty } from "../lib/rank.js";
 import { MAX_VIEWS, calibrate } from "../lib/series.js";
 
 /**
- * @typedef {import("./card.js").Picture} Picture
- * @typedef {import("../lib/series.js").Judgement} Judgement
- * @typedef {import("../lib/series.js").Outcome} Outcome
+ * @import { Judgement, Outcome } from "../lib/series.js"
+ * @import { Picture } from "./card.js"
  */
 
 const MIN_SUFFICIENT_PHOTOS = 10; // that agree: with as many, the page asks for no more

@@ -8,8 +8,8 @@ import { apply, homography } from "../lib/homography.js";
 import { blackSquares, vertexOf } from "../lib/capture/marks.js";
 
 /**
- * @typedef {import("../lib/board.js").Board} Board
- * @typedef {import("../lib/capture/marks.js").Polygon} Polygon
+ * @import { Board } from "../lib/board.js"
+ * @import { Polygon } from "../lib/capture/marks.js"
  */
 
 /**

@@ -11,9 +11,14 @@ import { Sights } from "./sights.js";
 import { isAlone, isComplete, remotePositions, silentPositions } from "./progress.js";
 
 /**
- * @typedef {import("./service.js").RigState} RigState
- * @typedef {import("./moments.js").Sight} Sight
- *
+ * @import { Detection, Detector } from "../lib/detector.js"
+ * @import { Sight } from "./moments.js"
+ * @import { Letter } from "./outbox.js"
+ * @import { Stage } from "./progress.js"
+ * @import { RigService, RigState } from "./service.js"
+ */
+
+/**
  * @typedef {object} Member one camera of this device
  * @property {number} position
  * @property {string} session id
@@ -43,11 +48,11 @@ import { isAlone, isComplete, remotePositions, silentPositions } from "./progres
  * @property {boolean} stalled the detector has stopped, and is restarted
  *
  * @typedef {object} Resources
- * @property {import("./service.js").RigService} service
+ * @property {RigService} service
  * @property {import("./membership.js").RigRecord} record
  * @property {() => Promise<unknown>} save
  * @property {import("../lib/board.js").SentBoard} board
- * @property {() => Promise<import("../lib/detector.js").Detector>} openDetector another one
+ * @property {() => Promise<Detector>} openDetector another one
  *   after it has failed
  * @property {Member[]} members
  * @property {import("./virtual-rig.js").VirtualRig | null} virtual
@@ -100,7 +105,7 @@ export class RigCapture {
   /** ms, since when the result is accurate enough. */
   #completeSince = Infinity;
   #momentAt = performance.now();
-  /** Of each moment by its id. @type {Map<string, import("./progress.js").Stage>} */
+  /** Of each moment by its id. @type {Map<string, Stage>} */
   #stages = new Map();
 
   /** @param {Resources} resources */
@@ -178,7 +183,7 @@ export class RigCapture {
     return this.#sights.at(position);
   }
 
-  /** @param {Member} camera @param {import("../lib/detector.js").Detection} detection */
+  /** @param {Member} camera @param {Detection} detection */
   observe({ position }, detection) {
     this.#sights.observe(position, detection, lenienceAfter(performance.now() - this.#targetSince));
   }
@@ -244,7 +249,7 @@ export class RigCapture {
     this.#sights.aim(targets);
   }
 
-  /** Records the stage of a moment. @param {string} id @param {Partial<import("./progress.js").Stage>} stage */
+  /** Records the stage of a moment. @param {string} id @param {Partial<Stage>} stage */
   #note(id, stage) {
     this.#stages.set(id, { rms: null, atTarget: false, ...this.#stages.get(id), ...stage });
   }
@@ -453,7 +458,7 @@ export class RigCapture {
     }
   }
 
-  /** @param {import("./outbox.js").Letter} letter */
+  /** @param {Letter} letter */
   async #send(letter) {
     const { service, record } = this.#resources;
     const askedAt = performance.now();
@@ -465,7 +470,7 @@ export class RigCapture {
     return service.submit(session, { moment, ids, points });
   }
 
-  /** @param {import("./outbox.js").Letter} letter @param {import("../lib/api.js").ApiError} error */
+  /** @param {Letter} letter @param {import("../lib/api.js").ApiError} error */
   #refused(letter, error) {
     // It was undone meanwhile, or the service has it already: nothing is lost.
     if (error.kind === "moment-undone" || (letter.kind !== "view" && [404, 422].includes(error.status))) return;

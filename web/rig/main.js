@@ -25,9 +25,12 @@ import { MIN_CAMERAS, Setup } from "./setup.js";
 import { HALVES } from "../lib/capture/streams.js";
 
 /**
- * @typedef {import("./membership.js").RigRecord} RigRecord
- * @typedef {import("../lib/capture/streams.js").Choice} Choice
- * @typedef {import("./service.js").RigState} RigState
+ * @import { Choice } from "../lib/capture/streams.js"
+ * @import { RigRecord } from "./membership.js"
+ * @import { RigState } from "./service.js"
+ */
+
+/**
  * @typedef {{record: RigRecord, code?: string}} Beginning code: of the rig to join
  */
 

@@ -8,12 +8,15 @@ import { freePositions, isFinishable } from "./progress.js";
 import * as text from "./status-text.js";
 
 /**
- * @typedef {import("./parts.js").Parts} Parts
- * @typedef {import("./capture.js").Model} Model
- * @typedef {import("./capture.js").Member} Member
+ * @import { Member, Model } from "./capture.js"
+ * @import { Parts } from "./parts.js"
+ * @import { RigState } from "./service.js"
+ */
+
+/**
  * @typedef {{code: string, address: string, expires: number} | null} Invitation expires: ms since 1970
  *
- * @typedef {import("../lib/capture/target.js").Instruction & {state: import("./service.js").RigState | null,
+ * @typedef {import("../lib/capture/target.js").Instruction & {state: RigState | null,
  *   invitation: Invitation, language: string}} Shown
  */
 
@@ -60,7 +63,7 @@ export function render(parts, model, { members, leads, board, invitation, time, 
  * @param {number} position
  * @param {string} camera
  * @param {import("./moments.js").Sight} sight
- * @param {import("./service.js").RigState | null} state
+ * @param {RigState | null} state
  */
 function caption(position, camera, sight, state) {
   const seen = sight.corners.ids.length > 0;
@@ -79,7 +82,7 @@ function renderRing({ ring, held }, { sights, moment, opening, patience }) {
 
 /**
  * @param {Parts} parts
- * @param {import("./service.js").RigState | null} state
+ * @param {RigState | null} state
  * @param {readonly number[]} own
  * @param {boolean} leads
  * @param {(id: string) => void} undo
@@ -125,7 +128,7 @@ function renderState({ progress, counts, members, advice, moments, momentList },
 
 /**
  * @param {Parts} parts
- * @param {import("./service.js").RigState | null} state
+ * @param {RigState | null} state
  * @param {Invitation} invitation
  * @param {boolean} leads
  */

@@ -17,10 +17,10 @@ import { sceneOf, scenePlot } from "../lib/scene-plot.js";
 import { boardInRig, relationOf } from "./relations.js";
 import { cameraName, cameraNames, labelText } from "./status-text.js";
 
+/** @import { RigResult, RigService, RigState } from "./service.js" */
+
 /**
- * @typedef {import("./service.js").RigState} RigState
- * @typedef {import("./service.js").RigResult} RigResult
- * @typedef {{service: import("./service.js").RigService, pictures: Map<number, ImageBitmap>, views: {position: number,
+ * @typedef {{service: RigService, pictures: Map<number, ImageBitmap>, views: {position: number,
  *   corners: import("../lib/board-outline.js").Corners}[]}} Sources
  *   pictures and views that this page has taken
  */

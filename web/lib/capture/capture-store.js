@@ -1,9 +1,8 @@
 // Store of unfinished captures on this device (IndexedDB): a reload, a crash or a flat battery loses nothing. Locks on
 // captures (Web Locks): two tabs that sent views to one session would undo each other's.
 
-/**
- * @typedef {import("../session.js").SavedCapture} SavedCapture
- */
+/** @import { SavedCapture } from "../session.js" */
+
 /**
  * @template {{about: string}} [Capture=SavedCapture] about: its key
  * @typedef {object} CaptureStore

@@ -7,10 +7,12 @@ import { isSettled } from "./sight.js";
 import { motion } from "./stillness.js";
 
 /**
- * @typedef {import("../board-outline.js").Corners} Corners
- * @typedef {import("../detector.js").Detection} Detection
- * @typedef {import("../detector.js").Detector} Detector
- * @typedef {import("./streams.js").Stream} Stream
+ * @import { Corners } from "../board-outline.js"
+ * @import { Detection, Detector } from "../detector.js"
+ * @import { Stream } from "./streams.js"
+ */
+
+/**
  * @typedef {{stream: Stream, half: number}} Camera half: index of its image in the stream
  */
 

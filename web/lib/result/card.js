@@ -12,11 +12,9 @@ import { factsOf } from "./source.js";
 import { button, listViews } from "./views.js";
 
 /**
- * @typedef {import("./numbers.js").Calibration} Calibration
- * @typedef {import("./numbers.js").Report} Report
- * @typedef {import("./agreement.js").Agreement} Agreement
- * @typedef {import("./numbers.js").Result} Result
- * @typedef {import("./views.js").Trial} Trial
+ * @import { Agreement } from "./agreement.js"
+ * @import { Calibration, Report, Result } from "./numbers.js"
+ * @import { Trial } from "./views.js"
  */
 
 const FILES = ["photographs", "video"]; // platforms of calibrations from files, not from a camera

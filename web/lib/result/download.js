@@ -8,8 +8,8 @@ import { FORMATS } from "../../vendor/formats.js";
 import { save } from "./source.js";
 
 /**
- * @typedef {import("./numbers.js").Calibration} Calibration
- * @typedef {import("./source.js").Saved} Saved
+ * @import { Calibration } from "./numbers.js"
+ * @import { Saved } from "./source.js"
  */
 
 const VISIBLE_ERROR_PX = 0.1; // px; a smaller error is not visible in any picture, and is not mentioned

@@ -3,10 +3,7 @@ import { ask, askJson } from "../api.js";
 import { offerResponse } from "../files.js";
 import { fileName } from "./numbers.js";
 
-/**
- * @typedef {import("./numbers.js").Calibration} Calibration
- * @typedef {import("./numbers.js").Report} Report
- */
+/** @import { Calibration, Report } from "./numbers.js" */
 
 /**
  * @typedef {object} Facts what the service reports of a stored calibration besides its numbers

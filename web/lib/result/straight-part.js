@@ -6,7 +6,7 @@ import { comparison, shrinkCalibration } from "./compare.js";
 import { gridPicture } from "./grid-picture.js";
 import { button } from "./views.js";
 
-/** @typedef {import("./numbers.js").Calibration} Calibration */
+/** @import { Calibration } from "./numbers.js" */
 
 /**
  * @param {Calibration} calibration of a model that is known here

@@ -8,9 +8,8 @@ import { displacements } from "./numbers.js";
 import { coveragePlot, errorPlot, errorTable } from "./plots.js";
 
 /**
- * @typedef {import("./numbers.js").Calibration} Calibration
- * @typedef {import("./numbers.js").Report} Report
- * @typedef {import("../board.js").Board} Board
+ * @import { Board } from "../board.js"
+ * @import { Calibration, Report } from "./numbers.js"
  */
 
 const TABLE_GRID = /** @type {[number, number]} */ ([5, 5]); // columns and rows of values

@@ -17,8 +17,8 @@ import { tiles } from "./tiles.js";
 import { listViews, viewsPart } from "./views.js";
 
 /**
- * @typedef {import("./numbers.js").Result} Result
- * @typedef {import("./views.js").Trial} Trial
+ * @import { Result } from "./numbers.js"
+ * @import { Choices, Trial } from "./views.js"
  */
 
 /** Shows one result in an element, and whatever is shown there next. */
@@ -154,7 +154,7 @@ export class ResultView {
     this.#inPlace(() => this.#draw(), "result-straight");
   }
 
-  /** @param {Result} result @returns {import("./views.js").Choices | null} */
+  /** @param {Result} result @returns {Choices | null} */
   #choices({ calibration, goOn }) {
     const { id } = calibration;
     return id

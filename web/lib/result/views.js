@@ -4,10 +4,9 @@ import { language, number, rough, t } from "../i18n.js";
 import { viewIssue } from "./numbers.js";
 import { magnification, residualPlot } from "./plots.js";
 
+/** @import { Calibration, Report, Result } from "./numbers.js" */
+
 /**
- * @typedef {import("./numbers.js").Calibration} Calibration
- * @typedef {import("./numbers.js").Report} Report
- *
  * @typedef {{without: number[], calibration: Calibration, report: Report | null}} Trial what it is without some views,
  *   by their indices
  *
@@ -29,7 +28,7 @@ export const viewsToRetake = ({ views }) =>
 
 /**
  * Views in one row that scrolls sideways, the worst first.
- * @param {Pick<import("./numbers.js").Result, "calibration" | "names" | "photo"> & {report: Report}} result
+ * @param {Pick<Result, "calibration" | "names" | "photo"> & {report: Report}} result
  * @param {Trial | null} trial what it is without some views
  * @param {Choices | null} choices
  */
