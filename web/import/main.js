@@ -1,7 +1,7 @@
 // Calibration from another program's measurements. The file is read on this device; only corner positions are sent.
 import { Api } from "../lib/api.js";
 import { observedOutline } from "../lib/board-outline.js";
-import { part, liveRegion } from "../lib/dom.js";
+import { part, partsOf, liveRegion } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
 import { takeFiles } from "../lib/files.js";
 import { openPage } from "../lib/page.js";
@@ -37,20 +37,10 @@ import { card, guessView } from "./views.js";
 openPage();
 const query = new URLSearchParams(location.search);
 const parts = {
-  drop: part("drop", HTMLElement),
-  file: part("file", HTMLInputElement),
-  status: part("status", HTMLElement),
-  problem: part("problem", HTMLElement),
-  guess: part("guess", HTMLElement),
-  views: part("views", HTMLElement),
-  table: part("table", HTMLFormElement),
-  form: part("form", HTMLFormElement),
-  kind: part("kind", HTMLSelectElement),
-  camera: part("camera", HTMLInputElement),
-  cameraLabel: part("camera-label", HTMLElement),
-  focal: part("focal", HTMLInputElement),
-  focalField: part("focal-field", HTMLElement),
-  model: part("model", HTMLSelectElement),
+  ...partsOf(HTMLElement, ["drop", "status", "problem", "guess", "views", "camera-label", "focal-field"]),
+  ...partsOf(HTMLInputElement, ["file", "camera", "focal"]),
+  ...partsOf(HTMLFormElement, ["table", "form"]),
+  ...partsOf(HTMLSelectElement, ["kind", "model"]),
   start: part("start", HTMLButtonElement),
 };
 const [columns, rows, width, height] = ["columns", "rows", "width", "height"].map((id) => part(id, HTMLInputElement));

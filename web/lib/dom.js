@@ -44,6 +44,21 @@ export function part(id, type) {
 }
 
 /**
+ * @template {string} S
+ * @typedef {S extends `${infer A}-${infer B}` ? `${A}${Capitalize<CamelCase<B>>}` : S} CamelCase
+ */
+
+/**
+ * Elements of the page, each named after its id: "go-on" is `goOn`.
+ * @template {Element} E @template {string} I
+ * @param {new () => E} type @param {readonly I[]} ids
+ */
+export function partsOf(type, ids) {
+  const found = ids.map((id) => [id.replace(/-(.)/g, (_, letter) => letter.toUpperCase()), part(id, type)]);
+  return /** @type {{[id in I as CamelCase<id>]: E}} */ (Object.fromEntries(found));
+}
+
+/**
  * Writes a text only where it changed: a live region speaks on every write.
  * @param {Element} place @param {string} text
  */

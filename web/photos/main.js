@@ -3,7 +3,7 @@ import { DEFAULT_BOARD, boardFrom, boardQuery, isSameBoard } from "../lib/board.
 import { showProblem } from "../lib/board-text.js";
 import { Api } from "../lib/api.js";
 import { Detector, DetectorError } from "../lib/detector.js";
-import { el, part, liveRegion } from "../lib/dom.js";
+import { el, part, partsOf, liveRegion } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
 import { takeFiles } from "../lib/files.js";
 import { openPage } from "../lib/page.js";
@@ -41,21 +41,12 @@ let isChosen =
   asked.problem === null &&
   ["kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted"].some((name) => query.has(name));
 const parts = {
-  drop: part("drop", HTMLElement),
-  files: part("files", HTMLInputElement),
-  status: part("status", HTMLElement),
+  ...partsOf(HTMLElement, ["drop", "status", "pictures", "several", "wanted", "problem"]),
+  ...partsOf(HTMLInputElement, ["files", "camera", "focal"]),
   progress: part("progress", HTMLProgressElement),
-  pictures: part("pictures", HTMLElement),
   form: part("form", HTMLFormElement),
-  series: part("series", HTMLSelectElement),
-  several: part("several", HTMLElement),
-  camera: part("camera", HTMLInputElement),
-  focal: part("focal", HTMLInputElement),
-  model: part("model", HTMLSelectElement),
-  start: part("start", HTMLButtonElement),
-  wanted: part("wanted", HTMLElement),
-  problem: part("problem", HTMLElement),
-  clear: part("clear", HTMLButtonElement),
+  ...partsOf(HTMLSelectElement, ["series", "model"]),
+  ...partsOf(HTMLButtonElement, ["start", "clear"]),
 };
 const view = new LaterResultView(part("result", HTMLElement));
 const [tell, want] = [liveRegion(parts.status), liveRegion(parts.wanted)];
