@@ -20,6 +20,16 @@ export function el(name, attributes = {}, ...content) {
 }
 
 /**
+ * Makes a button that does something.
+ * @param {string} label @param {() => unknown} action @param {Record<string, string>} [attributes]
+ */
+export function button(label, action, attributes = {}) {
+  const made = el("button", { type: "button", ...attributes }, label);
+  made.addEventListener("click", () => void action());
+  return made;
+}
+
+/**
  * Makes an element of SVG.
  * @param {string} name @param {Record<string, string | number>} [attributes] @param {(Node | string)[]} [content]
  * @returns {SVGElement}

@@ -1,6 +1,6 @@
 // Rendering of a capture into the page. Reads nothing back, decides nothing.
 import { drawQr } from "../lib/qr.js";
-import { el, write } from "../lib/dom.js";
+import { button, el, write } from "../lib/dom.js";
 import { settled } from "../lib/capture/target.js";
 import { t } from "../lib/i18n.js";
 import { holdProgress } from "./moments.js";
@@ -109,17 +109,12 @@ function renderState({ progress, counts, members, advice, moments, momentList },
           }),
           ...text.asideTexts(moment),
         ];
-        const button = el(
-          "button",
-          { type: "button", "aria-label": t("rig.undo_moment", { number: index + 1 }) },
-          t("rig.undo"),
-        );
-        button.addEventListener("click", () => undo(moment.id));
+        const label = t("rig.undo_moment", { number: index + 1 });
         return el(
           "li",
           { class: moment.set_aside?.length ? "aside" : "" },
           el("span", {}, words.join(" ")),
-          leads && button,
+          leads && button(t("rig.undo"), () => undo(moment.id), { "aria-label": label }),
         );
       })
       .reverse(),

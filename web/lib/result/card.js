@@ -1,5 +1,5 @@
 // Card at the head of a result: which camera, how good, what to do with it, and what is known of its making.
-import { el } from "../dom.js";
+import { button, el } from "../dom.js";
 import { splitLabel, isVirtual } from "../camera-name.js";
 import { dateText, joinFacts, language, number, pageUrl, rough, formatSize, t } from "../i18n.js";
 import { boardSentence, meaning } from "./meaning.js";
@@ -9,7 +9,7 @@ import { downloadPart } from "./download.js";
 import { reasonTexts } from "./reasons.js";
 import { returnAddress, withResult } from "./return-address.js";
 import { factsOf } from "./source.js";
-import { button, listViews } from "./views.js";
+import { listViews } from "./views.js";
 
 /**
  * @import { Agreement } from "./agreement.js"

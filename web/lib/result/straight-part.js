@@ -1,10 +1,9 @@
 // Part of a result that shows what it does: a picture before and after, and any other photograph of this camera.
-import { el, liveRegion } from "../dom.js";
+import { button, el, liveRegion } from "../dom.js";
 import { formatSize, t } from "../i18n.js";
 import { imageInput } from "../files.js";
 import { comparison, shrinkCalibration } from "./compare.js";
 import { gridPicture } from "./grid-picture.js";
-import { button } from "./views.js";
 
 /** @import { Calibration } from "./numbers.js" */
 

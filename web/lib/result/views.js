@@ -1,5 +1,5 @@
 // List of a result's views, with advice which to retake, and a trial fit without some.
-import { el } from "../dom.js";
+import { button, el } from "../dom.js";
 import { language, number, rough, t } from "../i18n.js";
 import { viewIssue } from "./numbers.js";
 import { magnification, residualPlot } from "./plots.js";
@@ -140,11 +140,4 @@ function trialStatus(calibration, trial, choices) {
     ),
     goOn && el("p", { class: "muted" }, t("result.go_on_text")),
   );
-}
-
-/** @param {string} label @param {() => void} action @param {Record<string, string>} [attributes] */
-export function button(label, action, attributes = {}) {
-  const made = el("button", { type: "button", ...attributes }, label);
-  made.addEventListener("click", action);
-  return made;
 }
