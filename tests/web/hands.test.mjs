@@ -2,11 +2,12 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { DEFAULT_BOARD, corners } from "../../web/lib/board.js";
-import { decide, lenience } from "../../web/calibrate/guidance.js";
+import { decide } from "../../web/calibrate/guidance.js";
 import { nextPlanned } from "../../web/calibrate/plan.js";
 import { initial, reduce } from "../../web/calibrate/reducer.js";
 import { isEnough } from "../../web/calibrate/state.js";
 import { motion } from "../../web/lib/capture/stillness.js";
+import { lenienceAfter } from "../../web/lib/capture/target.js";
 import { Hand } from "../../web/lib/virtual/hand.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { matchPose } from "../../web/lib/virtual/match.js";
@@ -65,7 +66,7 @@ function capture(kind, seed) {
     }
     if (action !== "submit") continue;
     const view = seen(hand.pose(time + FRAME), 0, random);
-    if (motion(state.sight.corners, view) > 3 * lenience(state, time)) continue;
+    if (motion(state.sight.corners, view) > 3 * lenienceAfter(time - state.capture.posedAt)) continue;
     dispatch({ type: "stored", corners: view, stored: state.link.stored + 1, time });
     if (!isEnough(state)) next();
   }

@@ -2,12 +2,12 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { readFileSync } from "node:fs";
 import { DEFAULT_BOARD, corners, outline } from "../../web/lib/board.js";
-import { decide, holdProgress, lenience } from "../../web/calibrate/guidance.js";
+import { decide, holdProgress } from "../../web/calibrate/guidance.js";
 import { initial, reduce } from "../../web/calibrate/reducer.js";
 import { visibility } from "../../web/calibrate/overlay-layer.js";
 import { isEnough, isFinishable, isRestless, isSharpestOffered, offlineGoal } from "../../web/calibrate/state.js";
 import { HEALTHY } from "../../web/lib/capture/sight.js";
-import { HOLD_MS, LONG_HOLD_MS, asMirrored } from "../../web/lib/capture/target.js";
+import { HOLD_MS, LONG_HOLD_MS, asMirrored, lenienceAfter } from "../../web/lib/capture/target.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { transformPoint } from "../../web/lib/pose.js";
 import { observedOutline } from "../../web/lib/board-outline.js";
@@ -297,11 +297,7 @@ test("in a mirrored preview left is right", () => {
 });
 
 test("a hand that is not steady is asked for less, the longer it tries", () => {
-  const state = { capture: { posedAt: 1000 } };
-  assert.deepEqual(
-    [1000, 4000, 5500, 60_000].map((time) => lenience(state, time)),
-    [1, 1, 1.5, 4],
-  );
+  assert.deepEqual([0, 3000, 4500, 59_000].map(lenienceAfter), [1, 1, 1.5, 4]);
   const trembling = (from, ms) =>
     frames(frame(THERE), ms, from).map((event, index) => {
       const points = event.detection.points.map(([x, y]) => [x + (index % 2 ? 3 : 0), y]);

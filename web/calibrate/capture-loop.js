@@ -2,10 +2,11 @@
 // failures.
 import { facts } from "../lib/camera.js";
 import { Engine } from "../lib/capture/engine.js";
+import { lenienceAfter } from "../lib/capture/target.js";
 import { pressByKeys } from "../lib/dom.js";
 import { Sharpest } from "../lib/rank.js";
 import { Pace } from "../lib/frames.js";
-import { decide, lenience } from "./guidance.js";
+import { decide } from "./guidance.js";
 import { loadPlan, nextPlanned, trustedCalibration } from "./plan.js";
 import { RequestQueue } from "./request-queue.js";
 import { isEnough, isFinishable, isSharpestOffered, viewCount } from "./state.js";
@@ -176,8 +177,8 @@ export class CaptureLoop {
 
   async #submit() {
     const { target } = this.#state.sight;
-    const taken =
-      target && (await this.#engine.take(this.#camera, { lenience: () => lenience(this.#state, performance.now()) }));
+    const lenience = () => lenienceAfter(performance.now() - this.#state.capture.posedAt);
+    const taken = target && (await this.#engine.take(this.#camera, { lenience }));
     if (!taken) return;
     const { corners } = taken;
     if (this.#state.link.offline) {

@@ -3,7 +3,7 @@
 import { foreshortening } from "../lib/board-outline.js";
 import { isEnough, isExhausted, viewCount } from "./state.js";
 import { isNear, isThere, movement } from "../lib/capture/sight.js";
-import { HOLD_MS, LONG_HOLD_MS, lenienceAfter, settled } from "../lib/capture/target.js";
+import { HOLD_MS, LONG_HOLD_MS, settled } from "../lib/capture/target.js";
 
 /** @import { Instruction, State } from "./state.js" */
 
@@ -41,14 +41,6 @@ export function isRepeat(held, { capture: { lastRepeat, taken }, sight, link }) 
 export function holdProgress(state) {
   const required = requiredHold(state);
   return required === null || state.link.busy ? 0 : Math.min(1, state.sight.stillness.held / required);
-}
-
-/**
- * Factor on the motion that counts as still: it grows with time, for visitors without a steady hand.
- * @param {State} state @param {number} time ms
- */
-export function lenience({ capture: { posedAt } }, time) {
-  return lenienceAfter(time - posedAt);
 }
 
 /** Time to read why a view was refused, ms. @param {boolean} useless nothing can be done about it */

@@ -1,9 +1,9 @@
 // Reducer of the guided capture: `(state, event) => state`. No clock, no DOM, no network.
 import { BLIND, HEALTHY, aimAt, doubt, isThere, observeFrame } from "../lib/capture/sight.js";
-import { HINTS, SILENT, instruct, isRepeat, lenience, requiredHold, timeToRead } from "./guidance.js";
+import { HINTS, SILENT, instruct, isRepeat, requiredHold, timeToRead } from "./guidance.js";
 import { isOfSize, offlineGoal, viewCount } from "./state.js";
 import { MOVING, motion } from "../lib/capture/stillness.js";
-import { HOLD_MS, LONG_HOLD_MS, asMirrored } from "../lib/capture/target.js";
+import { HOLD_MS, LONG_HOLD_MS, asMirrored, lenienceAfter } from "../lib/capture/target.js";
 
 /**
  * @import { SessionState, ViewAnswer } from "../lib/session.js"
@@ -340,7 +340,7 @@ function follow(state, { detection, time }) {
   const { ids, markers, size } = detection;
   const { capture, detector, ui } = state;
   if (!isOfSize(size, capture.key)) return reduce(state, { type: "failed", code: "resized" });
-  const sight = observeFrame(state.sight, detection, time, state.board, lenience(state, time));
+  const sight = observeFrame(state.sight, detection, time, state.board, lenienceAfter(time - capture.posedAt));
   const { corners, stillness, diagnosis, distance } = sight;
   const { stopAskedAt } = ui;
   const next = change(state, {
