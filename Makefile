@@ -51,7 +51,7 @@ lint: ## check style, types, imports, wording, the template, and dependencies fo
 .drawn .ruff .wording .imports .mypy .cfn-lint .audit: .venv/.made
 
 .node:
-	node --test $(filter-out $(DRAWN) $(BUNDLED),$(wildcard tests/web/*.test.mjs))
+	node tests/web/together.mjs $(filter-out $(DRAWN) $(BUNDLED),$(wildcard tests/web/*.test.mjs))
 
 .drawn:
 	node --test $(DRAWN)

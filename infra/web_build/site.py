@@ -1,10 +1,10 @@
 """The static site as served and deployed: files made of their sources, the rest as it lies in `web/`.
 
-A page is an HTML file of `web/`, or of a generator (`_generators`), complete and in English. `site.mjs` gives
-all of them the same header, footer, skip link and preloads, puts in the parts that several pages share
-(`parts/`), and makes those that have texts of the message catalogs in every language: `board/index.html` is
-also `de/board/index.html`. A page that is not there yet is left out of the navigation. Scripts and styles
-lose their comments and indentation.
+A page is an HTML file of `web/`, or of a generator (`_generators`). Texts of the message catalogs are only
+there, English ones also. `site.mjs` puts them in, and makes such pages in every language: `board/index.html`
+is also `de/board/index.html`. It gives all pages the same header, footer, skip link and preloads, and puts in
+the parts that several pages share (`parts/`). A page that is not there yet is left out of the navigation.
+Scripts and styles lose their comments and indentation.
 
     python -m infra.web_build.site .build/web     # the whole site, as files
 

@@ -5,12 +5,10 @@ import { reach } from "../../web/lib/network.js";
 import { Api, ApiError, OfflineError } from "../../web/lib/api.js";
 import { CaptureSession, isUnavailable } from "../../web/lib/session.js";
 import { viewCount } from "../../web/calibrate/state.js";
+import { json } from "./globals.mjs";
 
-const json = (status, body, headers = {}) =>
-  new Response(body === null ? null : JSON.stringify(body), {
-    status,
-    headers: { "content-type": "application/json", ...headers },
-  });
+const REQUEST = { camera: "c", platform: "p", img_size: [640, 480] };
+const view = (id) => ({ ids: [id], points: [[id, id]] });
 
 /** A service that answers from a list, and remembers what it was asked and how long it was waited for. */
 function service(answers) {
@@ -133,16 +131,11 @@ test("what is asked for the first time is said to be, by kind and not by view", 
     [true, true, true, false, true, false, true, false],
     [false, false, false, false, false, false, false, false],
   ]) {
-    const capture = new CaptureSession(
-      api,
-      "token",
-      { camera: "c", platform: "p", img_size: [640, 480] },
-      { answered },
-    );
+    const capture = new CaptureSession(api, "token", REQUEST, { answered });
     capture.onRequest = (isFirst) => asked.push(isFirst);
     await capture.start();
     await capture.pose(); // as numbers and as a picture
-    for (const index of [0, 1]) await capture.submit(index, { ids: [index], points: [[1, 1]] });
+    for (const index of [0, 1]) await capture.submit(index, view(index));
     for (const _ of [0, 1]) await capture.undo();
     assert.deepEqual(asked.splice(0), expected);
   }
@@ -162,12 +155,12 @@ test("an expired session is begun anew with the views it had", async () => {
     known.set(`${session} ${index++}`, body.ids);
     return json(200, { status: "capturing", accepted: true, reason: null, views: [] });
   });
-  const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });
+  const capture = new CaptureSession(api, "token", REQUEST);
   await capture.start();
-  await capture.submit(0, { ids: [1], points: [[1, 1]] });
-  await capture.submit(1, { ids: [2], points: [[2, 2]] });
+  await capture.submit(0, view(1));
+  await capture.submit(1, view(2));
   known.set("expired", true);
-  await capture.submit(2, { ids: [3], points: [[3, 3]] });
+  await capture.submit(2, view(3));
   assert.deepEqual(
     [...known].filter(([key]) => key.startsWith("s2")).map(([, ids]) => ids),
     [[1], [2], [3]],
@@ -185,11 +178,11 @@ test("a capture is taken up again with the views it had, also one whose answer w
     if (broken) return new OfflineError();
     return json(200, { accepted: true, status: "capturing", views: [...taken.keys()].map((index) => ({ index })) });
   });
-  const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });
+  const capture = new CaptureSession(api, "token", REQUEST);
   await capture.start();
-  await capture.submit(0, { ids: [1], points: [[1, 1]] });
+  await capture.submit(0, view(1));
   broken = true;
-  await assert.rejects(capture.submit(1, { ids: [2], points: [[2, 2]] }), OfflineError);
+  await assert.rejects(capture.submit(1, view(2)), OfflineError);
   broken = false;
   assert.deepEqual((await capture.resume(api)).state.views, [{ index: 0 }, { index: 1 }]);
   await capture.undo();
@@ -210,9 +203,7 @@ test("views taken while the service is away are sent in order once it is back, b
     if (accepted) taken.push(body.ids[0]);
     return json(200, { accepted, status: "capturing", views: taken.map((_, index) => ({ index })) });
   });
-  const view = (id) => ({ ids: [id], points: [[id, id]] });
-  const request = { camera: "c", platform: "p", img_size: [640, 480] };
-  const capture = new CaptureSession(api, "token", request, {
+  const capture = new CaptureSession(api, "token", REQUEST, {
     about: "c",
     save: (now) => (saved = structuredClone(now)),
   });
@@ -228,7 +219,7 @@ test("views taken while the service is away are sent in order once it is back, b
   assert.equal(viewCount({ capture: { session: { views: [{ index: 0 }] } }, link: { stored: capture.waiting } }), 4);
   await assert.rejects(capture.resume(), isUnavailable);
   away = false;
-  const next = new CaptureSession(api, "token", request, { about: "c", saved });
+  const next = new CaptureSession(api, "token", REQUEST, { about: "c", saved });
   const { state, refused } = await next.resume();
   assert.deepEqual([taken, refused, state.views.length, next.waiting], [[1, 2, 4], 1, 3, 0]);
 });
@@ -242,9 +233,9 @@ test("a capture begun without the service is sent once it is there, and may be s
     return json(200, { accepted: true, status: "capturing", views: taken.map((_, index) => ({ index })) });
   });
   let told = 0;
-  const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });
-  capture.store({ ids: [1], points: [[1, 1]] });
-  capture.store({ ids: [2], points: [[2, 2]] });
+  const capture = new CaptureSession(api, "token", REQUEST);
+  capture.store(view(1));
+  capture.store(view(2));
   assert.deepEqual([capture.size, capture.waiting, capture.lastIsTaken], [2, 2, false]);
   const back = await capture.resume(undefined, { onSending: () => (told += 1) });
   assert.deepEqual(
@@ -269,8 +260,8 @@ test("a capture begun without the service is sent once it is there, and may be s
 
 test("a view not yet sent is taken back without the service", async () => {
   const { api, calls } = service(() => json(200, {}));
-  const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });
-  capture.store({ ids: [1], points: [[1, 1]] });
+  const capture = new CaptureSession(api, "token", REQUEST);
+  capture.store(view(1));
   assert.equal(await capture.undo(), null);
   assert.deepEqual([calls.length, capture.waiting], [0, 0]);
 });
@@ -294,7 +285,7 @@ test("the picture is asked for as JPEG, and a skip is asked for once", async () 
   const { api, calls } = service(({ accept }) =>
     accept === "image/jpeg" ? new Response("picture", { status: 200 }) : json(200, { index: 4 }),
   );
-  const capture = new CaptureSession(api, "token", { camera: "c", platform: "p", img_size: [640, 480] });
+  const capture = new CaptureSession(api, "token", REQUEST);
   const { pose, picture } = await capture.pose({ skip: true });
   assert.deepEqual([pose.index, await picture.text()], [4, "picture"]);
   assert.deepEqual(

@@ -7,6 +7,8 @@ import { lensDifference } from "../../web/lib/lens-difference.js";
 import { widthOf } from "../../web/cameras/list.js";
 import { forgetOwn, keepOwn, ownCalibrations } from "../../web/lib/own-calibrations.js";
 import { agreementOf, followAgreement } from "../../web/lib/result/agreement.js";
+import { keepHere } from "./globals.mjs";
+import { askPhoneModel, modelsOf, phoneModel } from "../../web/lib/phone-model.js";
 
 const lens = (f, cx, cy, distortion_coefficients, distortion_model = "rectilinear") => ({
   img_size: [1280, 720],
@@ -113,15 +115,15 @@ test("a calibration stands with those that agree, once the consensus counts it",
   assert.equal(agreementOf("key", { modes: [] }, { id: "a", img_size: [1280, 720], zoom: 0 }).agreeing, 1);
 });
 
-test("the agreement is asked for until the consensus counts the calibration, and not for ever", async () => {
+test("the agreement is asked for until the consensus counts the calibration, and not for ever", async (t) => {
   const asked = [];
-  globalThis.fetch = async (url) => {
+  t.mock.method(globalThis, "fetch", async (url) => {
     const { pathname } = new URL(String(url), "http://page.example/");
     if (pathname.endsWith("config.json")) return Response.json({ api: "/v1", token: "t" });
     asked.push(pathname);
     return Response.json({ modes: [asked.length < 3 ? mode : { ...mode, agreeing: 3, groups: [["a", "b", "c"]] }] });
-  };
-  globalThis.localStorage ??= { getItem: () => null, setItem() {}, removeItem() {} };
+  });
+  keepHere(t);
   const told = [];
   const calibration = { id: "c", img_size: [1280, 720], zoom: 0 };
   await followAgreement(
@@ -143,13 +145,8 @@ test("the agreement is asked for until the consensus counts the calibration, and
   assert.equal(told.length, 1, "one that is not listed will not be");
 });
 
-test("own calibrations are kept once, the newest first, and forgotten one by one or all", () => {
-  const kept = new Map();
-  globalThis.localStorage = {
-    getItem: (key) => kept.get(key) ?? null,
-    setItem: (key, value) => kept.set(key, value),
-    removeItem: (key) => kept.delete(key),
-  };
+test("own calibrations are kept once, the newest first, and forgotten one by one or all", (t) => {
+  const kept = keepHere(t);
   const own = (id) => ({ id, camera: "C920", img_size: [1280, 720], time: 1, level: "good", rms: 0.1 });
   for (const id of ["a", "b", "a"]) keepOwn(own(id));
   assert.deepEqual(
@@ -171,4 +168,54 @@ test("the width of view follows from the focal length and the model", () => {
   assert.ok(Math.abs(at(500, "rectilinear") - 90) < 1e-9);
   assert.ok(Math.abs(at(1000 / Math.PI, "fisheye") - 180) < 1e-9);
   assert.deepEqual([at(null, "rectilinear"), at(700, "omnidirectional")], [null, null]);
+});
+
+const SAFARI = "Mozilla/5.0 (iPhone; CPU iPhone OS 17_5 like Mac OS X) AppleWebKit/605.1.15";
+const MAC = "Mozilla/5.0 (Macintosh; Intel Mac OS X 10_15_7) AppleWebKit/605.1.15";
+const air = { width: 420, height: 912, ratio: 3 };
+const signal = new AbortController().signal;
+
+test("the screen leaves few models, upright or turned", () => {
+  const upright = modelsOf({ width: 390, height: 844, ratio: 3 });
+  assert.deepEqual(upright, modelsOf({ width: 844, height: 390, ratio: 3 }));
+  assert.ok(upright.some(([, id]) => id === "iPhone14,5"));
+  assert.ok(upright.length <= 6);
+  assert.deepEqual(modelsOf({ width: 391, height: 844, ratio: 3 }), []);
+});
+
+test("identifiers are Apple's, and none stands for two models", () => {
+  const screens = [
+    [320, 568, 2],
+    [375, 667, 2],
+    [414, 736, 3],
+    [375, 812, 3],
+    [414, 896, 2],
+    [414, 896, 3],
+    [390, 844, 3],
+    [428, 926, 3],
+    [393, 852, 3],
+    [430, 932, 3],
+    [402, 874, 3],
+    [440, 956, 3],
+    [420, 912, 3],
+  ];
+  const ids = screens.flatMap(([width, height, ratio]) => modelsOf({ width, height, ratio }).map(([, id]) => id));
+  assert.equal(new Set(ids).size, ids.length);
+  for (const id of ids) assert.match(id, /^iPhone[0-9]{1,2},[0-9]$/);
+  assert.ok(ids.length > 35);
+});
+
+test("nothing is asked of other devices, and what the screen says alone is taken", async (t) => {
+  const kept = keepHere(t);
+  assert.equal(await askPhoneModel(signal, { userAgent: MAC, screen: air }), "");
+  assert.equal(await askPhoneModel(signal, { userAgent: SAFARI, screen: { width: 1, height: 2, ratio: 3 } }), "");
+  assert.equal(kept.size, 0);
+  assert.equal(await askPhoneModel(signal, { userAgent: SAFARI, screen: air }), "iPhone18,4");
+  assert.equal(phoneModel(), "iPhone18,4");
+  kept.set("calibdb.phone-model", "-");
+  assert.equal(
+    await askPhoneModel(signal, { userAgent: SAFARI, screen: air }),
+    "",
+    "who does not know is not asked again",
+  );
 });

@@ -2,25 +2,30 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Captures } from "../../web/calibrate/captures.js";
 import { captureKey } from "../../web/calibrate/state.js";
+import { json, keepHere, setGlobals } from "./globals.mjs";
+import { RequestQueue } from "../../web/calibrate/request-queue.js";
+import { LICENCE_VERSION } from "../../web/lib/consent.js";
+import { calibrate } from "../../web/lib/series.js";
+import { CaptureSession } from "../../web/lib/session.js";
+import { isPracticeReturned } from "../../web/calibrate/history.js";
+import { knownOf, knownText } from "../../web/calibrate/sender.js";
+import "./messages.mjs";
 
 const REQUEST = { camera: "c", platform: "p", img_size: [640, 480], zoom: 0, distortion_model: "rectilinear" };
 const view = (id) => ({ ids: [id], points: [[id, id]] });
-const answer = (status, body) =>
-  new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json" } });
-
 /** A service that takes every view; gives what it was sent, session by session. */
 function serve(t) {
   const sent = [];
   const state = () => ({ status: "capturing", accepted: true, views: sent.at(-1).map((_, index) => ({ index })) });
   t.mock.method(globalThis, "fetch", async (address, { method = "GET", body } = {}) => {
     const call = `${method} ${new URL(address).pathname.split("/").slice(-2).join("/")}`;
-    if (call.endsWith("config.json")) return answer(200, { api: "https://calibdb.example/v1", token: "t" });
-    if (call === "POST v1/auth") return answer(201, { session_id: `s${sent.push([])}` });
-    if (call === "GET session/pose") return answer(200, { index: sent.at(-1).length });
+    if (call.endsWith("config.json")) return json(200, { api: "https://calibdb.example/v1", token: "t" });
+    if (call === "POST v1/auth") return json(201, { session_id: `s${sent.push([])}` });
+    if (call === "GET session/pose") return json(200, { index: sent.at(-1).length });
     if (call === "POST session/views") sent.at(-1).push(JSON.parse(body).ids[0]);
-    return answer(200, state());
+    return json(200, state());
   });
-  globalThis.localStorage ??= { getItem: () => null, setItem() {} };
+  keepHere(t);
   return sent;
 }
 
@@ -54,3 +59,169 @@ for (const room of [true, false]) {
     assert.deepEqual(sent, [[1, 2, 3], [1, 3], []], "what was taken up is not taken up twice");
   });
 }
+
+// Return of the service to a capture: attempts to reconnect, and the views that were stored meanwhile.
+
+const FIRST_PAUSE_MS = 1_000;
+
+/**
+ * A queue without the service; each attempt to reconnect stores as many views as are said for it, and may renew the
+ * session.
+ */
+function away(t, storedMeanwhile, renewals = 0) {
+  const browser = new EventTarget(); // what a page hears of its network
+  setGlobals(t, { addEventListener: browser.addEventListener.bind(browser) });
+  t.mock.timers.enable({ apis: ["setTimeout"] });
+  const [attempts, events] = [[], []];
+  const session = {
+    waiting: 1,
+    renewals: 0,
+    stored: () => session.waiting,
+    async resume() {
+      session.waiting = storedMeanwhile[attempts.length] ?? 0;
+      attempts.push(session.waiting);
+      session.renewals = renewals;
+      return { state: { status: "capturing" }, taken: 1, refused: 0 };
+    },
+  };
+  const state = { link: { busy: false, offline: true }, phase: "capturing", capture: {} };
+  const page = { state: () => state, dispatch: (event) => events.push(event), fail: (error) => assert.fail(error) };
+  const options = {
+    dispatch: page.dispatch,
+    signal: new AbortController().signal,
+    onOffline() {},
+    async onOnline() {},
+  };
+  new RequestQueue(page, session, options).goOffline();
+  return { attempts, events, browser };
+}
+
+/** Lets all that waits for nothing but promises run. */
+const settle = () => new Promise((resolve) => setImmediate(resolve));
+
+test("views that are stored while earlier ones are sent follow at once", async (t) => {
+  const { attempts, events } = away(t, [2, 1, 0]);
+  await settle();
+  assert.deepEqual(attempts, [], "the service was away a moment ago");
+  t.mock.timers.tick(FIRST_PAUSE_MS);
+  await settle();
+  assert.deepEqual(attempts, [2, 1, 0]);
+  assert.deepEqual(
+    events.map(({ type, taken }) => [type, taken]),
+    [["online", 3]],
+  );
+});
+
+test("a network that is back is used at once", async (t) => {
+  const { attempts, events, browser } = away(t, [0]);
+  browser.dispatchEvent(new Event("online"));
+  await settle();
+  assert.deepEqual(attempts, [0]);
+  assert.deepEqual(
+    events.map(({ type }) => type),
+    ["online"],
+  );
+});
+
+test("a session that took the place of an expired one during an outage is told of", async (t) => {
+  const { events, browser } = away(t, [0], 1);
+  browser.dispatchEvent(new Event("online"));
+  await settle();
+  assert.deepEqual(
+    events.map(({ type, notice }) => notice?.key ?? type),
+    ["online", "capture.begun_anew"],
+  );
+});
+
+let fresh = 0;
+
+/** Bodies of POST /session that both kinds of capture send, with the consent that is kept now. */
+async function started() {
+  // The choice is read once a page: another page is another module.
+  const page = `?${fresh++}`;
+  const sent = [];
+  const json = async (method, path, _, { body } = {}) => {
+    if (path === "/session" && method === "POST") sent.push(body);
+    return { session_id: "s", views: [] };
+  };
+  const api = { json, send: async (...call) => new Response(JSON.stringify(await json(...call))) };
+  return { sent, api, page };
+}
+
+test("no session says a licence unless the person agreed", async (t) => {
+  keepHere(t);
+  const { sent, api } = await started();
+  await calibrate(api, "t", REQUEST, [], () => {});
+  await new CaptureSession(api, "t", REQUEST).start();
+  assert.deepEqual(
+    sent.map((body) => [body.licence, body.licence_version]),
+    [
+      [undefined, undefined],
+      [undefined, undefined],
+    ],
+  );
+});
+
+test("consent to an earlier text is none to this one", async (t) => {
+  const kept = keepHere(t);
+  kept.set("calibdb.consent", "2020-01-01");
+  const { hasConsent } = await import("../../web/lib/consent.js?earlier");
+  assert.equal(hasConsent(), false);
+  kept.set("calibdb.consent", LICENCE_VERSION);
+  const { consentFields } = await import("../../web/lib/consent.js?later");
+  assert.deepEqual(consentFields(), { licence: "CC0-1.0", licence_version: LICENCE_VERSION });
+});
+
+test("a session that was started without a licence is given it under its own id, by another connection", async (t) => {
+  const kept = keepHere(t);
+  const { sent, api } = await started();
+  kept.delete("calibdb.consent");
+  const session = new CaptureSession({ ...api, json: api.json, send: api.send }, "t", REQUEST);
+  await session.start();
+  kept.set("calibdb.consent", LICENCE_VERSION);
+  const calls = [];
+  await session.license({ json: async (...call) => void calls.push(call) });
+  assert.equal(sent.length, 1);
+  assert.deepEqual(
+    calls.map(([method, path]) => [method, path]),
+    [["POST", "/session/licence"]],
+  );
+});
+
+const location = new URL("https://calibdb.example/calibrate/");
+const VIRTUAL = "calibDB virtual camera 42e1b240";
+
+test("an application under development gets a practice result, any other only if it asked for one", (t) => {
+  setGlobals(t, { location });
+  assert.equal(isPracticeReturned("http://localhost:9000/app", "HD Pro Webcam C920"), true);
+  assert.equal(isPracticeReturned("http://127.0.0.1:9000/", null), true);
+  assert.equal(isPracticeReturned("https://app.example/", "HD Pro Webcam C920"), false);
+  assert.equal(isPracticeReturned("https://localhost.app.example/", null), false);
+  assert.equal(isPracticeReturned("https://app.example/", VIRTUAL), true);
+  assert.equal(isPracticeReturned(null, null), false);
+  assert.equal(isPracticeReturned("/ar/", null), false, "a page of this site is no application under development");
+});
+
+test("what a camera still needs is told for the size that was asked for", () => {
+  const size = (img_size, agreeing, reliable = false) => ({
+    img_size,
+    calibrations: agreeing,
+    agreeing,
+    required: 5,
+    reliable,
+  });
+  const answer = {
+    cameras: [
+      { camera: "HD Pro Webcam C920", sizes: [size([640, 480], 3), size([1280, 720], 9, true)] },
+      { camera: "HD Pro Webcam C920 Plus", sizes: [size([640, 480], 4)] },
+    ],
+  };
+  const said = (label, img_size) => knownText(knownOf(answer, label, img_size));
+  assert.match(said("HD Pro Webcam C920 (046d:082d)", [640, 480]), /^2 more calibrations are needed/);
+  assert.match(said("hd pro webcam c920", [1280, 720]), /knows this camera already/);
+  assert.match(said("HD Pro Webcam C920", [1920, 1080]), /new here/);
+  assert.match(said("Another", null), /new here/);
+  const apart = { cameras: [{ camera: "C920", sizes: [size([640, 480], 6)] }] };
+  assert.match(knownText(knownOf(apart, "C920", [640, 480])), /do not agree yet/);
+  assert.equal(knownText(null), "");
+});

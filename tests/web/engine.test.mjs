@@ -5,8 +5,7 @@ import { DEFAULT_BOARD } from "../../web/lib/board.js";
 import { Engine } from "../../web/lib/capture/engine.js";
 import { DetectorError, PageDetector } from "../../web/lib/detector.js";
 import { BLIND, observeFrame } from "../../web/lib/capture/sight.js";
-
-globalThis.document = { hidden: false };
+import { setGlobals } from "./globals.mjs";
 
 const SIZE = [1280, 720];
 const IDS = Array.from({ length: 40 }, (_, id) => id);
@@ -21,7 +20,7 @@ const detection = ({ shift = 0, sharpness = 0.15, size = SIZE } = {}) => ({
 /** A stream of one camera or of two that share it. */
 function streamOf(count = 1) {
   const stream = {
-    video: { requestVideoFrameCallback: (done) => setImmediate(done) },
+    video: { requestVideoFrameCallback: (done) => setTimeout(done, 20) },
     unchanged: true,
     open: 0,
     locked: 0,
@@ -47,7 +46,8 @@ const detectorOf = (...answers) => ({
 });
 
 /** A page that stops after so many rounds; `log` has the calls of the engine. */
-function pageOf(rounds, more = {}) {
+function pageOf(t, rounds, more = {}) {
+  setGlobals(t, { document: { hidden: false } });
   const log = [];
   const sights = new Map();
   const page = {
@@ -74,56 +74,52 @@ function pageOf(rounds, more = {}) {
   return page;
 }
 
-const engineOf = (page, cameras, detector, more = {}) =>
+/** An engine that is given these detectors, one after the other. */
+const engineOf = (page, cameras, ...detectors) =>
   new Engine(page, {
     cameras,
     board: () => DEFAULT_BOARD,
-    detector: Promise.resolve(detector),
-    openDetector: async () => assert.fail("another detector"),
+    openDetector: async () => detectors.shift() ?? assert.fail("another detector"),
     signal: new AbortController().signal,
-    ...more,
   });
 
-test("each camera is looked at in each round, and no image is left open", async () => {
+test("each camera is looked at in each round, and no image is left open", async (t) => {
   const [pair, single] = [streamOf(2), streamOf()];
   const cameras = [
     { stream: pair, half: 0 },
     { stream: pair, half: 1 },
     { stream: single, half: 0 },
   ];
-  const page = pageOf(2);
+  const page = pageOf(t, 2);
   await engineOf(page, cameras, detectorOf(detection())).run();
   assert.deepEqual(page.log, [...["seen 0", "seen 1", "seen 0", "act"], ...["seen 0", "seen 1", "seen 0", "act"]]);
   // The detector closes an image, and the engine does so again, which does nothing in a browser.
   assert.ok(pair.open <= 0 && single.open <= 0);
 });
 
-test("a detector that stops is replaced three times; the fourth failure ends the capture", async () => {
-  const broken = () => detectorOf(new DetectorError("gone"));
-  const made = [];
-  const openDetector = async () => {
-    made.push(broken());
-    return made.at(-1);
-  };
-  const page = pageOf(1);
-  const first = broken();
-  await assert.rejects(engineOf(page, [{ stream: streamOf(), half: 0 }], first, { openDetector }).run(), DetectorError);
+test("a detector that stops is replaced three times; the fourth failure ends the capture", async (t) => {
+  const made = Array.from({ length: 4 }, () => detectorOf(new DetectorError("gone")));
+  const page = pageOf(t, 1);
+  await assert.rejects(engineOf(page, [{ stream: streamOf(), half: 0 }], ...made).run(), DetectorError);
   assert.deepEqual(page.log, ["stalled", "again", "stalled", "again", "stalled", "again"]);
-  assert.ok(first.closed && made.length === 3 && made[0].closed && made[1].closed);
+  assert.deepEqual(
+    made.map(({ closed }) => closed),
+    [true, true, true, false],
+  );
 });
 
-test("a turned device is reported before its images are looked at", async () => {
-  const page = pageOf(1);
+test("a turned device is reported before its images are looked at", async (t) => {
+  const page = pageOf(t, 1);
   await engineOf(page, [{ stream: { ...streamOf(), unchanged: false }, half: 0 }], detectorOf(detection())).run();
   assert.deepEqual(page.log, ["resized"]);
 });
 
-test("a view is searched thoroughly; a jerk, blur and another size are refused", async () => {
+test("a view is searched thoroughly; a jerk, blur and another size are refused", async (t) => {
   const taken = async (view, lenience) => {
     const camera = { stream: streamOf(), half: 0 };
     const detector = detectorOf(detection(), detection(), view);
     let found;
-    const page = pageOf(2);
+    const page = pageOf(t, 2);
     const act = page.act;
     const engine = engineOf(page, [camera], detector);
     page.act = async () => {
@@ -141,11 +137,11 @@ test("a view is searched thoroughly; a jerk, blur and another size are refused",
   assert.deepEqual((await taken(detection({ size: [720, 1280] }))).log.slice(-1), ["resized"]);
 });
 
-test("the focus of a camera is locked once, when the board has been held before it", async () => {
+test("the focus of a camera is locked once, when the board has been held before it", async (t) => {
   const stream = streamOf();
   let focused = 0;
   const start = performance.now();
-  const page = pageOf(0, {
+  const page = pageOf(t, 0, {
     isOver: () => performance.now() - start > 600,
     act: async () => {},
     onFocused: () => (focused += 1),
@@ -154,7 +150,7 @@ test("the focus of a camera is locked once, when the board has been held before 
   assert.deepEqual([stream.locked, focused], [1, 1]);
 });
 
-test("other boards are looked for while the page wants it and no corner is seen", async () => {
+test("other boards are looked for while the page wants it and no corner is seen", async (t) => {
   const searched = async (found, isSearched) => {
     const detector = detectorOf(found);
     let looks = 0;
@@ -165,7 +161,7 @@ test("other boards are looked for while the page wants it and no corner is seen"
     };
     const suggestions = [];
     const start = performance.now();
-    const page = pageOf(0, {
+    const page = pageOf(t, 0, {
       isOver: () => performance.now() - start > 800,
       act: async () => {},
       isSearched: () => isSearched,

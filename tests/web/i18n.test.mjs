@@ -1,8 +1,10 @@
 import assert from "node:assert/strict";
 import { readFileSync, readdirSync } from "node:fs";
 import { test } from "node:test";
+import { runInNewContext } from "node:vm";
+import { parseHTML } from "linkedom";
 import { mentionedKeys } from "../../infra/web_build/messages.mjs";
-import { LANGUAGES, choose, hasMessage, addMessages, number, rough, say, setLanguage } from "../../web/lib/i18n.js";
+import { LANGUAGES, addMessages, choose, hasMessage, number, rough, say, setLanguage } from "../../web/lib/i18n.js";
 import { messages } from "./messages.mjs";
 
 const WEB = new URL("../../web/", import.meta.url);
@@ -23,9 +25,6 @@ const sources = [...files("", ".js"), ...files("", ".html")]
 const texts = (text) => (typeof text === "string" ? [text] : Object.values(text));
 /** Parameters of a text: values in braces, children of the element. */
 const needs = (text) => [...new Set(texts(text).flatMap((form) => form.match(/\{\w+\}|<\d>/g) ?? []))].sort();
-
-// Elements whose whole content is a text
-const WITH_TEXT = "p|h\\d|a|button|label|span|th|td|li|summary|legend|figcaption|option|title|strong|dt|dd|caption";
 
 test("every text is there in every language, with the same values", () => {
   for (const language of Object.keys(LANGUAGES)) {
@@ -67,21 +66,13 @@ test("every text is used, and every text used is there", () => {
   );
 });
 
-test("a page reads in English before its script has run", () => {
+test("pages have no copies of the catalogs' texts", () => {
   const parts = readdirSync(PARTS).map((name) => new URL(name, PARTS));
   for (const name of [...files("", ".html").map((each) => new URL(each, WEB)), ...parts]) {
-    const page = readFileSync(name, "utf8");
-    for (const [, key, content] of page.matchAll(
-      new RegExp(`<\\w+[^>]* data-t="([^"]+)"[^>]*>([^]*?)</(?:${WITH_TEXT})>`, "g"),
-    )) {
-      const text = say(key, {}, "en").replace(/<\/?\d>/g, "");
-      const shown = content
-        .replace(/<[^>]*>/g, "")
-        .replace(/\s+/g, " ")
-        .trim();
-      if (shown && !content.includes("data-t"))
-        assert.ok(text.startsWith(shown) || shown === text, `${name}: ${key}: ${shown} / ${text}`);
-    }
+    const { document } = parseHTML(readFileSync(name, "utf8"));
+    for (const { dataset, textContent } of document.querySelectorAll("[data-t]"))
+      assert.equal(textContent, "", `${name}: ${dataset.t}`);
+    assert.equal(document.querySelector("[data-t-label][aria-label], [data-t-content][content]"), null, `${name}`);
   }
 });
 
@@ -119,4 +110,68 @@ test("numbers have the signs and digits of people", () => {
   assert.equal(number(-0.00001, 4), "0,0000");
   setLanguage("en");
   assert.deepEqual([0.0123, 0.31, 3.14159, 31.4, 314].map(rough), ["0.012", "0.31", "3.1", "31", "314"]);
+});
+
+const SCRIPT = readFileSync(new URL("../../web/language.js", import.meta.url), "utf8");
+
+/**
+ * Runs the script of a page's head at an address.
+ * @returns {string | null} the address that it leads to; null where the page stays
+ */
+function visit(address, { kept = null, preferred = ["en-US"], storage = true } = {}) {
+  const url = new URL(address, "https://site.example/");
+  let led = null;
+  let written = "";
+  const localStorage = { getItem: () => kept };
+  runInNewContext(SCRIPT, {
+    URL,
+    URLSearchParams,
+    navigator: { languages: preferred },
+    document: {
+      currentScript: { src: "https://site.example/language.js" },
+      write: (text) => {
+        written += text;
+      },
+    },
+    location: {
+      pathname: url.pathname,
+      search: url.search,
+      hash: url.hash,
+      replace: (there) => {
+        led = there;
+      },
+    },
+    get localStorage() {
+      if (!storage) throw new DOMException("denied", "SecurityError");
+      return localStorage;
+    },
+  });
+  // What it leaves is not shown and not run.
+  assert.equal(written, led === null ? "" : "<plaintext hidden>");
+  return led;
+}
+
+test("who reads German or Ukrainian is led there from an English address, with query and fragment", () => {
+  assert.equal(visit("/", { preferred: ["de-AT", "en"] }), "/de/");
+  assert.equal(visit("/result/?id=a%20b&x=1#y", { preferred: ["fr", "uk"] }), "/uk/result/?id=a+b&x=1#y");
+  assert.equal(visit("/board/"), null);
+  assert.equal(visit("/board/", { preferred: ["fr-FR"] }), null);
+  assert.equal(visit("/board/", { preferred: ["en", "de"] }), null);
+});
+
+test("a choice made before is kept, and an address with a language decides", () => {
+  assert.equal(visit("/board/", { kept: "de" }), "/de/board/");
+  assert.equal(visit("/board/", { kept: "en", preferred: ["de"] }), null);
+  assert.equal(visit("/de/board/", { kept: "uk", preferred: ["en"] }), null);
+  assert.equal(visit("/design/", { kept: "en" }), null);
+  assert.equal(visit("/board/", { storage: false, preferred: ["de"] }), "/de/board/");
+});
+
+test("?lang= asks for a language, whatever else is known", () => {
+  assert.equal(visit("/calibrate/?virtual=1&lang=uk", { kept: "de" }), "/uk/calibrate/?virtual=1");
+  assert.equal(visit("/de/calibrate/?virtual=1&lang=en"), "/calibrate/?virtual=1&lang=en");
+  assert.equal(visit("/calibrate/?lang=en", { preferred: ["de"] }), null);
+  assert.equal(visit("/de/board/?lang=uk"), "/uk/board/");
+  assert.equal(visit("/de/board/?lang=de"), null);
+  assert.equal(visit("/board/?lang=fr", { preferred: ["de"] }), "/de/board/");
 });

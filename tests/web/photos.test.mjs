@@ -210,10 +210,10 @@ const views = [0, 1, 5, 2, 3].map((id) => ({ ids: [id], points: [[id, id]] }));
 const request = { camera: "A", platform: "photographs", img_size: [1280, 720] };
 
 test("every view that agrees counts, however little it adds", async () => {
-  const { api, calls, bodies } = service({ reached: [3, 1, 0.5, 0.5] });
+  const { api, calls, bodies } = service({ reached: [3, 1, 0.5, 40] });
   const judged = [];
   const { state, wanted, numbers } = await calibrate(api, "t", request, views, (judgement) => judged.push(judgement));
-  assert.equal(state.status, "converged");
+  assert.deepEqual([state.status, state.calibration_id], ["converged", "id"], "a poor result is kept for its maker");
   assert.deepEqual(
     [...numbers],
     [
@@ -232,7 +232,7 @@ test("every view that agrees counts, however little it adds", async () => {
       [0, null, 3],
       [3, 3, 1],
       [4, 1, 0.5],
-      [1, 0.5, 0.5],
+      [1, 0.5, 40],
     ],
   );
   assert.equal(judged.filter(({ view }) => view === 2).length, 1, "what no other view can mend is offered once");
@@ -247,7 +247,7 @@ test("every view that agrees counts, however little it adds", async () => {
 test("views for which a request has no time are sent in the next", async () => {
   const { api, bodies } = service({ reached: [3, 1, 0.5, 0.5], most: 2 });
   const judged = [];
-  const { numbers } = await calibrate(api, "t", request, views, (judgement) => judged.push(judgement.view));
+  await calibrate(api, "t", request, views, (judgement) => judged.push(judgement.view));
   const batches = bodies
     .filter((body) => body?.views)
     .map(({ index, views: sent }) => [index, sent.map(({ ids }) => ids[0])]);
@@ -258,15 +258,6 @@ test("views for which a request has no time are sent in the next", async () => {
     [3, [1]],
   ]);
   assert.deepEqual(judged, [0, 1, 2, 3, 4, 1]);
-  assert.deepEqual(
-    [...numbers],
-    [
-      [0, 0],
-      [1, 3],
-      [2, 4],
-      [3, 1],
-    ],
-  );
 });
 
 test("what was used is shown first, in the order in which the error fell", () => {
@@ -281,14 +272,6 @@ test("what was used is shown first, in the order in which the error fell", () =>
     sortByGain(["a", "b", "c", "d", "e"], (name) => judgements[name]),
     ["e", "d", "b", "a", "c"],
   );
-});
-
-test("a poor result is kept for its maker", async () => {
-  const { api, calls } = service({ reached: [9, 7, 5, 40] });
-  const { state, wanted } = await calibrate(api, "t", request, views, () => {});
-  assert.equal(state.calibration_id, "id");
-  assert.deepEqual(wanted, { index: 4 });
-  assert.ok(calls.includes("POST /session/finish"));
 });
 
 test("views that are too few are not stored; what would help is asked for", async () => {

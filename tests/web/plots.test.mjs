@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./messages.mjs";
+import { setGlobals } from "./globals.mjs";
 import { displacements, lensProfile } from "../../web/lib/result/numbers.js";
 import { above, refined, valueAt } from "../../web/lib/contours.js";
 import { gridLines } from "../../web/lib/result/grid-picture.js";
@@ -24,7 +25,7 @@ class FakeElement {
       .flatMap((child) => [...(child.name === name ? [child] : []), ...child.all(name)]);
   }
 }
-globalThis.document = { createElementNS: (_, name) => new FakeElement(name) };
+const document = { createElementNS: (_, name) => new FakeElement(name) };
 
 const SIZE = [1280, 720];
 const calibration = (f, distortion_model, distortion_coefficients) => ({
@@ -39,7 +40,8 @@ const calibration = (f, distortion_model, distortion_coefficients) => ({
 });
 const largest = (moves) => Math.max(...moves.map(({ from, to }) => Math.hypot(from[0] - to[0], from[1] - to[1])));
 
-test("the caption of a lens without distortion says 0 px, for every model that can have none", () => {
+test("the caption of a lens without distortion says 0 px, for every model that can have none", (t) => {
+  setGlobals(t, { document });
   const lenses = [
     calibration(800, "rectilinear", [0, 0, 0, 0, 0]),
     calibration(800, "rational", [0, 0, 0, 0, 0, 0, 0, 0]),
@@ -50,12 +52,10 @@ test("the caption of a lens without distortion says 0 px, for every model that c
     assert.match(caption, /\b0\.0\spx/, `${lens.distortion_model}: ${caption}`);
     assert.doesNotMatch(caption, /[1-9]/, `${lens.distortion_model}: ${caption}`);
   }
-  // Stereographic: its focal length at the axis is 800 px.
-  const { caption } = distortionPlot(calibration(1600, "omnidirectional", [1, 0, 0, 0, 0]));
-  assert.match(caption, /up to 154\.1\spx/, caption);
 });
 
-test("the profile of a lens is its radial polynomial, and is dashed beyond the corners measured", () => {
+test("the profile of a lens is its radial polynomial, and is dashed beyond the corners measured", (t) => {
+  setGlobals(t, { document });
   const lens = calibration(800, "rectilinear", [-0.1, 0, 0, 0, 0]);
   const profile = lensProfile(lens, 10);
   assert.ok(profile.length === 11 && Math.abs(profile[10].radius - Math.hypot(640, 360)) < 1e-9);
@@ -88,7 +88,8 @@ test("displacements of fisheye and omnidirectional lenses start at the pinhole o
   assert.ok(Math.abs(stereographic - expected) < 1, `${stereographic} instead of ${expected}`);
 });
 
-test("the error map's bands hold the places that have their values, and numbers stand at lines between them", () => {
+test("the error map's bands hold the places that have their values, and numbers stand at lines between them", (t) => {
+  setGlobals(t, { document });
   const [columns, rows] = [20, 12];
   const px = Array.from({ length: rows }, (_, row) =>
     Array.from({ length: columns }, (_, column) => 0.1 + 0.01 * (row + column)),

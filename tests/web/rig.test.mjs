@@ -15,6 +15,7 @@ import {
 } from "../../web/sdk/motion.js";
 import { rectify, rectifiedMotions } from "../../web/sdk/stereo.js";
 import { rectifyingMap } from "../../web/sdk/rectification.js";
+import { json } from "./globals.mjs";
 
 const read = (name) => JSON.parse(readFileSync(new URL(name, import.meta.url), "utf8"));
 /** Pairs as the solver rectifies them; the first is OpenCV's own, fitted to real corners. */
@@ -35,8 +36,6 @@ const RESULT = {
   board_poses: [{ moment: "m1", rvec: [0.1, 0, 0], tvec: [-4, -3, 12] }],
 };
 const difference = (a, b) => Math.max(...a.flat().map((value, at) => Math.abs(value - b.flat()[at])));
-const json = (status, body) =>
-  new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json" } });
 /** Options of a service that gives one answer, and what it was asked. */
 function service(answer) {
   const asked = [];

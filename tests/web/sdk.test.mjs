@@ -1,4 +1,5 @@
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { Api } from "../../web/lib/api.js";
 import {
@@ -13,6 +14,9 @@ import {
   returned,
   watch,
 } from "../../web/sdk/calibdb.js";
+import { edgeAddress } from "../../web/sdk/edge.js";
+import { Bundle } from "../../web/sdk/bundle.js";
+import { json, setGlobals } from "./globals.mjs";
 
 const KEY = { camera: "C920 (046d:082d)", platform: "X11; Linux x86_64", img_size: [1280, 720], zoom: 0 };
 const KNOWN = {
@@ -46,8 +50,6 @@ const LIKELY = {
   sources: [],
 };
 const API = "https://calibdb.example/v1";
-const json = (status, body, headers = {}) =>
-  new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json", ...headers } });
 /**
  * A service that gives one answer after the other, the last for ever, and remembers what it was asked; its edge knows
  * nothing.
@@ -70,6 +72,12 @@ function storage() {
   const kept = new Map();
   return { kept, getItem: (name) => kept.get(name) ?? null, setItem: (name, value) => kept.set(name, value) };
 }
+const FULL = {
+  getItem: () => null,
+  setItem() {
+    throw new DOMException("full", "QuotaExceededError");
+  },
+};
 function camera(settings) {
   const track = Object.assign(new EventTarget(), { kind: "video", readyState: "live", label: "FaceTime HD", settings });
   return Object.assign(track, { getSettings: () => track.settings });
@@ -131,16 +139,6 @@ test("views and their board are sent with a lookup", async () => {
   assert.equal(estimate.group, "78°");
   await lookup(KEY, options);
   assert.ok(!("views" in asked[1].body));
-});
-
-test("an estimate is never cached", async () => {
-  const cache = storage();
-  const { options } = service(json(200, { calibration: null, ...MISS, estimate: LIKELY }));
-  await lookup(KEY, { ...options, cache, accept: "estimate" });
-  assert.deepEqual(
-    [...cache.kept.keys()].filter((name) => !name.endsWith(" missed")),
-    [],
-  );
 });
 
 test("an unknown camera, error or not, has the address that calibrates it, and calls onNeedCalibration", async () => {
@@ -242,7 +240,7 @@ test("a line that breaks in mid-answer is asked again, and what is no answer is 
   );
 });
 
-test("what was forgotten is said", async () => {
+test("what was forgotten is said", async (t) => {
   const {
     asked,
     options: { api: _, ...options },
@@ -257,9 +255,8 @@ test("what was forgotten is said", async () => {
     [null, "unknown_camera", 0],
     "without a token nobody is asked",
   );
-  globalThis.location = { href: "https://app.example/ar/" };
+  setGlobals(t, { location: { href: "https://app.example/ar/" } });
   await lookup(KEY, { ...options, api: "/calibdb/v1" });
-  delete globalThis.location;
   assert.equal(asked[0].address, "https://app.example/calibdb/v1/lookup");
 });
 
@@ -292,8 +289,9 @@ test("it stops when it is told to, on the line and between attempts", async () =
 
 test("a camera is asked for once a tab; what is not known is asked for again", async () => {
   const cache = storage();
-  const { asked, options } = service(json(404, MISS), json(200, KNOWN));
-  assert.equal((await lookup(KEY, { ...options, cache })).calibration, null);
+  const estimate = json(200, { calibration: null, ...MISS, estimate: LIKELY });
+  const { asked, options } = service(estimate, json(200, KNOWN));
+  assert.equal((await lookup(KEY, { ...options, cache, accept: "estimate" })).calibration, null);
   assert.ok((await lookup(KEY, { ...options, cache })).calibration);
   assert.ok((await lookup(KEY, { ...options, cache })).calibration instanceof Calibration);
   assert.equal(asked.length, 2);
@@ -303,13 +301,7 @@ test("a camera is asked for once a tab; what is not known is asked for again", a
   assert.equal(asked.length, 5, "another size, model or service is another question");
   const damaged = { getItem: () => '{"camera_mat', setItem() {} };
   assert.ok((await lookup(KEY, { ...options, cache: damaged })).calibration, "what cannot be read is asked for again");
-  const full = {
-    getItem: () => null,
-    setItem() {
-      throw new DOMException("full", "QuotaExceededError");
-    },
-  };
-  assert.ok((await lookup(KEY, { ...options, cache: full })).calibration);
+  assert.ok((await lookup(KEY, { ...options, cache: FULL })).calibration);
 });
 
 test("a wish that what is known does not fulfil leads to the guidance page", async () => {
@@ -387,15 +379,15 @@ test("a device that its browser names is part of the platform", async () => {
   assert.equal(await platformHere(refusing), "Linux; Android 10; K");
 });
 
+/** Lets what waits run until something holds. */
+async function turn(holds = () => true) {
+  do await new Promise(setImmediate);
+  while (!holds());
+}
+
 test("a picture that changes its size, or is turned, is looked up again; its end is the end", async (t) => {
-  const userAgent = "Mozilla/5.0 (X11; Linux x86_64) Firefox/140.0";
-  // Node has a navigator from its 21st version on.
-  Object.defineProperty(globalThis, "navigator", { value: { userAgent }, configurable: true });
+  setGlobals(t, { navigator: { userAgent: "Mozilla/5.0 (X11; Linux x86_64) Firefox/140.0" } });
   t.mock.timers.enable({ apis: ["setInterval"] });
-  const turn = async (holds = () => true) => {
-    do await new Promise(setImmediate);
-    while (!holds());
-  };
   const track = camera({ width: 1280, height: 720, resizeMode: "none" });
   const { asked, options } = service(json(200, KNOWN));
   const answers = [];
@@ -433,12 +425,7 @@ test("a picture that changes its size, or is turned, is looked up again; its end
 });
 
 test("a watched camera is looked up again after a failure that may pass", async (t) => {
-  const userAgent = "Mozilla/5.0 (X11; Linux x86_64) Firefox/140.0";
-  Object.defineProperty(globalThis, "navigator", { value: { userAgent }, configurable: true });
-  const turn = async (holds) => {
-    do await new Promise(setImmediate);
-    while (!holds());
-  };
+  setGlobals(t, { navigator: { userAgent: "Mozilla/5.0 (X11; Linux x86_64) Firefox/140.0" } });
   const settle = async () => {
     for (let turns = 0; turns < 20; turns++) await new Promise(setImmediate);
   };
@@ -501,4 +488,246 @@ test("the way to the guidance page and back", async () => {
     await assert.rejects(returned(refused), { name: "LookupError", status });
     assert.equal(shown.length, cleaned, "what is gone is gone, with every reload");
   }
+});
+
+let sites = 0;
+/** A site of its own, whose edge, service and settings answer as told, and what was asked of it. */
+function site({ edge = () => json(404, { reason: "unknown_camera" }), service = () => json(404, MISS) }) {
+  const asked = [];
+  const fetch = async (address, request = {}) => {
+    const { pathname } = new URL(address);
+    asked.push({ pathname, request });
+    return await (pathname.startsWith("/known/") ? edge : service)(request);
+  };
+  const api = `https://site${++sites}.example/v1`;
+  return {
+    asked,
+    paths: () => asked.map(({ pathname }) => pathname.replace(/[0-9a-f]{32}/, "*")),
+    options: { token: "cdb_a_b", api, cache: null, fetch, pause: async () => {} },
+  };
+}
+
+test("the address of an answer is the digest that docs/api.md prints", async () => {
+  const text = readFileSync(new URL("../../docs/api.md", import.meta.url), "utf8");
+  const rows = [
+    ...text.matchAll(/^\| `(.+?)` \| `(.+?)` \| (\d+)x(\d+) \| ([\d.]+) \| (\w+) \| `(\/known\/\S+)` \|$/gm),
+  ];
+  assert.ok(rows.length >= 3, "test vectors");
+  for (const [, camera, platform, width, height, zoom, model, path] of rows) {
+    const key = { camera, platform, img_size: [Number(width), Number(height)], zoom: Number(zoom) };
+    const { href } = await edgeAddress(key, model, "https://calibdb.example/v1/");
+    assert.equal(href, `https://calibdb.example${path}`);
+    const spelt = { ...key, camera: ` ${camera.normalize("NFD")}\t` };
+    assert.equal((await edgeAddress(spelt, model, "https://calibdb.example/v1")).href, href);
+  }
+  assert.equal(
+    await edgeAddress({ ...KEY, resize_mode: "crop-and-scale" }, "rectilinear", "https://calibdb.example/v1"),
+    null,
+  );
+  assert.equal(
+    await edgeAddress({ ...KEY, zoom: 0.0078125 }, "rectilinear", "https://calibdb.example/v1"),
+    null,
+    "more than six decimals",
+  );
+});
+
+test("a known camera is one GET without headers, and nothing else", async () => {
+  const { asked, paths, options } = site({ edge: () => json(200, KNOWN), service: () => json(500, {}) });
+  const { calibration } = await lookup(KEY, options);
+  assert.deepEqual(JSON.parse(JSON.stringify(calibration)), KNOWN);
+  assert.deepEqual(paths(), ["/known/v1/*/1280x720/0/rectilinear.json"]);
+  const [
+    {
+      request: { method = "GET", headers, credentials },
+    },
+  ] = asked;
+  assert.deepEqual(
+    [method, headers, credentials],
+    ["GET", undefined, "omit"],
+    "what a browser sends without asking first",
+  );
+});
+
+test("an unknown camera is asked of the service, and of the edge once an hour and tab", async () => {
+  const cache = storage();
+  const { kept } = cache;
+  const { paths, options } = site({});
+  const path = "/known/v1/*/1280x720/0/rectilinear.json";
+  for (let n = 0; n < 3; n++) assert.equal((await lookup(KEY, { ...options, cache })).reason, "too_few");
+  assert.deepEqual(paths(), [path, "/v1/lookup", "/v1/lookup", "/v1/lookup"]);
+  const [name] = [...kept].find(([, value]) => Math.abs(Number(value) - Date.now()) < 60_000);
+  kept.set(name, String(Date.now() - 3_600_001));
+  await lookup(KEY, { ...options, cache });
+  await lookup({ ...KEY, zoom: 2 }, { ...options, cache });
+  assert.deepEqual(paths().slice(4), [path, "/v1/lookup", "/known/v1/*/1280x720/2/rectilinear.json", "/v1/lookup"]);
+  assert.equal((await lookup(KEY, { ...options, cache: FULL })).reason, "too_few");
+});
+
+test("while every function fails, a known camera has its answer, and another camera a reason", async () => {
+  for (const failing of [
+    () => json(503, { detail: "Service Unavailable" }),
+    () => {
+      throw new TypeError("fetch failed");
+    },
+  ]) {
+    const known = site({ edge: () => json(200, KNOWN), service: failing });
+    assert.ok((await lookup(KEY, known.options)).calibration);
+    const unknown = site({ service: failing });
+    await assert.rejects(
+      lookup(KEY, unknown.options),
+      (error) =>
+        error instanceof LookupError && /cannot be asked now/.test(error.message) && error.cause instanceof LookupError,
+    );
+  }
+  const forbidden = site({ service: () => json(403, { detail: "The API token is not valid." }) });
+  await assert.rejects(lookup(KEY, forbidden.options), { status: 403, message: "The API token is not valid." });
+});
+
+test("an edge that fails, or answers with something else, is no obstacle", async () => {
+  const failures = [
+    () => {
+      throw new TypeError("CORS");
+    },
+    () => json(500, {}),
+    () => json(200, {}),
+    () => new Response("<h1>hello</h1>"),
+    () => new Response("{", { headers: { "content-type": "application/json" } }),
+  ];
+  for (const edge of failures) {
+    const { options } = site({ edge, service: () => json(200, KNOWN) });
+    assert.ok((await lookup(KEY, options)).calibration);
+  }
+});
+
+test("a slow edge is overtaken by the service, and a slow service by the edge", async () => {
+  const never = ({ signal }) =>
+    new Promise((_, reject) => {
+      if (signal?.aborted) reject(signal.reason);
+      signal?.addEventListener("abort", () => reject(signal.reason));
+    });
+  const stuck = site({ edge: never, service: () => json(200, KNOWN) });
+  assert.ok((await lookup(KEY, stuck.options)).calibration);
+  let asked = () => {};
+  const service = new Promise((resolve) => {
+    asked = resolve;
+  });
+  const late = site({
+    edge: async () => {
+      await service;
+      return json(200, KNOWN);
+    },
+    service: (request) => {
+      asked();
+      return never(request);
+    },
+  });
+  assert.ok((await lookup(KEY, late.options)).calibration);
+  const given = new AbortController();
+  const up = site({
+    edge: (request) => {
+      given.abort(new Error("enough"));
+      return never(request);
+    },
+  });
+  await assert.rejects(lookup(KEY, { ...up.options, signal: given.signal }), /enough/);
+});
+
+// What a file holds is compared with the service's answers in tests/service/test_bundle.py.
+const COLUMNS = [
+  "img_size",
+  "zoom",
+  "distortion_model",
+  "intrinsics",
+  "distortion_coefficients",
+  "uncertainty",
+  "spread",
+  "relation",
+  "at",
+];
+const rowOf = (size, f, at = {}, model = "rectilinear") => [
+  size,
+  0,
+  model,
+  [f, f, 640, 360],
+  [-0.1, 0, 0, 0, 0],
+  [0.2, 0.5],
+  0.3,
+  null,
+  at,
+];
+const FILE = {
+  format: "calibdb-bundle",
+  version: 1,
+  columns: COLUMNS,
+  cameras: [
+    {
+      camera: "C920 (046d:082d)",
+      platform: "X11; Linux x86_64",
+      rows: [rowOf([1280, 720], 1000, { "960x540": ["scale", 750, 750, 480, 270] }), rowOf([640, 480], 600)],
+    },
+    { camera: "camera 0, facing back", platform: "Linux; Android 14; Pixel 8", rows: [rowOf([1920, 1080], 1500)] },
+  ],
+  labels: { "C920 (046d:082d)": 0, C920: 0 },
+  places: { "android; pixel 8": { "camera 0, facing back": 1 } },
+};
+const BUNDLED = { camera: "C920", platform: "Windows NT 10.0; Win64; x64; rv:140.0", img_size: [1280, 720], zoom: 0 };
+const bundle = new Bundle(FILE);
+
+test("a camera that came with the application needs no token and no network", async () => {
+  const { calibration, guidanceUrl } = await lookup(BUNDLED, { bundle, cache: null });
+  assert.deepEqual([calibration.camera_matrix[0], calibration.exact_size, guidanceUrl], [[1000, 0, 640], true, null]);
+  assert.deepEqual(calibration.project([0, 0, 1]), [640, 360]);
+  const pixel = {
+    camera: "camera 0, facing back",
+    platform: "Linux; Android 15; Pixel 8",
+    img_size: [1920, 1080],
+    zoom: 0,
+  };
+  assert.equal((await lookup(pixel, { bundle, cache: null })).calibration.camera_matrix[0][0], 1500);
+});
+
+test("what it does not know is asked of the service, or leads to the guidance page where nobody is asked", async () => {
+  const stranger = { ...BUNDLED, camera: "toString" };
+  const { calibration, guidanceUrl, reason } = await lookup(stranger, {
+    bundle,
+    cache: null,
+    api: API,
+  });
+  assert.deepEqual([calibration, reason, new URL(guidanceUrl).pathname], [null, "unknown_camera", "/calibrate/"]);
+  const asked = [];
+  const fetch = async (address) => (asked.push(String(address)), json(403, { detail: "no" }));
+  const online = { bundle, fetch, cache: null, token: "cdb_a_b", api: API };
+  for (const key of [
+    stranger,
+    { ...BUNDLED, zoom: 2 },
+    { ...BUNDLED, resize_mode: "crop-and-scale" },
+    { ...BUNDLED, platform: "Linux; Android 10; K" },
+  ]) {
+    await assert.rejects(lookup(key, online), { status: 403 });
+  }
+  await assert.rejects(lookup(BUNDLED, { ...online, model: "fisheye" }), { status: 403 });
+  const posts = () => asked.filter((address) => address.endsWith("/v1/lookup")).length;
+  assert.equal(posts(), 5);
+  const before = asked.length;
+  assert.ok((await lookup(BUNDLED, online)).calibration);
+  assert.equal(asked.length, before);
+  await assert.rejects(lookup(BUNDLED, { cache: null }), /API token/);
+});
+
+test("another size is answered by the closest, marked, or by what was verified for it", async () => {
+  const at = async (img_size, wish = {}) => lookup({ ...BUNDLED, img_size }, { bundle, cache: null, ...wish });
+  const closest = await at([800, 600]);
+  assert.deepEqual([closest.calibration.img_size, closest.calibration.exact_size], [[640, 480], false]);
+  assert.equal((await at([800, 600], { exact: true })).reason, "other_size");
+  const verified = (await at([960, 540], { exact: true })).calibration;
+  assert.deepEqual(
+    [verified.img_size, verified.camera_matrix[0], verified.relation],
+    [[960, 540], [750, 0, 480], "scale"],
+  );
+  assert.equal((await at([1280, 720], { maxError: 0.1 })).reason, "too_uncertain");
+});
+
+test("another file is refused in words", () => {
+  for (const data of [null, {}, { ...FILE, version: 2 }, { ...FILE, format: "cameras" }])
+    assert.throws(() => new Bundle(data), /no bundle/);
 });

@@ -1,14 +1,17 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { readFileSync } from "node:fs";
 import { DEFAULT_BOARD, corners, outline } from "../../web/lib/board.js";
-import { decide, holdProgress, lenience } from "../../web/calibrate/guidance.js";
+import { decide, holdProgress } from "../../web/calibrate/guidance.js";
 import { initial, reduce } from "../../web/calibrate/reducer.js";
 import { visibility } from "../../web/calibrate/overlay-layer.js";
 import { isEnough, isFinishable, isRestless, isSharpestOffered, offlineGoal } from "../../web/calibrate/state.js";
 import { HEALTHY } from "../../web/lib/capture/sight.js";
-import { HOLD_MS, LONG_HOLD_MS, asMirrored } from "../../web/lib/capture/target.js";
+import { HOLD_MS, LONG_HOLD_MS, asMirrored, lenienceAfter } from "../../web/lib/capture/target.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { transformPoint } from "../../web/lib/pose.js";
+import { observedOutline } from "../../web/lib/board-outline.js";
+import { nextPlanned, plannedPose, trustedCalibration } from "../../web/calibrate/plan.js";
 
 const PINHOLE = projectionOf({ fx: 1000, fy: 1000, cx: 640, cy: 360, k1: 0, k2: 0, p1: 0, p2: 0, k3: 0 });
 const KEY = { camera: "Test", platform: "X11", img_size: [1280, 720], zoom: 0 };
@@ -52,6 +55,12 @@ function capturing(events = []) {
     ...events,
   ].reduce(reduce, initial(DEFAULT_BOARD, wanted));
 }
+const VIEW = { index: 0, points: 40, rms: 0.1 };
+const viewsOf = (count) => Array.from({ length: count }, (_, index) => ({ ...VIEW, index }));
+/** The state after the service has judged a view, which it takes unless `answer` says otherwise. */
+const answered = (state, answer, time = 1, corners = state.sight.corners) =>
+  reduce(state, { type: "answer", answer: { ...SESSION, accepted: true, reason: null, ...answer }, corners, time });
+const REFUSED = { accepted: false, reason: "no_information" };
 const frames = (detection, ms, from = 0) =>
   Array.from({ length: ms / 50 + 1 }, (_, index) => ({ type: "frame", detection, time: from + 50 * index }));
 
@@ -74,8 +83,7 @@ test("a tilted board held elsewhere is sent too, after longer; one that faces th
 test("nothing is sent while a view is on its way, nor the same hold twice", () => {
   const held = capturing(frames(frame(THERE), HOLD_MS));
   assert.equal(decide(reduce(held, { type: "busy" }), HOLD_MS), null);
-  const answer = { ...SESSION, accepted: false, reason: "no_information" };
-  const refused = reduce(held, { type: "answer", answer, corners: held.sight.corners, time: 600 });
+  const refused = answered(held, REFUSED, 600);
   const again = frames(frame(THERE), HOLD_MS, 650).reduce(reduce, refused);
   assert.equal(decide(again, 650 + HOLD_MS), null);
   assert.equal(refused.ui.notice.key, "capture.useless");
@@ -86,32 +94,26 @@ test("nothing is sent while a view is on its way, nor the same hold twice", () =
 });
 
 test("a capture that is shown nothing new for 30 s ends with its four views, in sight or not", () => {
-  const views = (count) => Array.from({ length: count }, (_, index) => ({ index, points: 40, rms: 0.1 }));
-  const answer = (count) => ({ ...SESSION, views: views(count), calibration: {}, accepted: true, reason: null });
+  const answer = (count) => ({ views: viewsOf(count), calibration: {} });
   const after = (count) => {
-    const taken = reduce(capturing(), { type: "answer", answer: answer(count), corners: frame(THERE), time: 10_000 });
+    const taken = answered(capturing(), answer(count), 10_000, frame(THERE));
     return reduce(taken, { type: "pose", pose: target(THERE), picture: null, time: 10_500 });
   };
   assert.equal(decide(after(4), 40_000), null);
   assert.equal(decide(after(4), 40_001), "finish");
   assert.notEqual(decide(after(3), 60_000), "finish");
-  const refused = reduce(after(4), {
-    type: "answer",
-    answer: { ...answer(4), accepted: false, reason: "duplicate" },
-    corners: frame(THERE),
-    time: 30_000,
-  });
+  const duplicate = { ...answer(4), accepted: false, reason: "duplicate" };
+  const refused = answered(after(4), duplicate, 30_000, frame(THERE));
   assert.equal(refused.ui.notice.key, "capture.refused_duplicate");
   assert.equal(decide(refused, 40_001), "finish", "a refusal is nothing new");
-  const ended = { ...answer(4), accepted: false, reason: "duplicate", status: "converged", end: "nothing_new" };
-  assert.equal(reduce(after(4), { type: "answer", answer: ended, corners: frame(THERE), time: 30_000 }).phase, "done");
+  const ended = { ...duplicate, status: "converged", end: "nothing_new" };
+  assert.equal(answered(after(4), ended, 30_000, frame(THERE)).phase, "done");
   const back = reduce(after(4), { type: "visible", time: 35_000 });
   assert.equal(decide(back, 40_001), null, "time in a hidden tab does not count");
 });
 
 test("a capture ends after four holds in a row where the board was before, and says so at each", () => {
-  const views = [1, 2, 3, 4].map((index) => ({ index, points: 40, rms: 0.1 }));
-  const answer = { ...SESSION, views, calibration: {}, accepted: true, reason: null };
+  const answer = { views: viewsOf(4), calibration: {} };
   const places = [0, 1, 2].map((n) => frame({ rvec: [0.4, 0.6, 0], tvec: [-12 + 2 * n, -6, 20] }));
   let state = capturing();
   let time = 0;
@@ -123,7 +125,7 @@ test("a capture ends after four holds in a row where the board was before, and s
     hold(detection, LONG_HOLD_MS + 200);
     assert.equal(decide(state, time), "submit");
     state = reduce(state, { type: "sent", corners: state.sight.corners });
-    state = reduce(state, { type: "answer", answer, corners: state.sight.corners, time });
+    state = answered(state, answer, time);
     state = reduce(state, { type: "pose", pose: target(THERE), picture: null, time });
     hold(detection, 2 * LONG_HOLD_MS); // the hold that was sent goes on
   }
@@ -136,16 +138,14 @@ test("a capture ends after four holds in a row where the board was before, and s
   }
   assert.equal(decide(state, time), "finish");
   hold(frame(ELSEWHERE), 0);
-  const taken = { ...answer, views: [...views, views[0]] };
-  const fresh = reduce(state, { type: "answer", answer: taken, corners: state.sight.corners, time });
+  const fresh = answered(state, { ...answer, views: viewsOf(5) }, time);
   assert.equal(fresh.capture.repeats, 0, "a new view begins the count again");
 });
 
 test("a pose whose view was refused can be tried again after another hold; one that is in is not sent twice", () => {
   const back = (reason) => {
     let state = capturing(frames(frame(ELSEWHERE), 2 * LONG_HOLD_MS));
-    const answer = { ...SESSION, accepted: reason === null, reason };
-    state = reduce(state, { type: "answer", answer, corners: state.sight.corners, time: 3_000 });
+    state = answered(state, { accepted: reason === null, reason }, 3_000);
     state = reduce(state, { type: "pose", pose: target(THERE), picture: null, time: 3_000 });
     state = frames(frame({ ...ELSEWHERE, tvec: [-9, -6, 20] }), 2 * LONG_HOLD_MS, 4_000).reduce(reduce, state);
     state = reduce(state, { type: "sent", corners: state.sight.corners });
@@ -156,14 +156,8 @@ test("a pose whose view was refused can be tried again after another hold; one t
 });
 
 test("a view that was taken off the target is said to be, with what helps more", () => {
-  const view = { index: 0, points: 40, rms: 0.1, on_target: false };
-  const taken = (views) =>
-    reduce(capturing(), {
-      type: "answer",
-      answer: { ...SESSION, views, accepted: true, reason: null },
-      corners: frame(THERE),
-      time: 1,
-    }).ui.notice.key;
+  const view = { ...VIEW, on_target: false };
+  const taken = (views) => answered(capturing(), { views }).ui.notice.key;
   assert.equal(taken([view]), "capture.view_taken_aside");
   assert.equal(taken([view, { ...view, on_target: true }]), "capture.view_taken");
   assert.equal(taken([{ ...view, on_target: null }]), "capture.view_taken");
@@ -171,33 +165,20 @@ test("a view that was taken off the target is said to be, with what helps more",
 
 test("a target refused in its own place is given up after 1 s if nothing helps, else after 3 s to read why", () => {
   const held = capturing(frames(frame(THERE), HOLD_MS));
-  const answer = { ...SESSION, accepted: false, reason: "no_information" };
-  const refused = reduce(held, { type: "answer", answer, corners: held.sight.corners, time: 600 });
+  const refused = answered(held, REFUSED, 600);
   assert.equal(decide(refused, 1_500), null);
   assert.equal(decide(refused, 1_700), "skip");
-  const unlike = { ...answer, reason: "outlier", views: [{ index: 0, points: 40, rms: 0.1 }] };
-  const doubted = reduce(held, { type: "answer", answer: unlike, corners: held.sight.corners, time: 600 });
+  const doubted = answered(held, { accepted: false, reason: "outlier", views: [VIEW] }, 600);
   assert.equal(doubted.ui.notice.key, "capture.refused_outlier");
   assert.equal(decide(doubted, 3_500), null);
   assert.equal(decide(doubted, 3_700), "skip");
-  const elsewhere = reduce(capturing(frames(frame(ELSEWHERE), LONG_HOLD_MS)), {
-    type: "answer",
-    answer,
-    corners: frame(ELSEWHERE),
-    time: 1600,
-  });
+  const elsewhere = answered(capturing(frames(frame(ELSEWHERE), LONG_HOLD_MS)), REFUSED, 1600);
   assert.equal(decide(elsewhere, 14_000), null);
 });
 
 test("an accepted view takes the target away, and progress never falls but by undo", () => {
-  const views = [{ index: 0, points: 40, rms: 0.1 }];
-  const held = capturing(frames(frame(THERE), HOLD_MS));
-  const taken = reduce(held, {
-    type: "answer",
-    answer: { ...SESSION, views, progress: 0.5, accepted: true, reason: null },
-    corners: held.sight.corners,
-    time: 600,
-  });
+  const views = [VIEW];
+  const taken = answered(capturing(frames(frame(THERE), HOLD_MS)), { views, progress: 0.5 }, 600);
   assert.deepEqual(
     [taken.sight.target, taken.ui.picture, taken.capture.progress, taken.link.busy],
     [null, null, 0.5, false],
@@ -316,11 +297,7 @@ test("in a mirrored preview left is right", () => {
 });
 
 test("a hand that is not steady is asked for less, the longer it tries", () => {
-  const state = { capture: { posedAt: 1000 } };
-  assert.deepEqual(
-    [1000, 4000, 5500, 60_000].map((time) => lenience(state, time)),
-    [1, 1, 1.5, 4],
-  );
+  assert.deepEqual([0, 3000, 4500, 59_000].map(lenienceAfter), [1, 1, 1.5, 4]);
   const trembling = (from, ms) =>
     frames(frame(THERE), ms, from).map((event, index) => {
       const points = event.detection.points.map(([x, y]) => [x + (index % 2 ? 3 : 0), y]);
@@ -355,10 +332,7 @@ test("without the service, views are kept and counted, and the target is the pag
   assert.equal(decide(frames(frame(ELSEWHERE), HOLD_MS, 1000).reduce(reduce, planned), 1000 + HOLD_MS), "submit");
   const stored = reduce(planned, { type: "stored", corners: frame(ELSEWHERE), stored: 2, time: 2000 });
   assert.deepEqual([stored.link.stored, stored.sight.target, stored.ui.notice.key], [2, null, "capture.view_stored"]);
-  const views = [
-    { index: 0, points: 40, rms: 0.1 },
-    { index: 1, points: 40, rms: 0.1 },
-  ];
+  const views = viewsOf(2);
   const far = { ...stored, capture: { ...stored.capture, session: { ...SESSION, progress: 0.6 }, progress: 0.6 } };
   const keep = (state, count) =>
     reduce(state, { type: "stored", corners: frame(ELSEWHERE), stored: count, time: 2000 });
@@ -389,7 +363,7 @@ test("without the service there is an end: eight views, or three more where it w
   const offline = (stored) => reduce(capturing(), { type: "opened-offline", stored, time: 0 });
   assert.deepEqual([offline(0).ui.notice, offline(3).link.offline, offline(3).phase], [null, true, "capturing"]);
   assert.deepEqual([offlineGoal(offline(0)), isEnough(offline(7)), isEnough(offline(8))], [8, false, true]);
-  const views = Array.from({ length: 7 }, (_, index) => ({ index, points: 40, rms: 0.1 }));
+  const views = viewsOf(7);
   const late = reduce(reduce(capturing(), { type: "session", session: { ...SESSION, views } }), {
     type: "offline",
     stored: 2,
@@ -410,16 +384,15 @@ test("without the service there is an end: eight views, or three more where it w
 });
 
 test("a refusal says what would help, as the preview shows it", () => {
-  const answer = { ...SESSION, accepted: false, reason: "too_few_points", hint: { code: "left", text: "Move left" } };
-  const refuse = (state, hint) =>
-    reduce(state, { type: "answer", answer: { ...answer, hint }, corners: frame(ELSEWHERE), time: 1 }).ui.notice;
-  assert.deepEqual(refuse(capturing(), answer.hint), {
+  const left = { code: "left", text: "Move left" };
+  const refuse = (state, hint) => answered(state, { accepted: false, reason: "too_few_points", hint }).ui.notice;
+  assert.deepEqual(refuse(capturing(), left), {
     key: "capture.refused_too_few_points",
     kind: "bad",
     hint: "left",
   });
   assert.equal(
-    refuse(reduce(capturing(), { type: "opened", key: KEY, mirrored: true, cropped: false }), answer.hint).hint,
+    refuse(reduce(capturing(), { type: "opened", key: KEY, mirrored: true, cropped: false }), left).hint,
     "right",
   );
   assert.equal(refuse(capturing(), { code: "dance", text: "" }).hint, undefined);
@@ -428,13 +401,12 @@ test("a refusal says what would help, as the preview shows it", () => {
 
 test("a view that is set aside later is said to be, once", () => {
   const views = [
-    { index: 0, points: 40, rms: 9, set_aside: { reason: "outlier", detail: "" } },
-    { index: 1, points: 40, rms: 0.1 },
+    { ...VIEW, set_aside: { reason: "outlier", detail: "" } },
+    { ...VIEW, index: 1 },
   ];
-  const answer = { ...SESSION, views, accepted: true, reason: null };
-  const first = reduce(capturing(), { type: "answer", answer, corners: frame(THERE), time: 1 });
+  const first = answered(capturing(), { views });
   assert.deepEqual([first.ui.notice.key, first.ui.notice.values.number], ["capture.view_set_aside", 1]);
-  const second = reduce(first, { type: "answer", answer, corners: frame(THERE), time: 2 });
+  const second = answered(first, { views }, 2);
   assert.equal(second.ui.notice.key, "capture.view_taken");
 });
 
@@ -532,4 +504,101 @@ test("a capture can be ended by hand from four views, whatever they are worth", 
   assert.deepEqual([having(3, 0.5), having(4, 0.5), having(4, 16)], [false, true, true]);
   assert.equal(having(4, 0.5, { offline: true }), false);
   assert.equal(having(4, 0.5, { stored: 1 }), false);
+});
+
+const PLAN = JSON.parse(readFileSync(new URL("../../web/calibrate/plan.json", import.meta.url), "utf8"));
+const camera = ([width, height], k1, k2 = 0, f = 0.8) => ({
+  camera_matrix: [
+    [f * Math.max(width, height), 0, (width - 1) / 2 + 12],
+    [0, f * Math.max(width, height), (height - 1) / 2],
+    [0, 0, 1],
+  ],
+  distortion_coefficients: [k1, k2, 0, 0, 0],
+  distortion_model: "rectilinear",
+});
+
+/** Does a polygon turn one way all round? */
+function isConvex(vertices) {
+  const turns = vertices.map(([x, y], index) => {
+    const [[a, b], [c, d]] = [vertices[(index + 1) % 4], vertices[(index + 2) % 4]];
+    return (a - x) * (d - b) - (b - y) * (c - a);
+  });
+  return turns.every((turn) => turn > 0) || turns.every((turn) => turn < 0);
+}
+
+for (const size of [
+  [1280, 720],
+  [640, 360],
+  [720, 1280],
+  [640, 480],
+]) {
+  for (const [k1, k2] of [
+    [0, 0],
+    [-0.25, 0],
+    [-0.3, 0],
+    [-0.35, 0.05],
+    [-0.4, 0],
+    [-0.45, 0],
+    [-0.25, -0.1],
+    [-3, 2],
+  ]) {
+    test(`every target without the service is a whole board, ${size.join("x")}, k1 ${k1}, k2 ${k2}`, () => {
+      let from = 0;
+      for (let step = 0; step < PLAN.length; step++) {
+        const { pose, next } = nextPlanned(PLAN, from, DEFAULT_BOARD, size, camera(size, k1, k2));
+        assert.equal(pose.outline.length, 4);
+        assert.ok(isConvex(pose.outline), JSON.stringify(pose.outline));
+        assert.ok(pose.ids.length >= 24, `${pose.ids.length} corners`);
+        assert.ok(observedOutline(DEFAULT_BOARD, { ids: pose.ids, points: pose.corners }));
+        from = next;
+      }
+    });
+  }
+}
+
+test("the plan's own camera can draw all of it", () => {
+  for (const step of PLAN) assert.ok(plannedPose(step, DEFAULT_BOARD, [1280, 720], null));
+  assert.equal(nextPlanned([], 0, DEFAULT_BOARD, [1280, 720], null), null);
+});
+
+test("an estimate of fewer than three views draws nothing", () => {
+  const calibration = camera([1280, 720], -0.2);
+  const views = (count, aside = 0) =>
+    Array.from({ length: count }, (_, index) => ({ set_aside: index < aside ? {} : null }));
+  assert.equal(trustedCalibration(null), null);
+  assert.equal(trustedCalibration({ calibration, views: views(2) }), null);
+  assert.equal(trustedCalibration({ calibration, views: views(3, 1) }), null);
+  assert.equal(trustedCalibration({ calibration, views: views(3) }), calibration);
+});
+
+test("a target without the service is as large for every model of the same focal length at the axis", () => {
+  const size = [1280, 720];
+  const matrix = (f) => [
+    [f, 0, 639.5],
+    [0, f, 359.5],
+    [0, 0, 1],
+  ];
+  const plain = {
+    camera_matrix: matrix(1024),
+    distortion_model: "rectilinear",
+    distortion_coefficients: [0, 0, 0, 0, 0],
+  };
+  const generalised = {
+    camera_matrix: matrix(2048),
+    distortion_model: "omnidirectional",
+    distortion_coefficients: [1, 0, 0, 0, 0],
+  };
+  for (const step of PLAN) {
+    const poses = [plain, generalised].map((known) => plannedPose(step, DEFAULT_BOARD, size, known));
+    const [expected, actual] = poses.map((pose) => pose.tvec[2]);
+    assert.ok(Math.abs(actual / expected - 1) < 1e-12, `${actual} squares away instead of ${expected}`);
+  }
+});
+
+test("a model that this page does not know is drawn as by the plan's own camera", () => {
+  const unknown = { ...camera([1280, 720], 0), distortion_model: "double-sphere" };
+  assert.deepEqual(
+    nextPlanned(PLAN, 0, DEFAULT_BOARD, [1280, 720], unknown),
+    nextPlanned(PLAN, 0, DEFAULT_BOARD, [1280, 720], null),
+  );
 });

@@ -3,14 +3,12 @@ import { test } from "node:test";
 import { DEFAULT_BOARD } from "../../web/lib/board.js";
 import { Announcer } from "../../web/lib/capture/feedback.js";
 import { propose } from "../../web/lib/camera.js";
-import { setLanguage } from "../../web/lib/i18n.js";
 import "./messages.mjs";
 import { initial } from "../../web/calibrate/reducer.js";
 import { requestFacts, requestText } from "../../web/calibrate/status-text.js";
 import * as statusText from "../../web/calibrate/status-text.js";
 import { labelOf, setupFrom } from "../../web/lib/virtual/setup.js";
 
-setLanguage("en");
 const VIRTUAL = { id: "virtual", label: labelOf(setupFrom(new URLSearchParams())) };
 const BUILT_IN = { id: "a", label: "Integrated Camera", named: true };
 const C920 = { id: "b", label: "C920", named: true };

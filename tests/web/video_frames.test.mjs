@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { playedFrames } from "../../web/photos/video-frames.js";
+import { setGlobals } from "./globals.mjs";
 
 const SCREEN_HZ = 60;
 
@@ -46,10 +47,10 @@ function film({ rate, count, capacity }) {
 }
 
 /** @param {Parameters<typeof film>[0]} options @param {number} [refreshes] that a picture takes to be looked at */
-async function watch(options, refreshes = 1) {
+async function watch(t, options, refreshes = 1) {
   const { video, tick } = film(options);
-  globalThis.document = { hidden: false, addEventListener() {} };
-  globalThis.createImageBitmap = async () => ({ close() {} });
+  const document = { hidden: false, addEventListener() {} };
+  setGlobals(t, { document, createImageBitmap: async () => ({ close() {} }) });
   const times = [];
   const timer = setInterval(tick, 0);
   for await (const { time } of playedFrames(video, 120, new AbortController().signal)) {
@@ -61,14 +62,14 @@ async function watch(options, refreshes = 1) {
   return { times, played: video.played };
 }
 
-test("a video of many frames is played faster as long as every frame comes that is wanted", async () => {
-  const { times, played } = await watch({ rate: 24, count: 260, capacity: 60 });
+test("a video of many frames is played faster as long as every frame comes that is wanted", async (t) => {
+  const { times, played } = await watch(t, { rate: 24, count: 260, capacity: 60 });
   assert.ok(times.length >= 116, `${times.length} frames`);
   assert.ok(played < 0.6 * (260 / 24), `${played} s`);
 });
 
-test("a browser that misses frames is given the time that it needs", async () => {
-  const { times } = await watch({ rate: 6, count: 57, capacity: 14 });
+test("a browser that misses frames is given the time that it needs", async (t) => {
+  const { times } = await watch(t, { rate: 6, count: 57, capacity: 14 });
   assert.ok(times.length >= 54, `${times.length} frames of 57`);
   assert.equal(new Set(times).size, times.length, "each once");
 });

@@ -1,8 +1,7 @@
 // House in the middle of the board: walls, a gable roof that juts out, a chimney, a door and windows.
 import { shadedFaces } from "./triangles.js";
 
-/** @typedef {import("./triangles.js").Point} Point */
-/** @typedef {import("./triangles.js").Colour} Colour */
+/** @import { Colour, Point } from "./triangles.js" */
 
 /** @type {Colour} */
 const WALLS = [1, 0.94, 0.82];

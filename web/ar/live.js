@@ -12,8 +12,9 @@ import { RectifierError } from "../sdk/warp.js";
 import { Scene } from "./scene.js";
 import { lensOf } from "../sdk/projection.js";
 
+/** @import { Calibration } from "../sdk/rectification.js" */
+
 /**
- * @typedef {import("../sdk/rectification.js").Calibration} Calibration
  * @typedef {{rms: number, outermost: number} | null} Misalignment null: no board is seen
  *
  * @typedef {object} Setup

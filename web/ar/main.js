@@ -18,7 +18,7 @@ import { MODES } from "./modes.js";
 import { calibrationOf, estimateOf } from "./source.js";
 import { stopAt } from "./tour.js";
 
-/** @typedef {import("./live.js").Misalignment} Misalignment */
+/** @import { Misalignment } from "./live.js" */
 
 const SHEETS = ["welcome", "opening", "unknown", "failed"];
 const NUMBER_INTERVAL_MS = 250; // ms between two numbers: faster ones are not readable

@@ -1,9 +1,11 @@
 // Misalignment of the drawing: distance between drawn and detected corners, or between two drawings of one house.
 import { rigidTransform } from "../lib/board-pose.js";
 
+/** @import { Pose } from "../lib/pose.js" */
+
 /**
  * @param {Pick<import("./modes.js").Mode, "seen" | "drawn">} mode
- * @param {import("../lib/pose.js").Pose} pose
+ * @param {Pose} pose
  * @param {readonly (readonly number[])[]} points on the board
  * @param {readonly (readonly number[])[]} pixels of the camera
  * @param {readonly [number, number]} size of the camera's picture, px
@@ -27,7 +29,7 @@ export function misalignment(mode, pose, points, pixels, [width, height]) {
 
 /**
  * Distance between two drawings of the same points.
- * @typedef {{lens: import("../sdk/projection.js").Lens, pose: import("../lib/pose.js").Pose}} Drawing
+ * @typedef {{lens: import("../sdk/projection.js").Lens, pose: Pose}} Drawing
  * @param {Drawing} one @param {Drawing} other @param {readonly (readonly number[])[]} points in the board's frame
  * @returns {{rms: number, outermost: number} | null} px: over all points, and the largest
  */

@@ -4,7 +4,7 @@
 import { house } from "./house.js";
 import { quadrilateral } from "./triangles.js";
 
-/** @typedef {import("./triangles.js").Colour} Colour */
+/** @import { Colour } from "./triangles.js" */
 
 const LINE = 0.05; // squares, width
 const MARK = 0.3; // squares, half the length of a cross

@@ -7,9 +7,11 @@ import { Distorter } from "../sdk/distorter.js";
 import { Rectifier } from "../sdk/rectifier.js";
 
 /**
- * @typedef {import("../sdk/rectification.js").Calibration} Calibration
- * @typedef {import("../sdk/pinhole.js").Pinhole} Pinhole
- *
+ * @import { Pinhole } from "../sdk/pinhole.js"
+ * @import { Calibration } from "../sdk/rectification.js"
+ */
+
+/**
  * @typedef {object} Mode
  * @property {import("../sdk/projection.js").Lens} lens what the board's pose is found with
  * @property {() => Pinhole} pinhole what the scene is rendered with

@@ -3,7 +3,10 @@ import { createProgram, whenRestored } from "../sdk/warp.js";
 import { projectionMatrix } from "../sdk/pinhole.js";
 import { rotationMatrix } from "../lib/pose.js";
 
-/** @typedef {import("../sdk/pinhole.js").Pinhole} Pinhole */
+/**
+ * @import { Pose } from "../lib/pose.js"
+ * @import { Pinhole } from "../sdk/pinhole.js"
+ */
 
 const VERTEX = `#version 300 es
 uniform mat4 projection;
@@ -43,7 +46,7 @@ export class Scene {
 
   /**
    * @param {Pinhole} pinhole whose picture it becomes
-   * @param {import("../lib/pose.js").Pose | null} pose null: nothing is there
+   * @param {Pose | null} pose null: nothing is there
    */
   draw(pinhole, pose) {
     const { gl, program } = this.#on;
@@ -89,7 +92,7 @@ function createRenderer(canvas, triangles) {
 
 /**
  * OpenGL's cameras look along −z with y up.
- * @param {import("../lib/pose.js").Pose} pose
+ * @param {Pose} pose
  * @returns {number[]} column-major
  */
 function viewMatrix({ rvec, tvec: [x, y, z] }) {

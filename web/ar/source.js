@@ -1,18 +1,21 @@
 // Source of the open camera's calibration: a capture just made, a lookup, or the virtual camera's truth.
-import { Api } from "../lib/api.js";
-import { loadSettings } from "../lib/settings.js";
+import { askJson } from "../lib/api.js";
+import { sdkOptions } from "../lib/settings.js";
 import { LookupError, lookup, returned } from "../sdk/calibdb.js";
 import { isVirtual } from "../lib/camera-name.js";
 import { trueCalibration } from "../lib/virtual/camera.js";
 import { setupFrom } from "../lib/virtual/setup.js";
 
 /**
- * @typedef {import("../sdk/calibdb.js").CameraKey} CameraKey
- *
- * @typedef {import("../vendor/api.js").Estimate & import("../sdk/rectification.js").Calibration} Estimate
+ * @import { CameraKey } from "../sdk/calibdb.js"
+ * @import { Calibration } from "../sdk/rectification.js"
+ */
+
+/**
+ * @typedef {import("../vendor/api.js").Estimate & Calibration} Estimate
  *
  * @typedef {object} Known
- * @property {import("../sdk/rectification.js").Calibration | null} calibration
+ * @property {Calibration | null} calibration
  * @property {"returned" | "known" | "truth" | ""} origin measured just now, looked up, or what the virtual camera is
  *   made from
  * @property {string} guidance address where the camera can be calibrated, and that leads back here
@@ -28,7 +31,7 @@ export async function calibrationOf(key, parameters) {
   const brought = await result(key, parameters);
   if (brought) return { calibration: brought, origin: "returned", guidance };
   if (isVirtual(key.camera)) return { calibration: trueCalibration(setupFrom(parameters)), origin: "truth", guidance };
-  const { calibration } = await lookup(key, { ...(await manner()), exact: true });
+  const { calibration } = await lookup(key, { ...(await sdkOptions()), exact: true });
   return { calibration, origin: calibration ? "known" : "", guidance };
 }
 
@@ -37,9 +40,8 @@ export async function calibrationOf(key, parameters) {
  * @param {CameraKey} key @returns {Promise<Estimate>} rejects as `loadSettings` and the service do
  */
 export async function estimateOf(key) {
-  const { api, token } = await loadSettings();
   const body = { ...key, estimate: "always", miss: "ok" };
-  return (await new Api(api).json("POST", "/lookup", token, { body, brief: true })).estimate;
+  return (await askJson("POST", "/lookup", { body, brief: true })).estimate;
 }
 
 /**
@@ -51,7 +53,7 @@ async function result(key, parameters) {
   const asked = parameters.get("camera");
   if (!location.hash.includes("calibration=") || (asked !== null && asked !== key.camera)) return null;
   const kept = { state: null, replaceState() {} };
-  const calibration = await returned({ ...(await manner()), history: kept }).catch(gone);
+  const calibration = await returned({ ...(await sdkOptions()), history: kept }).catch(gone);
   const fits =
     calibration &&
     calibration.img_size.join() === key.img_size.join() &&
@@ -63,11 +65,6 @@ async function result(key, parameters) {
 function gone(error) {
   if (error instanceof LookupError && [404, 410].includes(error.status)) return null;
   throw error;
-}
-
-async function manner() {
-  const { api, token } = await loadSettings();
-  return { token, api: new URL(api, location.href) };
 }
 
 /**

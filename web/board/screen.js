@@ -2,7 +2,7 @@
 import { sizeOf } from "../lib/board.js";
 import { exactScale, raster } from "../lib/board-drawing.js";
 
-/** @typedef {import("../lib/board.js").Board} Board */
+/** @import { Board } from "../lib/board.js" */
 
 const MARGIN_SQUARES = 0.5; // squares of white around the board
 const MAX_CODE_PX = 220; // CSS pixels: side of the QR code next to the board

@@ -2,23 +2,26 @@
 // failures.
 import { facts } from "../lib/camera.js";
 import { Engine } from "../lib/capture/engine.js";
+import { lenienceAfter } from "../lib/capture/target.js";
 import { pressByKeys } from "../lib/dom.js";
 import { Sharpest } from "../lib/rank.js";
 import { Pace } from "../lib/frames.js";
-import { decide, lenience } from "./guidance.js";
+import { decide } from "./guidance.js";
 import { loadPlan, nextPlanned, trustedCalibration } from "./plan.js";
 import { RequestQueue } from "./request-queue.js";
 import { isEnough, isFinishable, isSharpestOffered, viewCount } from "./state.js";
 import { tint } from "./tint.js";
 
 /**
- * @typedef {import("./state.js").Event} Event
- *
- * @typedef {import("./request-queue.js").Page} Page
- *
+ * @import { CaptureSession, Pose } from "../lib/session.js"
+ * @import { Page } from "./request-queue.js"
+ * @import { Event } from "./state.js"
+ */
+
+/**
  * @typedef {object} Resources
- * @property {import("../lib/session.js").CaptureSession} session
- * @property {Promise<import("../lib/detector.js").Detector>} detector the first target is shown while it is loaded
+ * @property {CaptureSession} session
+ * @property {Promise<unknown>} detector the first target is shown while it is loaded
  * @property {import("../lib/capture/streams.js").Stream} stream of the camera
  * @property {import("./plan.js").Step[]} plan
  * @property {AbortSignal} signal
@@ -56,7 +59,6 @@ export class CaptureLoop {
     this.#engine = new Engine(this, {
       cameras: [this.#camera],
       board: () => this.#state.board,
-      detector,
       openDetector: page.openDetector,
       isFlipped: () => this.#state.wanted.flipped === true,
       signal,
@@ -175,8 +177,8 @@ export class CaptureLoop {
 
   async #submit() {
     const { target } = this.#state.sight;
-    const taken =
-      target && (await this.#engine.take(this.#camera, { lenience: () => lenience(this.#state, performance.now()) }));
+    const lenience = () => lenienceAfter(performance.now() - this.#state.capture.posedAt);
+    const taken = target && (await this.#engine.take(this.#camera, { lenience }));
     if (!taken) return;
     const { corners } = taken;
     if (this.#state.link.offline) {
@@ -186,15 +188,18 @@ export class CaptureLoop {
       return this.#continue();
     }
     // Detection continues meanwhile: the service may be slow or unavailable.
-    void this.#queue
-      .send(
-        () => {
-          this.#dispatch({ type: "sent", corners });
-          return this.#session.submit(target.index, corners);
-        },
-        (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
-      )
-      .then(() => this.#continue());
+    void this.#send(target, corners).then(() => this.#continue());
+  }
+
+  /** @param {Pose} target @param {import("../lib/board-outline.js").Corners} corners */
+  #send(target, corners) {
+    return this.#queue.send(
+      () => {
+        this.#dispatch({ type: "sent", corners });
+        return this.#session.submit(target.index, corners);
+      },
+      (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
+    );
   }
 
   /** Sends the sharpest frames of a board that was never held still, and ends the capture with those that agree. */
@@ -209,13 +214,7 @@ export class CaptureLoop {
         sight: { target },
       } = this.#state;
       if (phase !== "capturing" || !target || this.#signal.aborted) return;
-      await this.#queue.send(
-        () => {
-          this.#dispatch({ type: "sent", corners });
-          return this.#session.submit(target.index, corners);
-        },
-        (answer) => this.#dispatch({ type: "answer", answer, corners, time: performance.now() }),
-      );
+      await this.#send(target, corners);
     }
     if (this.#state.phase !== "capturing") return;
     if (isFinishable(this.#state)) await this.#finish();
@@ -255,7 +254,7 @@ export class CaptureLoop {
     this.#setTarget(planned.pose, null);
   }
 
-  /** @param {import("../lib/session.js").Pose} pose @param {string | null} picture object URL */
+  /** @param {Pose} pose @param {string | null} picture object URL */
   #setTarget(pose, picture) {
     this.#dispatch({ type: "pose", pose, picture, time: performance.now() });
     this.#stream.camera.virtual?.follow(pose);

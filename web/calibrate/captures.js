@@ -6,11 +6,9 @@ import { CaptureSession, isUnavailable } from "../lib/session.js";
 import { SettingsError, lastSettings } from "../lib/settings.js";
 import { captureKey } from "./state.js";
 
+/** @import { SavedCapture, SessionRequest as Request, SessionState } from "../lib/session.js" */
+
 /**
- * @typedef {import("../lib/session.js").SessionRequest} Request
- * @typedef {import("../lib/session.js").SessionState} SessionState
- * @typedef {import("../lib/session.js").SavedCapture} SavedCapture
- *
  * @typedef {object} Run
  * @property {AbortSignal} signal
  * @property {(retry: {attempt: number} | null) => void} onRetry

@@ -4,9 +4,10 @@ import { t } from "../lib/i18n.js";
 import { isLensType } from "../lib/camera.js";
 import { plainNotice, viewCount } from "./state.js";
 
+/** @import { Notice, State } from "./state.js" */
+
 /**
  * @typedef {import("../lib/board.js").SentBoard} Board
- * @typedef {import("./state.js").State} State
  * @typedef {[number, number]} Size px
  */
 
@@ -23,7 +24,7 @@ export function nameBoard(parameters, board) {
  * Takes the suggested board for the capture from now on, turns mirrored pictures back, and says so.
  * @param {Pick<import("./request-queue.js").Page, "state" | "dispatch">} page
  * @param {URLSearchParams} parameters of its address
- * @returns {{board: Board, notice: import("./state.js").Notice} | null} null: none is suggested any more, or a view was
+ * @returns {{board: Board, notice: Notice} | null} null: none is suggested any more, or a view was
  *   taken meanwhile
  */
 export function takeSuggestion({ state, dispatch }, parameters) {

@@ -4,10 +4,7 @@ import { el, make } from "../lib/dom.js";
 import { polygon } from "../lib/capture/marks.js";
 import { expectedViews, offlineGoal, viewCount } from "./state.js";
 
-/**
- * @typedef {import("./state.js").State} State
- * @typedef {import("./state.js").Event} Event
- */
+/** @import { Event, State } from "./state.js" */
 
 const WIDTH_PX = 240; // px; of a thumbnail, which the result shows larger
 
@@ -77,9 +74,8 @@ export class Film {
       return el(
         "i",
         { class: isNext ? "next" : "" },
-        ...(isNext
-          ? [make("svg", { viewBox: `0 0 ${key.img_size.join(" ")}` }, [make("polygon", { points: polygon(aim) })])]
-          : []),
+        isNext &&
+          make("svg", { viewBox: `0 0 ${key.img_size.join(" ")}` }, [make("polygon", { points: polygon(aim) })]),
       );
     });
     if (key) this.#place.style.setProperty("--aspect", String(key.img_size[0] / key.img_size[1]));

@@ -5,7 +5,10 @@ import { showProblem } from "../lib/board-text.js";
 import { onLanguage, t } from "../lib/i18n.js";
 import { WhichBoard } from "../lib/board-form.js";
 
-/** @typedef {import("../lib/board.js").Board} Board */
+/**
+ * @import { Board, Problem, SentBoard } from "../lib/board.js"
+ * @import { Parts } from "./parts.js"
+ */
 
 /**
  * Address that shows the board on another device.
@@ -20,9 +23,9 @@ function boardAddress(board, fill) {
 }
 
 /**
- * @param {import("./parts.js").Parts} parts
- * @param {{board: import("../lib/board.js").SentBoard, problem: import("../lib/board.js").Problem | null, parameters:
- *   URLSearchParams, wanted: import("./state.js").Wanted, onBoard: (board: import("../lib/board.js").SentBoard) =>
+ * @param {Parts} parts
+ * @param {{board: SentBoard, problem: Problem | null, parameters:
+ *   URLSearchParams, wanted: import("./state.js").Wanted, onBoard: (board: SentBoard) =>
  *   void, onSender: () => void}} page onBoard: called when another is chosen; onSender: when the page's sender is
  *   named
  */
@@ -50,7 +53,7 @@ export function showFirstSheet(parts, { board, problem, parameters, wanted, onBo
 /**
  * Fills in what leads to the board. The QR code and the file are made by modules that are loaded after the page is
  * there.
- * @param {import("./parts.js").Parts} parts @returns {(board: Board) => void} shows another board
+ * @param {Parts} parts @returns {(board: Board) => void} shows another board
  */
 function showWays({ boardLinks, addresses, paper, paperFile, codes }) {
   const loading = Promise.all([import("../lib/qr.js"), import("../lib/papers.js")]);

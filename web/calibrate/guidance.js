@@ -3,9 +3,9 @@
 import { foreshortening } from "../lib/board-outline.js";
 import { isEnough, isExhausted, viewCount } from "./state.js";
 import { isNear, isThere, movement } from "../lib/capture/sight.js";
-import { HOLD_MS, LONG_HOLD_MS, lenienceAfter, settled } from "../lib/capture/target.js";
+import { HOLD_MS, LONG_HOLD_MS, settled } from "../lib/capture/target.js";
 
-/** @typedef {import("./state.js").State} State */
+/** @import { Instruction, State } from "./state.js" */
 
 const MIN_FORESHORTENING = 0.08; // from which a pose other than the target may be worth sending
 const MIN_HOLD_FRAMES = 3; // so that a stalled video does not count as a steady hand
@@ -43,14 +43,6 @@ export function holdProgress(state) {
   return required === null || state.link.busy ? 0 : Math.min(1, state.sight.stillness.held / required);
 }
 
-/**
- * Factor on the motion that counts as still: it grows with time, for visitors without a steady hand.
- * @param {State} state @param {number} time ms
- */
-export function lenience({ capture: { posedAt } }, time) {
-  return lenienceAfter(time - posedAt);
-}
-
 /** Time to read why a view was refused, ms. @param {boolean} useless nothing can be done about it */
 export const timeToRead = (useless) => (useless ? READ_USELESS_MS : READ_REFUSAL_MS);
 
@@ -73,8 +65,6 @@ export function decide(state, time) {
   if (capture.skipAfter !== null) return time - ui.noticedAt > capture.skipAfter ? "skip" : null;
   return time - capture.nearest.time > STUCK_MS || time - capture.posedAt > MAX_TARGET_MS ? "skip" : null;
 }
-
-/** @typedef {import("./state.js").Instruction} Instruction */
 
 /** @type {Instruction} */
 export const SILENT = { code: "", next: "", since: 0 };
@@ -99,7 +89,7 @@ export const HINTS = new Set([
 const MIN_LOOKS = 3; // for another board, before the first view: until then the board may be in the picture
 
 /**
- * @param {import("./state.js").State} state
+ * @param {State} state
  * @param {boolean} holding whether a view would be taken if the board were held still
  * @param {number} time ms
  * @returns {Instruction}
@@ -108,7 +98,7 @@ export function instruct(state, holding, time) {
   return settled(state.ui.instruction, choose(state, holding), time);
 }
 
-/** @param {import("./state.js").State} state @param {boolean} holding */
+/** @param {State} state @param {boolean} holding */
 function choose(state, holding) {
   const { mirrored } = state.capture;
   const { offline, busy } = state.link;

@@ -31,12 +31,13 @@ import { OfflineError } from "../lib/network.js";
 import * as statusText from "./status-text.js";
 
 /**
- * @typedef {import("./state.js").State} State
- * @typedef {import("./state.js").Notice} Notice
- * @typedef {import("../lib/camera.js").OpenCamera} OpenCamera
- * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
- * @typedef {import("./captures.js").Captures} Captures
- *
+ * @import { OpenCamera } from "../lib/camera.js"
+ * @import { SessionRequest } from "../vendor/api.js"
+ * @import { Captures } from "./captures.js"
+ * @import { Notice, State } from "./state.js"
+ */
+
+/**
  * @typedef {object} CaptureModules modules that are needed once a camera is open
  * @property {typeof import("./capture-loop.js").CaptureLoop} CaptureLoop
  * @property {typeof import("./capture-loop.js").loadPlan} loadPlan
@@ -107,7 +108,7 @@ function giveFeedback(event, before) {
   const { mismatchWarning, remedy, statusLine, notice } = statusText;
   const news = [mismatchWarning(state), statusLine(state), notice(state.ui.notice)];
   announcer.say([hint, remedy(state)].filter(Boolean).join(". "), ...news);
-  feedback.say(hint, language(), performance.now());
+  feedback.say(hint);
 }
 
 const detector = new PageDetector(() =>

@@ -12,8 +12,10 @@ import { SettingsError, loadSettings } from "../lib/settings.js";
 import { isVirtual } from "../lib/camera-name.js";
 import { isPracticeReturned } from "./history.js";
 
-/** @typedef {import("./state.js").State} State */
-/** @typedef {import("../lib/result/numbers.js").Result} Result */
+/**
+ * @import { Result } from "../lib/result/numbers.js"
+ * @import { State } from "./state.js"
+ */
 
 export class Outcome {
   #view;

@@ -4,8 +4,10 @@ import { viewCount } from "./state.js";
 import { unmirrored } from "./status-text.js";
 import { middle, upright } from "../lib/capture/target.js";
 
-/** @typedef {import("./state.js").State} State */
-/** @typedef {import("./parts.js").Parts} Parts */
+/**
+ * @import { Parts } from "./parts.js"
+ * @import { State } from "./state.js"
+ */
 
 const LATER_VISIBILITY = 0.6; // once a view was taken: the visitor then knows what a target is
 const [MIN_FILL, MAX_FILL] = [0.04, 0.16]; // opacity of the target's area

@@ -6,9 +6,12 @@ import { isKnownModel, lensOf } from "../sdk/projection.js";
 import { rotationMatrix, rotationVectorOf, transformPoint } from "../lib/pose.js";
 
 /**
- * @typedef {import("../lib/board.js").Board} Board
- * @typedef {import("../sdk/projection.js").Intrinsics} Intrinsics
- * @typedef {import("../lib/session.js").Pose} Pose
+ * @import { Board } from "../lib/board.js"
+ * @import { Pose } from "../lib/session.js"
+ * @import { Intrinsics } from "../sdk/projection.js"
+ */
+
+/**
  * @typedef {{rvec: number[], tvec: number[], purpose: string, hint: string, hint_code?: string}} Step board → camera,
  *   squares
  */

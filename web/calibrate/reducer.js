@@ -1,16 +1,13 @@
 // Reducer of the guided capture: `(state, event) => state`. No clock, no DOM, no network.
 import { BLIND, HEALTHY, aimAt, doubt, isThere, observeFrame } from "../lib/capture/sight.js";
-import { HINTS, SILENT, instruct, isRepeat, lenience, requiredHold, timeToRead } from "./guidance.js";
+import { HINTS, SILENT, instruct, isRepeat, requiredHold, timeToRead } from "./guidance.js";
 import { isOfSize, offlineGoal, viewCount } from "./state.js";
 import { MOVING, motion } from "../lib/capture/stillness.js";
-import { HOLD_MS, LONG_HOLD_MS, asMirrored } from "../lib/capture/target.js";
+import { HOLD_MS, LONG_HOLD_MS, asMirrored, lenienceAfter } from "../lib/capture/target.js";
 
 /**
- * @typedef {import("./state.js").State} State
- * @typedef {import("./state.js").Event} Event
- * @typedef {import("./state.js").Notice} Notice
- * @typedef {import("../lib/session.js").SessionState} SessionState
- * @typedef {import("../lib/session.js").ViewAnswer} ViewAnswer
+ * @import { SessionState, ViewAnswer } from "../lib/session.js"
+ * @import { Board, Event, Notice, State, Wanted } from "./state.js"
  */
 
 /** @template {Event["type"]} T @typedef {Extract<Event, {type: T}>} EventOf */
@@ -33,7 +30,7 @@ const EXPLAINED_REASONS = new Set([
   "no_information",
 ]);
 
-/** @param {import("./state.js").Board} board @param {import("./state.js").Wanted} wanted @returns {State} */
+/** @param {Board} board @param {Wanted} wanted @returns {State} */
 export function initial(board, wanted) {
   return {
     phase: "welcome",
@@ -343,7 +340,7 @@ function follow(state, { detection, time }) {
   const { ids, markers, size } = detection;
   const { capture, detector, ui } = state;
   if (!isOfSize(size, capture.key)) return reduce(state, { type: "failed", code: "resized" });
-  const sight = observeFrame(state.sight, detection, time, state.board, lenience(state, time));
+  const sight = observeFrame(state.sight, detection, time, state.board, lenienceAfter(time - capture.posedAt));
   const { corners, stillness, diagnosis, distance } = sight;
   const { stopAskedAt } = ui;
   const next = change(state, {

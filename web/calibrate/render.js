@@ -10,8 +10,8 @@ import { factRows, requestText } from "./status-text.js";
 import * as statusText from "./status-text.js";
 
 /**
- * @typedef {import("./parts.js").Parts} Parts
- * @typedef {import("./state.js").State} State
+ * @import { Parts } from "./parts.js"
+ * @import { State } from "./state.js"
  */
 
 /** @param {Parts} parts @param {State} state @param {State | null} before as the page shows it now */

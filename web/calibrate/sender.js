@@ -8,15 +8,17 @@ import { isVirtual } from "../lib/camera-name.js";
 import { isPracticeReturned } from "./history.js";
 
 /**
- * @typedef {import("./state.js").Wanted} Wanted
- * @typedef {import("../lib/result/return-address.js").ReturnAddress} ReturnAddress
- *
+ * @import { ReturnAddress } from "../lib/result/return-address.js"
+ * @import { CameraSize } from "../vendor/api.js"
+ * @import { Parts } from "./parts.js"
+ * @import { State, Wanted } from "./state.js"
+ */
+
+/**
  * @typedef {object} Known calibrations of the camera that was asked for
  * @property {number} calibrations at the size that was asked for
  * @property {number} missing calibrations that must still agree
  * @property {boolean} reliable
- *
- * @typedef {import("../vendor/api.js").CameraSize} CameraSize
  */
 
 const MAX_FOUND = 20;
@@ -60,7 +62,7 @@ const withoutId = (label) => label.replace(/\s*\([0-9a-f]{4}:[0-9a-f]{4}\)\s*$/i
 
 /**
  * Shows which page sent the visitor, and how to return; nothing if no page did.
- * @param {import("./parts.js").Parts} parts @param {string | null} returnTo @param {Wanted} wanted
+ * @param {Parts} parts @param {string | null} returnTo @param {Wanted} wanted
  */
 export async function showSender(
   { sender, senderHost, senderNeeds, senderReturns, senderKnown, goBack },
@@ -114,8 +116,8 @@ function returnText({ host, isHere, allowed }, isSettled) {
 
 /**
  * Says that a practice result is not handed over, and offers the ways on.
- * @param {import("./parts.js").Parts} parts
- * @param {import("./state.js").State} state of a capture that is done
+ * @param {Parts} parts
+ * @param {State} state of a capture that is done
  * @param {string | null} returnTo
  */
 export async function showPracticeEnd(

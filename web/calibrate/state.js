@@ -2,20 +2,22 @@
 // network.
 
 /**
+ * @import { Corners } from "../lib/board-outline.js"
+ * @import { Recognised } from "../lib/board-recognition.js"
+ * @import { Choice, LensType } from "../lib/camera.js"
+ * @import { Detection } from "../lib/detector.js"
+ * @import { Pose, SessionRequest, SessionState, ViewAnswer } from "../lib/session.js"
+ * @import { CameraKey } from "../sdk/calibdb.js"
+ */
+
+/**
  * @typedef {import("../lib/board.js").SentBoard} Board
- * @typedef {import("../sdk/calibdb.js").CameraKey} CameraKey
- * @typedef {import("../lib/camera.js").Choice} Choice
- * @typedef {import("../lib/session.js").Pose} Pose
- * @typedef {import("../lib/session.js").SessionState} SessionState
- * @typedef {import("../lib/session.js").ViewAnswer} ViewAnswer
- * @typedef {import("../lib/board-outline.js").Corners} Corners
- * @typedef {import("../lib/detector.js").Detection} Detection
  * @typedef {import("../lib/capture/target.js").Instruction} Instruction
  *
  * @typedef {object} Wanted the camera that the page was opened for
  * @property {string | null} camera
  * @property {[number, number] | null} img_size
- * @property {import("../lib/camera.js").LensType} distortion_model
+ * @property {LensType} distortion_model
  * @property {boolean} [flipped] the camera delivers mirrored pictures, which are turned back
  * @property {boolean} [automatic] another model is taken as soon as the service suggests it
  *
@@ -35,7 +37,7 @@
  *
  * @typedef {object} Capture the open camera, its session and its current target
  * @property {CameraKey | null} key of the open camera
- * @property {import("../lib/session.js").SessionRequest | null} request body of POST /v1/session
+ * @property {SessionRequest | null} request body of POST /v1/session
  * @property {boolean} mirrored the preview is mirrored
  * @property {boolean} cropped the browser crops or scales the sensor's image
  * @property {SessionState | null} session
@@ -61,7 +63,7 @@
  * @property {number} loading 0…1, how much of OpenCV has arrived
  * @property {boolean} stalled it has stopped, and is restarted
  * @property {boolean} boardless nothing of any board has been seen for so long that there may be none
- * @property {import("../lib/board-recognition.js").Recognised | null} suggestion what is seen instead of the board
+ * @property {Recognised | null} suggestion what is seen instead of the board
  * @property {number} restless ms for which the board has been seen without being held still
  * @property {number} looks frames in which anything else was looked for, since the board was seen last
  *
@@ -93,7 +95,7 @@
  *   | {type: "opened-offline", stored: number, time: number}
  *   | {type: "pose", pose: Pose, picture: string | null, time: number}
  *   | {type: "frame", detection: Detection, time: number}
- *   | {type: "looked", suggestion: import("../lib/board-recognition.js").Recognised | null, time: number}
+ *   | {type: "looked", suggestion: Recognised | null, time: number}
  *   | {type: "flip"}
  *   | {type: "busy"}
  *   | {type: "idle"}
@@ -184,7 +186,7 @@ export const isEnough = (state) => state.link.offline && state.link.stored >= of
 
 /**
  * Key of a capture, from its request but for the track's settings (focus changes).
- * @param {import("../lib/session.js").SessionRequest} request
+ * @param {SessionRequest} request
  */
 export const captureKey = ({ track, mode_name, ...request }) => JSON.stringify(request);
 

@@ -5,7 +5,11 @@ import { asMirrored } from "../lib/capture/target.js";
 import { MIN_VIEWS, expectedViews, isAccurate, isEnough, isRestless, offlineGoal, viewCount } from "./state.js";
 import { el } from "../lib/dom.js";
 
-/** @typedef {import("./state.js").State} State */
+/**
+ * @import { Board } from "../lib/board.js"
+ * @import { SessionRequest } from "../lib/session.js"
+ * @import { State } from "./state.js"
+ */
 
 /** Advice about the current trouble, `capture.do_<code>`. @param {State} state */
 export function remedy(state) {
@@ -195,8 +199,6 @@ export const unmirrored = ({
   },
 }) => (mirrored ? asMirrored(code) : code);
 
-/** @typedef {import("../lib/session.js").SessionRequest} SessionRequest */
-
 const MAX_DIGITS = 2; // after the point, of settings of the camera
 
 /**
@@ -214,13 +216,13 @@ export function requestFacts({ track, ...request }) {
 function factText(name, value) {
   if (name === "distortion_model") return lensName(String(value));
   if (name === "target_error") return `${number(Number(value), MAX_DIGITS)}\u00a0px`;
-  if (name === "board") return boardText(/** @type {import("../lib/board.js").Board} */ (value));
+  if (name === "board") return boardText(/** @type {Board} */ (value));
   if (Array.isArray(value)) return formatSize(value);
   if (typeof value === "number") return number(value, Number.isInteger(value) ? 0 : MAX_DIGITS);
   return typeof value === "object" ? JSON.stringify(value) : String(value);
 }
 
-/** @param {import("../lib/board.js").Board} board */
+/** @param {Board} board */
 function boardText({ squares: [columns, rows], dictionary, marker_ratio }) {
   return t("capture.board_facts", { columns, rows, dictionary, ratio: number(marker_ratio, MAX_DIGITS) });
 }

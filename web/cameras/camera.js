@@ -14,11 +14,7 @@ import { membersView, nameOf } from "./members.js";
 import { ring, spreadOf } from "./agreement.js";
 import { estimateOf, withModel } from "./source.js";
 
-/**
- * @typedef {import("./source.js").CameraPage} CameraPage
- * @typedef {import("./source.js").Mode} Mode
- * @typedef {import("./source.js").Calibration} Calibration
- */
+/** @import { Calibration, CameraPage, Mode } from "./source.js" */
 
 /** @param {CameraPage} page @param {(error: unknown) => string} explain @returns {HTMLElement} */
 export function cameraView(page, explain) {
@@ -33,7 +29,7 @@ export function cameraView(page, explain) {
       { class: "opening" },
       heading,
       el("p", { class: "about" }, aboutText(page)),
-      ...(practice ? [el("p", { class: "lead" }, t("cameras.practice"))] : []),
+      practice && el("p", { class: "lead" }, t("cameras.practice")),
       el("p", { class: "lead", id: "missing" }, missingText(modes[0])),
     ),
     summaryBar(page, modes[0], heading),
@@ -100,7 +96,7 @@ function summaryBar({ camera, platform }, mode, heading) {
   const bar = el(
     "div",
     { class: ready ? "pinned known" : "pinned" },
-    ...(mode ? [ring(mode)] : []),
+    mode && ring(mode),
     el(
       "p",
       {},

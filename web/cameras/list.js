@@ -7,7 +7,7 @@ import { aboutText, stateText } from "./camera.js";
 import { nameOf } from "./members.js";
 import { ring } from "./agreement.js";
 
-/** @typedef {import("./source.js").Found} Found */
+/** @import { Found, Size } from "./source.js" */
 
 /** Columns by which the table is sorted. @typedef {"name" | "width" | "agreeing" | "date"} Column */
 
@@ -76,7 +76,7 @@ export function sortedBy(found, column) {
 
 /**
  * Horizontal field of view by the focal length alone, degrees; null where its model leaves it open.
- * @param {Pick<import("./source.js").Size, "fx" | "img_size" | "models">} size
+ * @param {Pick<Size, "fx" | "img_size" | "models">} size
  */
 export function widthOf({ fx, img_size: [width], models: [model] }) {
   if (!fx || model === "omnidirectional") return null;

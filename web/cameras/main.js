@@ -10,7 +10,10 @@ import { cameraView } from "./camera.js";
 import { cameraRow, sortedBy } from "./list.js";
 import { camera, search } from "./source.js";
 
-/** @typedef {import("./source.js").Found} Found */
+/**
+ * @import { Column } from "./list.js"
+ * @import { CameraPage, Found } from "./source.js"
+ */
 
 const TYPING_PAUSE_MS = 250; // ms after the last key
 openPage();
@@ -25,9 +28,9 @@ const [tell, offers] = [liveRegion(status), liveRegion(part("first", HTMLElement
 let found = [];
 /** @type {string | null} */
 let next = null;
-/** @type {{column: import("./list.js").Column, isDescending: boolean} | null} null: as the service lists them */
+/** @type {{column: Column, isDescending: boolean} | null} null: as the service lists them */
 let order = null;
-/** @type {import("./source.js").CameraPage | null} */
+/** @type {CameraPage | null} */
 let shown = null;
 /** The current request; an answer to anything else comes too late. */
 let asked = 0;
@@ -43,7 +46,7 @@ function showList() {
 
 /** Sorts by a column; names rise first, amounts fall first. @param {HTMLButtonElement} button */
 function sortBy(button) {
-  const column = /** @type {import("./list.js").Column} */ (button.dataset.column);
+  const column = /** @type {Column} */ (button.dataset.column);
   order = { column, isDescending: order?.column === column ? !order.isDescending : column !== "name" };
   for (const head of part("table", HTMLElement).querySelectorAll("th[aria-sort]")) head.removeAttribute("aria-sort");
   button.parentElement?.setAttribute("aria-sort", order.isDescending ? "descending" : "ascending");

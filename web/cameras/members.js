@@ -6,9 +6,8 @@ import { comparisonView } from "../lib/result/comparison.js";
 import { centrePlot, focalPlot } from "./agreement.js";
 
 /**
- * @typedef {import("./agreement.js").Member} Member
- * @typedef {import("./source.js").Mode} Mode
- * @typedef {import("./source.js").Calibration} Calibration
+ * @import { Member } from "./agreement.js"
+ * @import { Calibration, Mode } from "./source.js"
  */
 
 const MIN_PLOTTED = 3; // calibrations: fewer are read from the table

@@ -1,10 +1,10 @@
 // Requests for cameras of the database.
-import { Api } from "../lib/api.js";
-import { loadSettings } from "../lib/settings.js";
+import { askJson } from "../lib/api.js";
+
+/** @import { Member } from "./agreement.js" */
 
 /**
  * @typedef {import("../sdk/calibdb.js").CalibrationData} Calibration
- * @typedef {import("./agreement.js").Member} Member
  *
  * @typedef {object} Size
  * @property {[number, number]} img_size
@@ -51,21 +51,19 @@ import { loadSettings } from "../lib/settings.js";
  * @param {string | null} next where the last page of answers ended @param {OnRetry} onRetry
  * @returns {Promise<{cameras: Found[], next: string | null}>}
  */
-export async function search(query, state, next, onRetry) {
-  const { api, token } = await loadSettings();
+export function search(query, state, next, onRetry) {
   const parameters = new URLSearchParams({
     query,
     limit: "20",
     ...(state ? { reliable: String(state === "ready") } : {}),
     ...(next ? { after: next } : {}),
   });
-  return new Api(api, { onRetry }).json("GET", `/cameras?${parameters}`, token);
+  return askJson("GET", `/cameras?${parameters}`, {}, { onRetry });
 }
 
 /** @param {string} key @param {OnRetry} onRetry @returns {Promise<CameraPage>} */
-export async function camera(key, onRetry) {
-  const { api, token } = await loadSettings();
-  return new Api(api, { onRetry }).json("GET", `/cameras/${encodeURIComponent(key)}`, token);
+export function camera(key, onRetry) {
+  return askJson("GET", `/cameras/${encodeURIComponent(key)}`, {}, { onRetry });
 }
 
 /**
@@ -73,9 +71,8 @@ export async function camera(key, onRetry) {
  * @param {CameraPage} page @param {Mode} mode @param {string} model
  * @returns {Promise<Calibration>}
  */
-export async function withModel({ camera, platform }, { img_size, zoom }, model) {
-  const { api, token } = await loadSettings();
-  return new Api(api).json("POST", "/lookup", token, {
+export function withModel({ camera, platform }, { img_size, zoom }, model) {
+  return askJson("POST", "/lookup", {
     body: { camera, platform, img_size, zoom, distortion_model: model, redirect: false },
   });
 }
@@ -86,8 +83,7 @@ export async function withModel({ camera, platform }, { img_size, zoom }, model)
  * @returns {Promise<import("../sdk/calibration.js").EstimateData | null>}
  */
 export async function estimateOf({ camera, platform }, { img_size, zoom }) {
-  const { api, token } = await loadSettings();
-  const { estimate = null } = await new Api(api).json("POST", "/lookup", token, {
+  const { estimate = null } = await askJson("POST", "/lookup", {
     body: { camera, platform, img_size, zoom, redirect: false, miss: "ok" },
   });
   return estimate;

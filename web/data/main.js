@@ -6,9 +6,9 @@ import { language, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { chart } from "./chart.js";
 
+/** @import { Snapshot } from "../lib/dumps.js" */
+
 /**
- * @typedef {import("../lib/dumps.js").Snapshot} Snapshot
- *
  * @typedef {object} Statistics
  * @property {number} created s since 1970
  * @property {Snapshot[]} history oldest first

@@ -14,8 +14,9 @@ import { planRows } from "./plans.js";
 import { titleOf, tokenView } from "./token-view.js";
 
 /**
- * @typedef {import("./kept-tokens.js").KeptToken} KeptToken
- * @typedef {import("./management.js").ManagedToken} ManagedToken
+ * @import { KeptToken } from "./kept-tokens.js"
+ * @import { ManagedToken } from "./management.js"
+ * @import { Actions, Choices } from "./token-view.js"
  */
 
 const MAX_FILE_BYTES = 1_000_000;
@@ -35,7 +36,7 @@ const [tellMade, tellToken, tellKept] = ["made", "token-status", "kept-status"].
 const api = apiAddress();
 /** @type {Map<string, ManagedToken>} */
 const facts = new Map();
-/** @type {import("./token-view.js").Choices} */
+/** @type {Choices} */
 let choices = { snippet: "page", period: "hours", kind: "lookups" };
 let chosen = location.hash.slice(1);
 let busy = false;
@@ -147,7 +148,7 @@ async function run(act, what = "other", handled = () => false) {
   }
 }
 
-/** @param {KeptToken} token @returns {import("./token-view.js").Actions} */
+/** @param {KeptToken} token @returns {Actions} */
 function actionsOf(token) {
   const secret = token.management_token ?? "";
   return {

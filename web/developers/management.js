@@ -2,10 +2,10 @@
 import { ApiError } from "../lib/api.js";
 import { reach, readable } from "../lib/network.js";
 
+/** @import { TokenCreated, TokenRotated } from "../vendor/api.js" */
+
 /**
  * @typedef {import("../vendor/api.js").ManagedToken} ManagedToken
- * @typedef {import("../vendor/api.js").TokenCreated} TokenCreated
- * @typedef {import("../vendor/api.js").TokenRotated} TokenRotated
  */
 
 /** The service refused a request about a token. */

@@ -3,7 +3,7 @@ import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 import { KINDS, formatCount } from "./use-chart.js";
 
-/** @typedef {import("../vendor/api.js").HourlyLimits} HourlyLimits */
+/** @import { HourlyLimits } from "../vendor/api.js" */
 
 /**
  * Calls in one hour: on trial, then on free of each visitor and of all together.

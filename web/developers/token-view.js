@@ -1,5 +1,5 @@
 // View of one token: secrets, origins with their proofs, code, use, limits, and its end.
-import { el } from "../lib/dom.js";
+import { button, el } from "../lib/dom.js";
 import { offerFile } from "../lib/files.js";
 import { joinFacts, hasMessage, language, t } from "../lib/i18n.js";
 import { copyButton } from "./copying.js";
@@ -9,15 +9,18 @@ import { SNIPPETS, snippet } from "./snippets.js";
 import { KINDS, useChart, useTable } from "./use-chart.js";
 
 /**
- * @typedef {import("./kept-tokens.js").KeptToken} KeptToken
- * @typedef {import("../vendor/api.js").ManagedToken} ManagedToken
- * @typedef {import("../vendor/api.js").OriginState} OriginState
+ * @import { ManagedToken, OriginState } from "../vendor/api.js"
+ * @import { KeptToken } from "./kept-tokens.js"
+ * @import { Kind, Period } from "./use-chart.js"
+ */
+
+/**
  * @typedef {typeof SNIPPETS[number]} SnippetKind
  *
  * @typedef {object} Choices what is shown of the token
  * @property {SnippetKind} snippet
- * @property {import("./use-chart.js").Period} period
- * @property {import("./use-chart.js").Kind} kind
+ * @property {Period} period
+ * @property {Kind} kind
  *
  * @typedef {object} Actions
  * @property {() => void} verify
@@ -59,7 +62,7 @@ export function tokenView(token, facts, choices, actions) {
       "div",
       { class: "token-title" },
       el("h2", { id: "token-heading", tabindex: -1 }, titleOf(token)),
-      ...(facts ? [factsLine(facts)] : []),
+      facts && factsLine(facts),
     ),
     band("code", ...codePart(token, choices, actions)),
     band("secrets", ...secretsPart(token, actions)),
@@ -160,7 +163,7 @@ function secretsPart(token, actions) {
         "div",
         { class: "actions" },
         shown,
-        ...(hidden ? [reveal] : []),
+        hidden && reveal,
         copyButton(() => secret, t(`developers.secret_${name}`), {
           id: `copy-${name}`,
           onCopied: () => actions.copied(name),
@@ -181,8 +184,7 @@ const mask = (secret) => `${secret.slice(0, 5)}${"•".repeat(12)}`;
 function originsPart(token, facts, actions) {
   const origins = facts?.origins ?? [];
   const pending = origins.filter(({ state }) => state === "pending");
-  const check = el("button", { type: "button", id: "verify", class: "primary" }, t("developers.verify"));
-  check.addEventListener("click", actions.verify);
+  const check = button(t("developers.verify"), actions.verify, { id: "verify", class: "primary" });
   const input = el("input", {
     id: "new-origins",
     value: token.origins.join(" "),
@@ -228,35 +230,30 @@ function originItem({ origin, state, proof, failure, detail }) {
     "li",
     { class: state },
     el("p", {}, el("strong", {}, origin), ` ${t(verified ? "developers.verified" : "developers.pending")}`),
-    ...(proof
-      ? [
-          el(
-            "div",
-            { class: "proof" },
-            el("p", {}, t("developers.place_at")),
-            el("code", {}, proof.url),
-            el("p", {}, t("developers.place_line")),
-            el("code", { class: "proof-line" }, proof.content),
-            copyButton(() => proof.content, t("developers.the_line"), { id: `copy-line-${origin}` }),
-          ),
-        ]
-      : []),
-    ...(why ? [el("p", { class: "problem" }, why)] : []),
+    proof &&
+      el(
+        "div",
+        { class: "proof" },
+        el("p", {}, t("developers.place_at")),
+        el("code", {}, proof.url),
+        el("p", {}, t("developers.place_line")),
+        el("code", { class: "proof-line" }, proof.content),
+        copyButton(() => proof.content, t("developers.the_line"), { id: `copy-line-${origin}` }),
+      ),
+    why && el("p", { class: "problem" }, why),
   );
 }
 
 /** @param {OriginState[]} pending all of a token have the same line */
 function proofFile(pending) {
   const line = pending.find(({ proof }) => proof)?.proof?.content ?? "";
-  const button = el("button", { type: "button", id: "proof-file" }, t("developers.proof_file"));
-  button.addEventListener("click", () => offerFile(new Blob([`${line}\n`], { type: "text/plain" }), "calibdb.txt"));
-  return button;
+  const save = () => offerFile(new Blob([`${line}\n`], { type: "text/plain" }), "calibdb.txt");
+  return button(t("developers.proof_file"), save, { id: "proof-file" });
 }
 
 /** @param {ManagedToken} facts @param {Choices} choices @param {Actions} actions */
 function usePart({ use }, { period, kind }, actions) {
-  const refresh = el("button", { type: "button", id: "refresh" }, t("developers.refresh"));
-  refresh.addEventListener("click", actions.refresh);
+  const refresh = button(t("developers.refresh"), actions.refresh, { id: "refresh" });
   const select = el(
     "select",
     { id: "kind" },
@@ -311,10 +308,8 @@ function changePart(token, actions) {
     { id: "grace" },
     ...GRACES_S.map((seconds) => new Option(t(`developers.grace_${seconds}`), String(seconds))),
   );
-  const rotate = el("button", { type: "button", id: "rotate" }, t("developers.rotate"));
-  rotate.addEventListener("click", () => actions.rotate(Number(grace.value)));
-  const revoke = el("button", { type: "button", id: "revoke", class: "danger" }, t("developers.revoke"));
-  revoke.addEventListener("click", actions.revoke);
+  const rotate = button(t("developers.rotate"), () => actions.rotate(Number(grace.value)), { id: "rotate" });
+  const revoke = button(t("developers.revoke"), actions.revoke, { id: "revoke", class: "danger" });
   return [
     naming,
     el("h4", {}, t("developers.rotate_heading")),
@@ -332,11 +327,7 @@ function changePart(token, actions) {
 }
 
 /** @param {Actions} actions */
-function forgetButton(actions) {
-  const forget = el("button", { type: "button", id: "forget" }, t("developers.forget"));
-  forget.addEventListener("click", actions.forget);
-  return forget;
-}
+const forgetButton = (actions) => button(t("developers.forget"), actions.forget, { id: "forget" });
 
 /**
  * Buttons of which one is pressed.
@@ -352,13 +343,10 @@ function choice(name, all, chosen, choose, label) {
     "div",
     { class: "choices", role: "group", "aria-label": t(`developers.choose_${name}`) },
     ...all.map((each) => {
-      const button = el(
-        "button",
-        { type: "button", id: `${name}-${each}`, "aria-pressed": String(each === chosen) },
-        label(each),
-      );
-      button.addEventListener("click", () => choose(each));
-      return button;
+      return button(label(each), () => choose(each), {
+        id: `${name}-${each}`,
+        "aria-pressed": String(each === chosen),
+      });
     }),
   );
 }

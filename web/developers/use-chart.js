@@ -3,8 +3,9 @@ import { el, make } from "../lib/dom.js";
 import { language, t } from "../lib/i18n.js";
 import { short, ticks } from "../lib/svg.js";
 
+/** @import { TokenUse } from "../vendor/api.js" */
+
 /**
- * @typedef {import("../vendor/api.js").TokenUse} TokenUse
  * @typedef {"hours" | "days"} Period
  * @typedef {{sessions: number, views: number, poses: number, lookups: number}} Counts
  * @typedef {typeof KINDS[number]} Kind

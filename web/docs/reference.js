@@ -1,5 +1,6 @@
 // The API reference: one language for all examples, and requests that are sent from the page.
 import { el } from "../lib/dom.js";
+import { keepItem, readItem } from "../lib/storage.js";
 import { chosenToken } from "./tokens.js";
 
 const LANGUAGE = "calibdb.docs.language";
@@ -24,19 +25,11 @@ function rememberLanguage() {
       if (input.value === name) input.checked = true;
     }
   };
-  try {
-    choose(localStorage.getItem(LANGUAGE) ?? "");
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error;
-  }
+  choose(readItem(LANGUAGE) ?? "");
   document.addEventListener("change", ({ target }) => {
     if (!(target instanceof HTMLInputElement) || !target.matches(".samples input")) return;
     choose(target.value);
-    try {
-      localStorage.setItem(LANGUAGE, target.value);
-    } catch (error) {
-      if (!(error instanceof DOMException)) throw error; // not kept, then
-    }
+    keepItem(LANGUAGE, target.value);
   });
 }
 

@@ -1,4 +1,5 @@
 // Tokens that the visitor made on /developers/ and this browser keeps, and the one that examples use.
+import { readJson } from "../lib/storage.js";
 
 /**
  * @typedef {{id: string, token: string, management_token?: string, name?: string | null, origins?: unknown[], api?:
@@ -35,16 +36,10 @@ export function chooseToken(id) {
 
 /** @returns {KeptToken[]} */
 function read() {
-  const text = stored(() => localStorage.getItem(TOKENS_KEY)) ?? "[]";
-  try {
-    const tokens = JSON.parse(text);
-    return Array.isArray(tokens)
-      ? tokens.filter((each) => typeof each?.id === "string" && typeof each?.token === "string" && isHere(each.api))
-      : [];
-  } catch (error) {
-    if (!(error instanceof SyntaxError)) throw error;
-    return [];
-  }
+  const tokens = readJson(TOKENS_KEY);
+  return Array.isArray(tokens)
+    ? tokens.filter((each) => typeof each?.id === "string" && typeof each?.token === "string" && isHere(each.api))
+    : [];
 }
 
 /** True if a token is of this service. @param {unknown} api its address, if known */

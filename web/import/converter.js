@@ -1,7 +1,7 @@
 // Converter of files that have a camera and no measurements: view the camera, write it for another program, compare
 // it with the database. Only what is asked for is sent, and nothing is stored.
 import { ApiError } from "../lib/api.js";
-import { el } from "../lib/dom.js";
+import { button, el } from "../lib/dom.js";
 import { number, rough, formatSize, t } from "../lib/i18n.js";
 import { lensDifference } from "../lib/lens-difference.js";
 import { conversionText } from "../lib/result/download.js";
@@ -13,11 +13,7 @@ import { COEFFICIENTS } from "../sdk/projection.js";
 import { knownCalibrations } from "../lib/result/source.js";
 import { readCamera, saveAs, searchCameras } from "../lib/conversion.js";
 
-/**
- * @typedef {import("../lib/conversion.js").Source} Source
- * @typedef {import("../lib/conversion.js").Hints} Hints
- * @typedef {import("../lib/conversion.js").Camera} Camera
- */
+/** @import { Camera, Hints, Source } from "../lib/conversion.js" */
 
 const CORNERS_ALONE = "corners-vnl"; // a table of what was measured: there is nothing to write into it
 const MAX_FOUND = 8; // cameras that are offered for a comparison
@@ -98,7 +94,7 @@ export class Converter {
     this.#root.append(
       el("p", {}, t("import.open_text")),
       size.element,
-      el("div", { class: "actions" }, ...(unpack ? [corners] : []), open),
+      el("div", { class: "actions" }, unpack && corners, open),
       status,
     );
   }
@@ -196,8 +192,7 @@ export class Converter {
         if (cameras.length === 0) place.replaceChildren(t("import.compare_none"));
         found.replaceChildren(
           ...cameras.slice(0, MAX_FOUND).map(({ key, camera: label, platform }) => {
-            const choose = el("button", { type: "button", class: "small" }, label);
-            choose.addEventListener("click", () => void this.#compare(camera, key, place));
+            const choose = button(label, () => void this.#compare(camera, key, place), { class: "small" });
             return el("li", {}, choose, ` ${platform}`);
           }),
         );

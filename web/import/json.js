@@ -2,7 +2,7 @@
 import { MalformedError } from "./grid.js";
 import { square } from "./text.js";
 
-/** @typedef {import("./grid.js").View} View */
+/** @import { View } from "./grid.js" */
 
 const VIEWS = 1000; // more than any capture has
 const POINTS = 10_000; // of a view

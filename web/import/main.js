@@ -1,13 +1,12 @@
 // Calibration from another program's measurements. The file is read on this device; only corner positions are sent.
-import { Api } from "../lib/api.js";
 import { observedOutline } from "../lib/board-outline.js";
-import { part, liveRegion } from "../lib/dom.js";
+import { part, partsOf, liveRegion } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
 import { takeFiles } from "../lib/files.js";
 import { openPage } from "../lib/page.js";
 import { onLanguage, formatSize, t } from "../lib/i18n.js";
 import { rankByNovelty } from "../lib/rank.js";
-import { MAX_VIEWS, calibrate } from "../lib/series.js";
+import { AUTOMATIC, MAX_VIEWS, calibrateOnPage } from "../lib/series.js";
 import { load } from "../lib/result/source.js";
 import { LaterResultView } from "../lib/result/later.js";
 import { platformHere } from "../sdk/calibdb.js";
@@ -22,11 +21,11 @@ import { decode } from "./text.js";
 import { card, guessView } from "./views.js";
 
 /**
- * @typedef {import("./read.js").Guess} Guess
- * @typedef {import("./read.js").Numbered} Numbered
- * @typedef {import("./read.js").View} View
- * @typedef {import("../lib/series.js").Judgement} Judgement
- *
+ * @import { Judgement } from "../lib/series.js"
+ * @import { Guess, Numbered, View } from "./read.js"
+ */
+
+/**
  * @typedef {object} Measured
  * @property {import("../lib/board.js").SentBoard} board
  * @property {[number, number]} size of the pictures, px
@@ -37,20 +36,10 @@ import { card, guessView } from "./views.js";
 openPage();
 const query = new URLSearchParams(location.search);
 const parts = {
-  drop: part("drop", HTMLElement),
-  file: part("file", HTMLInputElement),
-  status: part("status", HTMLElement),
-  problem: part("problem", HTMLElement),
-  guess: part("guess", HTMLElement),
-  views: part("views", HTMLElement),
-  table: part("table", HTMLFormElement),
-  form: part("form", HTMLFormElement),
-  kind: part("kind", HTMLSelectElement),
-  camera: part("camera", HTMLInputElement),
-  cameraLabel: part("camera-label", HTMLElement),
-  focal: part("focal", HTMLInputElement),
-  focalField: part("focal-field", HTMLElement),
-  model: part("model", HTMLSelectElement),
+  ...partsOf(HTMLElement, ["drop", "status", "problem", "guess", "views", "camera-label", "focal-field"]),
+  ...partsOf(HTMLInputElement, ["file", "camera", "focal"]),
+  ...partsOf(HTMLFormElement, ["table", "form"]),
+  ...partsOf(HTMLSelectElement, ["kind", "model"]),
   start: part("start", HTMLButtonElement),
 };
 const [columns, rows, width, height] = ["columns", "rows", "width", "height"].map((id) => part(id, HTMLInputElement));
@@ -69,7 +58,6 @@ let text = "";
 let wrong = null;
 /** @type {Map<Numbered, Judgement>} */
 const judgements = new Map();
-const AUTOMATIC = "auto"; // of the lens models: the one that explains the views
 /** Name of a camera in the name of its file: what stands before the size, as in my-cam-640x480-photonvision.json. */
 const FILE_OF_CAMERA = /^(.+?)[-_ ]\d{3,5}x\d{3,5}\b/;
 const BINARY = /[\u0000-\u0008\u000e-\u001f\ufffd]/; // characters that no text has
@@ -227,35 +215,22 @@ async function start(without = new Set()) {
   judgements.clear();
   show();
   try {
-    const { api: address, token, return_origins: returnOrigins } = await loadSettings();
+    const settings = await loadSettings();
     const webcam = parts.kind.value === "webcam";
-    const detectModel = parts.model.value === AUTOMATIC;
     const request = {
       camera: parts.camera.value.trim(),
       platform: webcam ? await platformHere() : parts.kind.value,
       img_size: size,
       zoom: webcam ? 0 : Number(parts.focal.value) || 0,
       board,
-      distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (
-        detectModel ? "rectilinear" : parts.model.value
-      ),
     };
     const usable = views.filter((each) => each.points.length >= MIN_VIEW_CORNERS && !without.has(each));
-    tell(() => t("photos.calibrating", { done: judgements.size, all: usable.length }));
-    const onRetry = (/** @type {object | null} */ retry) => {
-      if (mine === turn)
-        tell(() =>
-          retry ? t("faults.retry") : t("photos.calibrating", { done: judgements.size, all: usable.length }),
-        );
-    };
-    const onJudgement = (/** @type {Judgement} */ judgement) => {
-      if (mine !== turn) return;
-      judgements.set(usable[judgement.view], judgement);
-      tell(() => t("photos.calibrating", { done: judgements.size, all: usable.length }));
-      show();
-    };
-    const api = new Api(address, { onRetry });
-    const { state, numbers } = await calibrate(api, token, request, usable, onJudgement, { detectModel });
+    const { state, numbers } = await calibrateOnPage(settings, request, parts.model.value, usable, {
+      judgements,
+      tell,
+      isCurrent: () => mine === turn,
+      onJudgement: show,
+    });
     if (mine !== turn) return;
     const id = state.calibration_id;
     if (!id) {
@@ -273,7 +248,7 @@ async function start(without = new Set()) {
       report,
       origin: "imported",
       returnTo: query.get("return_to"),
-      returnOrigins,
+      returnOrigins: settings.return_origins,
       goOn,
       explain,
     });

@@ -1,7 +1,7 @@
 // A table of corners as mrcal-calibrate-cameras reads it, corners.vnl: a line for every corner of every picture. Pure.
 import { MalformedError } from "./grid.js";
 
-/** @typedef {import("./grid.js").View} View */
+/** @import { View } from "./grid.js" */
 
 const MAX_TABLE_VIEWS = 1000;
 

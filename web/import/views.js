@@ -6,9 +6,8 @@ import { viewOutcome } from "../lib/series.js";
 import { MIN_VIEW_CORNERS } from "./read.js";
 
 /**
- * @typedef {import("./read.js").Numbered} Numbered
- * @typedef {import("./read.js").Guess} Guess
- * @typedef {import("../lib/series.js").Judgement} Judgement
+ * @import { Judgement } from "../lib/series.js"
+ * @import { Guess, Numbered } from "./read.js"
  */
 
 const DOT = 5; // plot units

@@ -38,15 +38,12 @@ export function knownCard(name, calibration) {
     el(
       "div",
       { class: "actions" },
-      ...(id
-        ? [
-            el(
-              "a",
-              { class: "button primary", href: pageUrl(`result/?${new URLSearchParams({ id })}`).href },
-              t("landing.card_open"),
-            ),
-          ]
-        : []),
+      id &&
+        el(
+          "a",
+          { class: "button primary", href: pageUrl(`result/?${new URLSearchParams({ id })}`).href },
+          t("landing.card_open"),
+        ),
       el("a", { class: "button", href: pageUrl("ar/").href }, t("landing.card_ar")),
     ),
   );
@@ -63,6 +60,6 @@ export function unknownCard(name, address, estimate) {
     el("h3", {}, t("landing.not_yet", { camera: name })),
     el("p", {}, t("landing.not_yet_text")),
     el("div", { class: "actions" }, el("a", { class: "button primary", href: address }, t("landing.calibrate_it"))),
-    ...(estimate ? [estimateView(estimate)] : []),
+    estimate && estimateView(estimate),
   );
 }

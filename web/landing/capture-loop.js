@@ -7,7 +7,7 @@ import { LENS, SIZE, TARGETS } from "../lib/rig-picture.js";
 import { make } from "../lib/dom.js";
 import { lensOf } from "../sdk/projection.js";
 
-/** @typedef {import("../lib/pose.js").Pose} Pose */
+/** @import { Pose } from "../lib/pose.js" */
 
 const START = { rvec: [0.2, -0.3, 0.3], tvec: [-6.5, -1.2, 14] };
 const MOVE_MS = 1500;

@@ -1,6 +1,5 @@
 // Counts of the database: how many cameras and calibrations it has.
-import { Api } from "../lib/api.js";
-import { loadSettings } from "../lib/settings.js";
+import { askJson } from "../lib/api.js";
 
 const LIMIT = 50; // cameras of one answer
 
@@ -11,8 +10,7 @@ const LIMIT = 50; // cameras of one answer
 
 /** @returns {Promise<Counts>} of the first cameras of the list; `more`: there are others */
 export async function countCameras() {
-  const { api, token } = await loadSettings();
-  const { cameras, next } = await new Api(api, {}).json("GET", `/cameras?limit=${LIMIT}`, token);
+  const { cameras, next } = await askJson("GET", `/cameras?limit=${LIMIT}`);
   return countsOf(cameras, next !== null);
 }
 

@@ -5,7 +5,7 @@ import { explain } from "../lib/faults.js";
 import { hasMessage, number, onLanguage, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { lookup } from "../sdk/lookup.js";
-import { loadSettings } from "../lib/settings.js";
+import { sdkOptions } from "../lib/settings.js";
 import { phoneModel } from "../lib/phone-model.js";
 import { showRigPicture } from "../lib/rig-picture.js";
 import { gridLines } from "../lib/result/grid-picture.js";
@@ -66,7 +66,7 @@ let cameras = null;
 /** @returns {Promise<() => Node[]>} what came of it */
 async function lookUpMine() {
   cameras ??= await import("../lib/camera.js");
-  const { api, token } = await loadSettings();
+  const options = await sdkOptions();
   const camera = await cameras.open("", {
     parameters: new URLSearchParams(),
     size: [1280, 720],
@@ -74,8 +74,7 @@ async function lookUpMine() {
     board: DEFAULT_BOARD,
   });
   try {
-    const options = { token, api: new URL(api, location.href), device: phoneModel() };
-    const { calibration, guidanceUrl, estimate } = await lookup(camera.track, options);
+    const { calibration, guidanceUrl, estimate } = await lookup(camera.track, { ...options, device: phoneModel() });
     const name = camera.track.label;
     return () => [
       calibration ? knownCard(name, calibration) : unknownCard(name, guidanceUrl ?? "./calibrate/", estimate),

@@ -2,6 +2,7 @@
 
 import { isTransient, retry, retryAfter } from "../sdk/retry.js";
 import { OfflineError, reach, readable } from "./network.js";
+import { loadSettings } from "./settings.js";
 
 export { OfflineError };
 
@@ -125,6 +126,20 @@ export class Api {
     return response.status === 204 ? null : response.json();
   }
 }
+
+/**
+ * Sends a request with the pages' token.
+ * @param {string} method @param {string} path @param {Parameters<Api["send"]>[3]} [options]
+ * @param {Partial<Transport>} [transport]
+ * @returns {Promise<Response>} rejects as `Api.send` and `loadSettings` do
+ */
+export async function ask(method, path, options, transport) {
+  const { api, token } = await loadSettings();
+  return new Api(api, transport).send(method, path, token, options);
+}
+
+/** @param {Parameters<typeof ask>} request @returns {Promise<any>} the body */
+export const askJson = async (...request) => (await ask(...request)).json();
 
 /** @param {Response} response */
 async function problem(response) {

@@ -6,9 +6,10 @@ import { median } from "./marker-grid.js";
 import { refineCorner } from "./subpixel.js";
 
 /**
- * @typedef {import("./board.js").Board} Board
- * @typedef {import("./marker-detector.js").Marker} Marker
- * @typedef {import("./subpixel.js").Grey} Grey
+ * @import { Board } from "./board.js"
+ * @import { Homography } from "./homography.js"
+ * @import { Marker } from "./marker-detector.js"
+ * @import { Grey } from "./subpixel.js"
  */
 
 const MIN_GRID_TAGS = 3; // fewer do not show how the tags are rotated on the grid
@@ -34,7 +35,7 @@ export function aprilgridCorners(
   const corner = (/** @type {number} */ tag) => [(tag % columns) * pitch, -Math.floor(tag / columns) * pitch];
   const centre = (/** @type {Marker} */ { id }) => [corner(id)[0] + 0.5, corner(id)[1] - 0.5];
   let tags = markers.filter(({ id }) => id < columns * rows);
-  /** @type {import("./homography.js").Homography | null} */
+  /** @type {Homography | null} */
   let h = null;
   for (let more = tags.length > MIN_GRID_TAGS; more;) {
     h = homography(tags.map(centre), tags.map(centreOf));
@@ -91,7 +92,7 @@ function isSaddle({ width, height, data }, [x, y], [u, v], spacing) {
 /**
  * Quarter turns of the tags on the grid, by the vote of all.
  * @param {Marker[]} tags
- * @param {import("./homography.js").Homography} h
+ * @param {Homography} h
  * @param {(tag: number) => number[]} corner
  */
 function commonTurn(tags, h, corner) {

@@ -2,9 +2,9 @@
 import { TABLES } from "../vendor/dictionaries.js";
 import { DEFAULT_TAG_SPACING, corners, dictionaryOf, isBlack, isCircles, markers, sizeOf } from "./board.js";
 
+/** @import { Board } from "./board.js" */
+
 /**
- * @typedef {import("./board.js").Board} Board
- *
  * @typedef {[x: number, y: number, width: number, height: number]} Rectangle
  */
 

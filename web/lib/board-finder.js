@@ -8,9 +8,9 @@ import { MarkerDetector } from "./marker-detector.js";
 import { median } from "./marker-grid.js";
 
 /**
- * @typedef {import("./board.js").Board} Board
- * @typedef {import("./subpixel.js").Grey} Grey
- * @typedef {import("./charuco-finder.js").Finder} Finder
+ * @import { Board } from "./board.js"
+ * @import { Finder } from "./charuco-finder.js"
+ * @import { Grey } from "./subpixel.js"
  */
 
 const BORDERS = [1, 2]; // cells: AprilTag's own and OpenCV's tags, and those that Kalibr prints

@@ -4,9 +4,9 @@ import { boardWords, reason } from "./board-text.js";
 import { part } from "./dom.js";
 import { onLanguage, t } from "./i18n.js";
 
+/** @import { Problem, SentBoard } from "./board.js" */
+
 /**
- * @typedef {import("./board.js").SentBoard} SentBoard
- *
  * @typedef {object} Use the form within a page
  * @property {(board: SentBoard) => void} onChoice called when the visitor has chosen another board
  * @property {(reason: string) => string} problemText words for a board that cannot be
@@ -73,7 +73,7 @@ export class BoardForm {
   #problem = part("board-problem", HTMLElement);
   #board;
   #use;
-  /** @type {import("./board.js").Problem | null} */
+  /** @type {Problem | null} */
   #wrong = null;
 
   /** @param {SentBoard} board @param {Use} use */

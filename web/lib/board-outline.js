@@ -2,8 +2,9 @@
 import { corners as boardCorners, outline } from "./board.js";
 import { apply, homography } from "./homography.js";
 
+/** @import { Board } from "./board.js" */
+
 /**
- * @typedef {import("./board.js").Board} Board
  * @typedef {{ids: number[], points: number[][]}} Corners corners of the board that were found; points: px
  */
 

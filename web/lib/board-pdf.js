@@ -3,7 +3,7 @@ import { sizeOf } from "./board.js";
 import { blackRectangles } from "./board-drawing.js";
 import { FOOT, MARGIN_MM, squareSide } from "./papers.js";
 
-/** @typedef {import("./board.js").Board} Board */
+/** @import { Board } from "./board.js" */
 
 const POINTS_PER_MM = 72 / 25.4;
 

@@ -4,8 +4,8 @@ import { minimize } from "./least-squares.js";
 import { rotationMatrix, rotationVectorOf } from "./pose.js";
 
 /**
- * @typedef {import("./pose.js").Pose} Pose
- * @typedef {import("../sdk/projection.js").Lens} Lens
+ * @import { Lens } from "../sdk/projection.js"
+ * @import { Pose } from "./pose.js"
  */
 
 const MIN_CORNERS = 6; // corners

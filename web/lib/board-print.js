@@ -5,8 +5,8 @@ import { number, t } from "./i18n.js";
 import { PAPERS, squareOn } from "./papers.js";
 
 /**
- * @typedef {import("./board.js").Board} Board
- * @typedef {import("./board-pdf.js").Lettering} Lettering
+ * @import { Lettering } from "./board-pdf.js"
+ * @import { Board } from "./board.js"
  */
 
 /** @param {Board} board @param {string} paper @returns {Blob} a PDF */

@@ -17,9 +17,12 @@ import { fitGrid, median, squareOf } from "./marker-grid.js";
 import { centreOf } from "./marker-detector.js";
 
 /**
- * @typedef {import("./board.js").SentBoard} SentBoard
- * @typedef {import("./marker-detector.js").Marker} Marker
- *
+ * @import { Board, SentBoard } from "./board.js"
+ * @import { Marker } from "./marker-detector.js"
+ * @import { GridFit } from "./marker-grid.js"
+ */
+
+/**
  * @typedef {object} Sighting what one picture shows
  * @property {string | null} family dictionary of the markers found
  * @property {Marker[]} markers
@@ -112,7 +115,7 @@ function group(list, keyOf) {
 }
 
 /**
- * @param {(import("./marker-grid.js").GridFit & {family: string, inverted: boolean})[]} members fits that agree
+ * @param {(GridFit & {family: string, inverted: boolean})[]} members fits that agree
  * @returns {SentBoard | null}
  */
 function boardOf(members) {
@@ -135,14 +138,14 @@ function boardOf(members) {
   // not seen.
   if (markerFirst && rows % 2 === 1) rows += 1;
   const ratio = Math.min(RATIO_RANGE[1], Math.max(RATIO_RANGE[0], nearest(side, USUAL_RATIOS)));
-  /** @type {import("./board.js").Board} */
+  /** @type {Board} */
   const board = { squares: [columns, rows], marker_ratio: ratio, dictionary: family, ...common, legacy: markerFirst };
   return /** @type {SentBoard} */ ({ ...board, dictionary: shortest(family, markers(board).length) });
 }
 
 /**
  * Gap between the tags of an AprilGrid / their side, from neighbours: a wide lens bends the lattice as a whole.
- * @param {import("./marker-grid.js").GridFit[]} members
+ * @param {GridFit[]} members
  */
 function spacingOf(members) {
   return median(
@@ -157,10 +160,7 @@ function spacingOf(members) {
         return neighbours.map((other) => {
           const [a, b] = [centreOf(marker), centreOf(other)];
           const apart = Math.hypot(b[0] - a[0], b[1] - a[1]);
-          const reach = (
-            /** @type {import("./marker-detector.js").Marker} */ { corners },
-            /** @type {number[]} */ [x, y],
-          ) =>
+          const reach = (/** @type {Marker} */ { corners }, /** @type {number[]} */ [x, y]) =>
             Math.max(
               ...corners.map((corner, n) => {
                 const next = corners[(n + 1) % 4];

@@ -2,10 +2,7 @@
 import { DEFAULT_TAG_SPACING, kindOf } from "./board.js";
 import { formatSize, number, t, onLanguage } from "./i18n.js";
 
-/**
- * @typedef {import("./board.js").SentBoard} SentBoard
- * @typedef {import("./board.js").Problem} Problem
- */
+/** @import { Problem, SentBoard } from "./board.js" */
 
 /** A board in a few words: "ChArUco, 9 × 6 squares, DICT_4X4_50". @param {SentBoard} board */
 export function boardWords(board) {

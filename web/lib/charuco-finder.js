@@ -3,9 +3,11 @@ import { frameMetrics } from "./frame-metrics.js";
 import { refine } from "./subpixel.js";
 
 /**
- * @typedef {import("./board.js").Board} Board
- * @typedef {import("./subpixel.js").Grey} Grey
- *
+ * @import { Board } from "./board.js"
+ * @import { Grey } from "./subpixel.js"
+ */
+
+/**
  * @typedef {object} Finder
  * @property {(image: Grey, full: boolean) => {ids: number[], points: number[][], markers: number, metrics:
  *   import("./frame-metrics.js").FrameMetrics}} find full: for a view that is kept, with all that the detector can

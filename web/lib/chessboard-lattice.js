@@ -2,9 +2,11 @@
 import { describe, hasRing, responseAt } from "./saddle-points.js";
 
 /**
- * @typedef {import("./subpixel.js").Grey} Grey
- * @typedef {import("./saddle-points.js").Saddle} Saddle
- *
+ * @import { Saddle } from "./saddle-points.js"
+ * @import { Grey } from "./subpixel.js"
+ */
+
+/**
  * @typedef {object} Lattice
  * @property {number} columns of corners
  * @property {number} rows

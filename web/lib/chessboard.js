@@ -6,8 +6,8 @@ import { saddlePoints } from "./saddle-points.js";
 import { refineCorner } from "./subpixel.js";
 
 /**
- * @typedef {import("./subpixel.js").Grey} Grey
- * @typedef {import("./chessboard-lattice.js").Lattice} Lattice
+ * @import { Lattice } from "./chessboard-lattice.js"
+ * @import { Grey } from "./subpixel.js"
  */
 
 // px of the longer side at which corners are looked for: blur hides them at the largest

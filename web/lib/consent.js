@@ -1,6 +1,7 @@
 // Consent of the visitor to publish the measurements under CC0. Every page that calibrates asks for it, before or
 // after. It is never assumed, and kept on this device until it is changed.
 import { onLanguage, t, translate } from "./i18n.js";
+import { keepItem, readItem } from "./storage.js";
 
 /**
  * Licence under which dumps are published, an SPDX identifier, and the date of the text on /terms/ that is agreed to.
@@ -25,7 +26,7 @@ export function publishOnConsent(action) {
 
 /** True if the person agrees. */
 export function hasConsent() {
-  return (given ??= read() === LICENCE_VERSION);
+  return (given ??= readItem(CONSENT_KEY) === LICENCE_VERSION);
 }
 
 /**
@@ -48,7 +49,7 @@ export function offerConsent() {
   };
   const take = (/** @type {boolean} */ agreed) => {
     given = agreed;
-    write(agreed);
+    keepItem(CONSENT_KEY, agreed ? LICENCE_VERSION : null); // if storage is blocked, it is valid on this page only
     show();
   };
   box.addEventListener("change", async () => {
@@ -71,24 +72,4 @@ export function offerConsent() {
   });
   onLanguage(show);
   show();
-}
-
-/** @returns {string | null} date of the text that was agreed to */
-function read() {
-  try {
-    return globalThis.localStorage?.getItem(CONSENT_KEY) ?? null;
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error;
-    return null; // a browser that blocks storage
-  }
-}
-
-/** @param {boolean} agreed */
-function write(agreed) {
-  try {
-    if (agreed) localStorage.setItem(CONSENT_KEY, LICENCE_VERSION);
-    else localStorage.removeItem(CONSENT_KEY);
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error; // storage is blocked: consent is valid on this page only
-  }
 }

@@ -1,7 +1,8 @@
 // Conversion of a file by the service: the readers of other programs' files are there, and nothing is stored.
-import { Api } from "./api.js";
+import { ask, askJson } from "./api.js";
 import { offerResponse } from "./files.js";
-import { loadSettings } from "./settings.js";
+
+/** @import { Calibration } from "./result/numbers.js" */
 
 /**
  * @typedef {object} Source what is sent of a file
@@ -46,8 +47,7 @@ function base64(bytes) {
  * @returns {Promise<Camera>} rejects as Api does: 422 where none is read
  */
 export async function readCamera(source, hints) {
-  const { api, token } = await loadSettings();
-  return new Api(api).json("POST", "/convert", token, { body: { ...source, ...hints } });
+  return askJson("POST", "/convert", { body: { ...source, ...hints } });
 }
 
 /**
@@ -57,8 +57,7 @@ export async function readCamera(source, hints) {
  *   camera
  */
 export async function saveAs(source, hints, format, camera) {
-  const { api, token } = await loadSettings();
-  const response = await new Api(api).send("POST", "/convert", token, {
+  const response = await ask("POST", "/convert", {
     body: { ...source, ...hints, format },
     accept: "*/*",
   });
@@ -73,15 +72,12 @@ export async function saveAs(source, hints, format, camera) {
  * @param {string} file @returns {Promise<string>} rejects as Api does: 422 where there are none
  */
 export async function unpackCorners(file) {
-  const { api, token } = await loadSettings();
-  const response = await new Api(api).send("POST", "/convert", token, {
+  const response = await ask("POST", "/convert", {
     body: { file, format: "photonvision" },
     accept: "*/*",
   });
   return response.text();
 }
-
-/** @typedef {import("./result/numbers.js").Calibration} Calibration */
 
 /**
  * Cameras of the database by name.
@@ -89,7 +85,6 @@ export async function unpackCorners(file) {
  * @returns {Promise<{key: string, camera: string, platform: string}[]>} rejects as Api does
  */
 export async function searchCameras(query) {
-  const { api, token } = await loadSettings();
-  const { cameras } = await new Api(api).json("GET", `/cameras?${new URLSearchParams({ query, limit: "20" })}`, token);
+  const { cameras } = await askJson("GET", `/cameras?${new URLSearchParams({ query, limit: "20" })}`);
   return cameras;
 }

@@ -1,9 +1,9 @@
 // The board detector as the page sees it: one call a frame, answered from a Worker.
 import { reach } from "./network.js";
 
+/** @import { Board } from "./board.js" */
+
 /**
- * @typedef {import("./board.js").Board} Board
- *
  * @typedef {object} Detection
  * @property {number[]} ids board corners, id = row * (columns - 1) + column
  * @property {number[][]} points px, pixel centres at whole numbers
@@ -77,11 +77,7 @@ export class Detector {
    * @returns {Promise<Detection>}
    */
   detect(frame, { full = false, flip = false, timeout = FRAME_TIMEOUT_MS } = {}) {
-    if (this.closed) {
-      frame.close();
-      return Promise.reject(new DetectorError("The board detector was closed."));
-    }
-    return this.#ask({ frame, full, flip }, [frame], timeout);
+    return this.#look({ frame, full, flip }, timeout);
   }
 
   /**
@@ -92,11 +88,15 @@ export class Detector {
    * @returns {Promise<import("./board-recognition.js").Sighting>}
    */
   sight(frame, { flip = false, timeout = SIGHT_TIMEOUT_MS } = {}) {
-    if (this.closed) {
-      frame.close();
-      return Promise.reject(new DetectorError("The board detector was closed."));
-    }
-    return this.#ask({ frame, recognise: true, flip }, [frame], timeout);
+    return this.#look({ frame, recognise: true, flip }, timeout);
+  }
+
+  /** @param {{frame: VideoFrame | ImageBitmap, [option: string]: unknown}} message @param {number} timeout ms */
+  #look(message, timeout) {
+    const { frame } = message;
+    if (!this.closed) return this.#ask(message, [frame], timeout);
+    frame.close();
+    return Promise.reject(new DetectorError("The board detector was closed."));
   }
 
   /**

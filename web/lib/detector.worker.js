@@ -4,8 +4,11 @@ import { createFinder } from "./board-finder.js";
 import { flipped } from "./charuco-finder.js";
 
 /**
- * @typedef {import("./board.js").Board} Board
- * @typedef {import("./subpixel.js").Grey} Grey
+ * @import { Board } from "./board.js"
+ * @import { Grey } from "./subpixel.js"
+ */
+
+/**
  * @typedef {{id: number, open: Board, wasm: string, bytes: number}} OpenRequest
  * @typedef {{id: number, frame: VideoFrame | ImageBitmap, full: boolean, flip: boolean}} DetectRequest
  * @typedef {{id: number, frame: VideoFrame | ImageBitmap, recognise: true, flip: boolean}} RecogniseRequest

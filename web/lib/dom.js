@@ -7,7 +7,7 @@ const SVG = "http://www.w3.org/2000/svg";
  * @template {keyof HTMLElementTagNameMap} K
  * @param {K} name
  * @param {Record<string, string | number | boolean | undefined>} [attributes] false and undefined: left out
- * @param {...(Node | string)} content
+ * @param {...(Node | string | false | null | undefined)} content false, null and undefined: left out
  * @returns {HTMLElementTagNameMap[K]}
  */
 export function el(name, attributes = {}, ...content) {
@@ -15,7 +15,17 @@ export function el(name, attributes = {}, ...content) {
   for (const [key, value] of Object.entries(attributes)) {
     if (value !== false && value !== undefined) made.setAttribute(key, value === true ? "" : String(value));
   }
-  made.append(...content);
+  made.append(...content.filter((each) => each !== false && each !== null && each !== undefined));
+  return made;
+}
+
+/**
+ * Makes a button that does something.
+ * @param {string} label @param {() => unknown} action @param {Record<string, string>} [attributes]
+ */
+export function button(label, action, attributes = {}) {
+  const made = el("button", { type: "button", ...attributes }, label);
+  made.addEventListener("click", () => void action());
   return made;
 }
 
@@ -41,6 +51,21 @@ export function part(id, type) {
   const found = document.getElementById(id);
   if (!(found instanceof type)) throw new TypeError(`the page has no ${type.name} #${id}`);
   return found;
+}
+
+/**
+ * @template {string} S
+ * @typedef {S extends `${infer A}-${infer B}` ? `${A}${Capitalize<CamelCase<B>>}` : S} CamelCase
+ */
+
+/**
+ * Elements of the page, each named after its id: "go-on" is `goOn`.
+ * @template {Element} E @template {string} I
+ * @param {new () => E} type @param {readonly I[]} ids
+ */
+export function partsOf(type, ids) {
+  const found = ids.map((id) => [id.replace(/-(.)/g, (_, letter) => letter.toUpperCase()), part(id, type)]);
+  return /** @type {{[id in I as CamelCase<id>]: E}} */ (Object.fromEntries(found));
 }
 
 /**

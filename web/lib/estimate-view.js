@@ -2,7 +2,7 @@
 import { el } from "./dom.js";
 import { number, t } from "./i18n.js";
 
-/** @typedef {import("../sdk/calibration.js").EstimateData} EstimateData */
+/** @import { EstimateData } from "../sdk/calibration.js" */
 
 /** @param {EstimateData} estimate */
 export function estimateView({ hfov_deg, interval_90, basis, sources }) {
@@ -22,20 +22,17 @@ export function estimateView({ hfov_deg, interval_90, basis, sources }) {
       {},
       ...facts.map(([term, value]) => el("div", {}, el("dt", {}, term), el("dd", { class: "number" }, value))),
     ),
-    ...(sources.length
-      ? [
-          el(
-            "details",
-            {},
-            el("summary", {}, t("estimate.sources")),
-            el(
-              "ul",
-              {},
-              ...sources.map(({ title, url }) => el("li", {}, el("a", { href: safe(url), rel: "noreferrer" }, title))),
-            ),
-          ),
-        ]
-      : []),
+    sources.length > 0 &&
+      el(
+        "details",
+        {},
+        el("summary", {}, t("estimate.sources")),
+        el(
+          "ul",
+          {},
+          ...sources.map(({ title, url }) => el("li", {}, el("a", { href: safe(url), rel: "noreferrer" }, title))),
+        ),
+      ),
   );
 }
 

@@ -4,9 +4,11 @@ import { corners, isBlack } from "./board.js";
 import { squareSizes } from "./subpixel.js";
 
 /**
- * @typedef {import("./subpixel.js").Grey} Grey
- * @typedef {import("./board.js").Board} Board
- *
+ * @import { Board } from "./board.js"
+ * @import { Grey } from "./subpixel.js"
+ */
+
+/**
  * @typedef {object} FrameMetrics
  * @property {number} median brightness, 0…255
  * @property {number} high brightness that 5 % of the picture exceed

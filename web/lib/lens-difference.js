@@ -1,25 +1,12 @@
 // Difference of two calibrations of one camera: how far apart they show a ray, after the best rotation. Pure.
 import { minimize } from "./least-squares.js";
+import { rotate, rotationMatrix } from "../sdk/motion.js";
 import { lensOf } from "../sdk/projection.js";
 
 /** @typedef {import("../sdk/projection.js").Intrinsics & {img_size: [number, number]}} Lens */
 
 const GRID = /** @type {[number, number]} */ ([20, 12]); // columns and rows
 const FAR_PX = 1e4; // px; of a ray that the other lens does not see
-
-/** A ray turned by a rotation vector. @param {readonly number[]} v @param {number[]} r radians */
-function turned([x, y, z], [a, b, c]) {
-  const angle = Math.hypot(a, b, c);
-  if (angle < 1e-12) return [x + b * z - c * y, y + c * x - a * z, z + a * y - b * x];
-  const [ux, uy, uz] = [a / angle, b / angle, c / angle];
-  const [sin, cos] = [Math.sin(angle), Math.cos(angle)];
-  const along = (ux * x + uy * y + uz * z) * (1 - cos);
-  return [
-    x * cos + (uy * z - uz * y) * sin + ux * along,
-    y * cos + (uz * x - ux * z) * sin + uy * along,
-    z * cos + (ux * y - uy * x) * sin + uz * along,
-  ];
-}
 
 /**
  * @param {Lens} one @param {Lens} other of the same picture size
@@ -39,12 +26,14 @@ export function lensDifference(one, other) {
       ]),
   );
   const rays = points.map((point) => first.unproject(point));
-  const apart = (/** @type {number[]} */ rotation) =>
-    points.map((point, index) => {
+  const apart = (/** @type {number[]} */ rotation) => {
+    const matrix = rotationMatrix(rotation);
+    return points.map((point, index) => {
       const ray = rays[index];
-      const seen = ray && second.project(/** @type {[number, number, number]} */ (turned(ray, rotation)));
+      const seen = ray && second.project(/** @type {[number, number, number]} */ (rotate(matrix, ray)));
       return seen ? [seen[0] - point[0], seen[1] - point[1]] : null;
     });
+  };
   const rotation = minimize(
     (at) => apart(at).flatMap((d, index) => d ?? (rays[index] ? [FAR_PX, FAR_PX] : [0, 0])),
     [0, 0, 0],

@@ -1,7 +1,8 @@
 // Square markers (ArUco, AprilTag) in an image, by OpenCV.js's detector.
 
+/** @import { Grey } from "./subpixel.js" */
+
 /**
- * @typedef {import("./subpixel.js").Grey} Grey
  * @typedef {{id: number, corners: number[][]}} Marker corners: px, clockwise from the marker's own upper left
  *
  * @typedef {object} MarkerOptions

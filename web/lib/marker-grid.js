@@ -2,9 +2,9 @@
 import { centreOf, sideOf } from "./marker-detector.js";
 import { apply, homography } from "./homography.js";
 
+/** @import { Marker } from "./marker-detector.js" */
+
 /**
- * @typedef {import("./marker-detector.js").Marker} Marker
- *
  * @typedef {object} Hypothesis
  * @property {"charuco" | "aprilgrid"} kind
  * @property {number} columns of squares, or tags

@@ -5,8 +5,11 @@ import { homography } from "./homography.js";
 import { refineCorner } from "./subpixel.js";
 
 /**
- * @typedef {import("./subpixel.js").Grey} Grey
- * @typedef {import("./marker-detector.js").Marker} Marker
+ * @import { Marker } from "./marker-detector.js"
+ * @import { Grey } from "./subpixel.js"
+ */
+
+/**
  * @typedef {{family: string, border: number, mirrored: boolean, markers: Marker[]}} Reading markers of one family in
  *   one picture; of a mirrored one as they would be in the picture turned back
  */

@@ -1,5 +1,8 @@
 // Calibrations that were made in this browser: kept here, so that their maker finds them again. Nothing is sent.
 import { levelOf } from "./result/numbers.js";
+import { keepItem, readJson } from "./storage.js";
+
+/** @import { Calibration, Report } from "./result/numbers.js" */
 
 const KEY = "calibdb.own";
 const MAX_OWN = 100; // calibrations; the oldest go first
@@ -15,8 +18,8 @@ const MAX_OWN = 100; // calibrations; the oldest go first
  */
 
 /**
- * @param {import("./result/numbers.js").Calibration & {id: string}} calibration
- * @param {import("./result/numbers.js").Report | null} report
+ * @param {Calibration & {id: string}} calibration
+ * @param {Report | null} report
  * @returns {Own}
  */
 export function ownOf(calibration, report) {
@@ -26,18 +29,12 @@ export function ownOf(calibration, report) {
 
 /** The newest first. @returns {Own[]} */
 export function ownCalibrations() {
-  try {
-    const kept = JSON.parse(localStorage.getItem(KEY) ?? "[]");
-    return Array.isArray(kept)
-      ? kept.filter(
-          (each) => typeof each?.id === "string" && typeof each.camera === "string" && Array.isArray(each.img_size),
-        )
-      : [];
-  } catch (error) {
-    // A browser that blocks storage throws on access.
-    if (!(error instanceof DOMException) && !(error instanceof SyntaxError)) throw error;
-    return [];
-  }
+  const kept = readJson(KEY);
+  return Array.isArray(kept)
+    ? kept.filter(
+        (each) => typeof each?.id === "string" && typeof each.camera === "string" && Array.isArray(each.img_size),
+      )
+    : [];
 }
 
 /** @param {Own} own @returns {boolean} whether it is kept */
@@ -51,13 +48,4 @@ export function forgetOwn(id) {
 }
 
 /** @param {Own[]} all */
-function write(all) {
-  try {
-    if (all.length) localStorage.setItem(KEY, JSON.stringify(all));
-    else localStorage.removeItem(KEY);
-    return true;
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error;
-    return false;
-  }
-}
+const write = (all) => keepItem(KEY, all.length ? JSON.stringify(all) : null);

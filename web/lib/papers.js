@@ -1,7 +1,7 @@
 // Papers that boards are printed on: their sizes, and which of them a visitor has.
 import { sizeOf } from "./board.js";
 
-/** @typedef {import("./board.js").Board} Board */
+/** @import { Board } from "./board.js" */
 
 /** Landscape paper, mm. @type {Record<string, [number, number]>} */
 export const PAPERS = { A4: [297, 210], A3: [420, 297], Letter: [279.4, 215.9] };

@@ -2,6 +2,7 @@
 // browser.
 import { el } from "./dom.js";
 import { t } from "./i18n.js";
+import { keepItem, readItem } from "./storage.js";
 
 /**
  * @typedef {{width: number, height: number, ratio: number}} Screen in CSS pixels, upright or not, and pixels per CSS
@@ -93,7 +94,7 @@ export function modelsOf({ width, height, ratio }) {
 
 /** Identifier that the visitor chose, "" where none is known. */
 export function phoneModel() {
-  const kept = read();
+  const kept = readItem(MODEL_KEY) ?? "";
   return kept === NONE ? "" : kept;
 }
 
@@ -105,9 +106,9 @@ export function phoneModel() {
  */
 export async function askPhoneModel(signal, browser = here()) {
   const models = IPHONE.test(browser.userAgent) ? modelsOf(browser.screen) : [];
-  if (read() || models.length === 0) return phoneModel();
-  if (models.length > 1) write(await ask(models, signal));
-  else write(models[0][1]);
+  if (readItem(MODEL_KEY) || models.length === 0) return phoneModel();
+  const model = models.length > 1 ? await ask(models, signal) : models[0][1];
+  if (model) keepItem(MODEL_KEY, model);
   return phoneModel();
 }
 
@@ -148,21 +149,3 @@ const here = () => ({
   userAgent: navigator.userAgent,
   screen: { width: screen.width, height: screen.height, ratio: devicePixelRatio },
 });
-
-function read() {
-  try {
-    return globalThis.localStorage?.getItem(MODEL_KEY) ?? "";
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error;
-    return "";
-  }
-}
-
-/** @param {string} answer */
-function write(answer) {
-  try {
-    if (answer) globalThis.localStorage?.setItem(MODEL_KEY, answer);
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error; // it is asked again, then
-  }
-}

@@ -1,5 +1,6 @@
 // Receipts of the calibrations made with this browser, kept in it and nowhere else. Who shows one to the operator has
 // made that calibration, and can have it erased (`/privacy/`).
+import { keepItem, readJson } from "./storage.js";
 
 /**
  * @typedef {object} Receipt
@@ -15,13 +16,8 @@ const MAX_AGE_MS = 365 * 24 * 3600 * 1000;
 
 /** Those of the last year, newest first. @returns {Receipt[]} */
 export function receipts(now = Date.now()) {
-  try {
-    const kept = JSON.parse(globalThis.localStorage?.getItem(RECEIPTS_KEY) ?? "[]");
-    return Array.isArray(kept) ? kept.filter(({ time }) => now - time < MAX_AGE_MS) : [];
-  } catch (error) {
-    if (!(error instanceof DOMException) && !(error instanceof SyntaxError)) throw error;
-    return [];
-  }
+  const kept = readJson(RECEIPTS_KEY);
+  return Array.isArray(kept) ? kept.filter(({ time }) => now - time < MAX_AGE_MS) : [];
 }
 
 /**
@@ -32,20 +28,10 @@ export function receipts(now = Date.now()) {
 export function keepReceipt(receipt, { calibration_id: id, camera = "" }, now = Date.now()) {
   if (!id || !receipt) return;
   const others = receipts(now).filter((each) => each.id !== id);
-  write(JSON.stringify([{ id, camera, time: now, receipt }, ...others].slice(0, MAX_RECEIPTS)));
+  keepItem(RECEIPTS_KEY, JSON.stringify([{ id, camera, time: now, receipt }, ...others].slice(0, MAX_RECEIPTS)));
 }
 
 /** Forgets all of them. The calibrations stay where they are. */
 export function removeReceipts() {
-  write(null);
-}
-
-/** @param {string | null} content */
-function write(content) {
-  try {
-    if (content === null) globalThis.localStorage?.removeItem(RECEIPTS_KEY);
-    else globalThis.localStorage?.setItem(RECEIPTS_KEY, content);
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error; // a browser that keeps nothing for pages
-  }
+  keepItem(RECEIPTS_KEY, null);
 }

@@ -6,8 +6,8 @@ import { MarkerDetector } from "./marker-detector.js";
 import { readMarkers } from "./marker-reader.js";
 
 /**
- * @typedef {import("./subpixel.js").Grey} Grey
- * @typedef {import("./board-recognition.js").Sighting} Sighting
+ * @import { Sighting } from "./board-recognition.js"
+ * @import { Grey } from "./subpixel.js"
  */
 
 const MAX_SIDE_PX = 1500; // of a picture in which markers are looked for: a print-out fills a good part of it

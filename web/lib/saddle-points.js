@@ -1,8 +1,8 @@
 // Saddle points of an image: places where two black and two white areas meet, as at the corners of a chessboard. Pure.
 
+/** @import { Grey } from "./subpixel.js" */
+
 /**
- * @typedef {import("./subpixel.js").Grey} Grey
- *
  * @typedef {object} Saddle
  * @property {number} x px, pixel centres at whole numbers
  * @property {number} y

@@ -7,7 +7,11 @@ import { invert, rigidMotion, transform } from "../sdk/motion.js";
 import { lensOf } from "../sdk/projection.js";
 
 /**
- * @typedef {import("./pose.js").Pose} Pose
+ * @import { Board } from "./board.js"
+ * @import { Pose } from "./pose.js"
+ */
+
+/**
  * @typedef {import("../sdk/projection.js").Intrinsics & {img_size: [number, number]}} Lens
  * @typedef {Pose & {position: number}} Station pose of a camera: camera 0 → camera
  *
@@ -37,7 +41,7 @@ const FADED = 0.45; // opacity of the farthest board
  * @param {readonly Lens[]} lenses of the cameras
  * @param {readonly Station[]} stations
  * @param {readonly Pose[]} boards board → camera 0
- * @param {import("./board.js").Board} board @param {number} square side, in the unit of the poses
+ * @param {Board} board @param {number} square side, in the unit of the poses
  * @returns {Scene}
  */
 export function sceneOf(lenses, stations, boards, board, square) {
@@ -68,7 +72,7 @@ export function sceneOf(lenses, stations, boards, board, square) {
   return { bodies: [floorOf(points), ...bodies, ...axes], ...extentOf(points) };
 }
 
-/** @param {import("./board.js").Board} board @returns {number[][][]} corners of its dark squares, squares */
+/** @param {Board} board @returns {number[][][]} corners of its dark squares, squares */
 function darkSquares(board) {
   const [columns, rows] = board.squares;
   return Array.from({ length: columns * rows }, (_, index) => [index % columns, Math.floor(index / columns)])

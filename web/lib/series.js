@@ -1,15 +1,16 @@
 // A calibration from views that are all there already: every view counts that agrees with the others.
+import { Api } from "./api.js";
 import { consentFields } from "./consent.js";
 import { keepReceipt } from "./receipts.js";
 import { number, t } from "./i18n.js";
 
 /**
- * @typedef {import("./api.js").Api} Api
- * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
- * @typedef {import("./session.js").SessionState} SessionState
- * @typedef {import("../vendor/api.js").BatchAnswer} BatchAnswer
- * @typedef {import("../vendor/api.js").Pose} Pose
- *
+ * @import { BatchAnswer, Pose, SessionRequest } from "../vendor/api.js"
+ * @import { SessionState } from "./session.js"
+ * @import { Settings } from "./settings.js"
+ */
+
+/**
  * @typedef {{ids: number[], points: number[][]}} View
  * @typedef {{view: number, accepted: boolean, reason: string | null, before: number | null, after: number | null}}
  *   Judgement view: its number; before, after: predicted error, px
@@ -49,6 +50,33 @@ export async function calibrate(api, token, request, views, onJudgement, { detec
   const ended = await api.json("POST", "/session/finish", credential);
   keepReceipt(credential, ended);
   return { state: ended, wanted, numbers };
+}
+
+export const AUTOMATIC = "auto"; // of the lens models: the one that explains the views
+
+/**
+ * Calibrates as `calibrate` does, and says on the page how far that is.
+ * @template {View} V
+ * @param {Settings} settings @param {Omit<SessionRequest, "distortion_model">} request
+ * @param {string} model of the lens, or `AUTOMATIC` @param {V[]} views best first
+ * @param {{judgements: Map<V, Judgement>, tell: (text: () => string) => void, isCurrent: () => boolean, onJudgement:
+ *   () => void}} page judgements: filled; isCurrent: false once the page shows something else
+ */
+export function calibrateOnPage({ api, token }, request, model, views, { judgements, tell, isCurrent, onJudgement }) {
+  const progress = () => t("photos.calibrating", { done: judgements.size, all: views.length });
+  tell(progress);
+  const onRetry = (/** @type {object | null} */ retry) => {
+    if (isCurrent()) tell(retry ? () => t("faults.retry") : progress);
+  };
+  const take = (/** @type {Judgement} */ judgement) => {
+    if (!isCurrent()) return;
+    judgements.set(views[judgement.view], judgement);
+    tell(progress);
+    onJudgement();
+  };
+  const detectModel = model === AUTOMATIC;
+  const distortion_model = /** @type {SessionRequest["distortion_model"]} */ (detectModel ? "rectilinear" : model);
+  return calibrate(new Api(api, { onRetry }), token, { ...request, distortion_model }, views, take, { detectModel });
 }
 
 /**

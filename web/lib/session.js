@@ -5,7 +5,11 @@ import { consentFields } from "./consent.js";
 import { keepReceipt } from "./receipts.js";
 
 /**
- * @typedef {import("./board-outline.js").Corners} Corners
+ * @import { Api } from "./api.js"
+ * @import { Corners } from "./board-outline.js"
+ */
+
+/**
  * @typedef {import("../vendor/api.js").Pose} Pose
  * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
  * @typedef {import("../vendor/api.js").SessionState} SessionState
@@ -54,7 +58,7 @@ export class CaptureSession {
   onResponse = () => {};
 
   /**
-   * @param {import("./api.js").Api} api @param {string} token API token @param {SessionRequest} request
+   * @param {Api} api @param {string} token API token @param {SessionRequest} request
    * @param {{about?: string, save?: (capture: SavedCapture) => void, saved?: SavedCapture | null, answered?:
    *   Set<string>}} [memory] save: called after each change; saved: by an earlier page; answered: kinds of requests
    *   that have been answered before
@@ -126,7 +130,7 @@ export class CaptureSession {
 
   /**
    * Resumes the capture after the camera, the network or the page was lost, with all views so far.
-   * @param {import("./api.js").Api} [api]
+   * @param {Api} [api]
    * @param {{onSending?: () => void}} [options] onSending: called when the service is there and views are about to be
    *   sent
    * @returns {Promise<Resumed>}
@@ -186,7 +190,7 @@ export class CaptureSession {
 
   /**
    * Publishes the measurements, as the person has agreed since. A session that has expired is not started again for it.
-   * @param {import("./api.js").Api} api that of the capture is cancelled with it
+   * @param {Api} api that of the capture is cancelled with it
    */
   license(api) {
     return api.json("POST", "/session/licence", this.#credential, { body: consentFields() });

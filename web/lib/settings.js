@@ -1,5 +1,6 @@
 // Settings of the pages, `/config.json`: address of the API and the pages' token.
 import { OfflineError, reach } from "./network.js";
+import { keepItem, readJson } from "./storage.js";
 
 /**
  * @typedef {{api: string, token: string, return_origins?: string[], operator?: {name?: string, contact?: string,
@@ -19,7 +20,7 @@ export async function loadSettings(options) {
   const response = await reach(new URL("../config.json", import.meta.url), options);
   if (!response.ok) throw new SettingsError(`The page's settings are missing (${response.status}). Try again later.`);
   const settings = await response.json();
-  storeSettings(settings);
+  keepItem(STORAGE_KEY, JSON.stringify(settings));
   return settings;
 }
 
@@ -38,21 +39,11 @@ export async function lastSettings(options) {
   }
 }
 
-/** Settings of the last visit, for use without a network. @returns {Settings | null} */
-export function storedSettings() {
-  try {
-    return JSON.parse(localStorage.getItem(STORAGE_KEY) ?? "null");
-  } catch (error) {
-    if (!(error instanceof DOMException) && !(error instanceof SyntaxError)) throw error;
-    return null;
-  }
+/** Options for calls of the SDK: where the service is, and the pages' token. */
+export async function sdkOptions() {
+  const { api, token } = await loadSettings();
+  return { token, api: new URL(api, location.href) };
 }
 
-/** @param {Settings} settings */
-function storeSettings(settings) {
-  try {
-    localStorage.setItem(STORAGE_KEY, JSON.stringify(settings));
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error; // not kept, then
-  }
-}
+/** Settings of the last visit, for use without a network. @returns {Settings | null} */
+export const storedSettings = () => readJson(STORAGE_KEY);

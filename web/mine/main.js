@@ -2,18 +2,18 @@
 // forget them.
 import { ApiError } from "../lib/api.js";
 import { splitLabel } from "../lib/camera-name.js";
-import { el, part } from "../lib/dom.js";
+import { button, el, part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
 import { dateText, formatSize, onLanguage, pageUrl, rough, t } from "../lib/i18n.js";
 import { openPage } from "../lib/page.js";
 import { forgetOwn, ownCalibrations, ownOf } from "../lib/own-calibrations.js";
 import { comparisonView } from "../lib/result/comparison.js";
 import { factsOf, knownCalibrations, load } from "../lib/result/source.js";
-import { button } from "../lib/result/views.js";
 import { readCamera, sourceOf } from "../lib/conversion.js";
 
+/** @import { Own } from "../lib/own-calibrations.js" */
+
 /**
- * @typedef {import("../lib/own-calibrations.js").Own} Own
  * @typedef {Awaited<ReturnType<typeof load>>} Loaded
  */
 

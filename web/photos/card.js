@@ -4,9 +4,10 @@ import { t } from "../lib/i18n.js";
 import { viewOutcome } from "../lib/series.js";
 import { isView } from "./group.js";
 
+/** @import { Judgement } from "../lib/series.js" */
+
 /**
  * @typedef {import("./group.js").Found & {thumbnail: HTMLCanvasElement}} Picture
- * @typedef {import("../lib/series.js").Judgement} Judgement
  */
 
 const WIDTH = 240; // px

@@ -1,9 +1,8 @@
 // Estimate of the camera that took the photographs, by their EXIF data: there before any of them shows a board.
-import { Api } from "../lib/api.js";
+import { askJson } from "../lib/api.js";
 import { estimateView } from "../lib/estimate-view.js";
-import { loadSettings } from "../lib/settings.js";
 
-/** @typedef {import("./group.js").Found} Found */
+/** @import { Found } from "./group.js" */
 
 /** The camera that was asked for last. */
 let asked = "";
@@ -33,8 +32,7 @@ export async function showLikely(place, pictures) {
   place.replaceChildren();
   if (!body) return;
   try {
-    const { api, token } = await loadSettings();
-    const { estimate } = await new Api(api).json("POST", "/lookup", token, { body });
+    const { estimate } = await askJson("POST", "/lookup", { body });
     if (about === asked && estimate) place.replaceChildren(estimateView(estimate));
   } catch (error) {
     console.info("no estimate:", error instanceof Error ? error.message : error);

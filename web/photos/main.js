@@ -1,9 +1,8 @@
 // Calibration from photos or a video. Boards are detected on this device; only corner positions are sent.
 import { DEFAULT_BOARD, boardFrom, boardQuery, isSameBoard } from "../lib/board.js";
 import { showProblem } from "../lib/board-text.js";
-import { Api } from "../lib/api.js";
 import { Detector, DetectorError } from "../lib/detector.js";
-import { el, part, liveRegion } from "../lib/dom.js";
+import { el, part, partsOf, liveRegion } from "../lib/dom.js";
 import { explain as fault } from "../lib/faults.js";
 import { takeFiles } from "../lib/files.js";
 import { openPage } from "../lib/page.js";
@@ -22,16 +21,14 @@ import { BoardQuestion, recogniseIn } from "./recognition.js";
 import { search, unreadableTexts } from "./search.js";
 import { wantedFigure } from "./wanted.js";
 import { distinct, sortByGain, rankByNovelty } from "../lib/rank.js";
-import { MAX_VIEWS, calibrate } from "../lib/series.js";
+import { AUTOMATIC, MAX_VIEWS, calibrateOnPage } from "../lib/series.js";
 
 /**
- * @typedef {import("./card.js").Picture} Picture
- * @typedef {import("../lib/series.js").Judgement} Judgement
- * @typedef {import("../lib/series.js").Outcome} Outcome
+ * @import { Judgement, Outcome } from "../lib/series.js"
+ * @import { Picture } from "./card.js"
  */
 
 const MIN_SUFFICIENT_PHOTOS = 10; // that agree: with as many, the page asks for no more
-const AUTOMATIC = "auto"; // of the lens models: the one that explains the views
 
 openPage();
 const query = new URLSearchParams(location.search);
@@ -42,21 +39,12 @@ let isChosen =
   asked.problem === null &&
   ["kind", "squares", "marker_ratio", "dictionary", "legacy", "inverted"].some((name) => query.has(name));
 const parts = {
-  drop: part("drop", HTMLElement),
-  files: part("files", HTMLInputElement),
-  status: part("status", HTMLElement),
+  ...partsOf(HTMLElement, ["drop", "status", "pictures", "several", "wanted", "problem"]),
+  ...partsOf(HTMLInputElement, ["files", "camera", "focal"]),
   progress: part("progress", HTMLProgressElement),
-  pictures: part("pictures", HTMLElement),
   form: part("form", HTMLFormElement),
-  series: part("series", HTMLSelectElement),
-  several: part("several", HTMLElement),
-  camera: part("camera", HTMLInputElement),
-  focal: part("focal", HTMLInputElement),
-  model: part("model", HTMLSelectElement),
-  start: part("start", HTMLButtonElement),
-  wanted: part("wanted", HTMLElement),
-  problem: part("problem", HTMLElement),
-  clear: part("clear", HTMLButtonElement),
+  ...partsOf(HTMLSelectElement, ["series", "model"]),
+  ...partsOf(HTMLButtonElement, ["start", "clear"]),
 };
 const view = new LaterResultView(part("result", HTMLElement));
 const [tell, want] = [liveRegion(parts.status), liveRegion(parts.wanted)];
@@ -267,7 +255,7 @@ async function start(without = new Set()) {
   parts.start.disabled = true;
   const mine = discard();
   try {
-    const { api: address, token, return_origins: returnOrigins } = await loadSettings();
+    const settings = await loadSettings();
     if (mine !== turn) return;
     const members = group.members.map((index) => pictures[index]).filter((picture) => !without.has(picture));
     const views = rankByNovelty(
@@ -275,36 +263,20 @@ async function start(without = new Set()) {
       group.size,
       MAX_VIEWS,
     );
-    const detectModel = parts.model.value === AUTOMATIC;
     const request = {
       camera: parts.camera.value.trim(),
       platform: group.kind,
       img_size: group.size,
       zoom: Number(parts.focal.value) || 0,
-      distortion_model: /** @type {import("../vendor/api.js").SessionRequest["distortion_model"]} */ (
-        detectModel ? "rectilinear" : parts.model.value
-      ),
       board,
     };
-    const progress = () => t("photos.calibrating", { done: judgements.size, all: views.length });
-    tell(progress);
-    const onRetry = (/** @type {object | null} */ retry) => {
-      if (mine === turn) tell(retry ? () => t("faults.retry") : progress);
-    };
-    const outcome = await calibrate(
-      new Api(address, { onRetry }),
-      token,
-      request,
-      views,
-      (judgement) => {
-        if (mine !== turn) return;
-        judgements.set(views[judgement.view], judgement);
-        tell(progress);
-        showPictures();
-      },
-      { detectModel },
-    );
-    if (mine === turn) await finish(outcome, views, returnOrigins, without);
+    const outcome = await calibrateOnPage(settings, request, parts.model.value, views, {
+      judgements,
+      tell,
+      isCurrent: () => mine === turn,
+      onJudgement: showPictures,
+    });
+    if (mine === turn) await finish(outcome, views, settings.return_origins, without);
   } catch (error) {
     if (mine === turn) tell(() => explain(error));
   } finally {

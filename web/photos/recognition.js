@@ -7,10 +7,13 @@ import { mark, thumbnail } from "./card.js";
 import { UnreadableError, shots } from "./files.js";
 
 /**
- * @typedef {import("../lib/board.js").SentBoard} SentBoard
- * @typedef {import("../lib/detector.js").Detector} Detector
- * @typedef {import("../lib/board-recognition.js").Sighting} Sighting
- * @typedef {import("../lib/board-recognition.js").Recognised & {image: HTMLCanvasElement}} Shown image: a picture with
+ * @import { Recognised, Sighting } from "../lib/board-recognition.js"
+ * @import { SentBoard } from "../lib/board.js"
+ * @import { Detector } from "../lib/detector.js"
+ */
+
+/**
+ * @typedef {Recognised & {image: HTMLCanvasElement}} Shown image: a picture with
  *   its corners
  */
 

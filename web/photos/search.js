@@ -5,8 +5,12 @@ import { mark, thumbnail } from "./card.js";
 import { UnreadableError, conversion, shots } from "./files.js";
 
 /**
- * @typedef {import("./card.js").Picture} Picture
- * @typedef {import("../lib/detector.js").Detector} Detector
+ * @import { Board } from "../lib/board.js"
+ * @import { Detector } from "../lib/detector.js"
+ * @import { Picture } from "./card.js"
+ */
+
+/**
  * @typedef {{onFile: (file: File, share: number) => void, onPicture: (picture: Picture, file: File) => void}} Listener
  *   onFile: with the share of all files that has been looked at, 0 to 1
  */
@@ -17,7 +21,7 @@ const DETECTION_TIMEOUT_MS = 120_000;
 /**
  * Looks for the board in files.
  * @param {Detector} detector
- * @param {import("../lib/board.js").Board} board that it looks for
+ * @param {Board} board that it looks for
  * @param {File[]} files
  * @param {AbortSignal} signal
  * @param {Listener & {mirrored: boolean}} options mirrored: the pictures are, and are turned back
@@ -55,7 +59,7 @@ export function unreadableTexts(errors) {
 
 /**
  * @param {Detector} detector
- * @param {import("../lib/board.js").Board} board
+ * @param {Board} board
  * @param {import("./files.js").Shot} shot
  * @returns {Promise<Picture>}
  */

@@ -1,5 +1,5 @@
 // Drawing of the photograph that would help most, and the way to add it.
-import { el, make } from "../lib/dom.js";
+import { button, el, make } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 import { imagePlot, short } from "../lib/svg.js";
 import { corners as allCorners } from "../lib/board.js";
@@ -8,8 +8,8 @@ import { apply, homography } from "../lib/homography.js";
 import { blackSquares, vertexOf } from "../lib/capture/marks.js";
 
 /**
- * @typedef {import("../lib/board.js").Board} Board
- * @typedef {import("../lib/capture/marks.js").Polygon} Polygon
+ * @import { Board } from "../lib/board.js"
+ * @import { Polygon } from "../lib/capture/marks.js"
  */
 
 /**
@@ -26,8 +26,7 @@ export function wantedFigure(board, pose, size, { addMore, isFolded }) {
   area.append(make("polygon", { points: points(rim), class: "paper" }));
   area.append(make("path", { d: black.map((polygon) => `M${points(polygon)}Z`).join(""), class: "square" }));
   area.append(make("polygon", { points: points(rim), class: "outline" }));
-  const add = el("button", { type: "button", class: isFolded ? "" : "primary", id: "add-more" }, t("photos.add_more"));
-  add.addEventListener("click", addMore);
+  const add = button(t("photos.add_more"), addMore, { class: isFolded ? "" : "primary", id: "add-more" });
   const figure = el("figure", { class: "figure measured" }, svg, el("figcaption", {}, t("photos.like_this")), add);
   return isFolded ? el("details", { class: "which-board" }, el("summary", {}, t("photos.better")), figure) : figure;
 }

@@ -9,7 +9,7 @@ import { pageTitle } from "../lib/result/card.js";
 import { load } from "../lib/result/source.js";
 import { ResultView } from "../lib/result/view.js";
 
-/** @typedef {import("../lib/result/numbers.js").Result} Result */
+/** @import { Result } from "../lib/result/numbers.js" */
 
 openPage();
 const query = new URLSearchParams(location.search);

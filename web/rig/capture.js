@@ -6,19 +6,66 @@ import { explain } from "../lib/faults.js";
 import { isUnavailable } from "../lib/session.js";
 import { answer, isAtTarget, isReady, isSeen, remoteHold } from "./moments.js";
 import { RigLink } from "./link.js";
-import { ResizeError } from "./model.js";
 import { Outbox } from "./outbox.js";
 import { Sights } from "./sights.js";
 import { isAlone, isComplete, remotePositions, silentPositions } from "./progress.js";
 
 /**
- * @typedef {import("./service.js").RigState} RigState
- * @typedef {import("./model.js").Sight} Sight
- * @typedef {import("./model.js").Member} Member
- * @typedef {import("./model.js").Current} Current
- * @typedef {import("./model.js").Model} Model
- * @typedef {import("./model.js").Resources} Resources
+ * @import { Detection, Detector } from "../lib/detector.js"
+ * @import { Sight } from "./moments.js"
+ * @import { Letter } from "./outbox.js"
+ * @import { Stage } from "./progress.js"
+ * @import { RigService, RigState } from "./service.js"
  */
+
+/**
+ * @typedef {object} Member one camera of this device
+ * @property {number} position
+ * @property {string} session id
+ * @property {import("../lib/capture/streams.js").Stream} stream
+ * @property {number} half index of its picture in the stream
+ * @property {import("./figure.js").Figure} figure
+ * @property {[number, number]} size px
+ * @property {string} camera label
+ *
+ * @typedef {object} Current moment that is open, as this device sees it
+ * @property {string} id
+ * @property {number} unopenedAt ms, when it was certainly not open yet
+ * @property {number} seenAt ms, when it was seen to be open
+ * @property {Map<number, "take" | "miss">} answers of this device's cameras
+ * @property {boolean} over
+ *
+ * @typedef {object} Model all that the page shows of a capture
+ * @property {RigState | null} state
+ * @property {Map<number, Sight>} sights by position
+ * @property {Current | null} moment
+ * @property {boolean} opening a moment is being opened
+ * @property {boolean} offline
+ * @property {number} waiting views on this device
+ * @property {{key: string, kind: "good" | "bad" | "plain", values?: Record<string, string | number>} | null} notice
+ * @property {boolean} finishing
+ * @property {number} patience ms, for which other devices need the board to be still
+ * @property {boolean} stalled the detector has stopped, and is restarted
+ *
+ * @typedef {object} Resources
+ * @property {RigService} service
+ * @property {import("./membership.js").RigRecord} record
+ * @property {() => Promise<unknown>} save
+ * @property {import("../lib/board.js").SentBoard} board
+ * @property {() => Promise<Detector>} openDetector another one
+ *   after it has failed
+ * @property {Member[]} members
+ * @property {import("./virtual-rig.js").VirtualRig | null} virtual
+ * @property {AbortSignal} signal
+ * @property {(model: Model) => void} onChange
+ * @property {(sign: import("../lib/capture/feedback.js").Sign) => void} onSign
+ * @property {(error: unknown) => void} onFailure
+ * @property {(moment: string, position: number, corners: import("../lib/board-outline.js").Corners, picture:
+ *   ImageBitmap) => void} onTaken picture: never sent
+ */
+
+/** A device was turned: its picture has another size. */
+export class ResizeError extends Error {}
 
 const WINDOW_MS = 3_800; // for which other devices may answer a moment
 const MAX_OPENING_MS = 2_500; // a moment that took longer to open is not answered: the board may have moved
@@ -58,7 +105,7 @@ export class RigCapture {
   /** ms, since when the result is accurate enough. */
   #completeSince = Infinity;
   #momentAt = performance.now();
-  /** Of each moment by its id. @type {Map<string, import("./progress.js").Stage>} */
+  /** Of each moment by its id. @type {Map<string, Stage>} */
   #stages = new Map();
 
   /** @param {Resources} resources */
@@ -94,7 +141,6 @@ export class RigCapture {
     this.#engine = new Engine(this, {
       cameras: members,
       board: () => resources.board,
-      detector: Promise.resolve(resources.detector),
       openDetector: resources.openDetector,
       signal,
     });
@@ -137,7 +183,7 @@ export class RigCapture {
     return this.#sights.at(position);
   }
 
-  /** @param {Member} camera @param {import("../lib/detector.js").Detection} detection */
+  /** @param {Member} camera @param {Detection} detection */
   observe({ position }, detection) {
     this.#sights.observe(position, detection, lenienceAfter(performance.now() - this.#targetSince));
   }
@@ -203,7 +249,7 @@ export class RigCapture {
     this.#sights.aim(targets);
   }
 
-  /** Records the stage of a moment. @param {string} id @param {Partial<import("./progress.js").Stage>} stage */
+  /** Records the stage of a moment. @param {string} id @param {Partial<Stage>} stage */
   #note(id, stage) {
     this.#stages.set(id, { rms: null, atTarget: false, ...this.#stages.get(id), ...stage });
   }
@@ -412,7 +458,7 @@ export class RigCapture {
     }
   }
 
-  /** @param {import("./outbox.js").Letter} letter */
+  /** @param {Letter} letter */
   async #send(letter) {
     const { service, record } = this.#resources;
     const askedAt = performance.now();
@@ -424,7 +470,7 @@ export class RigCapture {
     return service.submit(session, { moment, ids, points });
   }
 
-  /** @param {import("./outbox.js").Letter} letter @param {import("../lib/api.js").ApiError} error */
+  /** @param {Letter} letter @param {import("../lib/api.js").ApiError} error */
   #refused(letter, error) {
     // It was undone meanwhile, or the service has it already: nothing is lost.
     if (error.kind === "moment-undone" || (letter.kind !== "view" && [404, 422].includes(error.status))) return;

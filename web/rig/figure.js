@@ -2,7 +2,7 @@
 import { drawBoard, drawTarget, visibleShare } from "../lib/capture/marks.js";
 import { el, make, write } from "../lib/dom.js";
 
-/** @typedef {import("./moments.js").Sight} Sight */
+/** @import { Sight } from "./moments.js" */
 
 const FLASH_MS = 900;
 

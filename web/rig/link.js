@@ -3,7 +3,7 @@
 import { Pause } from "../lib/capture/pause.js";
 import { isUnavailable } from "../lib/session.js";
 
-/** @typedef {import("./service.js").RigState} RigState */
+/** @import { RigService, RigState } from "./service.js" */
 
 const POLL_MS = 1_000;
 const CHANGED_POLL_MS = 400; // after a change: the next one is near
@@ -11,7 +11,7 @@ const OFFLINE_POLL_MS = 2_000;
 
 /**
  * @typedef {object} Options
- * @property {import("./service.js").RigService} service
+ * @property {RigService} service
  * @property {string} id of the rig
  * @property {string} session id of a member
  * @property {AbortSignal} signal

@@ -7,17 +7,17 @@ import { CameraError } from "../lib/camera.js";
 import { Announcer, Feedback } from "../lib/capture/feedback.js";
 import { acquireLock, heldLocks, openCaptureStore } from "../lib/capture/capture-store.js";
 import { deviceFaultText } from "../lib/capture/device-fault.js";
+import { PageDetector } from "../lib/detector.js";
 import { pressByKeys, sayFailure } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
-import { language, onLanguage, pageUrl, t } from "../lib/i18n.js";
+import { onLanguage, pageUrl, t } from "../lib/i18n.js";
 import { latest } from "../lib/latest.js";
 import { openPage } from "../lib/page.js";
 import { showRigPicture } from "../lib/rig-picture.js";
 import { lastSettings } from "../lib/settings.js";
 import { keepAwake, openCameras, openDetector } from "./opening.js";
-import { RigCapture } from "./capture.js";
+import { ResizeError, RigCapture } from "./capture.js";
 import { JoinError, enter, invite, requestOf } from "./membership.js";
-import { ResizeError } from "./model.js";
 import { findParts } from "./parts.js";
 import { NOTHING_SHOWN, render } from "./render.js";
 import { RigService } from "./service.js";
@@ -25,9 +25,12 @@ import { MIN_CAMERAS, Setup } from "./setup.js";
 import { HALVES } from "../lib/capture/streams.js";
 
 /**
- * @typedef {import("./membership.js").RigRecord} RigRecord
- * @typedef {import("../lib/capture/streams.js").Choice} Choice
- * @typedef {import("./service.js").RigState} RigState
+ * @import { Choice } from "../lib/capture/streams.js"
+ * @import { RigRecord } from "./membership.js"
+ * @import { RigState } from "./service.js"
+ */
+
+/**
  * @typedef {{record: RigRecord, code?: string}} Beginning code: of the rig to join
  */
 
@@ -37,7 +40,7 @@ const parts = findParts();
 const { board, problem } = boardFrom(parameters);
 const joins = parameters.has("code") || parameters.has("join");
 const store = /** @type {import("../lib/capture/capture-store.js").CaptureStore<RigRecord>} */ (
-  openCaptureStore(undefined, undefined, "calibdb.rigs")
+  openCaptureStore("calibdb.rigs")
 );
 const feedback = new Feedback();
 const announcer = new Announcer(parts.said);
@@ -116,7 +119,8 @@ async function run({ record, code }, signal) {
     signal,
     onUnplugged: (error) => fail(error, signal),
   });
-  const detector = await openDetector(parts, board, signal);
+  const detector = new PageDetector(() => openDetector(parts, board, signal));
+  await detector.open();
   parts.openingText.textContent = t("capture.opening_service");
   const service = await openService(signal);
   const save = () => store.save(record);
@@ -145,8 +149,7 @@ async function run({ record, code }, signal) {
     record,
     save,
     board,
-    detector,
-    openDetector: () => openDetector(parts, board, signal),
+    openDetector: () => detector.open(),
     members,
     virtual,
     signal,
@@ -169,7 +172,7 @@ async function run({ record, code }, signal) {
     );
     before = drawn;
     announcer.say(drawn.said, drawn.line);
-    feedback.say(drawn.said, language(), performance.now());
+    feedback.say(drawn.said);
   };
   parts.newCode.onclick = async () => setInvitation(await freshCode(service, record));
   redraw();

@@ -3,11 +3,12 @@ import { ApiError } from "../lib/api.js";
 import { consentFields } from "../lib/consent.js";
 
 /**
- * @typedef {import("./service.js").RigService} RigService
- * @typedef {import("./service.js").SessionRequest} SessionRequest
- * @typedef {import("../lib/capture/streams.js").Choice} Choice
- * @typedef {import("../lib/capture/streams.js").Picture} Picture
- *
+ * @import { SentBoard } from "../lib/board.js"
+ * @import { Choice, Picture } from "../lib/capture/streams.js"
+ * @import { RigService, SessionRequest } from "./service.js"
+ */
+
+/**
  * @typedef {object} SavedMember one camera of this device
  * @property {number} position
  * @property {string} session id, its credential; "" until there is one
@@ -25,7 +26,7 @@ import { consentFields } from "../lib/consent.js";
  * @property {import("./outbox.js").Letter[]} letters captured, and not yet delivered
  *
  * @typedef {object} Board
- * @property {import("../lib/board.js").SentBoard} board
+ * @property {SentBoard} board
  */
 
 /** The service refuses a field of what this device sends. */
@@ -40,7 +41,7 @@ export class JoinError extends Error {
 /**
  * Body of POST /v1/session for one picture.
  * @param {Picture} picture
- * @param {import("../lib/board.js").SentBoard} board
+ * @param {SentBoard} board
  * @param {Choice} choice
  * @returns {SessionRequest}
  */

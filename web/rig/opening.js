@@ -5,12 +5,14 @@ import { Figure } from "./figure.js";
 import { HALVES, openStream } from "../lib/capture/streams.js";
 
 /**
- * @typedef {import("./parts.js").Parts} Parts
- * @typedef {import("../lib/capture/streams.js").Stream} Stream
+ * @import { Choice, Picture, Stream } from "../lib/capture/streams.js"
+ * @import { Parts } from "./parts.js"
+ */
+
+/**
  * @typedef {import("../lib/board.js").SentBoard} Board
- * @typedef {import("../lib/capture/streams.js").Choice} Choice
  * @typedef {{stream: Stream, choice: Choice, figure: Figure, half: number, picture:
- *   import("../lib/capture/streams.js").Picture}} Shown half: index of the picture in the stream
+ *   Picture}} Shown half: index of the picture in the stream
  */
 
 /**

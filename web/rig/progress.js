@@ -1,7 +1,8 @@
 // Progress of a rig: which cameras still lack what. Pure.
 
+/** @import { RigState } from "./service.js" */
+
 /**
- * @typedef {import("./service.js").RigState} RigState
  * @typedef {{rms: number | null, atTarget: boolean}} Stage of a capture, after one of its moments: the error stated
  *   then, px, and whether the board was at its target
  */

@@ -5,7 +5,7 @@ import { imageInput } from "../lib/files.js";
 import { rectifyPair } from "../sdk/rig.js";
 import { cameraName } from "./status-text.js";
 
-/** @typedef {import("../sdk/rig.js").Rig} Rig */
+/** @import { Rig } from "../sdk/rig.js" */
 
 const LINES = 12; // epipolar lines over the pictures
 

@@ -5,10 +5,11 @@ import { composePoses, invertPose } from "../lib/pose.js";
 import { lensOf } from "../sdk/projection.js";
 
 /**
- * @typedef {import("./service.js").Extrinsic} Extrinsic
- * @typedef {import("./service.js").CalibrationData} CalibrationData
- * @typedef {import("../lib/pose.js").Pose} Pose
- *
+ * @import { Pose } from "../lib/pose.js"
+ * @import { CalibrationData, Extrinsic } from "./service.js"
+ */
+
+/**
  * @typedef {object} Relation of a camera to camera 0
  * @property {number} position
  * @property {number} distance in the rig's unit

@@ -1,6 +1,6 @@
 // Rendering of a capture into the page. Reads nothing back, decides nothing.
 import { drawQr } from "../lib/qr.js";
-import { el, write } from "../lib/dom.js";
+import { button, el, write } from "../lib/dom.js";
 import { settled } from "../lib/capture/target.js";
 import { t } from "../lib/i18n.js";
 import { holdProgress } from "./moments.js";
@@ -8,12 +8,15 @@ import { freePositions, isFinishable } from "./progress.js";
 import * as text from "./status-text.js";
 
 /**
- * @typedef {import("./parts.js").Parts} Parts
- * @typedef {import("./model.js").Model} Model
- * @typedef {import("./model.js").Member} Member
+ * @import { Member, Model } from "./capture.js"
+ * @import { Parts } from "./parts.js"
+ * @import { RigState } from "./service.js"
+ */
+
+/**
  * @typedef {{code: string, address: string, expires: number} | null} Invitation expires: ms since 1970
  *
- * @typedef {import("../lib/capture/target.js").Instruction & {state: import("./service.js").RigState | null,
+ * @typedef {import("../lib/capture/target.js").Instruction & {state: RigState | null,
  *   invitation: Invitation, language: string}} Shown
  */
 
@@ -60,7 +63,7 @@ export function render(parts, model, { members, leads, board, invitation, time, 
  * @param {number} position
  * @param {string} camera
  * @param {import("./moments.js").Sight} sight
- * @param {import("./service.js").RigState | null} state
+ * @param {RigState | null} state
  */
 function caption(position, camera, sight, state) {
   const seen = sight.corners.ids.length > 0;
@@ -79,7 +82,7 @@ function renderRing({ ring, held }, { sights, moment, opening, patience }) {
 
 /**
  * @param {Parts} parts
- * @param {import("./service.js").RigState | null} state
+ * @param {RigState | null} state
  * @param {readonly number[]} own
  * @param {boolean} leads
  * @param {(id: string) => void} undo
@@ -106,17 +109,12 @@ function renderState({ progress, counts, members, advice, moments, momentList },
           }),
           ...text.asideTexts(moment),
         ];
-        const button = el(
-          "button",
-          { type: "button", "aria-label": t("rig.undo_moment", { number: index + 1 }) },
-          t("rig.undo"),
-        );
-        button.addEventListener("click", () => undo(moment.id));
+        const label = t("rig.undo_moment", { number: index + 1 });
         return el(
           "li",
           { class: moment.set_aside?.length ? "aside" : "" },
           el("span", {}, words.join(" ")),
-          ...(leads ? [button] : []),
+          leads && button(t("rig.undo"), () => undo(moment.id), { "aria-label": label }),
         );
       })
       .reverse(),
@@ -125,7 +123,7 @@ function renderState({ progress, counts, members, advice, moments, momentList },
 
 /**
  * @param {Parts} parts
- * @param {import("./service.js").RigState | null} state
+ * @param {RigState | null} state
  * @param {Invitation} invitation
  * @param {boolean} leads
  */

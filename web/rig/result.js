@@ -17,10 +17,10 @@ import { sceneOf, scenePlot } from "../lib/scene-plot.js";
 import { boardInRig, relationOf } from "./relations.js";
 import { cameraName, cameraNames, labelText } from "./status-text.js";
 
+/** @import { RigResult, RigService, RigState } from "./service.js" */
+
 /**
- * @typedef {import("./service.js").RigState} RigState
- * @typedef {import("./service.js").RigResult} RigResult
- * @typedef {{service: import("./service.js").RigService, pictures: Map<number, ImageBitmap>, views: {position: number,
+ * @typedef {{service: RigService, pictures: Map<number, ImageBitmap>, views: {position: number,
  *   corners: import("../lib/board-outline.js").Corners}[]}} Sources
  *   pictures and views that this page has taken
  */
@@ -153,22 +153,19 @@ function head(state, { verdict, rms, held_out_rms: heldOut, uncertainty, cameras
   return el(
     "header",
     { class: "opening" },
-    ...(practice ? [el("p", { class: "practice" }, t("rig.practice_result"))] : []),
+    practice && el("p", { class: "practice" }, t("rig.practice_result")),
     el("h1", { id: "result-title", tabindex: -1 }, t("rig.result_title", { count: all.length })),
     el("p", { id: "verdict", class: `verdict tint ${level}` }, t(`rig.level_${level}`)),
-    ...(uncertainty
-      ? [
-          el(
-            "p",
-            { class: "lead" },
-            t("rig.uncertainty", {
-              rms: rough(uncertainty.rms),
-              rotation: rough(uncertainty.rotation_deg),
-              translation: rough(uncertainty.translation_percent),
-            }),
-          ),
-        ]
-      : []),
+    uncertainty &&
+      el(
+        "p",
+        { class: "lead" },
+        t("rig.uncertainty", {
+          rms: rough(uncertainty.rms),
+          rotation: rough(uncertainty.rotation_deg),
+          translation: rough(uncertainty.translation_percent),
+        }),
+      ),
     ...boardSentence(shape, lengthOf(state)).map((text) => el("p", {}, text)),
     el("p", { class: "muted small" }, joinFacts(figures)),
     el(

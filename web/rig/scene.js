@@ -5,10 +5,10 @@ import { setupFrom } from "../lib/virtual/setup.js";
 import { matchPose } from "../lib/virtual/match.js";
 
 /**
- * @typedef {import("../lib/pose.js").Pose} Pose
- * @typedef {import("../lib/board.js").Board} Board
- * @typedef {import("../lib/virtual/setup.js").Setup} Setup
- * @typedef {import("./service.js").Target} Target
+ * @import { Board } from "../lib/board.js"
+ * @import { Pose } from "../lib/pose.js"
+ * @import { Setup } from "../lib/virtual/setup.js"
+ * @import { Target } from "./service.js"
  */
 
 const CENTRE = 13; // squares from camera 0: the cameras stand on a circle about this point, and look at it

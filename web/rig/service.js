@@ -1,9 +1,9 @@
 // Rig at the service: its HTTP calls. Each may be repeated: the service answers the same again.
 
+/** @import { RigOpened as Created, SessionState } from "../vendor/api.js" */
+
 /**
  * @typedef {import("../vendor/api.js").SessionRequest} SessionRequest
- * @typedef {import("../vendor/api.js").SessionState} SessionState
- * @typedef {import("../vendor/api.js").RigOpened} Created
  * @typedef {import("../vendor/api.js").RigState & {board: import("../lib/board.js").SentBoard}} RigState
  * @typedef {import("../vendor/api.js").RigResult} RigResult
  * @typedef {import("../vendor/api.js").RigTargetView} Target

@@ -5,8 +5,11 @@ import { el } from "../lib/dom.js";
 import { t } from "../lib/i18n.js";
 
 /**
- * @typedef {import("./parts.js").Parts} Parts
- * @typedef {import("../lib/capture/streams.js").Choice} Choice
+ * @import { Choice } from "../lib/capture/streams.js"
+ * @import { Parts } from "./parts.js"
+ */
+
+/**
  * @typedef {{id: string, label: string, used: HTMLInputElement, layout: HTMLSelectElement, lens: HTMLSelectElement}}
  *   Row
  */

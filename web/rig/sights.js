@@ -3,8 +3,11 @@ import { BLIND, aimAt, doubt, observeFrame } from "../lib/capture/sight.js";
 import { isSeen } from "./moments.js";
 
 /**
- * @typedef {import("./moments.js").Sight} Sight
- * @typedef {import("../lib/board-outline.js").Corners} Corners
+ * @import { Corners } from "../lib/board-outline.js"
+ * @import { Sight } from "./moments.js"
+ */
+
+/**
  * @typedef {import("../lib/board.js").SentBoard} Board
  */
 

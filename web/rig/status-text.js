@@ -6,10 +6,9 @@ import { isSeen, requiredHold } from "./moments.js";
 import { MIN_VIEWS, isAlone, remotePositions, silentPositions } from "./progress.js";
 
 /**
- * @typedef {import("./model.js").Model} Model
- * @typedef {import("./model.js").Member} Member
- * @typedef {import("./service.js").RigState} RigState
- * @typedef {import("./moments.js").Sight} Sight
+ * @import { Member, Model } from "./capture.js"
+ * @import { Sight } from "./moments.js"
+ * @import { Moment, RigState } from "./service.js"
  */
 
 const SHOWN_ELSEWHERE = new Set(["waiting", "converged"]); // in the list of cameras, by the end
@@ -142,7 +141,7 @@ export const adviceTexts = ({ advice: found }) =>
 
 /**
  * Reasons for which views of a moment were set aside.
- * @param {import("./service.js").Moment} moment
+ * @param {Moment} moment
  * @returns {string[]}
  */
 export const asideTexts = ({ set_aside: aside = [] }) =>

@@ -7,8 +7,8 @@ import { boardPose, cameraPose, firstPose, setupAt } from "./scene.js";
 import { Stream } from "../lib/capture/streams.js";
 
 /**
- * @typedef {import("../lib/pose.js").Pose} Pose
- * @typedef {import("../lib/capture/streams.js").Choice} Choice
+ * @import { Choice } from "../lib/capture/streams.js"
+ * @import { Pose } from "../lib/pose.js"
  */
 
 const MIN_TICK_MS = 50;

@@ -1,9 +1,9 @@
 // State of the service: the response of `/healthz?deep=1`, the page's own checks, and the verdict from both.
 import { OfflineError, reach, readable } from "../lib/network.js";
 
+/** @import { CanaryRun, PartHealth } from "../vendor/api.js" */
+
 /**
- * @typedef {import("../vendor/api.js").PartHealth} PartHealth
- * @typedef {import("../vendor/api.js").CanaryRun} CanaryRun
  * @typedef {"ok" | "failed" | "unknown"} State
  * @typedef {"pages" | "functions" | PartHealth["part"] | "canary"} Name
  * @typedef {{name: Name, state: State, latency: number | null, words: string | null, at?: number}} Row words: of the

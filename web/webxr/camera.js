@@ -10,10 +10,12 @@ import { watch, lookup } from "../sdk/lookup.js";
 import { extend, isNeeded } from "./extension.js";
 
 /**
- * @typedef {import("../sdk/lookup.js").Answer} Answer
- * @typedef {import("../sdk/calibration.js").Calibration} Calibration
- * @typedef {import("../sdk/rectifier.js").Rectifier} Rectifier
- *
+ * @import { Calibration } from "../sdk/calibration.js"
+ * @import { Answer } from "../sdk/lookup.js"
+ * @import { Rectifier } from "../sdk/rectifier.js"
+ */
+
+/**
  * @typedef {object} More
  * @property {boolean} [rectify] show the picture straightened, so that a scene lies on it to its corners
  * @property {() => Float32Array | null} [pose] see device.js

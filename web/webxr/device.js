@@ -5,8 +5,11 @@ import { XRDevice } from "../vendor/webxr/polyfill.js";
 import { Stage } from "./stage.js";
 
 /**
- * @typedef {import("../sdk/pinhole.js").Pinhole} Pinhole
- *
+ * @import { Pinhole } from "../sdk/pinhole.js"
+ * @import { View, ViewOptions } from "../sdk/views.js"
+ */
+
+/**
  * @typedef {object} Setup
  * @property {HTMLVideoElement} video playing the camera
  * @property {() => Pinhole | null} pinhole what is known of the camera; null: nothing
@@ -23,7 +26,7 @@ import { Stage } from "./stage.js";
  * @typedef {object} Eyes
  * @property {HTMLElement} element with the pictures of both, each in its half
  * @property {() => void} draw
- * @property {(options: import("../sdk/views.js").ViewOptions) => import("../sdk/views.js").View[]} views
+ * @property {(options: ViewOptions) => View[]} views
  *
  * @typedef {object} Session
  * @property {boolean} immersive
@@ -203,7 +206,7 @@ export class WebcamDevice extends XRDevice {
 
   /**
    * Shows both cameras, and sees as they do.
-   * @param {Stage} stage @param {Eyes} eyes @param {import("../sdk/views.js").ViewOptions} frustum of each half
+   * @param {Stage} stage @param {Eyes} eyes @param {ViewOptions} frustum of each half
    */
   #look(stage, eyes, frustum) {
     stage.cover(eyes.element);

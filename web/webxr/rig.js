@@ -9,12 +9,15 @@ import { extend } from "./extension.js";
 import { install } from "./install.js";
 
 /**
- * @typedef {import("../sdk/rig.js").Rig} Rig
- *
+ * @import { Packing, PairRectifier } from "../sdk/pair-rectifier.js"
+ * @import { Rig } from "../sdk/rig.js"
+ */
+
+/**
  * @typedef {object} Options
  * @property {readonly [number, number]} [positions] of left and right camera in the rig; [0, 1] by default
  * @property {number} [squareSize] metres, of a rig in squares: WebXR is in metres
- * @property {import("../sdk/pair-rectifier.js").Packing} [packing] of a stereo camera that delivers both pictures in
+ * @property {Packing} [packing] of a stereo camera that delivers both pictures in
  *   one video
  * @property {() => Float32Array | null} [pose] of the left video's camera, see device.js
  * @property {HTMLElement} [place]
@@ -27,7 +30,7 @@ import { install } from "./install.js";
  * @param {HTMLVideoElement} right the same one, of a camera that delivers both pictures in it
  * @param {Rig} rig
  * @param {Options} [options]
- * @returns {Promise<import("../sdk/pair-rectifier.js").PairRectifier>} the pair that is shown; rejects as `rectifyPair`
+ * @returns {Promise<PairRectifier>} the pair that is shown; rejects as `rectifyPair`
  *   does, and with a
  *   TypeError for a rig in squares without their size
  */

@@ -122,6 +122,7 @@ def test_a_page_contains_the_messages_that_it_may_show_in_its_language(
         marked = set(re.findall(r'data-t(?:-label|-title|-alt|-content)?="([\w.]+)"', page))
         if 'id="messages"' in page:
             assert marked <= texts(key).keys(), key
+        assert not re.search(r' data-t="[^"]+"[^>]*></', page), f"{key}: a text is not in its place"
 
 
 def test_pages_can_be_installed(made: Mapping[str, bytes]) -> None:

@@ -3,10 +3,10 @@
 import { isPartOf, recognise } from "../board-recognition.js";
 import { isSameBoard } from "../board.js";
 
+/** @import { Recognised, Sighting } from "../board-recognition.js" */
+
 /**
  * @typedef {import("../board.js").SentBoard} Board
- * @typedef {import("../board-recognition.js").Recognised} Recognised
- * @typedef {import("../board-recognition.js").Sighting} Sighting
  */
 
 const BLIND_MS = 300; // without a corner, before anything else is looked for

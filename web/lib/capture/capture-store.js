@@ -1,9 +1,8 @@
 // Store of unfinished captures on this device (IndexedDB): a reload, a crash or a flat battery loses nothing. Locks on
 // captures (Web Locks): two tabs that sent views to one session would undo each other's.
 
-/**
- * @typedef {import("../session.js").SavedCapture} SavedCapture
- */
+/** @import { SavedCapture } from "../session.js" */
+
 /**
  * @template {{about: string}} [Capture=SavedCapture] about: its key
  * @typedef {object} CaptureStore
@@ -20,28 +19,27 @@ const MAX_AGE_MS = 24 * 3600 * 1000; // yesterday's capture is not worth resumin
 
 /**
  * @template {{about: string}} [Capture=SavedCapture]
- * @param {IDBFactory | undefined} factory @param {() => number} now ms
  * @param {string} name of the database: each kind of captures has its own
  * @returns {CaptureStore<Capture>} an empty one where the browser refuses
  */
-export function openCaptureStore(factory = globalThis.indexedDB, now = Date.now, name = CAMERAS) {
+export function openCaptureStore(name = CAMERAS) {
   /** @type {Promise<IDBDatabase | null> | null} */
   let opening = null;
-  const database = () => (opening ??= open(factory, name).catch(handleRefusal));
+  const database = () => (opening ??= open(name).catch(handleRefusal));
   /** @type {CaptureStore<Capture>} */
   const captureStore = {
     async load(about) {
       const store = (await database())?.transaction(OBJECT_STORE).objectStore(OBJECT_STORE);
       const saved = store ? await result(store.get(about)).catch(handleRefusal) : null;
-      return saved && now() - saved.time < MAX_AGE_MS ? saved : null;
+      return saved && Date.now() - saved.time < MAX_AGE_MS ? saved : null;
     },
     async last(except = new Set()) {
       const store = (await database())?.transaction(OBJECT_STORE).objectStore(OBJECT_STORE);
       const all = /** @type {(Capture & {time: number})[]} */ (
         (store && (await result(store.getAll()).catch(handleRefusal))) ?? []
       );
-      const fresh = all.filter(({ time }) => now() - time < MAX_AGE_MS).sort((a, b) => b.time - a.time);
-      for (const { about, time } of all) if (now() - time >= MAX_AGE_MS) await captureStore.remove(about);
+      const fresh = all.filter(({ time }) => Date.now() - time < MAX_AGE_MS).sort((a, b) => b.time - a.time);
+      for (const { about, time } of all) if (Date.now() - time >= MAX_AGE_MS) await captureStore.remove(about);
       return fresh.find(({ about }) => !except.has(about)) ?? null;
     },
     async save(capture) {
@@ -49,7 +47,7 @@ export function openCaptureStore(factory = globalThis.indexedDB, now = Date.now,
       if (!base) return false;
       try {
         const store = base.transaction(OBJECT_STORE, "readwrite").objectStore(OBJECT_STORE);
-        await result(store.put({ ...capture, time: now() }));
+        await result(store.put({ ...capture, time: Date.now() }));
         return true;
       } catch (error) {
         handleRefusal(error);
@@ -64,10 +62,10 @@ export function openCaptureStore(factory = globalThis.indexedDB, now = Date.now,
   return captureStore;
 }
 
-/** @param {IDBFactory | undefined} factory @param {string} name @returns {Promise<IDBDatabase | null>} */
-async function open(factory, name) {
-  if (!factory) return null;
-  const request = factory.open(name, 1);
+/** @param {string} name @returns {Promise<IDBDatabase | null>} */
+async function open(name) {
+  if (!globalThis.indexedDB) return null;
+  const request = indexedDB.open(name, 1);
   request.onupgradeneeded = () => request.result.createObjectStore(OBJECT_STORE, { keyPath: "about" });
   return result(request);
 }

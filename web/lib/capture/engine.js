@@ -7,10 +7,12 @@ import { isSettled } from "./sight.js";
 import { motion } from "./stillness.js";
 
 /**
- * @typedef {import("../board-outline.js").Corners} Corners
- * @typedef {import("../detector.js").Detection} Detection
- * @typedef {import("../detector.js").Detector} Detector
- * @typedef {import("./streams.js").Stream} Stream
+ * @import { Corners } from "../board-outline.js"
+ * @import { Detection, Detector } from "../detector.js"
+ * @import { Stream } from "./streams.js"
+ */
+
+/**
  * @typedef {{stream: Stream, half: number}} Camera half: index of its image in the stream
  */
 
@@ -35,8 +37,7 @@ import { motion } from "./stillness.js";
  * @typedef {object} Resources
  * @property {readonly C[]} cameras
  * @property {() => import("../board.js").SentBoard} board that is looked for
- * @property {Promise<Detector>} detector
- * @property {() => Promise<Detector>} openDetector opens another one after the last has failed
+ * @property {() => Promise<Detector>} openDetector another one if the last has failed
  * @property {() => boolean} [isFlipped] images are mirrored, and are turned back
  * @property {AbortSignal} signal
  */
@@ -70,8 +71,8 @@ export class Engine {
 
   /** Runs until the capture has ended. */
   async run() {
-    const { signal, detector } = this.#resources;
-    this.#detector = await detector;
+    const { signal, openDetector } = this.#resources;
+    this.#detector = await openDetector();
     while (!signal.aborted && !this.#page.isOver()) {
       if ((await this.#look()) && !signal.aborted) await this.#page.act();
     }
@@ -136,8 +137,8 @@ export class Engine {
    * @param {{full?: boolean}} [options]
    */
   async #detect(image, options) {
-    const { detector: opening, openDetector, isFlipped, signal } = this.#resources;
-    const detector = this.#detector ?? (await opening);
+    const { openDetector, isFlipped, signal } = this.#resources;
+    const detector = this.#detector ?? (await openDetector());
     try {
       return await detector.detect(image, { ...options, flip: isFlipped?.() });
     } catch (error) {

@@ -1,5 +1,7 @@
 // Haptic and audible feedback when the board is to be held still and when a view is taken: both hands hold the board,
 // and the eyes may be on it.
+import { language } from "../i18n.js";
+import { keepItem, readJson } from "../storage.js";
 
 /** @typedef {"sound" | "vibration" | "voice"} Sense */
 
@@ -25,7 +27,7 @@ export class Feedback {
   #spokenAt = -Infinity;
 
   constructor() {
-    this.#senses = { ...AT_FIRST, ...kept() };
+    this.#senses = { ...AT_FIRST, ...readJson(SENSES_KEY) };
   }
 
   /** @param {Sense} sense */
@@ -51,7 +53,7 @@ export class Feedback {
   /** @param {Sense} sense @param {boolean} on */
   switch(sense, on) {
     this.#senses[sense] = on;
-    keep(this.#senses);
+    keepItem(SENSES_KEY, JSON.stringify(this.#senses));
     if (sense === "sound" && on) this.give("taken");
     if (sense === "voice" && !on) globalThis.speechSynthesis?.cancel();
   }
@@ -65,19 +67,15 @@ export class Feedback {
       navigator.vibrate(sign === "refused" ? [30, 60, 30] : sign === "hold" ? 25 : 60);
   }
 
-  /**
-   * Says a hint, unless it has just been said or another one still is.
-   * @param {string} text
-   * @param {string} language
-   * @param {number} time ms
-   */
-  say(text, language, time) {
+  /** Says a hint, unless it has just been said or another one still is. @param {string} text */
+  say(text) {
+    const time = performance.now();
     if (!this.#senses.voice || !Feedback.offers("voice") || !text || text === this.#spoken) return;
     if (time - this.#spokenAt < SPEECH_PAUSE_MS || speechSynthesis.speaking) return;
     this.#spoken = text;
     this.#spokenAt = time;
     const utterance = new SpeechSynthesisUtterance(text);
-    utterance.lang = language;
+    utterance.lang = language();
     speechSynthesis.speak(utterance);
   }
 
@@ -99,25 +97,6 @@ export class Feedback {
       tone.start(start);
       tone.stop(start + 2 * NOTE);
     });
-  }
-}
-
-/** @returns {Partial<Record<Sense, boolean>>} */
-function kept() {
-  try {
-    return JSON.parse(localStorage.getItem(SENSES_KEY) ?? "{}");
-  } catch (error) {
-    if (!(error instanceof DOMException) && !(error instanceof SyntaxError)) throw error;
-    return {};
-  }
-}
-
-/** @param {Record<Sense, boolean>} senses */
-function keep(senses) {
-  try {
-    localStorage.setItem(SENSES_KEY, JSON.stringify(senses));
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error; // storage is blocked: the choice is not kept
   }
 }
 

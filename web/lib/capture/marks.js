@@ -2,8 +2,9 @@
 // making a hundred for each frame would cost more than detecting the board.
 import { isBlack } from "../board.js";
 
+/** @import { Board } from "../board.js" */
+
 /**
- * @typedef {import("../board.js").Board} Board
  * @typedef {number[][]} Polygon
  */
 

@@ -6,8 +6,13 @@ import { MOVING, motion, observe } from "./stillness.js";
 import { isSameBoard } from "../board.js";
 
 /**
- * @typedef {import("../board-outline.js").Corners} Corners
- * @typedef {import("../detector.js").Detection} Detection
+ * @import { Corners } from "../board-outline.js"
+ * @import { Recognised } from "../board-recognition.js"
+ * @import { Board, SentBoard } from "../board.js"
+ * @import { Detection } from "../detector.js"
+ */
+
+/**
  * @typedef {{ids: number[], corners: number[][], outline: number[][]}} Target px
  */
 
@@ -77,7 +82,7 @@ export const BLIND = {
 /**
  * @template {Target} T
  * @param {Sight<T>} before @param {Detection} detection @param {number} time ms
- * @param {import("../board.js").Board} board
+ * @param {Board} board
  * @param {number} [lenience] how many times a steady hand's motion counts as still
  * @returns {Sight<T>}
  */
@@ -103,9 +108,9 @@ export function observeFrame(before, detection, time, board, lenience = 1) {
  * Another board, or a mirrored picture, is reported at once: several detections agree on it. A board that is too far
  * away to be read may look like any other.
  * @template {Target} T
- * @param {Sight<T>} sight @param {import("../board-recognition.js").Recognised | null} suggestion what is there
+ * @param {Sight<T>} sight @param {Recognised | null} suggestion what is there
  *   instead of the board
- * @param {import("../board.js").SentBoard} board @param {number} time ms
+ * @param {SentBoard} board @param {number} time ms
  * @returns {Sight<T>}
  */
 export function doubt(sight, suggestion, board, time) {
@@ -120,7 +125,7 @@ export function doubt(sight, suggestion, board, time) {
 /**
  * Gives a camera its target, or none.
  * @template {Target} T
- * @param {Sight<T>} sight @param {T | null} target @param {import("../board.js").Board} board
+ * @param {Sight<T>} sight @param {T | null} target @param {Board} board
  * @returns {Sight<T>}
  */
 export function aimAt(sight, target, board) {
@@ -156,7 +161,7 @@ export function movement({ outline, aim }, isMirrored, otherwise = "match") {
 
 /**
  * True if the board is held before the camera and is in focus, so that the focus may be locked.
- * @param {Sight} sight @param {import("../board.js").Board} board
+ * @param {Sight} sight @param {Board} board
  */
 export function isSettled({ corners, diagnosis, stillness }, { squares: [columns, rows] }) {
   return (
@@ -248,8 +253,8 @@ const median = (values) => [...values].sort((a, b) => a - b)[values.length >> 1]
 
 /**
  * The trouble that another board is, as the diagnosis names it.
- * @param {import("../board-recognition.js").Recognised} suggestion
- * @param {import("../board.js").SentBoard} expected
+ * @param {Recognised} suggestion
+ * @param {SentBoard} expected
  */
 export function troubleOf({ board, mirrored }, expected) {
   if (mirrored) return "mirrored";

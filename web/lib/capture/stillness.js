@@ -1,5 +1,7 @@
 // Stillness of the board, from its corners frame by frame. Pure: the time comes in.
 
+/** @import { Corners } from "../board-outline.js" */
+
 const MOTION = 2; // px a frame at 1280 px image width, mean over the corners: the published rule
 const DRIFT = 6; // px away from where the hold began: slow movement is movement
 const GAP = 150; // ms for which frames may be smeared, or show nothing, before the hold is over
@@ -8,8 +10,6 @@ const MAX_UNSEEN = 250;
 const COMMON = 4; // corners that must be seen in both frames to compare them
 
 /**
- * @typedef {import("../board-outline.js").Corners} Corners
- *
  * @typedef {object} Stillness
  * @property {Corners | null} anchor where the hold began
  * @property {Corners | null} last

@@ -4,7 +4,11 @@ import { grab } from "../detector.js";
 import { cameraKey, platformHere } from "../../sdk/key.js";
 
 /**
- * @typedef {import("../camera.js").OpenCamera} OpenCamera
+ * @import { SessionRequest } from "../../vendor/api.js"
+ * @import { OpenCamera } from "../camera.js"
+ */
+
+/**
  * @typedef {"one" | "side_by_side" | "top_bottom"} Layout of the pictures in a stream
  * @typedef {"left" | "right" | "top" | "bottom"} Half of a stream's picture
  *
@@ -12,13 +16,13 @@ import { cameraKey, platformHere } from "../../sdk/key.js";
  * @property {string} id of the device; "virtual" followed by a position for a simulated camera
  * @property {string} label
  * @property {Layout} layout
- * @property {import("../../vendor/api.js").SessionRequest["distortion_model"]} distortion_model
+ * @property {SessionRequest["distortion_model"]} distortion_model
  *
  * @typedef {object} Picture one camera's part of a stream
  * @property {Half | null} half null: all of it
  * @property {[number, number]} size px
  * @property {[number, number]} offset of its first pixel in the stream's picture, px
- * @property {import("../../vendor/api.js").SessionRequest["track"]} track
+ * @property {SessionRequest["track"]} track
  * @property {string} camera label, with the half
  * @property {string} platform
  * @property {number} zoom

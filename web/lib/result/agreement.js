@@ -1,6 +1,5 @@
 // Agreement of a calibration's camera: how many calibrations of it agree, and how many must.
-import { Api } from "../api.js";
-import { loadSettings } from "../settings.js";
+import { askJson } from "../api.js";
 
 /**
  * @typedef {object} Agreement
@@ -28,10 +27,7 @@ export async function followAgreement(
   wait = (ms) => new Promise((done) => setTimeout(done, ms)),
 ) {
   for (const pause of [...WAITS_MS, null]) {
-    const { api, token } = await loadSettings();
-    const page = await new Api(api, { signal }).json("GET", `/cameras/${encodeURIComponent(key)}`, token, {
-      brief: true,
-    });
+    const page = await askJson("GET", `/cameras/${encodeURIComponent(key)}`, { brief: true }, { signal });
     if (signal.aborted) return;
     const agreement = agreementOf(key, page, calibration);
     onAgreement(agreement);

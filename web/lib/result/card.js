@@ -1,5 +1,5 @@
 // Card at the head of a result: which camera, how good, what to do with it, and what is known of its making.
-import { el } from "../dom.js";
+import { button, el } from "../dom.js";
 import { splitLabel, isVirtual } from "../camera-name.js";
 import { dateText, joinFacts, language, number, pageUrl, rough, formatSize, t } from "../i18n.js";
 import { boardSentence, meaning } from "./meaning.js";
@@ -9,14 +9,12 @@ import { downloadPart } from "./download.js";
 import { reasonTexts } from "./reasons.js";
 import { returnAddress, withResult } from "./return-address.js";
 import { factsOf } from "./source.js";
-import { button, listViews } from "./views.js";
+import { listViews } from "./views.js";
 
 /**
- * @typedef {import("./numbers.js").Calibration} Calibration
- * @typedef {import("./numbers.js").Report} Report
- * @typedef {import("./agreement.js").Agreement} Agreement
- * @typedef {import("./numbers.js").Result} Result
- * @typedef {import("./views.js").Trial} Trial
+ * @import { Agreement } from "./agreement.js"
+ * @import { Calibration, Report, Result } from "./numbers.js"
+ * @import { Trial } from "./views.js"
  */
 
 const FILES = ["photographs", "video"]; // platforms of calibrations from files, not from a camera
@@ -66,16 +64,13 @@ export function card(result, trial, id) {
     "header",
     { class: "opening card" },
     // The page that captured it has already said so.
-    ...(practice && origin !== "practice" ? [el("p", { class: "practice" }, t("result.practice"))] : []),
-    ...(trial
-      ? [
-          el(
-            "p",
-            { class: "trial" },
-            t("result.without", { count: trial.without.length, views: listViews(trial.without) }),
-          ),
-        ]
-      : []),
+    practice && origin !== "practice" && el("p", { class: "practice" }, t("result.practice")),
+    trial &&
+      el(
+        "p",
+        { class: "trial" },
+        t("result.without", { count: trial.without.length, views: listViews(trial.without) }),
+      ),
     el(
       "h1",
       { id: "result-name", tabindex: -1 },
@@ -105,9 +100,9 @@ export function card(result, trial, id) {
       ),
     ),
     meaning(calibration),
-    ...(details.length ? [el("p", { class: "errors" }, details.join(" "))] : []),
-    ...(reasons.length > 1 ? [el("p", { class: "improve" }, t("result.improve"))] : []),
-    ...(reasons.length ? [el("ul", { class: "reasons" }, ...reasons.map((text) => el("li", {}, text)))] : []),
+    details.length > 0 && el("p", { class: "errors" }, details.join(" ")),
+    reasons.length > 1 && el("p", { class: "improve" }, t("result.improve")),
+    reasons.length > 0 && el("ul", { class: "reasons" }, ...reasons.map((text) => el("li", {}, text))),
     nextSteps(result, trial, id),
     el("p", { class: "facts muted number" }, factsText(calibration, report, factsOf(id)?.board ?? null)),
     ...(practice || trial || !id ? [] : [el("p", { class: "agreement", id: "agreement" }, "\u00a0")]),
@@ -144,7 +139,7 @@ function nextSteps(result, trial, id) {
   return el(
     "div",
     { class: "next" },
-    ...(back ? [back.element] : []),
+    back?.element,
     downloadPart({ calibration, explain: result.explain, of: { id, without: trial?.without ?? [] } }, "", {
       primary: first === "download",
       before:

@@ -3,8 +3,9 @@ import { addCopyButton } from "../code-block.js";
 import { el } from "../dom.js";
 import { matrixText } from "./values.js";
 
+/** @import { Calibration } from "./numbers.js" */
+
 /**
- * @typedef {import("./numbers.js").Calibration} Calibration
  * @typedef {[name: string, label: string, code: string]} Block
  */
 

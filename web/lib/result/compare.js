@@ -3,7 +3,7 @@ import { el } from "../dom.js";
 import { t } from "../i18n.js";
 import { Rectifier, RectifierError } from "../../sdk/rectifier.js";
 
-/** @typedef {import("./numbers.js").Calibration} Calibration */
+/** @import { Calibration } from "./numbers.js" */
 
 const MAX_WIDTH_PX = 1600; // px; more is not visible here, and maps of large photos would fill the GPU
 

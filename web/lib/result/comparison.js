@@ -19,7 +19,7 @@ import { valueText } from "./values.js";
 export function comparisonView(first, second, name = null) {
   const [one, other] = [first.calibration, second.calibration];
   const known = isKnownModel(one.distortion_model) && isKnownModel(other.distortion_model);
-  return el("div", { class: "columns" }, ...(known ? [difference(one, other)] : []), parameters(first, second, name));
+  return el("div", { class: "columns" }, known && difference(one, other), parameters(first, second, name));
 }
 
 /** @param {Loaded["calibration"]} one @param {Loaded["calibration"]} other */

@@ -2,13 +2,14 @@
 import { ApiError } from "../api.js";
 import { el } from "../dom.js";
 import { number, t } from "../i18n.js";
+import { keepItem, readItem } from "../storage.js";
 import { jsonText } from "./values.js";
 import { FORMATS } from "../../vendor/formats.js";
 import { save } from "./source.js";
 
 /**
- * @typedef {import("./numbers.js").Calibration} Calibration
- * @typedef {import("./source.js").Saved} Saved
+ * @import { Calibration } from "./numbers.js"
+ * @import { Saved } from "./source.js"
  */
 
 const VISIBLE_ERROR_PX = 0.1; // px; a smaller error is not visible in any picture, and is not mentioned
@@ -16,25 +17,6 @@ const FULL_COVERAGE = 0.995; // share of the picture
 const EXACT_ERROR_PX = 1e-3; // px; a file may be written with fewer digits
 const FORMAT_KEY = "calibdb.format"; // where the last one is kept
 const CORNERS = new Set(["corners-vnl"]); // what was measured, and no lens
-
-/** The format chosen last. */
-function lastFormat() {
-  try {
-    return localStorage.getItem(FORMAT_KEY) ?? "";
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error;
-    return "";
-  }
-}
-
-/** @param {string} format */
-function keepFormat(format) {
-  try {
-    localStorage.setItem(FORMAT_KEY, format);
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error; // not kept, then
-  }
-}
 
 /**
  * @param {{calibration: Calibration, explain: (error: unknown) => string, of?: {id: string | null, without?:
@@ -53,7 +35,8 @@ export function downloadPart(
     { id, "aria-label": t("result.format"), "aria-describedby": about },
     ...FORMATS.map((format) => new Option(t(`formats.name_${format}`), format)),
   );
-  if (FORMATS.includes(lastFormat())) select.value = lastFormat();
+  const last = readItem(FORMAT_KEY) ?? "";
+  if (FORMATS.includes(last)) select.value = last;
   const purpose = el("p", { id: about, class: "muted" }, t(`formats.for_${select.value}`));
   const status = el("p", { role: "status", class: "saved" });
   const button = el(
@@ -63,7 +46,7 @@ export function downloadPart(
   );
   select.addEventListener("change", () => {
     purpose.textContent = t(`formats.for_${select.value}`);
-    keepFormat(select.value);
+    keepItem(FORMAT_KEY, select.value);
     say("", false);
   });
   /** @param {string} text @param {boolean} bad */

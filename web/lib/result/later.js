@@ -3,8 +3,10 @@
 // to the form.
 import { pageUrl, t } from "../i18n.js";
 
-/** @typedef {import("./view.js").ResultView} ResultView */
-/** @typedef {import("./numbers.js").Result} Result */
+/**
+ * @import { Result } from "./numbers.js"
+ * @import { ResultView } from "./view.js"
+ */
 
 /** Shows results in an element, as ResultView does. */
 export class LaterResultView {

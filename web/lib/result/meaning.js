@@ -4,7 +4,7 @@ import { el } from "../dom.js";
 import { language, rough, t } from "../i18n.js";
 import { focalLengths } from "../../sdk/pinhole.js";
 
-/** @typedef {import("./numbers.js").Calibration} Calibration */
+/** @import { BoardShape, Calibration } from "./numbers.js" */
 
 const PARTS = [1, 2, 3, 4, 5, 10, 20, 50, 100]; // of a pixel that have a name
 const MAX_NAMED_PX = 1.4; // px; more is several pixels
@@ -71,7 +71,7 @@ const MAX_STRETCH = 0.01; // share of the length by which a printer may stretch 
 
 /**
  * Sentence about the board's shape, if it is certain and a printer may have made it.
- * @param {import("./numbers.js").BoardShape | null} [board]
+ * @param {BoardShape | null} [board]
  * @param {number | null} [length] mm, longer extent of the corners; null: the bend is a share of it
  * @returns {string[]}
  */

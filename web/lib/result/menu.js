@@ -1,6 +1,6 @@
 // Controls of a result's card: copying, sharing, and explanations of a word.
 import { copy } from "../code-block.js";
-import { el } from "../dom.js";
+import { button, el } from "../dom.js";
 import { t } from "../i18n.js";
 
 /**
@@ -52,13 +52,11 @@ async function copied(text, parent) {
 export function shareButton(title, address, attributes) {
   if (!navigator.share || !matchMedia("(pointer: coarse)").matches)
     return copyButton(t("result.copy_link"), () => address, attributes);
-  const button = el("button", { type: "button", ...attributes }, t("result.share"));
-  button.addEventListener("click", () =>
+  const share = () =>
     navigator.share({ title, url: address }).catch((error) => {
       if (!(error instanceof DOMException)) throw error; // closed without sharing
-    }),
-  );
-  return button;
+    });
+  return button(t("result.share"), share, attributes);
 }
 
 /** Actions that are seldom wanted, behind three dots. @param {Node[]} actions */

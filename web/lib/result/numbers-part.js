@@ -8,10 +8,7 @@ import { distortionPlot, profilePlot } from "./plots.js";
 import { distortionValues, figure } from "./tiles.js";
 import { matrixText, valueText } from "./values.js";
 
-/**
- * @typedef {import("./numbers.js").Calibration} Calibration
- * @typedef {import("./numbers.js").Report} Report
- */
+/** @import { Calibration, Report } from "./numbers.js" */
 
 /**
  * @param {Calibration} calibration @param {Pick<Report, "std"> & Partial<Report> | null} report

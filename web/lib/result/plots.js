@@ -8,9 +8,8 @@ import { make } from "../dom.js";
 import { arrow, imagePlot, short, ticks } from "../svg.js";
 
 /**
- * @typedef {import("./numbers.js").Calibration} Calibration
- * @typedef {import("./numbers.js").Report} Report
- * @typedef {import("./numbers.js").ReportView} ReportView
+ * @import { Values } from "../contours.js"
+ * @import { Calibration, Report, ReportView } from "./numbers.js"
  */
 
 const HEAT_LEVELS = 8; // of the colour scale, see style.css
@@ -75,7 +74,7 @@ export function errorPlot({ img_size, uncertainty }, report) {
 /**
  * Amounts over the picture. The median is in the middle of the scale, as far as a power allows.
  * @param {[number, number]} size px
- * @param {import("../contours.js").Values | null} px null: an empty frame
+ * @param {Values | null} px null: an empty frame
  * @param {number} max px
  * @param {string} label
  */
@@ -112,7 +111,7 @@ export function heatPlot(size, px, max, label) {
 
 /**
  * Numbers at the innermost and the outermost line between bands, to the right of the middle.
- * @param {import("../contours.js").Values} px @param {[number, number]} size px @param {number[]} levels px
+ * @param {Values} px @param {[number, number]} size px @param {number[]} levels px
  * @param {(u: number) => number} x px → plot
  */
 function lineLabels(px, [width, height], levels, x) {

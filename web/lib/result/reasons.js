@@ -1,8 +1,9 @@
 // Reasons of a verdict as people read them, and what to do about the probable cause of systematic errors.
 import { hasMessage, language, t } from "../i18n.js";
 
+/** @import { Report } from "./numbers.js" */
+
 /**
- * @typedef {import("./numbers.js").Report} Report
  * @typedef {{code: string, text: string}} Reason
  */
 

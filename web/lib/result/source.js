@@ -1,13 +1,9 @@
 // A stored calibration, with its report, and as a file in any format that the service writes.
-import { Api } from "../api.js";
+import { ask, askJson } from "../api.js";
 import { offerResponse } from "../files.js";
-import { loadSettings } from "../settings.js";
 import { fileName } from "./numbers.js";
 
-/**
- * @typedef {import("./numbers.js").Calibration} Calibration
- * @typedef {import("./numbers.js").Report} Report
- */
+/** @import { Calibration, Report } from "./numbers.js" */
 
 /**
  * @typedef {object} Facts what the service reports of a stored calibration besides its numbers
@@ -43,13 +39,12 @@ const path = (id, query = {}) =>
  *   to fit
  */
 export async function load(id, without = [], transport = {}) {
-  const { api, token } = await loadSettings();
   const {
     report = null,
     board = null,
     camera_key: cameraKey = null,
     ...calibration
-  } = await new Api(api, transport).json("GET", path(id, withoutQuery(without)), token);
+  } = await askJson("GET", path(id, withoutQuery(without)), {}, transport);
   if (calibration.id) facts.set(calibration.id, { board, cameraKey });
   return { calibration, report };
 }
@@ -61,9 +56,8 @@ export async function load(id, without = [], transport = {}) {
  * @returns {Promise<Calibration[]>} rejects as Api does
  */
 export async function knownCalibrations(key, size) {
-  const { api, token } = await loadSettings();
   /** @type {{modes: {img_size: number[], consensus: Record<string, Calibration>}[]}} */
-  const { modes } = await new Api(api).json("GET", `/cameras/${encodeURIComponent(key)}`, token);
+  const { modes } = await askJson("GET", `/cameras/${encodeURIComponent(key)}`);
   return modes
     .filter(({ img_size }) => img_size.join() === size.join())
     .flatMap(({ consensus }) => Object.values(consensus));
@@ -85,8 +79,7 @@ export async function knownCalibrations(key, size) {
  * @returns {Promise<Saved>} rejects as Api does: 422 where the format cannot hold the calibration
  */
 export async function save(calibration, format, { id, without = [] } = calibration) {
-  const { api, token } = await loadSettings();
-  const response = await new Api(api).send("GET", path(id ?? "", { format, ...withoutQuery(without) }), token, {
+  const response = await ask("GET", path(id ?? "", { format, ...withoutQuery(without) }), {
     accept: "*/*",
   });
   const { headers } = response;

@@ -1,12 +1,11 @@
 // Part of a result that shows what it does: a picture before and after, and any other photograph of this camera.
-import { el, liveRegion } from "../dom.js";
+import { button, el, liveRegion } from "../dom.js";
 import { formatSize, t } from "../i18n.js";
 import { imageInput } from "../files.js";
 import { comparison, shrinkCalibration } from "./compare.js";
 import { gridPicture } from "./grid-picture.js";
-import { button } from "./views.js";
 
-/** @typedef {import("./numbers.js").Calibration} Calibration */
+/** @import { Calibration } from "./numbers.js" */
 
 /**
  * @param {Calibration} calibration of a model that is known here
@@ -22,7 +21,7 @@ export function straightPart(calibration, picture, onPicture, turnOff = null) {
       "div",
       { class: "straight" },
       shown.element,
-      el("div", { class: "actions" }, ...(shown.whole ? [shown.whole] : []), chooser(calibration, onPicture)),
+      el("div", { class: "actions" }, shown.whole, chooser(calibration, onPicture)),
       turnOff
         ? el(
             "p",

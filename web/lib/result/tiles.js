@@ -8,9 +8,8 @@ import { displacements } from "./numbers.js";
 import { coveragePlot, errorPlot, errorTable } from "./plots.js";
 
 /**
- * @typedef {import("./numbers.js").Calibration} Calibration
- * @typedef {import("./numbers.js").Report} Report
- * @typedef {import("../board.js").Board} Board
+ * @import { Board } from "../board.js"
+ * @import { Calibration, Report } from "./numbers.js"
  */
 
 const TABLE_GRID = /** @type {[number, number]} */ ([5, 5]); // columns and rows of values
@@ -34,9 +33,9 @@ export function tiles(calibration, report, board) {
     { class: report ? "tiles" : "tiles pending", role: "group", tabindex: 0, "aria-label": t("result.part_figures") },
     tile("error", figure(errorPlot(calibration, report), errorValues(calibration, report))),
     tile("coverage", figure(coveragePlot(calibration, report))),
-    ...(isKnownModel(calibration.distortion_model) && (board || !report)
-      ? [tile("poses", poses(calibration, report, board))]
-      : []),
+    isKnownModel(calibration.distortion_model) &&
+      (board || !report) &&
+      tile("poses", poses(calibration, report, board)),
   );
 }
 
@@ -78,7 +77,7 @@ export function figure({ svg, caption, levels, at }, ...more) {
         : caption;
   };
   if (at) for (const name of ["pointermove", "pointerdown", "pointerleave"]) svg.addEventListener(name, read);
-  return el("figure", { class: "figure measured" }, svg, ...(levels ? [scaleOf(levels)] : []), words, ...more);
+  return el("figure", { class: "figure measured" }, svg, levels && scaleOf(levels), words, ...more);
 }
 
 /** The colour scale with the numbers between its colours. @param {number[]} levels px */

@@ -17,8 +17,8 @@ import { tiles } from "./tiles.js";
 import { listViews, viewsPart } from "./views.js";
 
 /**
- * @typedef {import("./numbers.js").Result} Result
- * @typedef {import("./views.js").Trial} Trial
+ * @import { Result } from "./numbers.js"
+ * @import { Choices, Trial } from "./views.js"
  */
 
 /** Shows one result in an element, and whatever is shown there next. */
@@ -154,7 +154,7 @@ export class ResultView {
     this.#inPlace(() => this.#draw(), "result-straight");
   }
 
-  /** @param {Result} result @returns {import("./views.js").Choices | null} */
+  /** @param {Result} result @returns {Choices | null} */
   #choices({ calibration, goOn }) {
     const { id } = calibration;
     return id
@@ -242,9 +242,9 @@ function details(result, calibration) {
     { class: "record" },
     el("p", { id: "summary" }, contributionText(result)),
     el("p", { class: "muted" }, `${calibration.camera} · ${calibration.platform}`),
-    ...(id && id !== new URLSearchParams(location.search).get("id")
-      ? [el("p", {}, el("a", { href: resultAddress(id) }, t("result.address")))]
-      : []),
+    id &&
+      id !== new URLSearchParams(location.search).get("id") &&
+      el("p", {}, el("a", { href: resultAddress(id) }, t("result.address"))),
     recordPart(calibration),
   );
 }

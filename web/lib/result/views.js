@@ -1,13 +1,12 @@
 // List of a result's views, with advice which to retake, and a trial fit without some.
-import { el } from "../dom.js";
+import { button, el } from "../dom.js";
 import { language, number, rough, t } from "../i18n.js";
 import { viewIssue } from "./numbers.js";
 import { magnification, residualPlot } from "./plots.js";
 
+/** @import { Calibration, Report, Result } from "./numbers.js" */
+
 /**
- * @typedef {import("./numbers.js").Calibration} Calibration
- * @typedef {import("./numbers.js").Report} Report
- *
  * @typedef {{without: number[], calibration: Calibration, report: Report | null}} Trial what it is without some views,
  *   by their indices
  *
@@ -29,7 +28,7 @@ export const viewsToRetake = ({ views }) =>
 
 /**
  * Views in one row that scrolls sideways, the worst first.
- * @param {Pick<import("./numbers.js").Result, "calibration" | "names" | "photo"> & {report: Report}} result
+ * @param {Pick<Result, "calibration" | "names" | "photo"> & {report: Report}} result
  * @param {Trial | null} trial what it is without some views
  * @param {Choices | null} choices
  */
@@ -42,7 +41,7 @@ export function viewsPart({ calibration, report, names = () => "", photo = () =>
     "div",
     {},
     el("p", { class: "muted" }, t("result.views_text")),
-    ...(bad.length ? [advice(bad, left, choices)] : []),
+    bad.length > 0 && advice(bad, left, choices),
     el(
       "ol",
       { class: "views", tabindex: 0, "aria-label": t("result.part_views") },
@@ -70,15 +69,15 @@ export function viewsPart({ calibration, report, names = () => "", photo = () =>
                 { class: "number" },
                 el("strong", {}, t("result.view", { index: index + 1 })),
                 ` ${number(view.rms, 2)}\u00a0px`,
-                ...(names(index) ? [el("span", { class: "source muted" }, names(index))] : []),
+                names(index) && el("span", { class: "source muted" }, names(index)),
               ),
-              ...(choices ? [toggle(index, left, choices)] : []),
+              choices && toggle(index, left, choices),
             ),
-            ...(what ? [el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length }))] : []),
+            what && el("p", { class: "problem" }, t(`result.view_${what}`, { count: view.cut.length })),
           );
         }),
     ),
-    ...(choices ? [trialStatus(calibration, trial, choices)] : []),
+    choices && trialStatus(calibration, trial, choices),
   );
 }
 
@@ -139,13 +138,6 @@ function trialStatus(calibration, trial, choices) {
         : el("a", { class: "button", href: choices.elsewhere }, t("result.calibrate_again")),
       button(t("result.all_again"), () => choices.choose([]), { id: "all-again" }),
     ),
-    ...(goOn ? [el("p", { class: "muted" }, t("result.go_on_text"))] : []),
+    goOn && el("p", { class: "muted" }, t("result.go_on_text")),
   );
-}
-
-/** @param {string} label @param {() => void} action @param {Record<string, string>} [attributes] */
-export function button(label, action, attributes = {}) {
-  const made = el("button", { type: "button", ...attributes }, label);
-  made.addEventListener("click", action);
-  return made;
 }

@@ -8,11 +8,10 @@ import { Calibration } from "../../sdk/calibration.js";
 import { intrinsicsOf } from "./lens.js";
 
 /**
- * @typedef {import("../board.js").Board} Board
- * @typedef {import("./lens.js").LensParameters} LensParameters
- * @typedef {import("../pose.js").Pose} Pose
- *
- * @typedef {import("./setup.js").Setup} Setup
+ * @import { Board } from "../board.js"
+ * @import { Pose } from "../pose.js"
+ * @import { LensParameters } from "./lens.js"
+ * @import { Setup } from "./setup.js"
  */
 
 const MIN_REFRESH_INTERVAL_MS = 50; // ms; a canvas delivers frames only when it is painted

@@ -1,9 +1,9 @@
 // Simulated hand: the board's motion to a target, and its tremor there. Pure: the time is an argument.
 import { interpolatePose, perturbPose, seededRandom, transformPoint } from "../pose.js";
 
+/** @import { Pose } from "../pose.js" */
+
 /**
- * @typedef {import("../pose.js").Pose} Pose
- *
  * @typedef {object} Kind
  * @property {number} travel ms from one pose to the next
  * @property {number} tremor px at 1280 px image width, amplitude of a fast tremor, as the camera sees it

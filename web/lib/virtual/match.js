@@ -6,8 +6,8 @@ import { minimize } from "../least-squares.js";
 import { transformPoint } from "../pose.js";
 
 /**
- * @typedef {import("../pose.js").Pose} Pose
- * @typedef {import("./lens.js").LensParameters} LensParameters
+ * @import { Pose } from "../pose.js"
+ * @import { LensParameters } from "./lens.js"
  */
 
 const UNSEEN_RESIDUAL_PX = 1e3; // px, residual of a corner that the lens does not see

@@ -4,9 +4,9 @@ import { Painter } from "./painter.js";
 import { degrade, smear } from "./degrade.js";
 
 /**
- * @typedef {import("../board.js").Board} Board
- * @typedef {import("./lens.js").LensParameters} LensParameters
- * @typedef {import("../pose.js").Pose} Pose
+ * @import { Board } from "../board.js"
+ * @import { Pose } from "../pose.js"
+ * @import { LensParameters } from "./lens.js"
  */
 
 /** @type {Painter | null} */

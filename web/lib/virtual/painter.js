@@ -5,9 +5,9 @@ import { rotationMatrix } from "../pose.js";
 import { projectionOf } from "./lens.js";
 
 /**
- * @typedef {import("../board.js").Board} Board
- * @typedef {import("./lens.js").LensParameters} LensParameters
- * @typedef {import("../pose.js").Pose} Pose
+ * @import { Board } from "../board.js"
+ * @import { Pose } from "../pose.js"
+ * @import { LensParameters } from "./lens.js"
  */
 
 const MAX_TEXELS_PER_SQUARE = 64;

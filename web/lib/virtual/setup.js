@@ -1,11 +1,11 @@
 // Setup of the virtual camera as an address asks for it, and its label. Apart from the camera: few pages need more.
 import { NAME } from "../camera-name.js";
 
+/** @import { LensParameters } from "./lens.js" */
+
 const [MIN_RATE_HZ, USUAL_RATE_HZ, MAX_RATE_HZ] = [2, 30, 60]; // pictures a second
 
 /**
- * @typedef {import("./lens.js").LensParameters} LensParameters
- *
  * @typedef {object} Setup
  * @property {[number, number]} size px
  * @property {LensParameters} lens

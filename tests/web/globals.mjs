@@ -1,0 +1,33 @@
+// Globals of a browser that Node lacks: set for one test, because all tests run in one process.
+
+/** Descriptors by name, undefined for what Node lacks. @type {Map<string, PropertyDescriptor | undefined>} */
+const originals = new Map();
+
+/**
+ * @param {import("node:test").TestContext} t the test after which they are as before
+ * @param {Record<string, unknown>} globals by name
+ */
+export function setGlobals(t, globals) {
+  for (const [name, value] of Object.entries(globals)) {
+    if (!originals.has(name)) originals.set(name, Object.getOwnPropertyDescriptor(globalThis, name));
+    const original = originals.get(name);
+    Object.defineProperty(globalThis, name, { value, configurable: true, writable: true });
+    t.after(() => (original ? Object.defineProperty(globalThis, name, original) : delete globalThis[name]));
+  }
+}
+
+/** The storage of a browser. @param {import("node:test").TestContext} t @returns {Map<string, string>} what it keeps */
+export function keepHere(t) {
+  const kept = new Map();
+  const localStorage = {
+    getItem: (name) => kept.get(name) ?? null,
+    setItem: (name, value) => void kept.set(name, value),
+    removeItem: (name) => void kept.delete(name),
+  };
+  setGlobals(t, { localStorage });
+  return kept;
+}
+
+/** An answer of the service. @param {number} status @param {object | null} body @param {Record<string, string>} headers */
+export const json = (status, body, headers = {}) =>
+  new Response(body && JSON.stringify(body), { status, headers: { "content-type": "application/json", ...headers } });

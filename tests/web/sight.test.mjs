@@ -1,0 +1,251 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { MOVING, motion, observe } from "../../web/lib/capture/stillness.js";
+import { DEFAULT_BOARD, markers, outline } from "../../web/lib/board.js";
+import { advice, difference, jaccard } from "../../web/lib/capture/target.js";
+import { projectionOf } from "../../web/lib/virtual/lens.js";
+import { perturbPose, seededRandom, transformPoint } from "../../web/lib/pose.js";
+import { BoardWatch } from "../../web/lib/capture/board-watch.js";
+import { troubleOf } from "../../web/lib/capture/sight.js";
+
+const at = (x) => ({ ids: [0, 1, 2, 3, 4], points: [0, 1, 2, 3, 4].map((i) => [x + 50 * i, 100]) });
+
+/** Positions at 20 frames a second. */
+const watch = (positions, width = 1280) =>
+  positions.reduce((state, x, index) => observe(state, at(x), 50 * index, width), MOVING);
+
+test("a steady hand is held since its first frame", () => {
+  const { held, frames } = watch([100, 101, 100, 99.5, 100.5, 100]);
+  assert.deepEqual([held, frames], [250, 5]);
+});
+
+test("a jump begins a new hold, once it lasts", () => {
+  const { held, frames } = watch([100, 100, 100, 104, 104, 104, 104]);
+  assert.deepEqual([held, frames], [50, 1]);
+});
+
+test("slow movement is movement: 1.5 px a frame never makes a long hold", () => {
+  let state = MOVING;
+  for (let index = 0; index < 100; index++) {
+    state = observe(state, at(100 + 1.5 * index), 50 * index, 1280);
+    assert.ok(state.held <= 200, `held ${state.held} ms`);
+  }
+});
+
+test("the limit scales with the width of the image", () => {
+  assert.equal(watch([100, 101.5, 100], 1280).frames, 2);
+  assert.equal(watch([100, 101.5, 100], 640).frames, 0);
+});
+
+test("a smeared frame is passed over in a hold, not before one, and not for long", () => {
+  const held = watch([100, 100, 100]);
+  const nothing = { ids: [], points: [] };
+  const passed = observe(held, nothing, 150, 1280);
+  assert.equal(passed, held, "the very same: nothing was learnt");
+  assert.equal(observe(passed, at(100), 200, 1280).held, 200);
+  assert.equal(observe(passed, at(108), 200, 1280), held);
+  assert.equal(observe(passed, at(108), 250, 1280).held, 0, "that is movement");
+  assert.equal(observe(watch([100]), nothing, 50, 1280).anchor, nothing);
+});
+
+test("time that no frame shows does not count as held", () => {
+  const every = (gap) => [0, 1, 2, 3].reduce((state, index) => observe(state, at(100), gap * index, 1280), MOVING);
+  assert.equal(every(250).held, 750);
+  assert.equal(every(600).held, 750, "of a device that looks twice a second");
+  assert.equal(every(600).seen, 1800);
+});
+
+test("too few common corners are no evidence of stillness", () => {
+  const few = {
+    ids: [0, 1, 7, 8],
+    points: [
+      [0, 0],
+      [1, 0],
+      [2, 0],
+      [3, 0],
+    ],
+  };
+  assert.equal(motion(at(0), few), Infinity);
+  assert.equal(observe(watch([100, 100]), few, 200, 1280).held, 0);
+  assert.equal(observe(watch([100, 100]), { ids: [], points: [] }, 200, 1280).held, 0);
+});
+
+const PROJECTION = projectionOf({ fx: 1000, fy: 1000, cx: 640, cy: 360, k1: -0.2, k2: 0, p1: 0, p2: 0, k3: 0 });
+const CENTRE = [4.5, 3, 0];
+const see = (pose) => outline(DEFAULT_BOARD).map(([x, y]) => PROJECTION.project(transformPoint(pose, [x, y, 0])));
+/** The board turned so about its centre, which is there in the camera's frame. */
+function held(rvec, centre) {
+  const turned = transformPoint({ rvec, tvec: [0, 0, 0] }, CENTRE);
+  return { rvec, tvec: centre.map((value, axis) => value - turned[axis]) };
+}
+const TILTED = held([0.5, 0.5, 0], [0.5, 0.5, 11]);
+
+test("a hand that follows a target lies as it does; a board facing the camera in its place does not", () => {
+  const random = seededRandom(3);
+  for (let i = 0; i < 200; i++) {
+    assert.ok(difference(see(perturbPose(TILTED, 1, random, CENTRE)), see(TILTED)) < 0.08);
+  }
+  let inPlace = 0;
+  for (let z = 9; z < 16; z += 0.25) {
+    const facing = see(held([0, 0, 0], [0.5, 0.5, z]));
+    if (jaccard(facing, see(TILTED), [1280, 720]) <= 0.6) continue;
+    inPlace += 1;
+    assert.ok(difference(facing, see(TILTED)) > 0.08, `at ${z}`);
+  }
+  assert.ok(inPlace > 5, "overlap alone takes it for there");
+});
+
+test("the other way up is as good", () => {
+  const [a, b, c, d] = see(TILTED);
+  assert.ok(difference([c, d, a, b], see(TILTED)) < 1e-12);
+  assert.equal(advice([c, d, a, b], see(TILTED)), "");
+});
+
+test("the largest difference first, in what a hand may miss by; nothing where nothing is left", () => {
+  const target = see(held([0, 0.5, 0], [0, 0, 11]));
+  const said = (rvec, centre) => advice(see(held(rvec, centre)), target);
+  assert.equal(said([0, 0.5, 0], [3, 2.5, 11]), "up_left");
+  assert.equal(said([0, 0.4, 0], [-4, 0, 11]), "right");
+  assert.equal(said([0, 0.5, 0], [0, 0, 17]), "closer");
+  assert.equal(said([0, 0.5, 0], [0, 0, 7]), "farther");
+  assert.equal(said([0, 0.45, -0.8], [0, 0, 11]), "turn_clockwise");
+  assert.equal(said([0, 0, 0], [0, 0, 11]), "tilt_right");
+  assert.equal(said([0, 0.5, 0], [0, 0, 11]), "");
+});
+
+test("the edge named is the one that is nearer in the target", () => {
+  const facing = see(held([0, 0, 0], [0, 0, 11]));
+  for (const [rvec, name] of [
+    [[0, 0.5, 0], "right"],
+    [[0, -0.5, 0], "left"],
+    [[0.5, 0, 0], "top"],
+    [[-0.5, 0, 0], "bottom"],
+  ]) {
+    const target = held(rvec, [0, 0, 11]);
+    const side = { right: [9, 3], left: [0, 3], top: [4.5, 0], bottom: [4.5, 6] }[name];
+    assert.ok(transformPoint(target, [...side, 0])[2] < 11, `${name} is nearer`);
+    assert.equal(advice(facing, see(target)), `tilt_${name}`);
+  }
+});
+
+const SIZE = [1280, 720];
+const box = (x, y, w, h) => [
+  [x, y],
+  [x + w, y],
+  [x + w, y + h],
+  [x, y + h],
+];
+
+test("equal areas overlap wholly, separate ones not at all", () => {
+  assert.equal(jaccard(box(100, 100, 400, 300), box(100, 100, 400, 300), SIZE), 1);
+  assert.equal(jaccard(box(100, 100, 200, 200), box(700, 100, 200, 200), SIZE), 0);
+  assert.equal(jaccard([], [], SIZE), 0);
+});
+
+test("a shift gives the ratio that geometry gives, to 0.01", () => {
+  const shifted = jaccard(box(101, 99, 400, 300), box(202, 174, 400, 300), SIZE);
+  const expected = (299 * 225) / (2 * 400 * 300 - 299 * 225);
+  assert.ok(Math.abs(shifted - expected) < 0.01, `${shifted}, not ${expected}`);
+});
+
+test("what lies outside the image does not count", () => {
+  assert.equal(jaccard(box(-900, -500, 1540, 860), box(0, 0, 640, 360), SIZE), 1);
+});
+
+test("a rotated square against its frame", () => {
+  const diamond = [
+    [640, 160],
+    [840, 360],
+    [640, 560],
+    [440, 360],
+  ];
+  assert.ok(Math.abs(jaccard(diamond, box(440, 160, 400, 400), SIZE) - 0.5) < 0.01);
+});
+
+test("the winding of a polygon does not matter", () => {
+  const a = box(300, 200, 300, 200);
+  assert.equal(jaccard(a, [...a].reverse(), SIZE), 1);
+});
+
+const CHESSBOARD = { ...DEFAULT_BOARD, kind: "chessboard", squares: [10, 7] };
+const lattice = ([columns, rows], [left, top] = [300, 200]) => ({
+  squares: [columns, rows],
+  isPlain: true,
+  points: Array.from({ length: (columns - 1) * (rows - 1) }, (_, n) => [
+    left + 40 * (n % (columns - 1)),
+    top + 40 * Math.floor(n / (columns - 1)),
+  ]),
+});
+const nothing = { family: null, markers: [], inverted: false, mirrored: false, size: [1280, 720], chessboard: null };
+const chessboard = (squares, place) => ({ ...nothing, chessboard: lattice(squares, place) });
+const charuco = (board, more = {}, rows = Infinity) => ({
+  ...nothing,
+  family: "DICT_4X4_1000",
+  ...more,
+  markers: markers(board)
+    .filter(({ y }) => y < rows)
+    .map(({ id, x, y }) => {
+      const [left, top, side] = [200 + 60 * x + 10, 100 + 60 * y + 10, 40];
+      return {
+        id,
+        corners: [
+          [left, top],
+          [left + side, top],
+          [left + side, top + side],
+          [left, top + side],
+        ],
+      };
+    }),
+});
+const after = (expected, ...sightings) => {
+  const watch = new BoardWatch();
+  return sightings.map((sighting, n) => watch.add(sighting, expected, 1000 * n)).at(-1);
+};
+
+test("another board is suggested once two looks agree, and the expected one is not", () => {
+  assert.equal(after(DEFAULT_BOARD, chessboard([10, 7])), null);
+  const found = after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]));
+  assert.deepEqual([found.board.kind, found.board.squares, found.isCut], ["chessboard", [10, 7], false]);
+  assert.equal(after(CHESSBOARD, chessboard([10, 7]), chessboard([10, 7])), null);
+  assert.equal(after(DEFAULT_BOARD, nothing, nothing, nothing), null);
+});
+
+test("a board that may go on beyond the picture's edge is said to be cut off", () => {
+  assert.equal(after(DEFAULT_BOARD, chessboard([10, 7], [20, 200]), chessboard([10, 7], [20, 200])).isCut, true);
+  assert.equal(
+    after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]), chessboard([10, 6])).isCut,
+    true,
+    "the looks differ",
+  );
+});
+
+test("the upper rows of the expected board are no other board, and what is not plain is no chessboard", () => {
+  assert.equal(after(DEFAULT_BOARD, charuco(DEFAULT_BOARD, {}, 4), charuco(DEFAULT_BOARD, {}, 4)), null);
+  const marked = { ...nothing, chessboard: { ...lattice([6, 4]), isPlain: false } };
+  assert.equal(after(DEFAULT_BOARD, marked, marked), null);
+});
+
+test("a mirrored picture is trouble of its own, be the board the expected one", () => {
+  const found = after(
+    DEFAULT_BOARD,
+    charuco(DEFAULT_BOARD, { mirrored: true }),
+    charuco(DEFAULT_BOARD, { mirrored: true }),
+  );
+  assert.equal(found.mirrored, true);
+  assert.equal(troubleOf(found, DEFAULT_BOARD), "mirrored");
+  assert.equal(
+    troubleOf({ ...found, mirrored: false, board: { ...DEFAULT_BOARD, legacy: true } }, DEFAULT_BOARD),
+    "legacy",
+  );
+  assert.equal(troubleOf({ ...found, mirrored: false, board: CHESSBOARD }, DEFAULT_BOARD), "wrong_board");
+});
+
+test("looks are due where the board has not been seen for a while, and not one after the other", () => {
+  const watch = new BoardWatch();
+  assert.equal(watch.isDue(Infinity, 5000), false);
+  assert.equal(watch.isDue(4800, 5000), false);
+  assert.equal(watch.isDue(4500, 5000), true);
+  watch.add(nothing, DEFAULT_BOARD, 5000);
+  assert.equal(watch.isDue(4500, 5200), false);
+  assert.equal(watch.isDue(4500, 5500), true);
+});
