@@ -10,9 +10,12 @@ from collections.abc import Generator, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .key import AUTO, UNNAMED, live_model
+from .calibration import Calibration
+from .errors import CaptureError, UsageError
+from .key import AUTO, UNNAMED
+from .model_choice import chosen_model
 from .recording import Recording, ignore
-from .session import CaptureResult, calibrate_offline
+from .session import CaptureResult, refusal
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -20,7 +23,6 @@ if TYPE_CHECKING:
     from calibsolver.fitting.constraint import Fix
 
     from .board import Board
-    from .calibration import Calibration
     from .capture.operation import CaptureOptions, Keep
     from .comparison import Comparison
     from .rig_pictures import RigResult
@@ -37,9 +39,7 @@ def calibrate(
     from .capture.operation import prepare
 
     operation = prepare(camera, named=False, **options)
-    result = _run(operation.offline(live_model(model), keep or ignore))
-    taken = result.calibration.recording
-    return calibrate_recording(taken) if model == AUTO and taken else result
+    return _run(operation.offline(model, keep or ignore))
 
 
 def calibrate_images(
@@ -98,16 +98,68 @@ def calibrate_recording(
 ) -> CaptureResult:
     """Calibrate from captured corners.
 
+    The shape of the board is estimated too, except that of a circle grid.
+
     Parameters
     ----------
     recording, model
         The corners, and the distortion model.
     fix, start
-        What is not estimated, and a calibration that may be near, as in `calibsolver.fit`.
+        What is not estimated, and a calibration that may be near, as in `calibsolver.fit`. With a start,
+        ``auto`` is its model.
 
     Raises CaptureError if they do not suffice, UsageError if a parameter cannot be fixed.
     """
-    return calibrate_offline(recording, model, int(time.time()), fix, start)
+    import calibsolver
+    from calibsolver.board import CIRCLES
+    from calibsolver.circles import fit_circles
+    from calibsolver.fitting.coverage import Coverage, record_covered
+    from calibsolver.quality import assessment, cross_validation
+    from calibsolver.quality.rivals import with_rivals
+
+    lens = start.lens if start else None
+    chosen, better = chosen_model(recording, lens.model if lens and model == AUTO else model)
+    size, flat = recording.key.img_size, recording.board.kind in CIRCLES
+    try:
+        views = recording.observations()
+        if flat:
+            radius = recording.board.marker_ratio / 2
+            fitted, corrected = fit_circles(views, size, radius, chosen, start=lens, fix=fix)
+            views = list(corrected)
+        else:
+            fitted = calibsolver.fit(views, size, chosen, start=lens, fix=fix)
+    except (calibsolver.CalibrationError, ValueError) as error:
+        if getattr(error, "code", "") in ("unknown_parameter", "no_value"):
+            raise UsageError(str(error)) from None
+        other = f"--model {better} fits them" if better else "take more, with the board tilted"
+        raise CaptureError(f"these pictures do not determine the model {chosen} ({error}): {other}") from None
+    try:
+        held_out = cross_validation.held_out(
+            views, size, chosen, board_shape=not flat, start=lens, fix=fix
+        ).rms
+    except calibsolver.CalibrationError:
+        held_out = None
+    fitted = with_rivals(fitted, views)
+    coverage = Coverage.of(fitted, views)
+    said = assessment.assess(fitted, views, held_out, coverage)
+    cut = tuple((recording.views[n].source, refusal(why)) for n, why in sorted(fitted.cut_views.items()))
+    record = {
+        **record_covered(fitted, coverage),
+        "covariance": fitted.covariance.tolist(),
+        **recording.key.record(),
+        "id": None,
+        "calibrations": 1,
+        "contributors": 1,
+        "exact_size": True,
+        "calibration_time": int(time.time()),
+    }
+    return CaptureResult(
+        Calibration(record, None, recording),
+        len(views) - len(cut),
+        cut,
+        better,
+        (said.level, *(reason.text for reason in said.reasons)),
+    )
 
 
 def _run(flow: Generator[Any, Any, CaptureResult]) -> CaptureResult:

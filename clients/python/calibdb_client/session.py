@@ -1,21 +1,17 @@
-"""A recording becomes a calibration: in a session of the service, or on this machine."""
+"""A recording becomes a calibration in a session of the service; results of captures."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .calibration import Calibration
 from .errors import CaptureError, ConflictError, UsageError
 from .flows import Flow
-from .key import AUTO
 from .model_choice import chosen_model
 from .recording import Recording
 from .wire import Request
-
-if TYPE_CHECKING:
-    from calibsolver.fitting.constraint import Fix
 
 Progress = Callable[[int, int], None]
 """Called with the number done, and the number of all."""
@@ -180,78 +176,6 @@ def verdict_of(state: Mapping[str, Any]) -> tuple[str, ...]:
     if not isinstance(verdict, Mapping):
         return ()
     return str(verdict["level"]), *(str(reason["text"]) for reason in verdict["reasons"])
-
-
-def calibrate_offline(
-    recording: Recording, model: str, time: int, fix: Fix = (), start: Calibration | None = None
-) -> CaptureResult:
-    """Calibrate on this machine with `calibsolver`; nothing is sent.
-
-    The shape of the board is estimated too, except that of a circle grid.
-
-    Parameters
-    ----------
-    recording, model
-        The views, and the distortion model, or `AUTO`.
-    time
-        Unix seconds of the calibration.
-    fix, start
-        What is not estimated, and a calibration that may be near, as in `calibsolver.fit`. With a start,
-        `AUTO` is its model.
-
-    Raises CaptureError if the views do not suffice, UsageError if a parameter cannot be fixed.
-    """
-    import calibsolver
-    from calibsolver.board import CIRCLES
-    from calibsolver.circles import fit_circles
-    from calibsolver.fitting.coverage import Coverage, record_covered
-    from calibsolver.quality import assessment, cross_validation
-    from calibsolver.quality.rivals import with_rivals
-
-    lens = start.lens if start else None
-    chosen, better = chosen_model(recording, lens.model if lens and model == AUTO else model)
-    size = recording.key.img_size
-    try:
-        views = recording.observations()
-        if recording.board.kind in CIRCLES:
-            radius = recording.board.marker_ratio / 2
-            fitted, corrected = fit_circles(views, size, radius, chosen, start=lens, fix=fix)
-            views = list(corrected)
-        else:
-            fitted = calibsolver.fit(views, size, chosen, start=lens, fix=fix)
-    except (calibsolver.CalibrationError, ValueError) as error:
-        if getattr(error, "code", "") in ("unknown_parameter", "no_value"):
-            raise UsageError(str(error)) from None
-        other = f"--model {better} fits them" if better else "take more, with the board tilted"
-        raise CaptureError(f"these pictures do not determine the model {chosen} ({error}): {other}") from None
-    try:
-        flat = recording.board.kind in CIRCLES
-        held_out = cross_validation.held_out(
-            views, size, chosen, board_shape=not flat, start=lens, fix=fix
-        ).rms
-    except calibsolver.CalibrationError:
-        held_out = None
-    fitted = with_rivals(fitted, views)
-    coverage = Coverage.of(fitted, views)
-    said = assessment.assess(fitted, views, held_out, coverage)
-    cut = tuple((recording.views[n].source, refusal(why)) for n, why in sorted(fitted.cut_views.items()))
-    record = {
-        **record_covered(fitted, coverage),
-        "covariance": fitted.covariance.tolist(),
-        **recording.key.record(),
-        "id": None,
-        "calibrations": 1,
-        "contributors": 1,
-        "exact_size": True,
-        "calibration_time": time,
-    }
-    return CaptureResult(
-        Calibration(record, None, recording),
-        len(views) - len(cut),
-        cut,
-        better,
-        (said.level, *(reason.text for reason in said.reasons)),
-    )
 
 
 def refusal(reason: object) -> str:

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 import yaml
 
-from calibdb_client import Board, Calibration, CaptureResult, Rig, UsageError
+from calibdb_client import Calibration, CaptureResult, Rig, UsageError
 from calibdb_client.cli import main
 from calibdb_client.conversion import FORMATS, RIG_FORMATS, format_of
-from tests.helpers import board_pictures
 
 
 @pytest.fixture(scope="module")
@@ -85,21 +84,6 @@ def test_file_of_another_tool_is_converted_and_loaded(tmp_path: Path) -> None:
     assert np.array_equal(Calibration.load(source).distortion_coefficients, loaded.distortion_coefficients)
     (tmp_path / "board.txt").write_text("a board, glued to a table\n")
     assert main(["convert", str(tmp_path / "board.txt"), "--format", "ros"]) == 2
-
-
-@pytest.mark.usefixtures("no_suggestion")
-def test_command_calibrates_into_another_tools_file_and_keeps_the_corners(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    board_pictures.write(tmp_path / "photos", Board())
-    plain = ["--offline", "--model", "rectilinear", "--squares", "9x6"]
-    command = ["calibrate", "photos", *plain, "-o", "camera.yaml"]
-    assert main(command) == 2
-    assert main([*command, "--format", "ros"]) == 0
-    content = yaml.safe_load(Path("camera.yaml").read_text())
-    kept = Calibration.load("camera.calibdb.json")
-    assert content["camera_matrix"]["data"] == kept.camera_matrix.ravel().tolist()
 
 
 @pytest.mark.parametrize("name", RIG_FORMATS)

@@ -1,12 +1,16 @@
 """Captures in pictures end in time, with an error that is stated, whatever the hand does."""
 
+import cv2
+import numpy as np
 import pytest
 
-from calibdb_client import Board, offline
+from calibdb_client import Board, CameraKey, Recording, offline
 from calibdb_client.capture import guide as guide_module
 from calibdb_client.capture.feedback import Scene
-from calibdb_client.capture.guide import Status
-from calibsolver import Camera
+from calibdb_client.detection import Corners
+from calibdb_client.recording import RecordedView
+from calibsolver import Camera, rotation
+from tests.helpers.board_pictures import TILTS
 from tests.helpers.real_hand import Habits, RealCamera
 from tests.helpers.solver import synthetic
 from tests.helpers.virtual_person import Listener, VirtualCamera
@@ -47,22 +51,28 @@ def capture(camera: RealCamera) -> tuple[float, float]:
 
 @pytest.mark.usefixtures("no_suggestion")
 def test_capture_without_another_view_for_30_s_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three views are of an earlier capture, one is taken."""
     monkeypatch.setattr(guide_module, "TARGET_ERROR_WIDTHS", 1e-9)
-    camera = VirtualCamera(size=(480, 360), fx=430, seed=2)
+    camera, earlier = VirtualCamera(size=(480, 360), fx=430, seed=2), []
+    for n, tilt in enumerate(np.array(TILTS[:3])):
+        place = np.array([0, 0, 11]) - rotation.matrix(tilt) @ camera.middle
+        points = cv2.projectPoints(camera.board.points, tilt, place, camera.matrix, camera.distortion)[0][
+            :, 0
+        ]
+        points += camera.rng.normal(0, 0.1, points.shape)
+        earlier.append(RecordedView.of(f"{n}", Corners(tuple(range(len(points))), points)))
+    begun = Recording(CameraKey("Camera", "linux", camera.size), camera.board, tuple(earlier))
     listener = Listener(camera)
     taken_at: list[float] = []
 
     def follow(scene: Scene) -> str:
-        camera.words = scene.instruction if listener.views < 4 else ""
-        camera.frames += 7 if listener.views >= 4 else 0  # none of which shows anything new
+        camera.words = "" if taken_at else scene.instruction
+        camera.frames += 20 if taken_at else 0  # none of which shows anything new
         return ""
 
-    def count(status: Status) -> None:
-        listener.views = status.views
-        taken_at.append(camera.clock())
-
     monkeypatch.setattr(listener, "show", follow)
-    monkeypatch.setattr(listener, "taken", count)
-    result = offline.calibrate(camera, board=Board(), model="rectilinear", show=listener, clock=camera.clock)
-    assert len(taken_at) == result.used >= 4
-    assert 30 < camera.clock() - taken_at[-1] < 31
+    monkeypatch.setattr(listener, "taken", lambda _: taken_at.append(camera.clock()))
+    result = offline.calibrate(camera, resume=begun, model="rectilinear", show=listener, clock=camera.clock)
+    assert result.used == 4
+    assert taken_at[0] > 3
+    assert 30 < camera.clock() - taken_at[0] < 31

@@ -13,8 +13,10 @@ from calibsolver.arrays import Array
 from ..calibration import Calibration
 from ..errors import CaptureError
 from ..flows import Flow
+from ..key import live_model
+from ..offline import calibrate_recording
 from ..recording import RecordedView, Recording
-from ..session import CaptureResult, calibrate_offline, refusal, start, submit, verdict_of
+from ..session import CaptureResult, refusal, start, submit, verdict_of
 from ..wire import Request
 
 if TYPE_CHECKING:
@@ -179,18 +181,16 @@ class OfflineGuide:
     Parameters
     ----------
     recording, model
-        Camera and board, and the distortion model.
-    clock
-        Unix seconds, for the calibration's time.
+        Camera and board, and the distortion model of the calibration.
     """
 
-    def __init__(self, recording: Recording, model: str, clock: Callable[[], float]) -> None:
+    def __init__(self, recording: Recording, model: str) -> None:
         from calibsolver.capture import Capture, History
 
-        self._model, self._clock = model, clock
-        self._board = recording.board
+        self._model, self._board = model, recording.board
         size = recording.key.img_size
-        self._capture = Capture(self._board, size, model, target_error=TARGET_ERROR_WIDTHS * size[0])
+        target_error = TARGET_ERROR_WIDTHS * size[0]
+        self._capture = Capture(self._board, size, live_model(model), target_error=target_error)
         self._estimate = self._capture.estimate([])
         self._history = History()
         self._views: list[Any] = []
@@ -244,7 +244,7 @@ class OfflineGuide:
         yield from ()
         included = tuple(view for i, view in enumerate(self._accepted) if i not in self._estimate.excluded)
         views = included if self._is_done else recording.views
-        return calibrate_offline(replace(recording, views=views), self._model, int(self._clock()))
+        return calibrate_recording(replace(recording, views=views), self._model)
 
     @property
     def _count(self) -> int:

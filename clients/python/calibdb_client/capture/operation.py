@@ -79,9 +79,9 @@ class Operation:
     feedback: Feedback
     recording: Recording
 
-    def offline(self, model: str, keep: Keep, clock: Callable[[], float] = time.time) -> Flow[CaptureResult]:
-        """Capture and calibrate on this machine; `clock` is the calibration's time, unix seconds."""
-        return self._run(lambda: OfflineGuide(self.recording, model, clock), keep)
+    def offline(self, model: str, keep: Keep) -> Flow[CaptureResult]:
+        """Capture and calibrate on this machine."""
+        return self._run(lambda: OfflineGuide(self.recording, model), keep)
 
     def by_service(
         self, model: str, keep: Keep, make: Maker, consent: Mapping[str, str]

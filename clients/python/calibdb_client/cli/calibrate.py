@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import time
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +11,9 @@ from ..calibration import Calibration
 from ..errors import CalibDBError, CaptureError, MirroredError, MissingPackageError, UsageError
 from ..files import write_whole
 from ..key import UNNAMED, CameraKey
+from ..offline import calibrate_recording
 from ..pictures import MAX_PICTURES, PLATFORM, FoundViews, picture_paths, read, turned_by_camera
 from ..recording import Recording
-from ..session import calibrate_offline
 from . import live, options
 from .board import chosen_board
 from .capture_options import (
@@ -146,7 +145,7 @@ def finish(
     try:
         if chosen.offline:
             start = Calibration.load(chosen.start) if chosen.start else None
-            result = calibrate_offline(recording, chosen.model, int(time.time()), fix_of(chosen), start)
+            result = calibrate_recording(recording, chosen.model, fix=fix_of(chosen), start=start)
         else:
             with options.client(chosen) as client, progress("views") as advance:
                 result = client.submit(
