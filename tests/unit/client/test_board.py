@@ -45,7 +45,7 @@ def test_sheet_has_its_size_and_says_what_the_board_is() -> None:
 
 def test_picture_shows_every_corner() -> None:
     board = Board((8, 8), 0.75, "DICT_4X4_1000")
-    picture = cv2.imdecode(np.frombuffer(png(board), dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
+    picture = cv2.imdecode(np.frombuffer(png(board, 60), dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
     ids = cv2.aruco.CharucoDetector(board.opencv()).detectBoard(picture)[1]
     assert sorted(ids.ravel().tolist()) == list(range(board.corner_count))
 

@@ -67,11 +67,10 @@ def test_chessboard_found_in_a_shrunk_picture_has_the_same_corners(inverted: boo
 
 @pytest.mark.parametrize(
     "board",
-    [*KINDS[2:4], UNUSUAL, *thorough(KINDS[6], *(replace(UNUSUAL, tag_spacing=gap) for gap in (0.2, 0.25)))],
+    [*KINDS[1:4], UNUSUAL, *thorough(KINDS[6], *(replace(UNUSUAL, tag_spacing=gap) for gap in (0.2, 0.25)))],
     ids=str,
 )
 def test_board_of_every_kind_is_recognised(board: Board) -> None:
-    """The others are in mirrored pictures."""
     tilts = TILTS if board.kind == "aprilgrid" else TILTS[:1]
     found = recognise([board_pictures.picture(board, tilt, 1.2 * max(board.size)) for tilt in tilts])
     assert found is not None
@@ -100,7 +99,7 @@ def test_kalibrs_tags_have_a_wider_border_and_another_turn() -> None:
 
 @pytest.mark.parametrize(
     ("board", "inverted"),
-    [(KINDS[0], False), (KINDS[1], True), *thorough((KINDS[0], True), (KINDS[1], False))],
+    [(KINDS[0], True), *thorough((KINDS[0], False), (KINDS[1], True), (KINDS[1], False))],
 )
 def test_mirrored_pictures_are_recognised_as_mirrored(board: Board, inverted: bool) -> None:
     shown = replace(board, inverted=inverted)
@@ -114,7 +113,7 @@ def test_partly_hidden_markers_suffice() -> None:
     """Half of a board is covered in each picture, another half each time."""
     board = Board((9, 6))
     pictures = []
-    for n, tilt in enumerate(board_pictures.TILTS[:3]):
+    for n, tilt in enumerate(TILTS):
         picture = board_pictures.picture(board, tilt, 1.2 * max(board.size)).copy()
         w = picture.shape[1]
         picture[:, : w // 2 if n % 2 else 0] = 128
