@@ -9,7 +9,6 @@ from . import pictures
 from .board import Board
 from .capture.source import is_video
 from .capture.video import read_video
-from .errors import CaptureError
 from .key import CameraKey, HasLabel, key_of
 from .pictures import MIN_VIEWS, FoundViews
 from .recording import Recording
@@ -36,20 +35,9 @@ def recording_of(
         chosen = read_video(sources[0], board, board_views, mirrored=mirrored)
     else:
         files = pictures.picture_paths(sources)
-        chosen = board or board_of(files, mirrored)
+        chosen = board or pictures.recognise_board(files, mirrored)
         pictures.read(files, chosen, board_views, mirrored=mirrored)
     size, views = board_views.of_one_size(least)
     if platform is None and isinstance(camera, str):
         platform = pictures.PLATFORM
     return Recording(key_of(camera, platform, size, zoom), chosen, views)
-
-
-def board_of(files: list[Path], mirrored: bool = False) -> Board:
-    """Return the board that pictures show. Raises CaptureError if they do not tell."""
-    board = pictures.recognise_board(files, mirrored)
-    if board is None:
-        raise CaptureError(
-            "no board was recognised in the pictures: describe it by --kind, --squares, --marker-ratio and "
-            "--dictionary, and an AprilGrid, of which pictures may disagree, by --tag-spacing"
-        )
-    return board

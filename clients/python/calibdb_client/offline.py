@@ -6,7 +6,7 @@ The results can be sent later: `Recording.save`, then `Client.submit` or ``calib
 from __future__ import annotations
 
 import time
-from collections.abc import Generator, Iterable, Sequence
+from collections.abc import Generator, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ from .errors import CaptureError, UsageError
 from .key import AUTO, UNNAMED
 from .model_choice import chosen_model
 from .recording import Recording, ignore
+from .rig_pictures import calibrate_rig as calibrate_rig
 from .session import CaptureResult, refusal
 
 if TYPE_CHECKING:
@@ -24,8 +25,7 @@ if TYPE_CHECKING:
 
     from .board import Board
     from .capture.operation import CaptureOptions, Keep
-    from .comparison import Comparison
-    from .rig_pictures import RigResult
+    from .checks import Comparison
 
 
 def calibrate(
@@ -60,35 +60,9 @@ def calibrate_images(
     return calibrate_recording(recording_of(paths, camera, board), model, fix=fix, start=start)
 
 
-def calibrate_rig(
-    folders: Sequence[str | Path],
-    *,
-    board: Board | None = None,
-    model: str = AUTO,
-    square_size: float | None = None,
-) -> RigResult:
-    """Calibrate cameras that do not move against each other from a folder of pictures of each.
-
-    Parameters
-    ----------
-    folders
-        By position. Pictures with the same file name show the same moment; if no names are the same, those at
-        the same place in the order of names do.
-    board, model
-        The board, recognised unless given; the distortion model, chosen for each camera if ``auto``.
-    square_size
-        Side of a square, or of a tag, metres: lengths are then metres, else squares.
-
-    Raises UsageError if the folders cannot be paired, CaptureError if the pictures do not suffice.
-    """
-    from . import rig_pictures
-
-    return rig_pictures.calibrate_rig(folders, board=board, model=model, square_size=square_size)
-
-
 def check(recording: Recording, calibration: Calibration) -> Comparison:
     """Check a calibration against fresh views. Raises UsageError or CaptureError as `compare` does."""
-    from .comparison import compare
+    from .checks import compare
 
     return compare(recording, calibration)
 

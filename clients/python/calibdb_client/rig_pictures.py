@@ -10,7 +10,6 @@ from typing import Any
 from . import pictures
 from .board import Board
 from .errors import CaptureError, UsageError
-from .images import board_of
 from .key import AUTO, UNNAMED, CameraKey, checked_model
 from .model_choice import chosen_model
 from .pictures import PLATFORM, FoundViews, picture_paths
@@ -86,7 +85,7 @@ def calibrate_rig(
     paths = [picture_paths([folder]) for folder in folders]
     moments = _moments(paths)
     names = _names(folders)
-    chosen = board or board_of(max(paths, key=len))
+    chosen = board or pictures.recognise_board(max(paths, key=len))
     recordings, left_out, done = [], [], 0
     for position, files in enumerate(paths):
         before, result = done, FoundViews()

@@ -250,10 +250,12 @@ def everything(leader: int) -> bytes:
 def test_terminal_of_a_person_shows_progress_without_a_thread() -> None:
     leader, follower = pty.openpty()
     before = threading.active_count()
-    with os.fdopen(follower, "w") as stream, Terminal(stream) as terminal:
+    with os.fdopen(follower, "w") as stream:
+        terminal = Terminal(stream)
         terminal.show(Scene(PICTURE, None, None, "hold the board still", 0.5, Status(2, 0.5, 0.7)))
         assert threading.active_count() == before
         terminal.taken(Status(3, 0.6, 0.5))
+        terminal.close()
     told = everything(leader).decode()
     os.close(leader)
     assert "2 views, 50 %, 0.70 px" in told

@@ -13,8 +13,7 @@ from ..conversion import RIG_NATIVE
 from . import options
 from .board import add_board, chosen_board
 from .capture_options import add_model
-from .output import Output
-from .progress import progress
+from .output import Output, progress
 
 
 def add(commands: Any) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from .. import models
 from ..arrays import Mask
 from ..board import Board
 from ..camera import Camera
@@ -90,6 +91,10 @@ class ModelConstraint:
     model: str
     zero: tuple[str, ...] = ()
     equal_focal: bool = False
+
+
+ANY_MODEL = tuple(ModelConstraint(model) for model in models.NAMES)
+"""Constraints of a format that holds every camera."""
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,8 @@
 
 from dataclasses import replace
 
-from .. import models
 from . import text
-from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
+from .base import ANY_MODEL, Conversion, ExportSource, ImportedFile
 from .coefficients import make_camera
 from .format import Format
 
@@ -15,7 +14,7 @@ class NativeJson(Format):
     name = "calibdb"
     suffix = ".json"
     media_type = "application/json"
-    constraints = tuple(ModelConstraint(model) for model in models.NAMES)
+    constraints = ANY_MODEL
 
     def check(self, conversion: Conversion) -> Conversion:
         """State which cameras WPIcal misreads: it takes any coefficients for OpenCV's."""

@@ -50,16 +50,13 @@ def parse(raw: bytes, suffix: str, is_text_kind: Callable[[str], bool]) -> Parse
     if is_parameters(raw):
         return ParsedFile("binary", raw)
     content = decode(raw)
-    try:
-        if content.lstrip()[:1] in ("{", "["):
-            parsed = parse_json(content, suffix)
-            if parsed is not None:
-                return ParsedFile("values", parsed)
-        if suffix == ".vnl" or is_text_kind(content):
-            return ParsedFile("text", content)
-        return ParsedFile("values", parse_yaml(content))
-    except RecursionError:
-        raise refuse("nested too deeply") from None
+    if content.lstrip()[:1] in ("{", "["):
+        parsed = parse_json(content, suffix)
+        if parsed is not None:
+            return ParsedFile("values", parsed)
+    if suffix == ".vnl" or is_text_kind(content):
+        return ParsedFile("text", content)
+    return ParsedFile("values", parse_yaml(content))
 
 
 def decode(raw: bytes) -> str:
