@@ -29,16 +29,6 @@ UNUSUAL = replace(KINDS[6], tag_spacing=0.43)
 TILTS = board_pictures.TILTS[:2]
 
 
-def truth(
-    board: Board, tilt: tuple[float, float, float], ids: tuple[int, ...], distance: float
-) -> np.ndarray:
-    """Pixels (n, 2) of the corners."""
-    points = np.column_stack([board.places[list(ids)], np.zeros(len(ids))])
-    rotation = cv2.Rodrigues(np.array(tilt))[0]
-    tvec = np.array([0, 0, distance]) - rotation @ [*board.edge.mean(axis=0), 0]
-    return cv2.projectPoints(points, np.array(tilt), tvec, board_pictures.MATRIX, None)[0][:, 0]
-
-
 @pytest.mark.parametrize("board", KINDS, ids=str)
 def test_corners_of_every_kind_are_where_they_were_drawn(board: Board) -> None:
     assert Board(**board.record()) == board
@@ -48,7 +38,8 @@ def test_corners_of_every_kind_are_where_they_were_drawn(board: Board) -> None:
         found = Detector(board).find(board_pictures.picture(board, tilt, distance))
         assert found is not None
         assert len(found.ids) > 0.6 * board.corner_count
-        off = np.linalg.norm(found.points - truth(board, tilt, found.ids, distance), axis=1)
+        expected = board_pictures.corners(board, tilt, (0, 0, distance))[list(found.ids)]
+        off = np.linalg.norm(found.points - expected, axis=1)
         assert np.sqrt(np.mean(off**2)) < bound
         assert off.max() < 0.6
 

@@ -30,10 +30,8 @@ def test_circles_are_detected_where_they_were_drawn(board: Board) -> None:
     # OpenCV 4 takes the first column of one of these pictures for another, which is left out.
     missed = board.squares[1] if cv2.__version__.startswith("4.") else 0
     assert len(found.ids) >= board.corner_count - missed
-    r = cv2.Rodrigues(np.array(tilt))[0]
-    tvec = np.array([0, 0, 1.4 * max(board.size)]) - r @ [*board.edge.mean(axis=0), 0]
-    expected = (board.points @ r.T + tvec) @ board_pictures.MATRIX.T
-    off = found.points - (expected[:, :2] / expected[:, 2:])[list(found.ids)]
+    expected = board_pictures.corners(board, tilt, (0, 0, 1.4 * max(board.size)))
+    off = found.points - expected[list(found.ids)]
     assert np.sqrt(np.mean(np.sum(off**2, axis=1))) < 0.35
 
 

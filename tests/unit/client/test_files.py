@@ -7,7 +7,6 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-import yaml
 
 from calibdb_client import Calibration, CaptureResult, Rig, UsageError
 from calibdb_client.cli import main
@@ -46,17 +45,6 @@ def test_suffix_chooses_the_format_and_never_contradicts_it(calibrated: Path, tm
         calibration.save(tmp_path / "y.yaml", format="rosy")
     assert main(["export", str(calibrated), "-o", str(tmp_path / "z.yaml")]) == 2
     assert not list(tmp_path.glob("[yz].*"))
-
-
-def test_exported_file_of_ros_has_the_camera_and_its_name(calibrated: Path, tmp_path: Path) -> None:
-    path = tmp_path / "camera.yaml"
-    assert main(["export", str(calibrated), "--format", "ros", "-o", str(path)]) == 0
-    content = yaml.safe_load(path.read_text())
-    matrix = Calibration.load(calibrated).camera_matrix
-    assert (content["image_width"], content["image_height"]) == (640, 480)
-    assert content["camera_name"] == "Test_camera"
-    assert content["distortion_model"] == "plumb_bob"
-    assert content["camera_matrix"]["data"] == matrix.ravel().tolist()
 
 
 def test_changed_picture_is_exported(calibrated: Path, capfdbinary: pytest.CaptureFixture[bytes]) -> None:

@@ -198,13 +198,9 @@ def seen(
 ) -> Any:
     """Outline (4, 2) px of the usual board."""
     board = Board()
-    rotation = cv2.Rodrigues(np.array(rvec, dtype=np.float64))[0]
-    tvec = np.array([*shift, distance]) - rotation @ [*board.edge.mean(axis=0), 0]
-    points = np.column_stack([board.places, np.zeros(board.corner_count)])
-    q = cv2.projectPoints(points, np.array(rvec, dtype=np.float64), tvec, board_pictures.MATRIX, None)[0][
-        :, 0
-    ]
-    return outline_of(board, range(board.corner_count), q)
+    return outline_of(
+        board, range(board.corner_count), board_pictures.corners(board, rvec, (*shift, distance))
+    )
 
 
 @pytest.mark.parametrize(

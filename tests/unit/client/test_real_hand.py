@@ -74,5 +74,5 @@ def test_capture_without_another_view_for_30_s_ends(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(listener, "taken", lambda _: taken_at.append(camera.clock()))
     result = offline.calibrate(camera, resume=begun, model="rectilinear", show=listener, clock=camera.clock)
     assert result.used == 4
-    assert taken_at[0] > 3
+    assert taken_at[0] > 2.6, "longer than a step of the clock"
     assert 30 < camera.clock() - taken_at[0] < 31

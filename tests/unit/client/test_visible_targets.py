@@ -10,10 +10,11 @@ from calibsolver import Board, Camera, rotation
 from calibsolver.capture import Capture
 from calibsolver.guidance import TargetPose
 from calibsolver.guidance.overlay import draw_board
+from tests.conftest import THOROUGH
 from tests.helpers.marks import thorough
 from tests.helpers.solver import synthetic
 
-TARGETS = 3
+TARGETS = 4 if THOROUGH else 2
 SQUARE_PX = 48
 SAMPLES = 3
 PICTURES = 5
