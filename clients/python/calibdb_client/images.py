@@ -21,22 +21,21 @@ def recording_of(
     platform: str | None = None,
     zoom: float | None = None,
     least: int = MIN_VIEWS,
-    mirrored: bool = False,
 ) -> Recording:
     """Find the board in pictures, folders of pictures, or one video file.
 
-    Parameters as of `Client.calibrate_images`; `least` views suffice; `mirrored` pictures are turned back.
+    Parameters as of `Client.calibrate_images`; `least` views suffice.
 
     Raises CaptureError if they do not suffice, MissingPackageError without OpenCV.
     """
     board_views = FoundViews()
     sources = [paths] if isinstance(paths, (str, Path)) else list(paths)
     if len(sources) == 1 and is_video(sources[0]):
-        chosen = read_video(sources[0], board, board_views, mirrored=mirrored)
+        chosen = read_video(sources[0], board, board_views)
     else:
         files = pictures.picture_paths(sources)
-        chosen = board or pictures.recognise_board(files, mirrored)
-        pictures.read(files, chosen, board_views, mirrored=mirrored)
+        chosen = board or pictures.recognise_board(files)
+        pictures.read(files, chosen, board_views)
     size, views = board_views.of_one_size(least)
     if platform is None and isinstance(camera, str):
         platform = pictures.PLATFORM

@@ -156,8 +156,7 @@ def finish(
         offline = " --offline" if isinstance(error, MissingPackageError) else ""
         output.note(f"the corners are kept in {path}: `calibdb submit {path}{offline}` goes on with them")
         raise
-    verbose = getattr(chosen, "verbose", False)
-    return conclude(recording, result, path, output, target, verbose, chosen.square_mm)
+    return conclude(recording, result, path, chosen, output, target)
 
 
 def add_submit(commands: Any) -> None:

@@ -73,14 +73,7 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
     options.require_id(chosen.source)
     form = options.chosen_format(chosen)
     with options.client(chosen) as client:
-        file = client.export(
-            chosen.source,
-            form,
-            crop=change.crop,
-            resize=change.resize,
-            rotate=change.rotate,
-            mirror=change.mirror,
-        )
+        file = client.export(chosen.source, form, **vars(change))
     output.file(file, chosen.output)
     return 0
 

@@ -82,7 +82,7 @@ def capture(
         raise
     if kept.path is None:
         raise UsageError("no view was taken")
-    return conclude(recording[0], result, kept.path, output, target, square_mm=chosen.square_mm)
+    return conclude(recording[0], result, kept.path, chosen, output, target)
 
 
 def _say_how_to_go_on(recording: Recording, kept: KeptFile, output: Output) -> None:

@@ -127,8 +127,6 @@ class ImportedFile:
         None if the file has only measurements.
     views
         With the coordinates of the file's own board, in its unit.
-    img_size
-        Width and height, px; None if the file does not say.
     name
         The camera's name in the file, or "".
     cameras
@@ -140,7 +138,6 @@ class ImportedFile:
 
     camera: Camera | None
     views: tuple[View, ...] = ()
-    img_size: tuple[int, int] | None = None
     name: str = ""
     cameras: tuple[str, ...] = ()
     error: float = 0.0

@@ -56,8 +56,8 @@ def read_bytes(
     from . import untrusted
 
     try:
-        parsed = untrusted.parse(raw, suffix, is_text_kind)
-        return READERS[parsed.form](parsed.content, options)
+        form, content = untrusted.parse(raw, suffix, is_text_kind)
+        return READERS[form](content, options)
     except RecursionError:
         raise text.refuse("nested too deeply") from None
     except MemoryError:  # an array that claims a size of its own choice
