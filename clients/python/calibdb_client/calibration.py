@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 Exporter = Callable[[str, str], ExportedFile]
 """Fetches the file of a calibration's id in a format."""
 
-_ROS_MODELS = {"rectilinear": "plumb_bob", "rational": "rational_polynomial", "fisheye": "equidistant"}
 _NATIVE = "calibdb"
 
 
@@ -234,7 +233,9 @@ class Calibration(CameraRecord):
 
         Raises UsageError for a model that ROS does not have.
         """
-        name = _ROS_MODELS.get(self.distortion_model)
+        from calibsolver.formats.ros import ROS_MODELS
+
+        name = ROS_MODELS.get(self.distortion_model)
         if name is None:
             raise UsageError(
                 f"ROS has no model {self.distortion_model}: save(…, format='ros') writes the nearest one"

@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .calibration import Calibration
+from .checks import compare as check
 from .errors import CaptureError, UsageError
 from .key import AUTO, UNNAMED
 from .model_choice import chosen_model
 from .recording import Recording, ignore
-from .rig_pictures import calibrate_rig as calibrate_rig
+from .rig_pictures import calibrate_rig
 from .session import CaptureResult, refusal
 
 if TYPE_CHECKING:
@@ -25,7 +26,8 @@ if TYPE_CHECKING:
 
     from .board import Board
     from .capture.operation import CaptureOptions, Keep
-    from .checks import Comparison
+
+__all__ = ["calibrate", "calibrate_images", "calibrate_recording", "calibrate_rig", "check"]
 
 
 def calibrate(
@@ -58,13 +60,6 @@ def calibrate_images(
     from .images import recording_of
 
     return calibrate_recording(recording_of(paths, camera, board), model, fix=fix, start=start)
-
-
-def check(recording: Recording, calibration: Calibration) -> Comparison:
-    """Check a calibration against fresh views. Raises UsageError or CaptureError as `compare` does."""
-    from .checks import compare
-
-    return compare(recording, calibration)
 
 
 def calibrate_recording(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,13 +15,12 @@ from .model_choice import chosen_model
 from .pictures import PLATFORM, FoundViews, picture_paths
 from .recording import RecordedView, Recording
 from .rig import Rig
-from .session import refusal
+from .session import Progress, refusal
 
 MIN_CAMERAS, MAX_CAMERAS = 2, 8
 MIN_MOMENTS = 3
 """Moments that two cameras share, of which a rig is calibrated."""
 _RIG_REASONS = {"contradicts": "it contradicts the others: the pictures are not of one moment"}
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -50,10 +49,7 @@ class RigResult:
 
         It is in millimetres if the side of a square is given.
         """
-        from calibsolver.quality import report
-
-        length = self.board.length(square_mm) if square_mm else None
-        return report.board_sentence(self.rig.record.get("board_shape"), length)
+        return self.board.shape_sentence(self.rig.record.get("board_shape"), square_mm)
 
 
 def calibrate_rig(

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from .board import Board
 from .calibration import Calibration
 from .errors import CaptureError, ConflictError, UsageError
 from .flows import Flow
@@ -61,11 +62,10 @@ class CaptureResult:
 
     def board_sentence(self, square_mm: float | None = None) -> str | None:
         """Return the sentence `board`, in millimetres where the side of a square is given."""
-        from calibsolver.quality import report
-
         recording, shape = self.calibration.recording, self.calibration.record.get("board_shape")
-        length = recording.board.length(square_mm) if recording and square_mm else None
-        return report.board_sentence(shape, length)
+        if recording is None:
+            return Board().shape_sentence(shape, None)
+        return recording.board.shape_sentence(shape, square_mm)
 
 
 def start(

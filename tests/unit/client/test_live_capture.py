@@ -41,10 +41,14 @@ PICTURE = np.full((48, 64), 100, dtype=np.uint8)
 
 
 class Tape:
-    """Source of given pictures, then of nothing."""
+    """Source of given pictures, then of nothing; a file, of which `count` is known, or a camera."""
 
-    def __init__(self, *pictures: Any) -> None:
-        self.pictures = list(pictures)
+    def __init__(self, *pictures: Any, count: int = 0) -> None:
+        self.pictures, self.count = list(pictures) * max(count, 1), count
+
+    def get(self, number: int) -> float:
+        """Number of frames, or the time."""
+        return {7: float(self.count), 0: 100.0 * (self.count - len(self.pictures))}[number]
 
     def read(self) -> tuple[bool, Any]:
         return (True, self.pictures.pop(0)) if self.pictures else (False, None)
@@ -147,25 +151,11 @@ def test_frames_of_another_size_and_lost_ones_are_said(monkeypatch: pytest.Monke
     with pytest.raises(CameraError, match="no picture"):
         offline.calibrate(Tape(), board=Board(), show="none")
     with pytest.raises(CaptureError, match="0 views"):
-        offline.calibrate(VideoOf(PICTURE, 3), board=Board(), show="none")
+        offline.calibrate(Tape(PICTURE, count=3), board=Board(), show="none")
     with pytest.raises(CaptureError, match="no board was recognised"):
-        offline.calibrate(VideoOf(PICTURE, 3), show="none")
+        offline.calibrate(Tape(PICTURE, count=3), show="none")
     with pytest.raises(UsageError, match="delivers 64x48"):
-        offline.calibrate(VideoOf(PICTURE, 3), show="none", size=(1280, 720))
-
-
-class VideoOf:
-    """A `cv2.VideoCapture` of a file that shows one picture."""
-
-    def __init__(self, picture: Any, count: int) -> None:
-        self.picture, self.count, self.at = picture, count, 0
-
-    def get(self, number: int) -> float:
-        return {7: float(self.count), 0: 100.0 * self.at}[number]
-
-    def read(self) -> tuple[bool, Any]:
-        self.at += 1
-        return (True, self.picture) if self.at <= self.count else (False, None)
+        offline.calibrate(Tape(PICTURE, count=3), show="none", size=(1280, 720))
 
 
 def corners(offset: float, count: int = 12) -> Corners:

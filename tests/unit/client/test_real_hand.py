@@ -20,20 +20,16 @@ MAX_ERROR_RATIO = 2.0
 THOROUGH = tuple(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(12))
 
 
+@pytest.mark.parametrize("follows", [True, False])
 @pytest.mark.parametrize("seed", THOROUGH)
-def test_capture_at_the_outline_ends_within_90_s(seed: int) -> None:
-    capture(RealCamera(seed=seed))
+def test_capture_at_and_off_the_outline_ends_within_90_s(seed: int, follows: bool) -> None:
+    capture(RealCamera(seed=seed, habits=Habits(follows=follows)))
 
 
 @pytest.mark.thorough
 def test_capture_of_a_flat_board_ends_within_90_s_and_within_twice_its_stated_error() -> None:
     error, stated = capture(RealCamera(size=(480, 360), fx=430, habits=Habits(bend_mm=0)))
     assert error < MAX_ERROR_RATIO * stated
-
-
-@pytest.mark.parametrize("seed", THOROUGH)
-def test_capture_off_the_outline_ends_within_90_s(seed: int) -> None:
-    capture(RealCamera(seed=seed, habits=Habits(follows=False)))
 
 
 def capture(camera: RealCamera) -> tuple[float, float]:

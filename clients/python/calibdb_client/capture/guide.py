@@ -15,6 +15,7 @@ from ..errors import CaptureError
 from ..flows import Flow
 from ..key import live_model
 from ..offline import calibrate_recording
+from ..pictures import MIN_VIEWS
 from ..recording import RecordedView, Recording
 from ..session import CaptureResult, refusal, start, submit, verdict_of
 from ..wire import Request
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
     from calibsolver.guidance import TargetPose
 
 Maker = Callable[[Mapping[str, Any]], Calibration]
-MIN_VIEWS = 4
-"""Views of which a calibration is made."""
 TARGET_ERROR_WIDTHS = 0.3 / 1280
 """Predicted error / image width at which a capture ends, as the service has it."""
 

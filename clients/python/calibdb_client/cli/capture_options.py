@@ -154,9 +154,14 @@ def licence_of(chosen: argparse.Namespace, output: Output) -> str | None:
 
 
 def new_name(label: str, size: tuple[int, int]) -> Path:
-    """Return the name of a file that is not there yet."""
-    slug = re.sub(r"[^a-z0-9]+", "-", label.lower()).strip("-")[:60] or "camera"
-    stem = f"{slug}-{size[0]}x{size[1]}"
+    """Return the name of a camera's file that is not there yet."""
+    from calibsolver.formats import slug
+
+    return free_path(f"{slug(label)}-{size[0]}x{size[1]}")
+
+
+def free_path(stem: str) -> Path:
+    """Return a JSON file that is not there yet."""
     for n in range(1, 10_000):
         path = Path(f"{stem}.json" if n == 1 else f"{stem}-{n}.json")
         if not path.exists():
