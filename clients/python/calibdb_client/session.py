@@ -158,24 +158,25 @@ def submit(
     for source, view_state in zip(accepted, state.get("views", []), strict=False):
         if aside := view_state.get("set_aside"):
             left_out.append((source, refusal(aside.get("reason"))))
-    record = state.get("calibration")
-    if not isinstance(record, dict):
+    if not isinstance(state.get("calibration"), dict):
         raise CaptureError("the views determine no calibration: take more pictures, with the board tilted")
-    return CaptureResult(
-        make({**record, "id": state.get("calibration_id") or record.get("id")}),
-        len(recording.views) - len(left_out),
-        tuple(left_out),
-        better,
-        verdict_of(state),
-    )
+    return result_of(state, make, len(recording.views) - len(left_out), tuple(left_out), better)
 
 
-def verdict_of(state: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return level and reasons of a session that has ended; nothing if an older service states none."""
-    verdict = state.get("verdict")
-    if not isinstance(verdict, Mapping):
-        return ()
-    return str(verdict["level"]), *(str(reason["text"]) for reason in verdict["reasons"])
+def result_of(
+    state: Mapping[str, Any],
+    make: Callable[[Mapping[str, Any]], Calibration],
+    used: int,
+    left_out: tuple[tuple[str, str], ...],
+    suggested: str | None,
+) -> CaptureResult:
+    """Return the result of a session that has ended with a calibration."""
+    record, verdict = state["calibration"], state.get("verdict")
+    words: tuple[str, ...] = ()
+    if isinstance(verdict, Mapping):  # older services state none
+        words = str(verdict["level"]), *(str(reason["text"]) for reason in verdict["reasons"])
+    calibration = make({**record, "id": state.get("calibration_id") or record.get("id")})
+    return CaptureResult(calibration, used, left_out, suggested, words)
 
 
 def refusal(reason: object) -> str:

@@ -17,7 +17,7 @@ from ..key import live_model
 from ..offline import calibrate_recording
 from ..pictures import MIN_VIEWS
 from ..recording import RecordedView, Recording
-from ..session import CaptureResult, refusal, start, submit, verdict_of
+from ..session import CaptureResult, refusal, result_of, start, submit
 from ..wire import Request
 
 if TYPE_CHECKING:
@@ -153,14 +153,10 @@ class ServiceGuide:
 
     def finish(self, recording: Recording) -> Flow[CaptureResult]:
         """Return the session's calibration; of one that has not converged, its views' as recorded ones."""
-        record = self._state.get("calibration")
-        if self._state.get("status") != "converged" or not isinstance(record, dict):
+        state, status = self._state, self._status()
+        if not (status.done and isinstance(state.get("calibration"), dict)):
             return (yield from submit(recording, self._model, self._make, consent=self._consent))
-        used = sum(not each.get("set_aside") for each in self._state.get("views", []))
-        identifier = self._state.get("calibration_id") or record.get("id")
-        suggested = self._state.get("suggested_model")
-        verdict = verdict_of(self._state)
-        return CaptureResult(self._make({**record, "id": identifier}), used, (), suggested, verdict)
+        return result_of(state, self._make, status.views, (), state.get("suggested_model"))
 
     def _status(self) -> Status:
         state = self._state
