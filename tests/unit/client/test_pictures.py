@@ -3,7 +3,6 @@
 import json
 import re
 import struct
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -77,15 +76,8 @@ def test_service_that_is_not_there_loses_no_corner(
 def test_interruption_keeps_what_was_found(
     folder: Path, working: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    def stop(
-        paths: Any,
-        board: Board,
-        found: FoundViews,
-        progress: Callable[[int, int], None],
-        most: None,
-        mirrored: bool,
-    ) -> None:
-        read(paths, board, found, progress, most, mirrored)
+    def stop(*arguments: Any) -> None:
+        read(*arguments)
         raise KeyboardInterrupt
 
     monkeypatch.setattr("calibdb_client.cli.calibrate.read", stop)
