@@ -79,7 +79,7 @@ def import_file(
         raise OpsError(f"{reported.camera!r} does not say which camera it is")
     if not read.views:
         return _guess(context, path, reported, read, options.number, dry_run=dry_run)
-    size = read.camera.img_size if read.camera else read.img_size or options.img_size
+    size = read.camera.img_size if read.camera else options.img_size
     if size is None:
         raise OpsError(f"{path} does not say the size of the pictures: give --img-size")
     document = _document(context, path, reported, read.views, size, model)

@@ -36,6 +36,14 @@ def picture(board: Board, rvec: tuple[float, float, float], distance: float = 11
     return seen
 
 
+def corners(board: Board, rvec: tuple[float, float, float], place: tuple[float, float, float]) -> np.ndarray:
+    """Pixels (n, 2) of the corners of the board, its middle at a place (3,), squares."""
+    rotation = cv2.Rodrigues(np.array(rvec, dtype=np.float64))[0]
+    points = (board.points - [*board.edge.mean(axis=0), 0]) @ rotation.T + place
+    seen: np.ndarray = points @ MATRIX.T
+    return seen[:, :2] / seen[:, 2:]
+
+
 def write(folder: Path, board: Board, count: int = 6) -> Path:
     """Write pictures of the board into a folder."""
     folder.mkdir(parents=True, exist_ok=True)

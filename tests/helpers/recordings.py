@@ -4,7 +4,7 @@ import functools
 
 import pytest
 
-from calibdb_client import Board, CameraKey, CaptureResult, Recording, offline, session
+from calibdb_client import Board, CameraKey, CaptureResult, Recording, offline
 from calibdb_client.key import AUTO
 from calibdb_client.model_choice import chosen_model
 from calibdb_client.recording import RecordedView
@@ -34,5 +34,5 @@ def without_suggestion(recording: Recording, model: str) -> tuple[str, str | Non
 def calibration_of(name: str) -> CaptureResult:
     """Calibrate a corner set with the rectilinear model, without a search for a better one."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(session, "chosen_model", without_suggestion)
+        patch.setattr(offline, "chosen_model", without_suggestion)
         return offline.calibrate_recording(recording_of(name), "rectilinear")

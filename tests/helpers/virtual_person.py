@@ -15,7 +15,7 @@ from calibdb_client.capture.outline import TEXTS
 SQUARE_PX = 60
 BORDER_PX = 60
 SHOW = "show the board to the camera"
-STEP, TURN = 0.05, 0.08
+STEP, TURN = 0.08, 0.12
 
 
 @dataclass

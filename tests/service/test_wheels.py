@@ -108,21 +108,6 @@ def test_example_finds_the_pose_of_a_tag(environment: Path, calibrated: Path) ->
     assert abs(y - (179.5 - 237) / 558 * 0.7) < 0.01
 
 
-def test_example_writes_a_rectified_video(environment: Path, calibrated: Path) -> None:
-    writer = cv2.VideoWriter(str(calibrated / "in.avi"), cv2.VideoWriter.fourcc(*"MJPG"), 10, (640, 480))
-    for path in sorted((calibrated / "photos").iterdir()):
-        writer.write(cv2.imread(str(path)))
-    writer.release()
-    told = run(
-        *(environment / "python", EXAMPLES / "undistorted_stream.py", "in.avi", "camera.json", "out.avi"),
-        folder=calibrated,
-    )
-    assert told.stdout.startswith("6 frames")
-    there, frame = cv2.VideoCapture(str(calibrated / "out.avi")).read()
-    assert there
-    assert frame.shape == (480, 640, 3)
-
-
 def test_notebook_runs_and_shows_two_plots(environment: Path, calibrated: Path) -> None:
     told = run(
         environment / "python",

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from . import offline
     from .aio import AsyncClient
-    from .answer import Answer
+    from .answer import Answer, Estimate
     from .board import Board
     from .calibration import Calibration
     from .camera import Camera, open_camera
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
         ServiceUnavailableError,
         UsageError,
     )
-    from .estimate import Estimate
     from .files import ExportedFile
     from .key import CameraKey
     from .recording import Recording
@@ -60,7 +59,7 @@ _MODULES = {
     "Client": "client",
     "ConflictError": "errors",
     "CredentialError": "errors",
-    "Estimate": "estimate",
+    "Estimate": "answer",
     "ExportedFile": "files",
     "MissingPackageError": "errors",
     "NotFoundError": "errors",

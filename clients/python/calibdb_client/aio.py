@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import functools
 import inspect
-import random
 from collections.abc import Awaitable, Callable, Coroutine
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,9 +15,8 @@ import httpx
 
 from .client import Client, P, Service, annotated
 from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, failure
-from .errors import CalibDBError
 from .flows import Flow, T
-from .wire import Failure, Reply, Request, pause, require_success
+from .wire import Failure, Reply
 
 if TYPE_CHECKING:
     from typing import Self
@@ -95,38 +93,23 @@ class AsyncClient(Service):
 
     async def _run(self, flow: Flow[T], in_thread: bool) -> T:
         """Drive a conversation to its end; its own work `in_thread`, if it takes long."""
+        steps = self._connection.steps(flow)
 
-        def step(advance: Callable[..., Request], *given: Any) -> Request | _End:
+        def advance(outcome: Reply | Failure | None) -> dict[str, Any] | float | _End:
             try:
-                return advance(*given)
+                return steps.send(outcome)
             except StopIteration as end:  # no thread can pass it on
                 return _End(end.value)
 
-        async def go(advance: Callable[..., Request], *given: Any) -> Request | _End:
-            return await asyncio.to_thread(step, advance, *given) if in_thread else step(advance, *given)
-
-        request = await go(next, flow)
-        while not isinstance(request, _End):
-            try:
-                reply = await self._exchange(request)
-            except CalibDBError as error:
-                request = await go(flow.throw, error)
-            else:
-                request = await go(flow.send, reply)
-        result: T = request.value
-        return result
-
-    async def _exchange(self, request: Request) -> Reply:
-        """Send a request until it is answered, at most as often as is allowed."""
-        message = self._connection.message(request)
-        attempts = self._connection.attempts if request.repeats else 1
-        for attempt in range(attempts):
-            outcome = await self._send(message)
-            wait = pause(outcome, attempt, random.random())  # noqa: S311 - no secret
-            if wait is None or attempt + 1 == attempts:
-                break
-            await self._sleep(wait)
-        return require_success(outcome, self.site)
+        outcome: Reply | Failure | None = None
+        while True:
+            step = await asyncio.to_thread(advance, outcome) if in_thread else advance(outcome)
+            if isinstance(step, _End):
+                result: T = step.value
+                return result
+            outcome = await self._send(step) if isinstance(step, dict) else None
+            if isinstance(step, float):
+                await self._sleep(step)
 
     async def _send(self, message: dict[str, Any]) -> Reply | Failure:
         body = Body()

@@ -1,13 +1,14 @@
-"""Answer of the service to a lookup."""
+"""Answer of the service to a lookup: a calibration, or an estimate, which never is one."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-if TYPE_CHECKING:
-    from .calibration import Calibration
-    from .estimate import Estimate
+import numpy as np
+
+from .calibration import Calibration, CameraRecord
+from .errors import UsageError
 
 Source = Literal["cache", "edge", "service"]
 
@@ -39,3 +40,54 @@ class Answer:
     guidance_url: str = ""
     source: Source = "service"
     estimate: Estimate | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate(CameraRecord):
+    """Estimated camera with the interval of its field of view (docs/estimates.md).
+
+    Its model is `rectilinear` or `fisheye`, or that of a calibration that it rests on.
+
+    Raises UsageError for a record that is not an estimate.
+    """
+
+    def __post_init__(self) -> None:
+        try:
+            low, high = self.record["interval_90"]["hfov_deg"]
+            whole = float(low) <= float(self.record["hfov_deg"]) <= float(high)
+            whole = whole and np.asarray(self.record["camera_matrix"], dtype=np.float64).shape == (3, 3)
+        except (KeyError, TypeError, ValueError):
+            whole = False
+        if not whole:
+            raise UsageError("not an estimate: camera_matrix, hfov_deg and interval_90 are needed")
+
+    def __repr__(self) -> str:
+        low, high = self.interval_90
+        return f"Estimate({self.hfov_deg:.1f} degrees, 90 %: {low:.1f} to {high:.1f}, {self.basis})"
+
+    @property
+    def hfov_deg(self) -> float:
+        """Horizontal field of view, degrees."""
+        return float(self.record["hfov_deg"])
+
+    @property
+    def interval_90(self) -> tuple[float, float]:
+        """Horizontal fields of view, degrees, between which the true one lies with a probability of 90 %."""
+        low, high = self.record["interval_90"]["hfov_deg"]
+        return float(low), float(high)
+
+    @property
+    def basis(self) -> str:
+        """Best evidence of the estimate, such as `published` or `population`."""
+        return str(self.record.get("basis", ""))
+
+    @property
+    def group(self) -> str | None:
+        """Name of the group of calibrations that fits the views sent, such as ``78°``; None otherwise."""
+        group = self.record.get("group")
+        return None if group is None else str(group)
+
+    @property
+    def sources(self) -> tuple[tuple[str, str], ...]:
+        """Titles and addresses of the publications that it rests on."""
+        return tuple((str(each["title"]), str(each["url"])) for each in self.record.get("sources", ()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -77,9 +78,15 @@ class Board(calibsolver.Board):
         """Corners of the board's edge, clockwise from the top left, (4, 2), board units."""
         return self.outline[:, :2]
 
-    def length(self, square_mm: float) -> float:
-        """Longer extent of the corners, mm, of a board whose squares, or tags, have this side."""
-        return float(np.ptp(self.points, axis=0).max()) * square_mm
+    def shape_sentence(self, figures: Mapping[str, Any] | None, square_mm: float | None) -> str | None:
+        """Return a sentence on the bend and the print of the board; None if it was taken as drawn.
+
+        It is in millimetres if the side of a square, or of a tag, is given.
+        """
+        from calibsolver.quality.report import board_sentence
+
+        length = float(np.ptp(self.points, axis=0).max()) * square_mm if square_mm else None
+        return board_sentence(figures, length)
 
     def record(self) -> dict[str, Any]:
         """Return the board as the members of a request; those that older services do not know if needed."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +15,6 @@ import calibsolver
 from calibsolver import undistortion
 from calibsolver.arrays import Array
 
-from .camera_record import CameraRecord
 from .errors import MissingPackageError, UsageError
 from .files import ExportedFile, read_whole, write_whole
 from .picture_change import UNCHANGED, PictureChange
@@ -28,8 +27,53 @@ if TYPE_CHECKING:
 Exporter = Callable[[str, str], ExportedFile]
 """Fetches the file of a calibration's id in a format."""
 
-_ROS_MODELS = {"rectilinear": "plumb_bob", "rational": "rational_polynomial", "fisheye": "equidistant"}
 _NATIVE = "calibdb"
+
+
+@dataclass(frozen=True, eq=False)
+class CameraRecord:
+    """A camera.
+
+    Attributes
+    ----------
+    record
+        All that the service answered, under its names (docs/api.md).
+    """
+
+    record: Mapping[str, Any]
+
+    @cached_property
+    def camera_matrix(self) -> Array:
+        """(3, 3), px."""
+        return np.array(self.record["camera_matrix"], dtype=np.float64)
+
+    @cached_property
+    def distortion_coefficients(self) -> Array:
+        """(m,), in the model's order."""
+        return np.array(self.record["distortion_coefficients"], dtype=np.float64)
+
+    @property
+    def distortion_model(self) -> str:
+        """One of `rectilinear`, `fisheye`, `rational`, `omnidirectional`."""
+        return str(self.record["distortion_model"])
+
+    @property
+    def img_size(self) -> tuple[int, int]:
+        """Width and height, px."""
+        w, h = self.record["img_size"]
+        return int(w), int(h)
+
+    @cached_property
+    def lens(self) -> calibsolver.Camera:
+        """The camera model, of which `project` and `unproject` of a calibration are shorthands.
+
+        Raises UsageError for a model that this version does not know.
+        """
+        try:
+            return calibsolver.Camera.from_record(self.record)
+        except calibsolver.CalibrationError as error:
+            upgrade = ": upgrade calibdb-client" if error.code == "unknown_model" else ""
+            raise UsageError(f"{error}{upgrade}") from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +233,9 @@ class Calibration(CameraRecord):
 
         Raises UsageError for a model that ROS does not have.
         """
-        name = _ROS_MODELS.get(self.distortion_model)
+        from calibsolver.formats.ros import ROS_MODELS
+
+        name = ROS_MODELS.get(self.distortion_model)
         if name is None:
             raise UsageError(
                 f"ROS has no model {self.distortion_model}: save(…, format='ros') writes the nearest one"

@@ -62,9 +62,7 @@ class Camera:
         self.capture.release()
 
 
-def open_camera(
-    camera: int | str, size: tuple[int, int] | None = None, *, device: Device | None = None
-) -> Camera:
+def open_camera(camera: int | str, size: tuple[int, int] | None = None) -> Camera:
     """Open a camera of this machine.
 
     Parameters
@@ -73,8 +71,6 @@ def open_camera(
         Index, path, or a part of the label.
     size
         Width and height that the pictures must have, px; unless given, the camera's own.
-    device
-        The camera, if it has been found already.
 
     Raises CameraError if it is not there, busy, or has no such size; MissingPackageError without OpenCV.
     """
@@ -82,7 +78,7 @@ def open_camera(
         import cv2
     except ImportError:
         raise MissingPackageError("a camera is opened by OpenCV: pip install opencv-python") from None
-    chosen = device or find(camera)
+    chosen = find(camera)
     capture = cv2.VideoCapture(chosen.index, chosen.backend)
     try:
         if not capture.isOpened():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import inspect
-import random
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -17,24 +16,22 @@ from . import checks, flows, session
 from .answer import Answer
 from .cache import Cache, default_folder
 from .calibration import Calibration
-from .checks import CheckResult
+from .checks import CheckResult, Comparison
 from .connection import MAX_ATTEMPTS, RESPONSE_TIMEOUT_S, Body, BodyTooLargeError, Connection, failure
-from .errors import CalibDBError
 from .files import ExportedFile
-from .flows import Flow, T
+from .flows import Flow, T, segment
 from .key import AUTO, DEFAULT_MODEL, CameraKey, HasLabel, checked_model, key_of, live_model
 from .picture_change import PictureChange
 from .recording import Recording, ignore
 from .rig import Rig
 from .session import CaptureResult, Progress
-from .wire import Failure, Reply, Request, pause, require_success
+from .wire import Failure, Reply, Request
 
 if TYPE_CHECKING:
     from typing import Self, Unpack
 
     from .board import Board
     from .capture.operation import CaptureOptions, Keep
-    from .comparison import Comparison
     from .rig_pictures import RigResult
 
 
@@ -53,8 +50,7 @@ class Service:
     ) -> None:
         self._connection = Connection.of(url, token, timeout, attempts)
         folder = default_folder() if cache is True else cache
-        kept = None if folder is False else Cache(Path(folder), time.time)
-        self._edge = flows.Edge(self._connection.site, kept)
+        self._cache = None if folder is False else Cache(Path(folder), time.time)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self._connection.site!r})"
@@ -122,11 +118,11 @@ class Client(Service):
         attempts: int = MAX_ATTEMPTS,
         cache: bool | str | Path = True,
         transport: httpx.BaseTransport | None = None,
-        sleep: Callable[[float], object] | None = None,
+        sleep: Callable[[float], object] = time.sleep,
     ) -> None:
         super().__init__(url, token, timeout, attempts, cache)
         self._http = httpx.Client(**self._connection.arguments(), transport=transport)
-        self._sleep = sleep or time.sleep
+        self._sleep = sleep
 
     def __enter__(self) -> Self:
         return self
@@ -177,12 +173,13 @@ class Client(Service):
         """
         key = key_of(camera, platform, size, zoom).with_device(device)
         facts = flows.facts(reported, views)
-        return flows.lookup(key, checked_model(model), self._edge, self._calibration, facts)
+        return flows.lookup(key, checked_model(model), self.site, self._cache, self._calibration, facts)
 
     @driven
     def calibration(self, identifier: str) -> Flow[Calibration]:
         """Read one stored calibration, or one consensus, by its id."""
-        return self._calibration((yield from flows.calibration(identifier)))
+        reply = yield Request("GET", f"v1/calibrations/{segment(identifier)}")
+        return self._calibration(reply.json)
 
     @driven
     def export(
@@ -210,18 +207,20 @@ class Client(Service):
         mirror
             True: left and right are swapped, as the last step.
         """
-        change = PictureChange(crop, resize, rotate, mirror)
-        return flows.export(identifier, {"format": format, **change.query()})
+        query = {"format": format, **PictureChange(crop, resize, rotate, mirror).query()}
+        return flows.file(f"v1/calibrations/{segment(identifier)}", query, "calibration")
 
     @driven
     def rig(self, identifier: str) -> Flow[Rig]:
         """Read a rig, cameras that were calibrated together, by its id. Raises NotFoundError for none."""
-        return self._rig((yield from flows.rig(identifier)))
+        reply = yield Request("GET", f"v1/rigs/{segment(identifier)}/result")
+        return self._rig(reply.json)
 
     @driven
     def rig_file(self, identifier: str, format: str) -> Flow[ExportedFile]:  # noqa: A002 - the contract's name
         """Read a rig as another tool's file (docs/formats.md); several files are one ZIP archive."""
-        return flows.rig_file(identifier, format)
+        unnamed = "rig.json" if format == "json" else "rig"
+        return flows.file(f"v1/rigs/{segment(identifier)}/result", {"format": format}, unnamed)
 
     @driven
     def cameras(self, query: str = "", limit: int = 50) -> Flow[list[Mapping[str, Any]]]:
@@ -231,7 +230,8 @@ class Client(Service):
     @driven
     def camera(self, key: str) -> Flow[Mapping[str, Any]]:
         """Read one camera of the database by its key."""
-        return flows.camera(key)
+        reply = yield Request("GET", f"v1/cameras/{segment(key)}")
+        return reply.json
 
     @driven
     def submit(
@@ -325,12 +325,12 @@ class Client(Service):
         The service compares it with a fit of at most five views. No vote counts, nothing is stored.
         `offline.check` does the same on this machine. Raises as `calibration` and `check` do.
         """
-        from . import comparison
         from .capture.glances import recording_to_check
 
         if isinstance(calibration, str):
-            calibration = Calibration((yield from flows.calibration(calibration)))
-        return (yield from comparison.by_service(recording_to_check(camera, **options), calibration))
+            reply = yield Request("GET", f"v1/calibrations/{segment(calibration)}")
+            calibration = Calibration(reply.json)
+        return (yield from checks.compare_by_service(recording_to_check(camera, **options), calibration))
 
     @driven
     def calibrate_images(
@@ -392,30 +392,16 @@ class Client(Service):
 
     def _run(self, flow: Flow[T]) -> T:
         """Drive a conversation to its end."""
+        steps, outcome = self._connection.steps(flow), None
         try:
-            request = next(flow)
             while True:
-                try:
-                    reply = self._exchange(request)
-                except CalibDBError as error:
-                    request = flow.throw(error)
-                else:
-                    request = flow.send(reply)
+                step = steps.send(outcome)
+                outcome = self._send(step) if isinstance(step, dict) else None
+                if isinstance(step, float):
+                    self._sleep(step)
         except StopIteration as end:
             result: T = end.value
             return result
-
-    def _exchange(self, request: Request) -> Reply:
-        """Send a request until it is answered, at most as often as is allowed."""
-        message = self._connection.message(request)
-        attempts = self._connection.attempts if request.repeats else 1
-        for attempt in range(attempts):
-            outcome = self._send(message)
-            wait = pause(outcome, attempt, random.random())  # noqa: S311 - no secret
-            if wait is None or attempt + 1 == attempts:
-                break
-            self._sleep(wait)
-        return require_success(outcome, self.site)
 
     def _send(self, message: dict[str, Any]) -> Reply | Failure:
         body = Body()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import random
+from collections.abc import Generator
 from dataclasses import dataclass, field
 from typing import Any
 from urllib.parse import urlsplit
@@ -10,8 +12,9 @@ from urllib.parse import urlsplit
 import httpx
 
 from . import __version__
-from .errors import UsageError
-from .wire import MAX_BODY_BYTES, Failure, Reply, Request
+from .errors import CalibDBError, UsageError
+from .flows import Flow, T
+from .wire import MAX_BODY_BYTES, Failure, Reply, Request, pause, require_success
 
 CONNECT_TIMEOUT_S = 5.0
 RESPONSE_TIMEOUT_S = 30.0
@@ -64,6 +67,35 @@ class Connection:
             "headers": {"user-agent": f"calibdb-client/{__version__}"},
             "follow_redirects": False,
         }
+
+    def steps(self, flow: Flow[T]) -> Generator[dict[str, Any] | float, Reply | Failure | None, T]:
+        """Turn a conversation into messages to be sent, whose outcomes it takes, and pauses in seconds.
+
+        A request is sent until it is answered, at most as often as is allowed.
+        """
+        try:
+            request = next(flow)
+            while True:
+                try:
+                    reply = yield from self._exchange(request)
+                except CalibDBError as error:
+                    request = flow.throw(error)
+                else:
+                    request = flow.send(reply)
+        except StopIteration as end:
+            result: T = end.value
+            return result
+
+    def _exchange(self, request: Request) -> Generator[dict[str, Any] | float, Reply | Failure | None, Reply]:
+        message = self.message(request)
+        attempts = self.attempts if request.repeats else 1
+        for attempt in range(attempts):
+            outcome = (yield message) or Failure("nothing was sent")
+            wait = pause(outcome, attempt, random.random())  # noqa: S311 - no secret
+            if wait is None or attempt + 1 == attempts:
+                break
+            yield wait
+        return require_success(outcome, self.site)
 
     def message(self, request: Request) -> dict[str, Any]:
         """Return the arguments of httpx's `stream` for a request. Raises UsageError if a token is missing."""

@@ -7,11 +7,10 @@ inside the conversation, which may continue without it.
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping
-from dataclasses import dataclass
 from email.message import Message
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .answer import Answer
+from .answer import Answer, Estimate
 from .cache import Cache
 from .errors import CalibDBError, NotFoundError, ServiceUnavailableError, UsageError
 from .files import ExportedFile
@@ -20,7 +19,6 @@ from .wire import Reply, Request
 
 if TYPE_CHECKING:
     from .calibration import Calibration
-    from .estimate import Estimate
     from .recording import Recording
 
 T = TypeVar("T")
@@ -30,22 +28,6 @@ MAX_LOOKUP_VIEWS = 5
 """Views that a lookup takes."""
 MAX_PAGES = 200
 """Pages of a search that are read, at most."""
-
-
-@dataclass
-class Edge:
-    """Answers at the edge, and what is kept of them.
-
-    Attributes
-    ----------
-    site
-        Address of the site, which distinguishes two services.
-    cache
-        None keeps nothing.
-    """
-
-    site: str
-    cache: Cache | None
 
 
 def facts(reported: Mapping[str, float] | None, views: Recording | None) -> dict[str, Any]:
@@ -66,71 +48,44 @@ def facts(reported: Mapping[str, float] | None, views: Recording | None) -> dict
 def lookup(
     key: CameraKey,
     model: str,
-    edge: Edge,
+    site: str,
+    cache: Cache | None,
     make: Callable[[Mapping[str, Any]], Calibration],
-    facts: Mapping[str, Any] | None = None,
+    facts: Mapping[str, Any],
 ) -> Flow[Answer]:
-    """Look a camera up: in the cache, at the edge, then by POST.
+    """Look a camera up: in the cache, at the edge of a site, then by POST.
 
     `make` turns a record into a calibration. `facts`: further members of the request, for the estimate.
     """
     path = key.known_path(model)
     if path is not None:
-        address = f"{edge.site}/{path}"
-        if edge.cache and (entry := edge.cache.get(address)) and _is_record(entry):
+        address = f"{site}/{path}"
+        if cache and (entry := cache.get(address)) and _is_record(entry):
             return Answer(make(entry), source="cache")
         try:
             reply = yield Request("GET", path, credential="none", repeats=False)
             if _is_record(record := reply.json):
-                if edge.cache:
-                    edge.cache.put(address, record, reply.headers)
+                if cache:
+                    cache.put(address, record, reply.headers)
                 return Answer(make(record), source="edge")
         except CalibDBError:
             pass  # unknown at the edge, or no edge: ask the service
-    body = {**key.record(), **(facts or {}), "redirect": False, "distortion_model": model}
+    body = {**key.record(), **facts, "redirect": False, "distortion_model": model}
     try:
         reply = yield Request("POST", "v1/lookup", body)
     except NotFoundError as error:
         if not isinstance(reason := error.members.get("reason"), str):
             raise
         url = str(error.members.get("guidance_url") or "")
-        return Answer(None, reason, error.detail, url, estimate=_estimate(error.members.get("estimate")))
+        likely = error.members.get("estimate")  # older services give none
+        estimate = Estimate(likely) if isinstance(likely, dict) else None
+        return Answer(None, reason, error.detail, url, estimate=estimate)
     if _is_record(record := reply.json):
         return Answer(make(record))
-    raise ServiceUnavailableError(f"{edge.site} answered a lookup with something else: check the address")
+    raise ServiceUnavailableError(f"{site} answered a lookup with something else: check the address")
 
 
-def _estimate(record: object) -> Estimate | None:
-    """Return the estimate of an answer, None if an older service gives none."""
-    from .estimate import Estimate
-
-    return Estimate(record) if isinstance(record, dict) else None
-
-
-def calibration(identifier: str) -> Flow[Mapping[str, Any]]:
-    """Read one stored calibration or consensus."""
-    reply = yield Request("GET", f"v1/calibrations/{_segment(identifier)}")
-    return reply.json
-
-
-def export(identifier: str, query: Mapping[str, str]) -> Flow[ExportedFile]:
-    """Read a calibration as another tool's file."""
-    return (yield from _file(f"v1/calibrations/{_segment(identifier)}", query, "calibration"))
-
-
-def rig(identifier: str) -> Flow[Mapping[str, Any]]:
-    """Read the result of a rig."""
-    reply = yield Request("GET", f"v1/rigs/{_segment(identifier)}/result")
-    return reply.json
-
-
-def rig_file(identifier: str, name: str) -> Flow[ExportedFile]:
-    """Read a rig as another tool's file, or a ZIP archive of several."""
-    unnamed = "rig.json" if name == "json" else "rig"
-    return (yield from _file(f"v1/rigs/{_segment(identifier)}/result", {"format": name}, unnamed))
-
-
-def _file(path: str, query: Mapping[str, str], unnamed: str) -> Flow[ExportedFile]:
+def file(path: str, query: Mapping[str, str], unnamed: str) -> Flow[ExportedFile]:
     """Read a file, with what its headers say of it; `unnamed` is its name if they give none."""
     reply = yield Request("GET", path, query=query, accept="*/*")
     headers = reply.headers
@@ -158,17 +113,11 @@ def cameras(query: str, limit: int) -> Flow[list[Mapping[str, Any]]]:
     return records[:limit]
 
 
-def camera(key: str) -> Flow[Mapping[str, Any]]:
-    """Read one camera of the database."""
-    reply = yield Request("GET", f"v1/cameras/{_segment(key)}")
-    return reply.json
-
-
 def _is_record(said: Mapping[str, Any]) -> bool:
     return "camera_matrix" in said
 
 
-def _segment(text: str) -> str:
+def segment(text: str) -> str:
     """Return an id as one segment of a path. Raises UsageError for text that is not an id."""
     if not text or not all(c.isascii() and (c.isalnum() or c in "-_.~") for c in text) or set(text) == {"."}:
         raise UsageError(f"{text!r} is not an id of a calibration, camera or rig")

@@ -9,7 +9,6 @@ from . import pictures
 from .board import Board
 from .capture.source import is_video
 from .capture.video import read_video
-from .errors import CaptureError
 from .key import CameraKey, HasLabel, key_of
 from .pictures import MIN_VIEWS, FoundViews
 from .recording import Recording
@@ -22,34 +21,22 @@ def recording_of(
     platform: str | None = None,
     zoom: float | None = None,
     least: int = MIN_VIEWS,
-    mirrored: bool = False,
 ) -> Recording:
     """Find the board in pictures, folders of pictures, or one video file.
 
-    Parameters as of `Client.calibrate_images`; `least` views suffice; `mirrored` pictures are turned back.
+    Parameters as of `Client.calibrate_images`; `least` views suffice.
 
     Raises CaptureError if they do not suffice, MissingPackageError without OpenCV.
     """
     board_views = FoundViews()
     sources = [paths] if isinstance(paths, (str, Path)) else list(paths)
     if len(sources) == 1 and is_video(sources[0]):
-        chosen = read_video(sources[0], board, board_views, mirrored=mirrored)
+        chosen = read_video(sources[0], board, board_views)
     else:
         files = pictures.picture_paths(sources)
-        chosen = board or board_of(files, mirrored)
-        pictures.read(files, chosen, board_views, mirrored=mirrored)
+        chosen = board or pictures.recognise_board(files)
+        pictures.read(files, chosen, board_views)
     size, views = board_views.of_one_size(least)
     if platform is None and isinstance(camera, str):
         platform = pictures.PLATFORM
     return Recording(key_of(camera, platform, size, zoom), chosen, views)
-
-
-def board_of(files: list[Path], mirrored: bool = False) -> Board:
-    """Return the board that pictures show. Raises CaptureError if they do not tell."""
-    board = pictures.recognise_board(files, mirrored)
-    if board is None:
-        raise CaptureError(
-            "no board was recognised in the pictures: describe it by --kind, --squares, --marker-ratio and "
-            "--dictionary, and an AprilGrid, of which pictures may disagree, by --tag-spacing"
-        )
-    return board

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -101,14 +100,6 @@ def zoom_text(zoom: float) -> str | None:
     """Write a zoom to six decimals without zeros at the end; None if it has more."""
     text = f"{zoom:.6f}"
     return text.rstrip("0").rstrip(".") if float(text) == zoom else None
-
-
-def parse_size(text: str) -> tuple[int, int]:
-    """Read `1280x720`. Raises UsageError."""
-    match = re.fullmatch(r"\s*(\d{1,5})\s*[xX×]\s*(\d{1,5})\s*", text)
-    if not match:
-        raise UsageError(f"a size is written as 1280x720, not {text!r}")
-    return int(match[1]), int(match[2])
 
 
 def key_of(

@@ -6,13 +6,18 @@ The results can be sent later: `Recording.save`, then `Client.submit` or ``calib
 from __future__ import annotations
 
 import time
-from collections.abc import Generator, Iterable, Sequence
+from collections.abc import Generator, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .key import AUTO, UNNAMED, live_model
+from .calibration import Calibration
+from .checks import compare as check
+from .errors import CaptureError, UsageError
+from .key import AUTO, UNNAMED
+from .model_choice import chosen_model
 from .recording import Recording, ignore
-from .session import CaptureResult, calibrate_offline
+from .rig_pictures import calibrate_rig
+from .session import CaptureResult, refusal
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -20,10 +25,9 @@ if TYPE_CHECKING:
     from calibsolver.fitting.constraint import Fix
 
     from .board import Board
-    from .calibration import Calibration
     from .capture.operation import CaptureOptions, Keep
-    from .comparison import Comparison
-    from .rig_pictures import RigResult
+
+__all__ = ["calibrate", "calibrate_images", "calibrate_recording", "calibrate_rig", "check"]
 
 
 def calibrate(
@@ -37,9 +41,7 @@ def calibrate(
     from .capture.operation import prepare
 
     operation = prepare(camera, named=False, **options)
-    result = _run(operation.offline(live_model(model), keep or ignore))
-    taken = result.calibration.recording
-    return calibrate_recording(taken) if model == AUTO and taken else result
+    return _run(operation.offline(model, keep or ignore))
 
 
 def calibrate_images(
@@ -60,54 +62,73 @@ def calibrate_images(
     return calibrate_recording(recording_of(paths, camera, board), model, fix=fix, start=start)
 
 
-def calibrate_rig(
-    folders: Sequence[str | Path],
-    *,
-    board: Board | None = None,
-    model: str = AUTO,
-    square_size: float | None = None,
-) -> RigResult:
-    """Calibrate cameras that do not move against each other from a folder of pictures of each.
-
-    Parameters
-    ----------
-    folders
-        By position. Pictures with the same file name show the same moment; if no names are the same, those at
-        the same place in the order of names do.
-    board, model
-        The board, recognised unless given; the distortion model, chosen for each camera if ``auto``.
-    square_size
-        Side of a square, or of a tag, metres: lengths are then metres, else squares.
-
-    Raises UsageError if the folders cannot be paired, CaptureError if the pictures do not suffice.
-    """
-    from . import rig_pictures
-
-    return rig_pictures.calibrate_rig(folders, board=board, model=model, square_size=square_size)
-
-
-def check(recording: Recording, calibration: Calibration) -> Comparison:
-    """Check a calibration against fresh views. Raises UsageError or CaptureError as `compare` does."""
-    from .comparison import compare
-
-    return compare(recording, calibration)
-
-
 def calibrate_recording(
     recording: Recording, model: str = AUTO, *, fix: Fix = (), start: Calibration | None = None
 ) -> CaptureResult:
     """Calibrate from captured corners.
+
+    The shape of the board is estimated too, except that of a circle grid.
 
     Parameters
     ----------
     recording, model
         The corners, and the distortion model.
     fix, start
-        What is not estimated, and a calibration that may be near, as in `calibsolver.fit`.
+        What is not estimated, and a calibration that may be near, as in `calibsolver.fit`. With a start,
+        ``auto`` is its model.
 
     Raises CaptureError if they do not suffice, UsageError if a parameter cannot be fixed.
     """
-    return calibrate_offline(recording, model, int(time.time()), fix, start)
+    import calibsolver
+    from calibsolver.board import CIRCLES
+    from calibsolver.circles import fit_circles
+    from calibsolver.fitting.coverage import Coverage, record_covered
+    from calibsolver.quality import assessment, cross_validation
+    from calibsolver.quality.rivals import with_rivals
+
+    lens = start.lens if start else None
+    chosen, better = chosen_model(recording, lens.model if lens and model == AUTO else model)
+    size, flat = recording.key.img_size, recording.board.kind in CIRCLES
+    try:
+        views = recording.observations()
+        if flat:
+            radius = recording.board.marker_ratio / 2
+            fitted, corrected = fit_circles(views, size, radius, chosen, start=lens, fix=fix)
+            views = list(corrected)
+        else:
+            fitted = calibsolver.fit(views, size, chosen, start=lens, fix=fix)
+    except (calibsolver.CalibrationError, ValueError) as error:
+        if getattr(error, "code", "") in ("unknown_parameter", "no_value"):
+            raise UsageError(str(error)) from None
+        other = f"--model {better} fits them" if better else "take more, with the board tilted"
+        raise CaptureError(f"these pictures do not determine the model {chosen} ({error}): {other}") from None
+    try:
+        held_out = cross_validation.held_out(
+            views, size, chosen, board_shape=not flat, start=lens, fix=fix
+        ).rms
+    except calibsolver.CalibrationError:
+        held_out = None
+    fitted = with_rivals(fitted, views)
+    coverage = Coverage.of(fitted, views)
+    said = assessment.assess(fitted, views, held_out, coverage)
+    cut = tuple((recording.views[n].source, refusal(why)) for n, why in sorted(fitted.cut_views.items()))
+    record = {
+        **record_covered(fitted, coverage),
+        "covariance": fitted.covariance.tolist(),
+        **recording.key.record(),
+        "id": None,
+        "calibrations": 1,
+        "contributors": 1,
+        "exact_size": True,
+        "calibration_time": int(time.time()),
+    }
+    return CaptureResult(
+        Calibration(record, None, recording),
+        len(views) - len(cut),
+        cut,
+        better,
+        (said.level, *(reason.text for reason in said.reasons)),
+    )
 
 
 def _run(flow: Generator[Any, Any, CaptureResult]) -> CaptureResult:

@@ -193,10 +193,10 @@ def read(
             progress(n + 1, len(chosen))
 
 
-def recognise_board(paths: Sequence[Path], mirrored: bool = False) -> Board | None:
-    """Return the board in pictures, of which some, spread evenly, are looked at; None if they do not tell.
+def recognise_board(paths: Sequence[Path], mirrored: bool = False) -> Board:
+    """Return the board in pictures, of which some, spread evenly, are looked at.
 
-    Raises as `recognise` does.
+    Raises CaptureError if they do not tell, and as `recognise` does.
     """
     chosen = _spread(list(paths), 2 * MAX_LOOKED_AT)
     for some in (chosen[::2], chosen[1::2]):
@@ -204,7 +204,10 @@ def recognise_board(paths: Sequence[Path], mirrored: bool = False) -> Board | No
         board = recognise((each for each in pictures if each is not None), mirrored)
         if board is not None:
             return board
-    return None
+    raise CaptureError(
+        "no board was recognised in the pictures: describe it by --kind, --squares, --marker-ratio and "
+        "--dictionary, and an AprilGrid, of which pictures may disagree, by --tag-spacing"
+    )
 
 
 def _content(path: Path) -> bytes:

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from . import exif
-from .answer import Answer
+from .answer import Answer, Estimate
 from .calibration import Calibration
 from .errors import UsageError
-from .estimate import Estimate
 from .exif import Photograph
 from .key import CameraKey
 from .pictures import PLATFORM, SUFFIXES

@@ -94,7 +94,6 @@ def write_report(
         import matplotlib  # noqa: F401
 
         from calibsolver import plots
-        from calibsolver.quality.report import board_sentence
     except ImportError:
         raise MissingPackageError("plots need matplotlib: pip install matplotlib") from None
     fit, views = fit_again(recording, calibration)
@@ -106,7 +105,7 @@ def write_report(
     if target.suffix.lower() == ".html":
         figure.savefig(content, format="png", dpi=110)
         figures = fit.board_shape.figures() if fit.board_shape else None
-        sentence = board_sentence(figures, recording.board.length(square_mm) if square_mm else None)
+        sentence = recording.board.shape_sentence(figures, square_mm)
         page = _page(title, calibration, fit, rows_of(recording, fit), content.getvalue(), sentence)
         content = io.BytesIO(page.encode())
     else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,19 +10,17 @@ from typing import Any
 from . import pictures
 from .board import Board
 from .errors import CaptureError, UsageError
-from .images import board_of
 from .key import AUTO, UNNAMED, CameraKey, checked_model
 from .model_choice import chosen_model
 from .pictures import PLATFORM, FoundViews, picture_paths
 from .recording import RecordedView, Recording
 from .rig import Rig
-from .session import refusal
+from .session import Progress, refusal
 
 MIN_CAMERAS, MAX_CAMERAS = 2, 8
 MIN_MOMENTS = 3
 """Moments that two cameras share, of which a rig is calibrated."""
 _RIG_REASONS = {"contradicts": "it contradicts the others: the pictures are not of one moment"}
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -51,10 +49,7 @@ class RigResult:
 
         It is in millimetres if the side of a square is given.
         """
-        from calibsolver.quality import report
-
-        length = self.board.length(square_mm) if square_mm else None
-        return report.board_sentence(self.rig.record.get("board_shape"), length)
+        return self.board.shape_sentence(self.rig.record.get("board_shape"), square_mm)
 
 
 def calibrate_rig(
@@ -86,7 +81,7 @@ def calibrate_rig(
     paths = [picture_paths([folder]) for folder in folders]
     moments = _moments(paths)
     names = _names(folders)
-    chosen = board or board_of(max(paths, key=len))
+    chosen = board or pictures.recognise_board(max(paths, key=len))
     recordings, left_out, done = [], [], 0
     for position, files in enumerate(paths):
         before, result = done, FoundViews()

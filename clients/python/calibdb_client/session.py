@@ -1,21 +1,18 @@
-"""A recording becomes a calibration: in a session of the service, or on this machine."""
+"""A recording becomes a calibration in a session of the service; results of captures."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from .board import Board
 from .calibration import Calibration
 from .errors import CaptureError, ConflictError, UsageError
 from .flows import Flow
-from .key import AUTO
 from .model_choice import chosen_model
 from .recording import Recording
 from .wire import Request
-
-if TYPE_CHECKING:
-    from calibsolver.fitting.constraint import Fix
 
 Progress = Callable[[int, int], None]
 """Called with the number done, and the number of all."""
@@ -65,11 +62,10 @@ class CaptureResult:
 
     def board_sentence(self, square_mm: float | None = None) -> str | None:
         """Return the sentence `board`, in millimetres where the side of a square is given."""
-        from calibsolver.quality import report
-
         recording, shape = self.calibration.recording, self.calibration.record.get("board_shape")
-        length = recording.board.length(square_mm) if recording and square_mm else None
-        return report.board_sentence(shape, length)
+        if recording is None:
+            return Board().shape_sentence(shape, None)
+        return recording.board.shape_sentence(shape, square_mm)
 
 
 def start(
@@ -162,96 +158,25 @@ def submit(
     for source, view_state in zip(accepted, state.get("views", []), strict=False):
         if aside := view_state.get("set_aside"):
             left_out.append((source, refusal(aside.get("reason"))))
-    record = state.get("calibration")
-    if not isinstance(record, dict):
+    if not isinstance(state.get("calibration"), dict):
         raise CaptureError("the views determine no calibration: take more pictures, with the board tilted")
-    return CaptureResult(
-        make({**record, "id": state.get("calibration_id") or record.get("id")}),
-        len(recording.views) - len(left_out),
-        tuple(left_out),
-        better,
-        verdict_of(state),
-    )
+    return result_of(state, make, len(recording.views) - len(left_out), tuple(left_out), better)
 
 
-def verdict_of(state: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return level and reasons of a session that has ended; nothing if an older service states none."""
-    verdict = state.get("verdict")
-    if not isinstance(verdict, Mapping):
-        return ()
-    return str(verdict["level"]), *(str(reason["text"]) for reason in verdict["reasons"])
-
-
-def calibrate_offline(
-    recording: Recording, model: str, time: int, fix: Fix = (), start: Calibration | None = None
+def result_of(
+    state: Mapping[str, Any],
+    make: Callable[[Mapping[str, Any]], Calibration],
+    used: int,
+    left_out: tuple[tuple[str, str], ...],
+    suggested: str | None,
 ) -> CaptureResult:
-    """Calibrate on this machine with `calibsolver`; nothing is sent.
-
-    The shape of the board is estimated too, except that of a circle grid.
-
-    Parameters
-    ----------
-    recording, model
-        The views, and the distortion model, or `AUTO`.
-    time
-        Unix seconds of the calibration.
-    fix, start
-        What is not estimated, and a calibration that may be near, as in `calibsolver.fit`. With a start,
-        `AUTO` is its model.
-
-    Raises CaptureError if the views do not suffice, UsageError if a parameter cannot be fixed.
-    """
-    import calibsolver
-    from calibsolver.board import CIRCLES
-    from calibsolver.circles import fit_circles
-    from calibsolver.fitting.coverage import Coverage, record_covered
-    from calibsolver.quality import assessment, cross_validation
-    from calibsolver.quality.rivals import with_rivals
-
-    lens = start.lens if start else None
-    chosen, better = chosen_model(recording, lens.model if lens and model == AUTO else model)
-    size = recording.key.img_size
-    try:
-        views = recording.observations()
-        if recording.board.kind in CIRCLES:
-            radius = recording.board.marker_ratio / 2
-            fitted, corrected = fit_circles(views, size, radius, chosen, start=lens, fix=fix)
-            views = list(corrected)
-        else:
-            fitted = calibsolver.fit(views, size, chosen, start=lens, fix=fix)
-    except (calibsolver.CalibrationError, ValueError) as error:
-        if getattr(error, "code", "") in ("unknown_parameter", "no_value"):
-            raise UsageError(str(error)) from None
-        other = f"--model {better} fits them" if better else "take more, with the board tilted"
-        raise CaptureError(f"these pictures do not determine the model {chosen} ({error}): {other}") from None
-    try:
-        flat = recording.board.kind in CIRCLES
-        held_out = cross_validation.held_out(
-            views, size, chosen, board_shape=not flat, start=lens, fix=fix
-        ).rms
-    except calibsolver.CalibrationError:
-        held_out = None
-    fitted = with_rivals(fitted, views)
-    coverage = Coverage.of(fitted, views)
-    said = assessment.assess(fitted, views, held_out, coverage)
-    cut = tuple((recording.views[n].source, refusal(why)) for n, why in sorted(fitted.cut_views.items()))
-    record = {
-        **record_covered(fitted, coverage),
-        "covariance": fitted.covariance.tolist(),
-        **recording.key.record(),
-        "id": None,
-        "calibrations": 1,
-        "contributors": 1,
-        "exact_size": True,
-        "calibration_time": time,
-    }
-    return CaptureResult(
-        Calibration(record, None, recording),
-        len(views) - len(cut),
-        cut,
-        better,
-        (said.level, *(reason.text for reason in said.reasons)),
-    )
+    """Return the result of a session that has ended with a calibration."""
+    record, verdict = state["calibration"], state.get("verdict")
+    words: tuple[str, ...] = ()
+    if isinstance(verdict, Mapping):  # older services state none
+        words = str(verdict["level"]), *(str(reason["text"]) for reason in verdict["reasons"])
+    calibration = make({**record, "id": state.get("calibration_id") or record.get("id")})
+    return CaptureResult(calibration, used, left_out, suggested, words)
 
 
 def refusal(reason: object) -> str:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from calibdb_client import CaptureResult, session
+from calibdb_client import CaptureResult, offline
 from tests.helpers.recordings import calibration_of, recording_of, without_suggestion
 
 
@@ -20,4 +20,4 @@ def left_file(left: CaptureResult) -> bytes:
 @pytest.fixture
 def no_suggestion(monkeypatch: pytest.MonkeyPatch) -> None:
     """Calibrations with a given model do not look for a better one."""
-    monkeypatch.setattr(session, "chosen_model", without_suggestion)
+    monkeypatch.setattr(offline, "chosen_model", without_suggestion)

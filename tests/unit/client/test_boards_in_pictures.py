@@ -1,5 +1,6 @@
 """Boards in drawn pictures, whose corners are known: found to a fraction of a pixel, and recognised."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import cv2
@@ -10,7 +11,6 @@ from calibdb_client import Board
 from calibdb_client.detection import Detector, recognise
 from calibdb_client.errors import CaptureError, MirroredError
 from calibdb_client.pictures import FoundViews, picture_paths, read, recognise_board
-from calibsolver import Board as SolverBoard
 from calibsolver import fit
 from tests.helpers import board_pictures
 from tests.helpers.data import data_dir, external_data
@@ -25,28 +25,21 @@ KINDS = (
     Board((6, 4), kind="aprilgrid"),
     Board((4, 3), kind="aprilgrid", tag_spacing=0.5, inverted=True),
 )
+UNUSUAL = replace(KINDS[6], tag_spacing=0.43)
 TILTS = board_pictures.TILTS[:2]
-
-
-def truth(
-    board: Board, tilt: tuple[float, float, float], ids: tuple[int, ...], distance: float
-) -> np.ndarray:
-    """Pixels (n, 2) of the corners."""
-    points = np.column_stack([board.places[list(ids)], np.zeros(len(ids))])
-    rotation = cv2.Rodrigues(np.array(tilt))[0]
-    tvec = np.array([0, 0, distance]) - rotation @ [*board.edge.mean(axis=0), 0]
-    return cv2.projectPoints(points, np.array(tilt), tvec, board_pictures.MATRIX, None)[0][:, 0]
 
 
 @pytest.mark.parametrize("board", KINDS, ids=str)
 def test_corners_of_every_kind_are_where_they_were_drawn(board: Board) -> None:
+    assert Board(**board.record()) == board
     distance = 1.2 * max(board.size)
     bound = 0.3 if board.kind == "aprilgrid" else 0.1  # a tag's outer corner has no second edge to hold it
     for tilt in TILTS:
         found = Detector(board).find(board_pictures.picture(board, tilt, distance))
         assert found is not None
         assert len(found.ids) > 0.6 * board.corner_count
-        off = np.linalg.norm(found.points - truth(board, tilt, found.ids, distance), axis=1)
+        expected = board_pictures.corners(board, tilt, (0, 0, distance))[list(found.ids)]
+        off = np.linalg.norm(found.points - expected, axis=1)
         assert np.sqrt(np.mean(off**2)) < bound
         assert off.max() < 0.6
 
@@ -54,28 +47,26 @@ def test_corners_of_every_kind_are_where_they_were_drawn(board: Board) -> None:
 @pytest.mark.parametrize("inverted", [False, True])
 def test_chessboard_found_in_a_shrunk_picture_has_the_same_corners(inverted: bool) -> None:
     board = Board((9, 6), kind="chessboard", inverted=inverted)
-    for tilt in TILTS[:1]:
-        picture = cv2.resize(board_pictures.picture(board, tilt, 12), None, fx=3, fy=3)
-        detector = Detector(board)
-        exact, fast = detector.find(picture), detector.find_fast(picture)
-        assert exact is not None
-        assert fast is not None
-        assert fast.ids == exact.ids
-        assert np.abs(fast.points - exact.points).max() < 0.05
+    picture = cv2.resize(board_pictures.picture(board, TILTS[0], 12), None, fx=2, fy=2)
+    detector = Detector(board)
+    exact, fast = detector.find(picture), detector.find_fast(picture)
+    assert exact is not None
+    assert fast is not None
+    assert fast.ids == exact.ids
+    assert np.abs(fast.points - exact.points).max() < 0.05
 
 
-@pytest.mark.parametrize("board", [KINDS[i] for i in (1, 2, 3, 6)], ids=str)
+@pytest.mark.parametrize(
+    "board",
+    [*KINDS[1:4], UNUSUAL, *thorough(KINDS[6], *(replace(UNUSUAL, tag_spacing=gap) for gap in (0.2, 0.25)))],
+    ids=str,
+)
 def test_board_of_every_kind_is_recognised(board: Board) -> None:
-    pictures = [board_pictures.picture(board, tilt, 1.2 * max(board.size)) for tilt in TILTS]
-    found = recognise(pictures)
+    tilts = TILTS if board.kind == "aprilgrid" else TILTS[:1]
+    found = recognise([board_pictures.picture(board, tilt, 1.2 * max(board.size)) for tilt in tilts])
     assert found is not None
-    assert abs(found.marker_ratio - board.marker_ratio) < 0.02
-    assert Board(**{**vars_of(found), "marker_ratio": board.marker_ratio}) == board
-
-
-def vars_of(board: Board) -> dict[str, object]:
-    names = ("squares", "marker_ratio", "dictionary", "legacy", "kind", "inverted", "tag_spacing")
-    return {name: getattr(board, name) for name in names}
+    assert found.tag_spacing == pytest.approx(board.tag_spacing, abs=0.005)
+    assert replace(found, tag_spacing=board.tag_spacing) == board
 
 
 def test_kalibrs_tags_have_a_wider_border_and_another_turn() -> None:
@@ -99,11 +90,11 @@ def test_kalibrs_tags_have_a_wider_border_and_another_turn() -> None:
 
 @pytest.mark.parametrize(
     ("board", "inverted"),
-    [(KINDS[0], False), (KINDS[1], True), *thorough((KINDS[0], True), (KINDS[1], False))],
+    [(KINDS[0], True), *thorough((KINDS[0], False), (KINDS[1], True), (KINDS[1], False))],
 )
 def test_mirrored_pictures_are_recognised_as_mirrored(board: Board, inverted: bool) -> None:
-    shown = Board(**{**vars_of(board), "inverted": inverted})
-    pictures = [board_pictures.picture(shown, tilt, 1.2 * max(board.size))[:, ::-1] for tilt in TILTS]
+    shown = replace(board, inverted=inverted)
+    pictures = [board_pictures.picture(shown, TILTS[0], 1.2 * max(board.size))[:, ::-1]]
     with pytest.raises(MirroredError, match="--mirrored"):
         recognise(pictures)
     assert recognise(pictures, mirrored=True) == shown
@@ -113,7 +104,7 @@ def test_partly_hidden_markers_suffice() -> None:
     """Half of a board is covered in each picture, another half each time."""
     board = Board((9, 6))
     pictures = []
-    for n, tilt in enumerate(board_pictures.TILTS[:3]):
+    for n, tilt in enumerate(TILTS):
         picture = board_pictures.picture(board, tilt, 1.2 * max(board.size)).copy()
         w = picture.shape[1]
         picture[:, : w // 2 if n % 2 else 0] = 128
@@ -141,11 +132,11 @@ def test_corners_between_two_markers_stay_where_single_markers_contradict(
 def test_chessboard_on_which_pictures_differ_is_asked_for() -> None:
     drawn = [
         board_pictures.picture(Board(squares, kind="chessboard"), tilt, 1.2 * squares[0])
-        for squares in ((9, 7), (9, 6))
+        for squares in ((7, 6), (7, 5))
         for tilt in TILTS
     ]
-    pictures = [cv2.resize(picture, (384, 288), interpolation=cv2.INTER_AREA) for picture in drawn]
-    with pytest.raises(CaptureError, match=r"9x7 or 9x6 squares.*Count its squares"):
+    pictures = [cv2.resize(picture, (320, 240), interpolation=cv2.INTER_AREA) for picture in drawn]
+    with pytest.raises(CaptureError, match=r"7x6 or 7x5 squares.*Count its squares"):
         recognise(pictures)
 
 
@@ -153,14 +144,6 @@ def test_nothing_is_recognised_in_a_picture_of_nothing() -> None:
     noise = np.random.default_rng(0).integers(0, 255, (240, 320), dtype=np.uint8)
     assert recognise([np.full((240, 320), 128, dtype=np.uint8), cv2.GaussianBlur(noise, (0, 0), 3)]) is None
     assert recognise([]) is None
-
-
-@pytest.mark.parametrize("board", KINDS, ids=str)
-def test_corners_are_numbered_as_the_solver_numbers_them(board: Board) -> None:
-    solver = SolverBoard.from_record(board.record())
-    assert np.array_equal(board.places, solver.points[:, :2])
-    assert np.allclose(board.edge, solver.outline[:, :2])
-    assert board.size == solver.size
 
 
 @external_data
@@ -203,16 +186,6 @@ def test_spacing_of_an_aprilgrid_is_found_behind_a_fisheye() -> None:
     assert calibration.camera.matrix[0, 0] == pytest.approx(382, rel=0.01)
 
 
-@pytest.mark.parametrize("spacing", [0.43, *thorough(0.2, 0.25)])
-def test_spacing_of_an_aprilgrid_is_estimated(spacing: float) -> None:
-    board = Board((4, 3), kind="aprilgrid", tag_spacing=spacing)
-    drawn = [board_pictures.picture(board, tilt, 8.5) for tilt in TILTS]
-    result = recognise(drawn)
-    assert result is not None
-    assert result.tag_spacing == pytest.approx(spacing, abs=0.005)
-
-
 def test_spacing_on_which_pictures_disagree_is_refused() -> None:
     boards = [Board((4, 3), kind="aprilgrid", tag_spacing=spacing) for spacing in (0.2, 0.5)]
-    drawn = [board_pictures.picture(board, tilt, 8.5) for board in boards for tilt in TILTS[:1]]
-    assert recognise(drawn) is None
+    assert recognise([board_pictures.picture(board, TILTS[0], 8.5) for board in boards]) is None

@@ -7,12 +7,10 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-import yaml
 
-from calibdb_client import Board, Calibration, CaptureResult, Rig, UsageError
+from calibdb_client import Calibration, CaptureResult, Rig, UsageError
 from calibdb_client.cli import main
 from calibdb_client.conversion import FORMATS, RIG_FORMATS, format_of
-from tests.helpers import board_pictures
 
 
 @pytest.fixture(scope="module")
@@ -49,17 +47,6 @@ def test_suffix_chooses_the_format_and_never_contradicts_it(calibrated: Path, tm
     assert not list(tmp_path.glob("[yz].*"))
 
 
-def test_exported_file_of_ros_has_the_camera_and_its_name(calibrated: Path, tmp_path: Path) -> None:
-    path = tmp_path / "camera.yaml"
-    assert main(["export", str(calibrated), "--format", "ros", "-o", str(path)]) == 0
-    content = yaml.safe_load(path.read_text())
-    matrix = Calibration.load(calibrated).camera_matrix
-    assert (content["image_width"], content["image_height"]) == (640, 480)
-    assert content["camera_name"] == "Test_camera"
-    assert content["distortion_model"] == "plumb_bob"
-    assert content["camera_matrix"]["data"] == matrix.ravel().tolist()
-
-
 def test_changed_picture_is_exported(calibrated: Path, capfdbinary: pytest.CaptureFixture[bytes]) -> None:
     assert main(["export", str(calibrated), "--format", "calibdb", "--resize", "320x240"]) == 0
     half = json.loads(capfdbinary.readouterr().out)
@@ -85,21 +72,6 @@ def test_file_of_another_tool_is_converted_and_loaded(tmp_path: Path) -> None:
     assert np.array_equal(Calibration.load(source).distortion_coefficients, loaded.distortion_coefficients)
     (tmp_path / "board.txt").write_text("a board, glued to a table\n")
     assert main(["convert", str(tmp_path / "board.txt"), "--format", "ros"]) == 2
-
-
-@pytest.mark.usefixtures("no_suggestion")
-def test_command_calibrates_into_another_tools_file_and_keeps_the_corners(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    board_pictures.write(tmp_path / "photos", Board())
-    plain = ["--offline", "--model", "rectilinear", "--squares", "9x6"]
-    command = ["calibrate", "photos", *plain, "-o", "camera.yaml"]
-    assert main(command) == 2
-    assert main([*command, "--format", "ros"]) == 0
-    content = yaml.safe_load(Path("camera.yaml").read_text())
-    kept = Calibration.load("camera.calibdb.json")
-    assert content["camera_matrix"]["data"] == kept.camera_matrix.ravel().tolist()
 
 
 @pytest.mark.parametrize("name", RIG_FORMATS)

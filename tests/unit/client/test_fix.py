@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calibdb_client import Calibration, UsageError, offline
+from calibdb_client import Calibration, offline
 from calibdb_client.cli import main
 from calibdb_client.report import fit_again
 from tests.helpers.recordings import recording_of
 
 pytestmark = pytest.mark.usefixtures("no_suggestion")
-FEW = replace(recording_of("opencv_left"), views=recording_of("opencv_left").views[::2])
+FEW = replace(recording_of("opencv_left"), views=recording_of("opencv_left").views[::3])
 
 
 @pytest.fixture
@@ -40,7 +40,8 @@ def test_submit_fixes_values_and_keeps_their_names(corners: Path) -> None:
 
 
 def test_start_gives_model_and_values(corners: Path) -> None:
-    first = offline.calibrate_recording(FEW, "fisheye").calibration
+    first = offline.calibrate_recording(FEW, "fisheye", fix="aspect").calibration
+    assert first.camera_matrix[0, 0] == pytest.approx(first.camera_matrix[1, 1], rel=1e-12)
     first.save("first.json")
     assert main(["submit", str(corners), "--offline", "--start", "first.json", "--fix", "fx,fy"]) == 0
     found = Calibration.load(corners)
@@ -66,11 +67,3 @@ def test_what_cannot_be_fixed_is_a_usage_error(
 
 def test_live_captures_are_refused_with_the_way_to_go() -> None:
     assert main(["calibrate", "0", "--offline", "--fix", "center"]) == 2
-
-
-def test_python_takes_the_same() -> None:
-    result = offline.calibrate_recording(FEW, "rectilinear", fix="aspect")
-    matrix = result.calibration.camera_matrix
-    assert matrix[0, 0] == pytest.approx(matrix[1, 1], rel=1e-12)
-    with pytest.raises(UsageError, match="only fx"):
-        offline.calibrate_recording(FEW, "rectilinear", fix="k9")

@@ -21,16 +21,17 @@ from calibdb_client.capture import frames as frames_module
 from calibdb_client.capture.feedback import Scene
 from calibdb_client.capture.frames import Frames
 from calibdb_client.capture.guide import Status, Target
-from calibdb_client.capture.operation import CaptureInterruptedError
 from calibdb_client.capture.outline import advice, difference, outline_of
 from calibdb_client.capture.source import is_stream, open_source
 from calibdb_client.capture.stillness import Stillness
 from calibdb_client.capture.terminal import Terminal
+from calibdb_client.capture.video import read_video
 from calibdb_client.capture.window import draw
 from calibdb_client.cli import main
 from calibdb_client.cli.capture_options import licence_of
 from calibdb_client.cli.output import Output
 from calibdb_client.detection import Corners
+from calibdb_client.pictures import FoundViews
 from calibdb_client.session import consent_of
 from tests.helpers import board_pictures
 from tests.helpers.data import ROOT
@@ -40,10 +41,14 @@ PICTURE = np.full((48, 64), 100, dtype=np.uint8)
 
 
 class Tape:
-    """Source of given pictures, then of nothing."""
+    """Source of given pictures, then of nothing; a file, of which `count` is known, or a camera."""
 
-    def __init__(self, *pictures: Any) -> None:
-        self.pictures = list(pictures)
+    def __init__(self, *pictures: Any, count: int = 0) -> None:
+        self.pictures, self.count = list(pictures) * max(count, 1), count
+
+    def get(self, number: int) -> float:
+        """Number of frames, or the time."""
+        return {7: float(self.count), 0: 100.0 * (self.count - len(self.pictures))}[number]
 
     def read(self) -> tuple[bool, Any]:
         return (True, self.pictures.pop(0)) if self.pictures else (False, None)
@@ -53,73 +58,45 @@ def no_pause(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(frames_module, "LOST_PAUSE_S", 0)
 
 
-def test_capture_that_loses_its_camera_goes_on_later(
+@pytest.mark.usefixtures("no_suggestion")
+def test_capture_that_ends_early_is_kept_and_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
+    """Ctrl-C, a camera that is not there, one that is unplugged; then the capture reaches its end."""
     no_pause(monkeypatch)
     monkeypatch.chdir(tmp_path)
     camera = VirtualCamera(seed=2)
     listener = Listener(camera)
-    read = camera.read
-    monkeypatch.setattr(camera, "read", lambda: read() if listener.views < 2 else (False, None))
-    board = Board()
-    with pytest.raises(CameraError, match="plugged in") as unplugged:
-        offline.calibrate(camera, board=board, show=listener, clock=camera.clock)
-    kept = unplugged.value.recording
-    assert kept is not None
-    assert len(kept.views) == 2
-    kept.save(tmp_path / "kept.json")
-    resumed = Recording.load(tmp_path / "kept.json")
-    assert resumed == kept
-    assert main(["resume", "kept.json", "no such camera", "--offline"]) == 6
-    assert "no camera 'no such camera'" in capfd.readouterr().err
-    assert Recording.load(tmp_path / "kept.json") == kept
-
-
-@pytest.mark.usefixtures("no_suggestion")
-def test_interrupted_capture_hands_over_its_views() -> None:
-    camera = VirtualCamera()
-    listener = Listener(camera)
-
-    def press(scene: Scene) -> str:
-        if listener.views == 1:
-            raise KeyboardInterrupt
-        return Listener.show(listener, scene)
-
-    listener.show = press  # type: ignore[method-assign]
-    with pytest.raises(CaptureInterruptedError) as interrupted:
-        offline.calibrate(camera, board=Board(), show=listener, clock=camera.clock)
-    assert len(interrupted.value.recording.views) == 1
-    assert isinstance(interrupted.value, KeyboardInterrupt)
-    assert listener.closed
-
-
-@pytest.mark.usefixtures("no_suggestion")
-def test_command_keeps_a_live_capture_and_says_how_to_go_on(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    camera = VirtualCamera(seed=2)
-    listener = Listener(camera)
-    taken = listener.taken
+    read, taken = camera.read, listener.taken
+    calibrate: Callable[..., Any] = offline.calibrate
 
     def press(status: Status) -> None:
         taken(status)
-        if status.views == 2:
-            raise KeyboardInterrupt
-
-    monkeypatch.setattr(listener, "taken", press)
-    calibrate: Callable[..., Any] = offline.calibrate
+        raise KeyboardInterrupt
 
     def virtual(source: Any, **arguments: Any) -> Any:
-        assert source == 0
-        return calibrate(camera, **{**arguments, "show": listener, "clock": camera.clock})
+        virtual = {"show": listener, "clock": camera.clock} if source == 0 else {}
+        return calibrate(camera if source == 0 else source, **(arguments | virtual))
 
     monkeypatch.setattr(offline, "calibrate", virtual)
+    monkeypatch.setattr(listener, "taken", press)
     assert main(["calibrate", "0", "--offline", "--squares", "9x6"]) == 130
+    assert listener.closed
     (path,) = tmp_path.iterdir()
     assert f"`calibdb resume {path.name}` continues" in capfd.readouterr().err
+    kept = Recording.load(path)
+    assert len(kept.views) == 1
+    assert main(["resume", path.name, "no such camera", "--offline"]) == 6
+    assert "no camera 'no such camera'" in capfd.readouterr().err
+    assert Recording.load(path) == kept
     monkeypatch.setattr(listener, "taken", taken)
+    monkeypatch.setattr(camera, "read", lambda: read() if listener.views < 2 else (False, None))
+    assert main(["resume", path.name, "0", "--offline"]) == 6
+    said = capfd.readouterr().err
+    assert "plugged in" in said
+    assert "2 views are in" in said
+    assert len(Recording.load(path).views) == 2
+    monkeypatch.setattr(camera, "read", read)
     assert main(["resume", path.name, "0", "--offline", "--json"]) == 0
     calibration = Calibration.load(path)
     assert abs(calibration.camera_matrix[0, 0] - camera.fx) < 2
@@ -135,7 +112,7 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     writer = cv2.VideoWriter("board.avi", cv2.VideoWriter.fourcc(*"MJPG"), 1, board_pictures.SIZE)
-    for n, tilt in enumerate(board_pictures.TILTS):
+    for n, tilt in enumerate(board_pictures.TILTS[:5]):
         picture = board_pictures.picture(Board(), tilt, 9.0 + 0.8 * n)
         for _ in range(4):
             writer.write(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
@@ -144,18 +121,19 @@ def test_video_of_a_board_is_calibrated_and_a_corrupt_one_is_said(
     assert main(["calibrate", "board.avi", *plain, "-o", "camera.json"]) == 0
     found = Calibration.load("camera.json")
     assert np.abs(found.camera_matrix - board_pictures.MATRIX).max() < 3 * found.uncertainty["rms"] + 2
-    assert len(Recording.load("camera.json").views) == 6
+    assert len(Recording.load("camera.json").views) == 5
     content = Path("board.avi").read_bytes()
-    Path("cut.avi").write_bytes(content[: len(content) * 3 // 4])
+    Path("cut.avi").write_bytes(content[: len(content) // 4])
     Path("none.mp4").write_bytes(content[1000:5000])
-    capfd.readouterr()
-    assert main(["calibrate", "cut.avi", *plain, "-o", "cut.json"]) in (0, 7)
+    cut = FoundViews()
+    read_video("cut.avi", Board(), cut)
+    assert "breaks off after" in cut.broken
+    assert cut.views
     assert main(["calibrate", "none.mp4", "--offline"]) == 2
     assert "cannot be read as a video" in capfd.readouterr().err
     # through an object with read(), as a camera: its own time, its end
     capture = cv2.VideoCapture("board.avi")
-    result = offline.calibrate(capture, board=Board(), show="none", model="rectilinear")
-    assert result.used == 6
+    assert offline.calibrate(capture, board=Board(), show="none", model="rectilinear").used == 5
     capture.release()
 
 
@@ -173,25 +151,11 @@ def test_frames_of_another_size_and_lost_ones_are_said(monkeypatch: pytest.Monke
     with pytest.raises(CameraError, match="no picture"):
         offline.calibrate(Tape(), board=Board(), show="none")
     with pytest.raises(CaptureError, match="0 views"):
-        offline.calibrate(VideoOf(PICTURE, 3), board=Board(), show="none")
+        offline.calibrate(Tape(PICTURE, count=3), board=Board(), show="none")
     with pytest.raises(CaptureError, match="no board was recognised"):
-        offline.calibrate(VideoOf(PICTURE, 3), show="none")
+        offline.calibrate(Tape(PICTURE, count=3), show="none")
     with pytest.raises(UsageError, match="delivers 64x48"):
-        offline.calibrate(VideoOf(PICTURE, 3), show="none", size=(1280, 720))
-
-
-class VideoOf:
-    """A `cv2.VideoCapture` of a file that shows one picture."""
-
-    def __init__(self, picture: Any, count: int) -> None:
-        self.picture, self.count, self.at = picture, count, 0
-
-    def get(self, number: int) -> float:
-        return {7: float(self.count), 0: 100.0 * self.at}[number]
-
-    def read(self) -> tuple[bool, Any]:
-        self.at += 1
-        return (True, self.picture) if self.at <= self.count else (False, None)
+        offline.calibrate(Tape(PICTURE, count=3), show="none", size=(1280, 720))
 
 
 def corners(offset: float, count: int = 12) -> Corners:
@@ -224,13 +188,9 @@ def seen(
 ) -> Any:
     """Outline (4, 2) px of the usual board."""
     board = Board()
-    rotation = cv2.Rodrigues(np.array(rvec, dtype=np.float64))[0]
-    tvec = np.array([*shift, distance]) - rotation @ [*board.edge.mean(axis=0), 0]
-    points = np.column_stack([board.places, np.zeros(board.corner_count)])
-    q = cv2.projectPoints(points, np.array(rvec, dtype=np.float64), tvec, board_pictures.MATRIX, None)[0][
-        :, 0
-    ]
-    return outline_of(board, range(board.corner_count), q)
+    return outline_of(
+        board, range(board.corner_count), board_pictures.corners(board, rvec, (*shift, distance))
+    )
 
 
 @pytest.mark.parametrize(
@@ -276,10 +236,12 @@ def everything(leader: int) -> bytes:
 def test_terminal_of_a_person_shows_progress_without_a_thread() -> None:
     leader, follower = pty.openpty()
     before = threading.active_count()
-    with os.fdopen(follower, "w") as stream, Terminal(stream) as terminal:
+    with os.fdopen(follower, "w") as stream:
+        terminal = Terminal(stream)
         terminal.show(Scene(PICTURE, None, None, "hold the board still", 0.5, Status(2, 0.5, 0.7)))
         assert threading.active_count() == before
         terminal.taken(Status(3, 0.6, 0.5))
+        terminal.close()
     told = everything(leader).decode()
     os.close(leader)
     assert "2 views, 50 %, 0.70 px" in told

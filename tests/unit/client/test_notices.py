@@ -1,19 +1,14 @@
 """Notices of the command: what it says of files that it does not use, and of uncertain parts of a picture."""
 
-import re
-import struct
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 
-from calibdb_client import Board
 from calibdb_client.cli import main
 from calibdb_client.cli.output import calibration_facts
-from calibdb_client.pictures import MAX_VIEWS, FoundViews, turned_by_camera
+from calibdb_client.pictures import MAX_VIEWS, FoundViews
 from calibdb_client.recording import RecordedView
-from tests.helpers import board_pictures
 
 
 @pytest.fixture(autouse=True)
@@ -37,29 +32,6 @@ def test_folders_without_pictures_are_explained(capfd: pytest.CaptureFixture[str
     assert "3 HEIC files: convert them" in said(capfd, "phone")
     Path("camera.json").write_text("{}")
     assert "calibdb submit camera.json" in said(capfd, "camera.json")
-
-
-def with_orientation(jpeg: bytes, orientation: int) -> bytes:
-    """Insert an EXIF segment with one entry, the orientation."""
-    tiff = b"II*\0" + struct.pack("<IHHHII", 8, 1, 0x112, 3, 1, orientation) + b"\0" * 4
-    body = b"Exif\0\0" + tiff
-    return jpeg[:2] + b"\xff\xe1" + struct.pack(">H", len(body) + 2) + body + jpeg[2:]
-
-
-@pytest.mark.usefixtures("no_suggestion")
-def test_orientation_of_a_photograph_is_mentioned(capfd: pytest.CaptureFixture[str]) -> None:
-    board_pictures.write(Path("photos"), Board(), 5)
-    for path in Path("photos").iterdir():
-        jpeg = cv2.imencode(".jpg", cv2.imread(str(path)), [cv2.IMWRITE_JPEG_QUALITY, 98])[1].tobytes()
-        path.with_suffix(".jpg").write_bytes(with_orientation(jpeg, 6))
-        path.unlink()
-    assert turned_by_camera(sorted(Path("photos").iterdir()))
-    assert main(["calibrate", "photos", "--offline", "-v", "--model", "rectilinear", "--squares", "9x6"]) == 0
-    told = capfd.readouterr()
-    assert "EXIF orientation" in told.err
-    rows = re.findall(r"^\d\d\.jpg +\d+ +\d+ +(0\.\d+)$", told.out, re.MULTILINE)
-    assert len(rows) == 5, "name, corners found and used, and rms of each picture"
-    assert max(map(float, rows)) < 0.2
 
 
 def test_views_are_limited_for_the_service_only() -> None:

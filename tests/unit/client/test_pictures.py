@@ -1,7 +1,8 @@
 """Calibration from pictures on this machine: drawn ones with a known truth, and real photographs."""
 
 import json
-from collections.abc import Callable
+import re
+import struct
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,11 +10,12 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+import yaml
 
-from calibdb_client import Board, Calibration, CaptureError, Recording, UsageError, pictures
+from calibdb_client import Board, Calibration, CaptureError, Recording, UsageError, offline, pictures
 from calibdb_client.cli import main
 from calibdb_client.detection import Detector
-from calibdb_client.pictures import FoundViews, picture_paths, read
+from calibdb_client.pictures import FoundViews, picture_paths, read, turned_by_camera
 from calibsolver import fit
 from calibsolver.capture.rules import MAX_POINTS
 from tests.helpers import board_pictures
@@ -26,7 +28,7 @@ PHOTOGRAPHS = ["--squares", "8x8", "--marker-ratio", "0.75", "--dictionary", "DI
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return board_pictures.write(tmp_path_factory.mktemp("drawn"), Board())
+    return board_pictures.write(tmp_path_factory.mktemp("drawn"), Board(), 4)
 
 
 @pytest.fixture
@@ -55,12 +57,11 @@ def test_folder_is_calibrated_offline(folder: Path, working: Path, capfd: pytest
     assert json.loads(told.out)["camera_matrix"] == calibration.camera_matrix.tolist()
     sigma = calibration.uncertainty["rms"]
     assert np.abs(calibration.camera_matrix - board_pictures.MATRIX).max() < 3 * sigma + 1
-    assert len(Recording.load(path).views) == 6
-    assert main(["submit", str(path), "--offline", "--model", "rectilinear", "--json"]) == 0
-    assert np.allclose(json.loads(capfd.readouterr().out)["camera_matrix"], calibration.camera_matrix)
+    assert len(Recording.load(path).views) == 4
     assert main(["submit", str(path)]) == 2, "nobody said which camera it is"
     assert main(["calibrate", str(folder), "--offline", *BOARD]) == 0
-    assert len(list(working.iterdir())) == 2, "an earlier capture is never replaced"
+    (other,) = set(working.iterdir()) - {path}  # an earlier capture is never replaced
+    assert np.allclose(Calibration.load(other).camera_matrix, calibration.camera_matrix)
 
 
 def test_service_that_is_not_there_loses_no_corner(
@@ -68,52 +69,63 @@ def test_service_that_is_not_there_loses_no_corner(
 ) -> None:
     assert main(["calibrate", str(folder), *BOARD, "--label", "Camera", "-o", "kept.json"]) == 2
     assert "calibdb submit kept.json" in capfd.readouterr().err
-    assert len(Recording.load(working / "kept.json").views) == 6
+    assert len(Recording.load(working / "kept.json").views) == 4
     assert [path.name for path in working.iterdir()] == ["kept.json"]
 
 
 def test_interruption_keeps_what_was_found(
     folder: Path, working: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    def stop(
-        paths: Any,
-        board: Board,
-        found: FoundViews,
-        progress: Callable[[int, int], None],
-        most: None,
-        mirrored: bool,
-    ) -> None:
-        read(paths[:5], board, found, progress, most, mirrored)
+    def stop(*arguments: Any) -> None:
+        read(*arguments)
         raise KeyboardInterrupt
 
     monkeypatch.setattr("calibdb_client.cli.calibrate.read", stop)
     assert main(["calibrate", str(folder), *BOARD, "--offline", "-o", "kept.json"]) == 130
     assert "calibdb submit kept.json" in capfd.readouterr().err
-    assert len(Recording.load(working / "kept.json").views) == 5
+    assert len(Recording.load(working / "kept.json").views) == 4
 
 
 @pytest.mark.usefixtures("no_suggestion")
-def test_other_sizes_and_other_files_are_left_out_and_said(
-    folder: Path, working: Path, capfd: pytest.CaptureFixture[str]
+def test_command_says_what_it_leaves_out_and_writes_another_tools_file(
+    working: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    mixed = working / "mixed"
-    mixed.mkdir()
-    for path in folder.iterdir():
-        (mixed / path.name).write_bytes(path.read_bytes())
-    small = cv2.resize(
-        board_pictures.picture(Board(), (0.2, 0.2, 0)), (320, 240), interpolation=cv2.INTER_AREA
-    )
+    """Photographs with an EXIF orientation, next to pictures of another size and other files."""
+    mixed = board_pictures.write(working / "mixed", Board(), 5)
+    for path in list(mixed.iterdir()):
+        jpeg = cv2.imencode(".jpg", cv2.imread(str(path)), [cv2.IMWRITE_JPEG_QUALITY, 98])[1].tobytes()
+        path.with_suffix(".jpg").write_bytes(with_orientation(jpeg, 6))
+        path.unlink()
+    assert turned_by_camera(sorted(mixed.iterdir()))
+    small = board_pictures.picture(Board(), (0.2, 0.2, 0))
     cv2.imwrite(str(mixed / "small.png"), cv2.resize(small, (600, 450)))
     cv2.imwrite(str(mixed / "empty.png"), np.full((480, 640), 128, np.uint8))
     (mixed / "broken.jpg").write_bytes(b"\xff\xd8 no picture")
     (mixed / "zero.png").write_bytes(b"")
     (mixed / "notes.txt").write_text("no picture, and not read")
-    assert main(["calibrate", str(mixed), *BOARD, "--offline", "-o", "camera.json"]) == 0
-    told = capfd.readouterr().err
-    assert "1 pictures of another size than 640x480" in told
-    assert "2 files are not images: broken.jpg, zero.png" in told
-    assert "empty.png" in told
-    assert len(Recording.load(working / "camera.json").views) == 6
+    command = ["calibrate", str(mixed), *BOARD, "--offline", "-v", "-o", "camera.yaml"]
+    assert main(command) == 2, "ros or kalibr"
+    assert main([*command, "--format", "ros"]) == 0
+    said = capfd.readouterr()
+    assert "1 pictures of another size than 640x480" in said.err
+    assert "2 files are not images: broken.jpg, zero.png" in said.err
+    assert "empty.png" in said.err
+    assert "EXIF orientation" in said.err
+    rows = re.findall(r"^\d\d\.jpg +\d+ +\d+ +(0\.\d+)$", said.out, re.MULTILINE)
+    assert len(rows) == 5, "name, corners found and used, and rms of each picture"
+    assert max(map(float, rows)) < 0.2
+    kept = Calibration.load("camera.calibdb.json")
+    assert kept.recording is not None
+    assert len(kept.recording.views) == 5
+    content = yaml.safe_load(Path("camera.yaml").read_text())
+    assert content["camera_matrix"]["data"] == kept.camera_matrix.ravel().tolist()
+
+
+def with_orientation(jpeg: bytes, orientation: int) -> bytes:
+    """Insert an EXIF segment with one entry, the orientation."""
+    tiff = b"II*\0" + struct.pack("<IHHHII", 8, 1, 0x112, 3, 1, orientation) + b"\0" * 4
+    body = b"Exif\0\0" + tiff
+    return jpeg[:2] + b"\xff\xe1" + struct.pack(">H", len(body) + 2) + body + jpeg[2:]
 
 
 def test_too_few_pictures_and_another_board_are_said(
@@ -129,16 +141,16 @@ def test_too_few_pictures_and_another_board_are_said(
     assert list(working.iterdir()) == []
 
 
-def test_two_thousand_files_are_sampled_evenly(tmp_path: Path) -> None:
-    for n in range(2_000):
+def test_many_files_are_sampled_evenly(tmp_path: Path) -> None:
+    for n in range(500):
         (tmp_path / f"{n:05}.jpg").touch()
     paths = picture_paths([tmp_path])
-    assert len(paths) == 2_000
+    assert len(paths) == 500
     done: list[tuple[int, int]] = []
     found = FoundViews()
     read(paths, Board(), found, lambda *each: done.append(each))
     assert done[-1] == (pictures.MAX_PICTURES, pictures.MAX_PICTURES)
-    assert found.unreadable[1] == "00005.jpg"
+    assert found.unreadable[-1] == "00498.jpg"
     with pytest.raises(CaptureError, match="none of the files can be read"):
         found.of_one_size()
 
@@ -185,12 +197,14 @@ def test_real_photographs_give_opencvs_focal_length(working: Path) -> None:
     assert (off[1] / np.sqrt(np.diagonal(found.record["covariance"])[:2])).max() < 1
 
 
-def test_failure_names_the_model_that_fits(working: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    left = recording_of("jy_left")
+def test_failure_names_the_model_that_fits(
+    working: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    left, wide = recording_of("jy_left"), recording_of("babel_ov_plane")
     replace(left, views=left.views[::4]).save(working / "left.json")
+    replace(wide, views=wide.views[::8]).save(working / "wide.json")
     assert main(["submit", "left.json", "--offline", "--model", "rectilinear"]) == 0
     assert "--model omnidirectional explains these pictures better" in capfd.readouterr().err
-    wide = recording_of("babel_ov_plane")
-    replace(wide, views=wide.views[::8]).save(working / "wide.json")
+    monkeypatch.setattr(offline, "chosen_model", lambda *_: ("rectilinear", "fisheye"))
     assert main(["submit", "wide.json", "--offline", "--model", "rectilinear"]) == 7
     assert "--model fisheye fits them" in capfd.readouterr().err

@@ -30,20 +30,6 @@ def test_report_of_a_file_has_plots_and_a_row_per_picture(
     assert set(re.findall(r'src="([^"]{0,22})', page)) == {"data:image/png;base64,"}
 
 
-@pytest.mark.parametrize("drawn", [False, pytest.param(True, marks=pytest.mark.thorough)])
-def test_suffix_chooses_pdf_and_no_other_kind_of_picture(
-    drawn: bool, left_file: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Plots are drawn in the report as a page; in a PDF, by `make thorough`."""
-    if not drawn:
-        monkeypatch.setattr(plots, "report", lambda *_: Figure())
-    monkeypatch.chdir(tmp_path)
-    Path("left.json").write_bytes(left_file)
-    assert main(["plot", "left.json", "-o", "report.pdf"]) == 0
-    assert Path("report.pdf").read_bytes().startswith(b"%PDF")
-    assert main(["plot", "left.json", "-o", "report.gif"]) == 2
-
-
 def test_report_without_corners_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="corners"):
         write_report(tmp_path / "report.html", Calibration(RECORD))
@@ -69,6 +55,9 @@ def test_bent_board_is_named_by_the_command_and_the_report(
     for square in (in_mm, []):
         assert main(["plot", "bent.json", *square]) == 0
         said += re.findall(r"Your board [^<]*", Path("report.html").read_text())
+    assert main(["plot", "bent.json", "-o", "report.pdf"]) == 0
+    assert Path("report.pdf").read_bytes().startswith(b"%PDF")
+    assert main(["plot", "bent.json", "-o", "report.gif"]) == 2
     millimetres, reported, bent = said
     assert millimetres == reported
     found = re.fullmatch(r"Your board is bent by (.*) % of its length; that was taken into account.", bent)

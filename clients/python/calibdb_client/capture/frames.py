@@ -59,8 +59,8 @@ class Frames:
         The source.
     name
         Its name in errors.
-    clock, sleep
-        Seconds; and how to wait for a camera that delivers nothing. A file has its own time.
+    clock
+        Seconds. A file has its own time.
     """
 
     def __init__(
@@ -68,11 +68,10 @@ class Frames:
         source: Source,
         name: str = "the camera",
         clock: Callable[[], float] = time.monotonic,
-        sleep: Callable[[float], object] = time.sleep,
     ) -> None:
         self.source = source
         self.name = name
-        self._clock, self._sleep = clock, sleep
+        self._clock = clock
         self._size: tuple[int, int] | None = None
         self._last: Any = None
         self.is_file = _property(source, _FRAME_COUNT) > 0
@@ -106,7 +105,7 @@ class Frames:
                 break
             if self.is_file:
                 return None
-            self._sleep(LOST_PAUSE_S)
+            time.sleep(LOST_PAUSE_S)
         else:
             lost = "delivers no picture" if self._size is None else "delivers no more pictures"
             raise CameraError(

@@ -27,21 +27,22 @@ MAX_GLANCES_S = 180.0
 
 
 def recording_to_check(camera: Any, **options: Unpack[CaptureOptions]) -> Recording:
-    """Return a recording as it is, or take one of three views of a camera. Raises as `take_glances`."""
-    return camera if isinstance(camera, Recording) else take_glances(prepare(camera, **options))
+    """Return a recording as it is, or take one of three views of a camera, hands-free.
 
-
-def take_glances(operation: Operation, count: int = CHECK_VIEWS) -> Recording:
-    """Take views, hands-free, whenever the board is still in another tilt than before.
+    A view is taken whenever the board is still in another tilt than before.
 
     Raises CameraError, CaptureError if it takes longer than three minutes, CaptureInterruptedError.
     """
+    return camera if isinstance(camera, Recording) else _take_glances(prepare(camera, **options))
+
+
+def _take_glances(operation: Operation) -> Recording:
     recording, frames, feedback = operation.recording, operation.frames, operation.feedback
     detector, width = Detector(recording.board), recording.key.img_size[0]
     still, taken = Stillness(), list[Array]()
     began: float | None = None
     try:
-        while len(taken) < count:
+        while len(taken) < CHECK_VIEWS:
             frame = frames.next()
             if frame is None:
                 break
@@ -57,7 +58,7 @@ def take_glances(operation: Operation, count: int = CHECK_VIEWS) -> Recording:
                 difference(outline, each) > MIN_DIFFERENCE for each in taken
             )
             words = "show the board to the camera" if outline is None else "tilt the board another way"
-            status = Status(len(taken), len(taken) / count)
+            status = Status(len(taken), len(taken) / CHECK_VIEWS)
             hold = min(1.0, still.held / HOLD_S) if another else 0.0
             points = None if corners is None else corners.points
             said = "hold the board still" if another else words
@@ -68,7 +69,7 @@ def take_glances(operation: Operation, count: int = CHECK_VIEWS) -> Recording:
                 recording = replace(recording, views=(*recording.views, view))
                 taken.append(outline)
                 still = Stillness()
-                feedback.taken(Status(len(taken), len(taken) / count))
+                feedback.taken(Status(len(taken), len(taken) / CHECK_VIEWS))
     except KeyboardInterrupt:
         raise CaptureInterruptedError(recording) from None
     finally:

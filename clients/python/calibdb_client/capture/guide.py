@@ -13,16 +13,17 @@ from calibsolver.arrays import Array
 from ..calibration import Calibration
 from ..errors import CaptureError
 from ..flows import Flow
+from ..key import live_model
+from ..offline import calibrate_recording
+from ..pictures import MIN_VIEWS
 from ..recording import RecordedView, Recording
-from ..session import CaptureResult, calibrate_offline, refusal, start, submit, verdict_of
+from ..session import CaptureResult, refusal, result_of, start, submit
 from ..wire import Request
 
 if TYPE_CHECKING:
     from calibsolver.guidance import TargetPose
 
 Maker = Callable[[Mapping[str, Any]], Calibration]
-MIN_VIEWS = 4
-"""Views of which a calibration is made."""
 TARGET_ERROR_WIDTHS = 0.3 / 1280
 """Predicted error / image width at which a capture ends, as the service has it."""
 
@@ -152,14 +153,10 @@ class ServiceGuide:
 
     def finish(self, recording: Recording) -> Flow[CaptureResult]:
         """Return the session's calibration; of one that has not converged, its views' as recorded ones."""
-        record = self._state.get("calibration")
-        if self._state.get("status") != "converged" or not isinstance(record, dict):
+        state, status = self._state, self._status()
+        if not (status.done and isinstance(state.get("calibration"), dict)):
             return (yield from submit(recording, self._model, self._make, consent=self._consent))
-        used = sum(not each.get("set_aside") for each in self._state.get("views", []))
-        identifier = self._state.get("calibration_id") or record.get("id")
-        suggested = self._state.get("suggested_model")
-        verdict = verdict_of(self._state)
-        return CaptureResult(self._make({**record, "id": identifier}), used, (), suggested, verdict)
+        return result_of(state, self._make, status.views, (), state.get("suggested_model"))
 
     def _status(self) -> Status:
         state = self._state
@@ -179,18 +176,16 @@ class OfflineGuide:
     Parameters
     ----------
     recording, model
-        Camera and board, and the distortion model.
-    clock
-        Unix seconds, for the calibration's time.
+        Camera and board, and the distortion model of the calibration.
     """
 
-    def __init__(self, recording: Recording, model: str, clock: Callable[[], float]) -> None:
+    def __init__(self, recording: Recording, model: str) -> None:
         from calibsolver.capture import Capture, History
 
-        self._model, self._clock = model, clock
-        self._board = recording.board
+        self._model, self._board = model, recording.board
         size = recording.key.img_size
-        self._capture = Capture(self._board, size, model, target_error=TARGET_ERROR_WIDTHS * size[0])
+        target_error = TARGET_ERROR_WIDTHS * size[0]
+        self._capture = Capture(self._board, size, live_model(model), target_error=target_error)
         self._estimate = self._capture.estimate([])
         self._history = History()
         self._views: list[Any] = []
@@ -244,7 +239,7 @@ class OfflineGuide:
         yield from ()
         included = tuple(view for i, view in enumerate(self._accepted) if i not in self._estimate.excluded)
         views = included if self._is_done else recording.views
-        return calibrate_offline(replace(recording, views=views), self._model, int(self._clock()))
+        return calibrate_recording(replace(recording, views=views), self._model)
 
     @property
     def _count(self) -> int:

@@ -17,11 +17,12 @@ from ..board import Board
 from ..detection import Corners, Detector, recognise
 from ..errors import CaptureError
 from ..flows import Flow
+from ..pictures import MIN_VIEWS
 from ..recording import RecordedView, Recording
 from ..session import CaptureResult
 from .feedback import Feedback, Scene
 from .frames import Frame, Frames
-from .guide import MIN_VIEWS, Guide, Status, Target, require_views
+from .guide import Guide, Status, Target, require_views
 from .outline import TEXTS, advice, difference, foreshortening, outline_of, overlap
 from .stillness import REFERENCE_WIDTH_PX, Stillness, motion
 

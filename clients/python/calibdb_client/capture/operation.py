@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from ..board import Board
 from ..errors import CalibDBError, UsageError
@@ -20,6 +20,9 @@ from .live import Live, first_board
 from .source import NamedSource, open_source
 from .terminal import Terminal
 from .window import Window, has_window
+
+if TYPE_CHECKING:
+    from typing import Unpack
 
 Show = Literal["auto", "window", "text", "none"] | Feedback
 Keep = Callable[[Recording], object]
@@ -79,9 +82,9 @@ class Operation:
     feedback: Feedback
     recording: Recording
 
-    def offline(self, model: str, keep: Keep, clock: Callable[[], float] = time.time) -> Flow[CaptureResult]:
-        """Capture and calibrate on this machine; `clock` is the calibration's time, unix seconds."""
-        return self._run(lambda: OfflineGuide(self.recording, model, clock), keep)
+    def offline(self, model: str, keep: Keep) -> Flow[CaptureResult]:
+        """Capture and calibrate on this machine."""
+        return self._run(lambda: OfflineGuide(self.recording, model), keep)
 
     def by_service(
         self, model: str, keep: Keep, make: Maker, consent: Mapping[str, str]
@@ -108,38 +111,25 @@ class Operation:
             self.close()
 
 
-def prepare(
-    camera: Any,
-    *,
-    label: str | None = None,
-    platform: str | None = None,
-    zoom: float | None = None,
-    size: tuple[int, int] | None = None,
-    board: Board | None = None,
-    show: Show = "auto",
-    resume: Recording | None = None,
-    named: bool = True,
-    clock: Callable[[], float] = time.monotonic,
-) -> Operation:
+def prepare(camera: Any, named: bool = True, **options: Unpack[CaptureOptions]) -> Operation:
     """Open the source and find out what it shows.
 
     Parameters
     ----------
     camera
         As in `open_source`.
-    label, platform, zoom, size, board, show, resume, clock
-        As in `CaptureOptions`.
     named
         True if the camera must have a label: without one its calibration cannot be looked up.
 
     Raises CameraError, CaptureError, MissingPackageError or UsageError.
     """
+    size, resume = options.get("size"), options.get("resume")
     if resume is not None:
         size = size or resume.key.img_size
-    feedback = feedback_of(show)
+    feedback = feedback_of(options.get("show", "auto"))
     source = open_source(camera, size)
     try:
-        frames = Frames(source.source, source.name, clock)
+        frames = Frames(source.source, source.name, options.get("clock", time.monotonic))
         delivered = frames.size
         if size is not None and delivered != tuple(size):
             raise UsageError(
@@ -148,11 +138,11 @@ def prepare(
             )
         if resume is not None:
             return Operation(source, frames, feedback, replace(resume, live=True))
-        name = label or source.label
+        name = options.get("label") or source.label
         if name is None and named:
             raise UsageError(f"which camera is {source.name}? Say its label, as a browser gives it")
-        key = _key(source, name or UNNAMED, platform, delivered, zoom)
-        chosen = board or first_board(frames, feedback)
+        key = _key(source, name or UNNAMED, options.get("platform"), delivered, options.get("zoom"))
+        chosen = options.get("board") or first_board(frames, feedback)
         return Operation(source, frames, feedback, Recording(key, chosen, (), live=True))
     except BaseException:
         feedback.close()

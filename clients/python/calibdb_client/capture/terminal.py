@@ -5,14 +5,10 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO
 
 from .feedback import Command, Scene, progress_words
 from .guide import Status
-
-if TYPE_CHECKING:
-    from typing import Self
 
 MIN_INSTRUCTION_S = 1.2
 """Time between two instructions: people read one before the next."""
@@ -38,17 +34,6 @@ class Terminal:
         self._said, self._said_at = "", float("-inf")
         self._wanted, self._wanted_at = "", float("-inf")
         self._bar: Any = None
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def show(self, scene: Scene) -> Command:
         """Say the instruction, if it is another one."""

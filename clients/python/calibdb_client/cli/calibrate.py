@@ -1,27 +1,27 @@
-"""The command `calibrate`: a live camera, a video or pictures of a board become a calibration."""
+"""The commands `calibrate` and `submit`: a live camera, a video, pictures or kept corners are calibrated."""
 
 from __future__ import annotations
 
 import argparse
-import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from .. import pictures
 from ..board import opencv
 from ..calibration import Calibration
 from ..errors import CalibDBError, CaptureError, MirroredError, MissingPackageError, UsageError
 from ..files import write_whole
 from ..key import UNNAMED, CameraKey
+from ..offline import calibrate_recording
 from ..pictures import MAX_PICTURES, PLATFORM, FoundViews, picture_paths, read, turned_by_camera
 from ..recording import Recording
-from ..session import calibrate_offline
 from . import live, options
-from .board import chosen_board
+from .board import add_square, chosen_board
 from .capture_options import (
+    add_contribution,
     add_fix,
-    add_licence,
-    add_mode_name,
-    add_offline,
+    add_model,
     add_source,
     fix_of,
     kind_of,
@@ -29,8 +29,7 @@ from .capture_options import (
     new_name,
 )
 from .conclusion import NO_TARGET, Target, conclude, target_of
-from .output import Output
-from .progress import progress
+from .output import Output, progress
 
 
 def add(commands: Any) -> None:
@@ -43,14 +42,11 @@ def add(commands: Any) -> None:
         "to a file first, so that nothing is lost.",
     )
     add_source(parser)
-    add_offline(parser)
     parser.add_argument("--mirrored", action="store_true", help="the pictures are mirrored: turn them back")
     options.add_file(parser, "a new one")
     add_fix(parser)
     parser.add_argument("-v", "--verbose", action="store_true", help="print a row for each picture")
-    add_licence(parser)
-    add_mode_name(parser)
-    options.add_service(parser)
+    add_contribution(parser)
     parser.set_defaults(run=run)
 
 
@@ -116,9 +112,7 @@ def recognise_board(kind: str, source: str, paths: list[Path], output: Output | 
 
         board = board_in_video(source, mirrored)
     else:
-        from ..images import board_of
-
-        board = board_of(paths, mirrored)
+        board = pictures.recognise_board(paths, mirrored)
     if output:
         guessed = " (a guess: say --tag-spacing if you know it)" if board.kind == "aprilgrid" else ""
         output.note(f"board: {board}{guessed}")
@@ -146,7 +140,7 @@ def finish(
     try:
         if chosen.offline:
             start = Calibration.load(chosen.start) if chosen.start else None
-            result = calibrate_offline(recording, chosen.model, int(time.time()), fix_of(chosen), start)
+            result = calibrate_recording(recording, chosen.model, fix=fix_of(chosen), start=start)
         else:
             with options.client(chosen) as client, progress("views") as advance:
                 result = client.submit(
@@ -162,8 +156,40 @@ def finish(
         offline = " --offline" if isinstance(error, MissingPackageError) else ""
         output.note(f"the corners are kept in {path}: `calibdb submit {path}{offline}` goes on with them")
         raise
-    verbose = getattr(chosen, "verbose", False)
-    return conclude(recording, result, path, output, target, verbose, chosen.square_mm)
+    return conclude(recording, result, path, chosen, output, target)
+
+
+def add_submit(commands: Any) -> None:
+    """Add the command `submit` to the parser."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "submit",
+        help="send the corners that `calibrate` kept",
+        description="Send the corners in a file that `calibdb calibrate` wrote, or calibrate them again.",
+    )
+    parser.add_argument("file", help="file that `calibdb calibrate` wrote")
+    parser.add_argument("--label", help="label of the camera, if another one than the file's")
+    parser.add_argument("--platform", help=f"its platform, if not the file's ({PLATFORM})")
+    add_model(parser)
+    add_square(parser)
+    add_fix(parser)
+    add_contribution(parser)
+    parser.set_defaults(run=submit)
+
+
+def submit(chosen: argparse.Namespace, output: Output) -> int:
+    """Read the file and calibrate."""
+    fix_of(chosen)  # refused before anything is read
+    path = Path(chosen.file)
+    recording = Recording.load(path)
+    if not (chosen.offline or chosen.label) and recording.key.camera == UNNAMED:
+        raise UsageError("which camera took the pictures? Say --label, and --platform if a browser used it")
+    chosen.licence = None if chosen.offline else licence_of(chosen, output)
+    key = replace(
+        recording.key,
+        camera=chosen.label or recording.key.camera,
+        platform=chosen.platform or recording.key.platform,
+    )
+    return finish(replace(recording, key=key), path, chosen, output)
 
 
 def _describe(found: FoundViews, size: tuple[int, int], used: int, verbose: bool, output: Output) -> None:

@@ -14,7 +14,7 @@ from ..errors import UsageError
 from ..key import AUTO, MODELS
 from ..session import LICENCE, LICENCE_VERSION
 from . import options
-from .board import add_board
+from .board import add_board, chosen_board
 from .output import Output
 
 Kind = Literal["camera", "video", "pictures"]
@@ -32,13 +32,6 @@ def add_model(parser: argparse.ArgumentParser) -> None:
         choices=(AUTO, *MODELS),
         default=AUTO,
         help="distortion model; auto: the one that predicts held-out views best",
-    )
-
-
-def add_offline(parser: argparse.ArgumentParser) -> None:
-    """Add the option that sends nothing."""
-    parser.add_argument(
-        "--offline", action="store_true", help="calibrate here, with calibsolver; send nothing"
     )
 
 
@@ -82,20 +75,25 @@ def add_licence(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_mode_name(parser: argparse.ArgumentParser) -> None:
-    """Add the name of the camera's mode."""
+def add_contribution(parser: argparse.ArgumentParser) -> None:
+    """Add the options of a calibration: sent to the service or not, the licence, the camera's mode."""
+    parser.add_argument(
+        "--offline", action="store_true", help="calibrate here, with calibsolver; send nothing"
+    )
+    add_licence(parser)
     parser.add_argument(
         "--mode-name",
         metavar="NAME",
         help='name of the mode that the camera is in, such as "stabilisation on"; public',
     )
+    options.add_service(parser)
 
 
-def add_source(parser: argparse.ArgumentParser, several: bool = True) -> None:
+def add_source(parser: argparse.ArgumentParser) -> None:
     """Add the source, the options of its camera, and those of the board."""
     parser.add_argument(
         "source",
-        nargs="+" if several else None,
+        nargs="+",
         help="camera here (index, path or name), address of a stream (rtsp://, http://), video file, "
         "pictures, or folders of pictures",
     )
@@ -156,9 +154,14 @@ def licence_of(chosen: argparse.Namespace, output: Output) -> str | None:
 
 
 def new_name(label: str, size: tuple[int, int]) -> Path:
-    """Return the name of a file that is not there yet."""
-    slug = re.sub(r"[^a-z0-9]+", "-", label.lower()).strip("-")[:60] or "camera"
-    stem = f"{slug}-{size[0]}x{size[1]}"
+    """Return the name of a camera's file that is not there yet."""
+    from calibsolver.formats import slug
+
+    return free_path(f"{slug(label)}-{size[0]}x{size[1]}")
+
+
+def free_path(stem: str) -> Path:
+    """Return a JSON file that is not there yet."""
     for n in range(1, 10_000):
         path = Path(f"{stem}.json" if n == 1 else f"{stem}-{n}.json")
         if not path.exists():
@@ -168,8 +171,6 @@ def new_name(label: str, size: tuple[int, int]) -> Path:
 
 def capture_arguments(chosen: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments of a live capture that the options say."""
-    from .board import chosen_board
-
     return {
         "label": chosen.label,
         "platform": chosen.platform,

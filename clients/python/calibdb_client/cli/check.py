@@ -73,10 +73,9 @@ def _compare(camera: Any, arguments: dict[str, Any], chosen: argparse.Namespace,
     from dataclasses import asdict
 
     from ..capture.glances import recording_to_check
-    from ..comparison import compare
-    from .undistort import loaded
+    from ..checks import compare
 
-    calibration = loaded(chosen.against, chosen)
+    calibration = options.calibration(chosen.against, chosen)
     if Path(chosen.against).is_file():
         result = compare(recording_to_check(camera, **arguments), calibration)
     else:

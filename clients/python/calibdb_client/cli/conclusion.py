@@ -50,14 +50,13 @@ def conclude(
     recording: Recording,
     result: CaptureResult,
     path: Path,
+    chosen: argparse.Namespace,
     output: Output,
     target: Target = NO_TARGET,
-    verbose: bool = False,
-    square_mm: float | None = None,
 ) -> int:
     """Write the result to the recording's file, optionally also as another tool's file, and print it.
 
-    `verbose` prints a row per image; `square_mm` is the side of a square, if it is known.
+    With ``--verbose`` it prints a row per image.
     """
     write_whole(path, recording.content(result.calibration.record))
     for source, why in result.left_out:
@@ -66,7 +65,7 @@ def conclude(
         output.note(f"--model {result.suggested_model} explains these pictures better")
     for text in result.verdict[1:]:
         output.note(text)
-    if sentence := result.board_sentence(square_mm):
+    if sentence := result.board_sentence(chosen.square_mm):
         output.note(sentence)
     if output.json:
         output.document(dict(result.calibration.record))
@@ -74,7 +73,7 @@ def conclude(
         rows = [("views", str(result.used)), *calibration_facts(result.calibration.record)]
         verdict = [("verdict", result.verdict[0])] if result.verdict else []
         output.facts([*rows, *verdict])
-        if verbose:
+        if getattr(chosen, "verbose", False):
             output.table(("picture", "corners", "used", "rms, px", ""), _picture_rows(recording, result))
     output.note(f"wrote {path}")
     if result.calibration.id:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import re
 from pathlib import Path
 from typing import Any
 
@@ -71,18 +70,10 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         else:
             output.file(Calibration.load(path).export(options.chosen_format(chosen), change), chosen.output)
         return 0
-    if "/" in chosen.source or re.search(r"\.[A-Za-z]{2,12}$", chosen.source):
-        raise UsageError(f"{chosen.source} is not there")
+    options.require_id(chosen.source)
     form = options.chosen_format(chosen)
     with options.client(chosen) as client:
-        file = client.export(
-            chosen.source,
-            form,
-            crop=change.crop,
-            resize=change.resize,
-            rotate=change.rotate,
-            mirror=change.mirror,
-        )
+        file = client.export(chosen.source, form, **vars(change))
     output.file(file, chosen.output)
     return 0
 

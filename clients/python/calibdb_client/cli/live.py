@@ -1,4 +1,4 @@
-"""Live captures of the command: the file that is kept meanwhile, and what is said if they end early."""
+"""Live captures, and the command `resume`: the file kept meanwhile, and what is said if they end early."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..files import write_whole
 from ..key import UNNAMED
 from ..recording import Recording
 from . import options
-from .capture_options import capture_arguments, licence_of, new_name
+from .capture_options import add_contribution, add_model, add_show, capture_arguments, licence_of, new_name
 from .conclusion import NO_TARGET, Target, conclude, target_of
 from .output import Output
 
@@ -82,7 +82,7 @@ def capture(
         raise
     if kept.path is None:
         raise UsageError("no view was taken")
-    return conclude(recording[0], result, kept.path, output, target, square_mm=chosen.square_mm)
+    return conclude(recording[0], result, kept.path, chosen, output, target)
 
 
 def _say_how_to_go_on(recording: Recording, kept: KeptFile, output: Output) -> None:
@@ -92,3 +92,33 @@ def _say_how_to_go_on(recording: Recording, kept: KeptFile, output: Output) -> N
         f"{len(recording.views)} views are in {kept.path}: `calibdb resume {kept.path}` continues with them, "
         f"`calibdb submit {kept.path}` calibrates from them{label}"
     )
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parser."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "resume",
+        help="continue a live capture that ended early",
+        description="Continue a live capture, from the file that `calibdb calibrate` kept.",
+    )
+    parser.add_argument("file", help="file that `calibdb calibrate` kept")
+    parser.add_argument("camera", nargs="?", help="the camera; found by its label unless given")
+    add_show(parser)
+    add_model(parser)
+    add_contribution(parser)
+    parser.set_defaults(run=resume, square_mm=None)
+
+
+def resume(chosen: argparse.Namespace, output: Output) -> int:
+    """Read the file, open the camera, and continue the capture."""
+    recording = Recording.load(chosen.file)
+    if not recording.live:
+        raise UsageError(f"{chosen.file} contains images, not a live capture: `calibdb submit {chosen.file}`")
+    if not chosen.offline and recording.key.camera == UNNAMED:
+        raise UsageError("this capture has no camera's label: go on with --offline")
+    camera = chosen.camera or recording.key.camera
+    if camera == UNNAMED:
+        raise UsageError("which camera is it? Give its index, path or address after the file")
+    licence = None if chosen.offline else licence_of(chosen, output)
+    arguments = {"resume": recording, "show": chosen.show}
+    return capture(camera, arguments, licence, KeptFile(chosen.file), chosen, output)

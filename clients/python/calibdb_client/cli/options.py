@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import argparse
+import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import CalibDBError, MissingPackageError, UsageError
-from ..key import DEFAULT_MODEL, MODELS, CameraKey, parse_size
+from ..key import DEFAULT_MODEL, MODELS, CameraKey
 
 if TYPE_CHECKING:
+    from ..calibration import Calibration
     from ..client import Client
 
 
 def size(text: str) -> tuple[int, int]:
-    """Read a size, for argparse."""
-    try:
-        return parse_size(text)
-    except UsageError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+    """Read `1280x720`, for argparse."""
+    match = re.fullmatch(r"\s*(\d{1,5})\s*[xX×]\s*(\d{1,5})\s*", text)
+    if not match:
+        raise argparse.ArgumentTypeError(f"a size is written as 1280x720, not {text!r}")
+    return int(match[1]), int(match[2])
 
 
 def add_service(parser: argparse.ArgumentParser) -> None:
@@ -59,6 +62,23 @@ def client(chosen: argparse.Namespace) -> Client:
         timeout=RESPONSE_TIMEOUT_S if chosen.timeout is None else chosen.timeout,
         cache=not chosen.no_cache,
     )
+
+
+def calibration(name: str, chosen: argparse.Namespace) -> Calibration:
+    """Return the calibration in a file, or the one that the service has under an id."""
+    from ..calibration import Calibration
+
+    if Path(name).is_file():
+        return Calibration.load(name)
+    require_id(name)
+    with client(chosen) as service:
+        return service.calibration(name)
+
+
+def require_id(name: str) -> None:
+    """Raise UsageError for the path of a file, which is not there."""
+    if "/" in name or re.search(r"\.[A-Za-z]{2,12}$", name):
+        raise UsageError(f"{name} is not there")
 
 
 def add_camera(parser: argparse.ArgumentParser) -> None:

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from ..files import ExportedFile, write_whole
+
+LINES_EVERY_S = 5.0
+"""Time between two lines of progress, where there is no terminal."""
 
 
 class Output:
@@ -129,3 +134,30 @@ def _covered(record: Mapping[str, Any]) -> str:
     except (calibsolver.CalibrationError, KeyError, TypeError, ValueError):
         return "the image"
     return "the image" if share > 0.9995 else f"the {100 * share:.0f} % of the image that the model covers"
+
+
+@contextmanager
+def progress(what: str) -> Iterator[Callable[[int, int], None]]:
+    """Show how many of how many are done, as long as the block lasts."""
+    if not sys.stderr.isatty():
+        yield _lines(what)
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as shown:
+        task = shown.add_task(what, total=None)
+        yield lambda done, count: shown.update(task, completed=done, total=count)
+
+
+def _lines(what: str) -> Callable[[int, int], None]:
+    written = time.monotonic()
+
+    def advance(done: int, count: int) -> None:
+        nonlocal written
+        if time.monotonic() - written >= LINES_EVERY_S:
+            written = time.monotonic()
+            print(f"{what}: {done} of {count}", file=sys.stderr, flush=True)
+
+    return advance

@@ -17,12 +17,11 @@ from . import (
     completion,
     database,
     export,
+    live,
     lookup,
     plot,
     priors,
-    resume,
     rig,
-    submit,
     undistort,
 )
 from .output import Output
@@ -42,19 +41,8 @@ CALIBDB_URL and CALIBDB_TOKEN stand for --url and --token."""
 _INTERRUPTED = 130
 
 _COMMANDS = (
-    lookup,
-    priors,
-    calibrate,
-    rig,
-    resume,
-    submit,
-    check,
-    plot,
-    undistort,
-    database,
-    export,
-    board,
-    completion,
+    *(lookup.add, priors.add, calibrate.add, rig.add, live.add, calibrate.add_submit, check.add, plot.add),
+    *(undistort.add, database.add, export.add, board.add, completion.add),
 )
 
 
@@ -68,8 +56,8 @@ def parser() -> argparse.ArgumentParser:
     )
     program.add_argument("--version", action="version", version=f"calibdb {__version__}")
     commands = program.add_subparsers(dest="command", metavar="COMMAND")
-    for module in _COMMANDS:
-        module.add(commands)
+    for add in _COMMANDS:
+        add(commands)
     return program
 
 

@@ -12,9 +12,8 @@ from ..board import opencv
 from ..conversion import RIG_NATIVE
 from . import options
 from .board import add_board, chosen_board
-from .capture_options import add_model
-from .output import Output
-from .progress import progress
+from .capture_options import add_model, free_path
+from .output import Output, progress
 
 
 def add(commands: Any) -> None:
@@ -61,18 +60,13 @@ def run(chosen: argparse.Namespace, output: Output) -> int:
         output.facts(_facts(result))
     native = Path(chosen.output) if chosen.output and form == RIG_NATIVE else None
     if native is None:
-        native = Path(chosen.output).with_suffix(".calibdb.json") if chosen.output else _new_name()
+        native = Path(chosen.output).with_suffix(".calibdb.json") if chosen.output else free_path("rig")
     rig.save(native, RIG_NATIVE)
     output.note(f"wrote {native}")
     if form != RIG_NATIVE:
         file = rig.export(form)
         output.file(file, chosen.output or file.filename)
     return 0
-
-
-def _new_name() -> Path:
-    names = (Path("rig.json" if n == 1 else f"rig-{n}.json") for n in range(1, 10_000))
-    return next(path for path in names if not path.exists())
 
 
 def _facts(result: Any) -> list[tuple[str, str]]:

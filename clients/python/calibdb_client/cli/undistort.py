@@ -11,8 +11,7 @@ from ..calibration import Calibration
 from ..errors import UsageError
 from ..pictures import SUFFIXES, picture_paths
 from . import options
-from .output import Output
-from .progress import progress
+from .output import Output, progress
 
 DEFAULT_FRAMES_PER_SECOND = 30.0
 
@@ -39,22 +38,12 @@ def add(commands: Any) -> None:
     parser.set_defaults(run=run)
 
 
-def loaded(name: str, chosen: argparse.Namespace) -> Calibration:
-    """Return the calibration in a file, or the one that the service has under an id."""
-    if Path(name).is_file():
-        return Calibration.load(name)
-    if "/" in name or Path(name).suffix.lower() in (".json", ".yaml", ".yml", ".xml", ".cameramodel", ".txt"):
-        raise UsageError(f"{name} is not there")
-    with options.client(chosen) as client:
-        return client.calibration(name)
-
-
 def run(chosen: argparse.Namespace, output: Output) -> int:
     """Read, straighten and write."""
     from ..capture.source import is_video
 
     opencv()
-    calibration = loaded(chosen.calibration, chosen)
+    calibration = options.calibration(chosen.calibration, chosen)
     matrix = calibration.new_camera_matrix(chosen.alpha)
     tables = calibration.remap_tables(matrix)
     target = Path(chosen.output)

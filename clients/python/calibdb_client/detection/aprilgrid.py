@@ -36,7 +36,7 @@ class AprilGridFinder:
     def __call__(self, grey: Any) -> tuple[Any, Any] | None:
         """Return ids (n,) and corners (n, 2) px in a picture (h, w); None if none of its tags is seen."""
         tags = self.tags(grey)
-        return None if tags is None else self.corners_of(*tags)
+        return None if tags is None else corners_of_tags(self.board, *tags)
 
     def tags(self, grey: Any) -> tuple[Any, Array] | None:
         """Return ids (n,) and corners (n, 4, 2) px of the tags in a picture; None if there is but one."""
@@ -47,41 +47,39 @@ class AprilGridFinder:
             self._detectors = [d for d, each in zip(self._detectors, results, strict=True) if each[0] is ids]
         return None if len(ids) < 2 else (ids, tags)
 
-    def corners_of(self, ids: Any, tags: Array) -> tuple[Any, Any]:
-        """Return ids (n,) and corners (n, 2) px of tags, numbered as the board's."""
-        smooth = self._smooth_corners(ids, self._number_corners(ids, tags))
-        return (4 * ids[:, None] + np.arange(4)).reshape(-1), smooth.reshape(-1, 2).astype(np.float32)
 
-    def _number_corners(self, ids: Any, tags: Array) -> Array:
-        """Return the corners (n, 4, 2) px of tags, anticlockwise from the lower left on the upright board.
+def corners_of_tags(board: Board, ids: Any, tags: Array) -> tuple[Any, Any]:
+    """Return ids (n,) and corners (n, 2) px of tags, numbered as the board's.
 
-        Detectors begin with the corner that is first in the tag's code, which prints turn as they like. The
-        places of the tags say how the board is turned: a similarity from the board to the picture, without
-        mirroring.
-        """
-        places = self.board.places.reshape(-1, 4, 2)[ids]
-        middles, centres = places.mean(axis=1), tags.mean(axis=1)
-        a = (middles - middles.mean(axis=0)) @ [1, 1j]
-        b = (centres - centres.mean(axis=0)) @ [1, 1j]
-        turn = np.vdot(a, b)
-        turn /= max(abs(turn), 1e-12)
-        expected = ((places - middles[:, None]) @ [1, 1j]) * turn
-        # Detectors list corners clockwise, Kalibr anticlockwise.
-        offsets = ((tags - centres[:, None]) @ [1, 1j])[:, ::-1]
-        agreement = [float(np.real(np.conj(expected) * np.roll(offsets, k, axis=1)).sum()) for k in range(4)]
-        best = int(np.argmax(agreement))
-        return np.roll(tags[:, ::-1], best, axis=1)
+    They lie where the tags around each say that they are. Contours run from a tag into the squares that are
+    printed into the corners between tags: single corners lie some pixels off, a smooth map of their
+    neighbours does not.
+    """
+    corners = (4 * ids[:, None] + np.arange(4)).reshape(-1)
+    points = _number_corners(board, ids, tags).reshape(-1, 2)
+    if len(ids) >= MIN_SMOOTHED_TAGS:
+        points = _smoothed(board, corners, points)
+    return corners, points.astype(np.float32)
 
-    def _smooth_corners(self, ids: Any, tags: Array) -> Array:
-        """Return the corners (n, 4, 2) px where the tags around each say that they are.
 
-        Contours run from a tag into the squares that are printed into the corners between tags: single
-        corners lie some pixels off, a smooth map of their neighbours does not.
-        """
-        if len(ids) < MIN_SMOOTHED_TAGS:
-            return tags
-        corners = (4 * ids[:, None] + np.arange(4)).reshape(-1)
-        return _smoothed(self.board, corners, tags.reshape(-1, 2)).reshape(-1, 4, 2)
+def _number_corners(board: Board, ids: Any, tags: Array) -> Array:
+    """Return the corners (n, 4, 2) px of tags, anticlockwise from the lower left on the upright board.
+
+    Detectors begin with the corner that is first in the tag's code, which prints turn as they like. The
+    places of the tags say how the board is turned: a similarity from the board to the picture, without
+    mirroring.
+    """
+    places = board.places.reshape(-1, 4, 2)[ids]
+    middles, centres = places.mean(axis=1), tags.mean(axis=1)
+    a = (middles - middles.mean(axis=0)) @ [1, 1j]
+    b = (centres - centres.mean(axis=0)) @ [1, 1j]
+    turn = np.vdot(a, b)
+    turn /= max(abs(turn), 1e-12)
+    expected = ((places - middles[:, None]) @ [1, 1j]) * turn
+    # Detectors list corners clockwise, Kalibr anticlockwise.
+    offsets = ((tags - centres[:, None]) @ [1, 1j])[:, ::-1]
+    agreement = [float(np.real(np.conj(expected) * np.roll(offsets, k, axis=1)).sum()) for k in range(4)]
+    return np.roll(tags[:, ::-1], int(np.argmax(agreement)), axis=1)
 
 
 def local_distances(board: Board, ids: Any, points: Array) -> Array:

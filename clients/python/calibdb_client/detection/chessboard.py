@@ -10,6 +10,7 @@ import numpy as np
 
 from ..board import opencv
 from ..errors import CaptureError
+from .corners import STEPS
 
 MAX_COUNTED = 6
 """Pictures in which the corners of a board are counted."""
@@ -17,7 +18,6 @@ MAX_CANDIDATES = 4
 """Sizes of a board that are tried, those that most corners speak for."""
 MIN_AGREEMENT = 0.6
 """Share of the pictures that agree on the number of corners; below, the user has to count the squares."""
-_STEPS = (3, 40, 0.001)  # by count and by change, iterations, px
 
 
 def find_corners(grey: Any, size: tuple[int, int], thorough: bool = True) -> Any | None:
@@ -46,7 +46,7 @@ def find_corners(grey: Any, size: tuple[int, int], thorough: bool = True) -> Any
     if not is_there:
         return None
     coarse = np.ascontiguousarray(points, dtype=np.float32).reshape(-1, 1, 2)
-    return cv2.cornerSubPix(grey, coarse, (3, 3), (-1, -1), _STEPS).reshape(rows, columns, 2)
+    return cv2.cornerSubPix(grey, coarse, (3, 3), (-1, -1), STEPS).reshape(rows, columns, 2)
 
 
 def count_corners(greys: Sequence[Any]) -> tuple[int, int] | None:

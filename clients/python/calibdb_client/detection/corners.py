@@ -15,7 +15,7 @@ MIN_SQUARE_PX = 12.0
 """Side of a square, or of a tag, in the picture; corners of smaller ones are not measured well."""
 MAX_REFINEMENT_PX = 2.0
 """Distance by which refinement may move a corner; one that moves farther is not a corner."""
-_STEPS = (3, 40, 0.001)  # by count and by change, iterations, px
+STEPS = (3, 40, 0.001)  # by count and by change, iterations, px
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ def refine(grey: Any, board: Board, ids: Any, coarse: Any) -> Corners | None:
         if not inside[n]:  # of a tag that the picture cuts off
             continue
         half = int(np.clip(round(float(room) / 8), 2, 6))
-        cv2.cornerSubPix(grey, fine[n : n + 1], (half, half), (-1, -1), _STEPS)
+        cv2.cornerSubPix(grey, fine[n : n + 1], (half, half), (-1, -1), STEPS)
     moved = np.linalg.norm(fine - coarse, axis=1)
     indices = np.flatnonzero(inside & (sides >= MIN_SQUARE_PX) & (moved <= MAX_REFINEMENT_PX))
     if len(indices) < MIN_CORNERS:

@@ -205,7 +205,3 @@ def _shrunk(grey: Any) -> Any:
     if factor >= 1:
         return grey
     return opencv().resize(grey, None, fx=factor, fy=factor, interpolation=opencv().INTER_AREA)
-
-
-def _spread(values: Sequence[Any], count: int) -> list[Any]:
-    return [values[n * len(values) // count] for n in range(count)] if len(values) > count else list(values)

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 import calibsolver
+from calibsolver.arrays import Array
 
 from ..board import Board
-from .aprilgrid import AprilGridFinder, local_distances
+from .aprilgrid import AprilGridFinder, corners_of_tags, local_distances
 from .corners import Corners, refine
 
 USUAL_SPACINGS = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6)
@@ -35,26 +36,26 @@ def estimate_spacing(grid: Board, greys: Sequence[Any]) -> float | None:
     """Return the spacing of an AprilGrid in pictures (h, w); None if they do not tell, or disagree."""
     if grid.inverted:
         greys = [255 - grey for grey in greys]
-    coarse = [each for grey in greys if (each := _coarse_spacing(grid, grey)) is not None]
+    finder = AprilGridFinder(grid)
+    shown = [(grey, tags) for grey in greys if (tags := finder.tags(grey)) is not None]
+    coarse = [each for grey, tags in shown if (each := _coarse_spacing(grid, grey, *tags)) is not None]
     if not coarse or max(coarse) - min(coarse) > MAX_DISAGREEMENT:
         return None
     start = statistics.median(coarse)
-    fitted = _fitted_spacing(replace(grid, tag_spacing=start), greys)
+    fitted = _fitted_spacing(replace(grid, tag_spacing=start), shown)
     spacing, tolerance = (fitted, MAX_SNAP) if fitted is not None else (start, MAX_SNAP_COARSE)
     usual = min(USUAL_SPACINGS, key=lambda each: abs(each - spacing))
     return usual if abs(usual - spacing) <= tolerance else round(spacing, 3)
 
 
-def _coarse_spacing(grid: Board, grey: Any) -> float | None:
-    """Return the spacing at which the refined corners of one picture lie most smoothly."""
-    tags = AprilGridFinder(grid).tags(grey)
-    if tags is None or len(tags[0]) < MIN_TAGS:
+def _coarse_spacing(grid: Board, grey: Any, tags: Any, quads: Array) -> float | None:
+    """Return the spacing at which the refined corners of one picture's tags lie most smoothly."""
+    if len(tags) < MIN_TAGS:
         return None
     distances = np.full(len(COARSE), np.inf)
     for n, spacing in enumerate(COARSE.tolist()):
         board = replace(grid, tag_spacing=spacing)
-        finder = AprilGridFinder(board)
-        ids, places = finder.corners_of(*tags)
+        ids, places = corners_of_tags(board, tags, quads)
         corners = refine(grey, board, ids, places)
         # Between the tags nothing moves a corner: there is none.
         if corners is None or len(corners.ids) < 0.8 * len(ids) or _share_unmoved(corners, ids, places) > 0.3:
@@ -72,17 +73,13 @@ def _share_unmoved(corners: Corners, ids: Any, places: Any) -> float:
     return float((np.linalg.norm(corners.points - before, axis=1) < 0.02).mean())
 
 
-def _fitted_spacing(grid: Board, greys: Sequence[Any]) -> float | None:
+def _fitted_spacing(grid: Board, shown: Sequence[tuple[Any, tuple[Any, Array]]]) -> float | None:
     """Return the spacing at which a camera explains the corners of all pictures best; None without a fit."""
-    finder = AprilGridFinder(grid)
-    views = [
-        corners
-        for grey in greys
-        if (places := finder(grey)) is not None and (corners := refine(grey, grid, *places)) is not None
-    ]
+    refined = (refine(grey, grid, *corners_of_tags(grid, *tags)) for grey, tags in shown)
+    views = [corners for corners in refined if corners is not None]
     if len(views) < 2:
         return None
-    h, w = greys[0].shape
+    h, w = shown[0][0].shape
     trials, errors = [], []
     for step in FINE.tolist():
         board = replace(grid, tag_spacing=grid.tag_spacing + step)

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from .device import Device, label_of
 
-LINUX_PLATFORM = "X11; Linux x86_64"
+PLATFORM = "X11; Linux x86_64"
 """Chromium's platform on every Linux computer, whatever its processor: user agents are reduced."""
 CAP_V4L2 = 200
 MAX_NAME_BYTES = 256
@@ -86,7 +86,7 @@ def devices(
         vendor, product = _read(usb / "idVendor")[:4], _read(usb / "idProduct")[:4]
         model = f"{vendor}:{product}" if vendor and product else ""
         label = label_of(name or folder.name, model)
-        cameras.append(Device(int(number[1]), label, LINUX_PLATFORM, str(path), CAP_V4L2))
+        cameras.append(Device(int(number[1]), label, PLATFORM, str(path), CAP_V4L2))
     return sorted(cameras, key=lambda device: device.index)
 
 

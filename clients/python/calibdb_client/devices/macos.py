@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from ..errors import CameraError
 from .device import Device, label_of
 
-MACOS_PLATFORM = "Macintosh; Intel Mac OS X 10_15_7"
+PLATFORM = "Macintosh; Intel Mac OS X 10_15_7"
 """Chromium's platform on every Macintosh: user agents are reduced."""
 CAP_AVFOUNDATION = 1200
 LIST_TIMEOUT_S = 20.0
@@ -55,7 +55,7 @@ def parse(listed: bytes) -> Sequence[Device]:
     except (ValueError, KeyError, TypeError, AttributeError):
         raise CameraError("macOS lists its cameras in a form that this version does not know") from None
     return [
-        Device(index, label_of(name, _model_id(unique, model)), MACOS_PLATFORM, unique, CAP_AVFOUNDATION)
+        Device(index, label_of(name, _model_id(unique, model)), PLATFORM, unique, CAP_AVFOUNDATION)
         for index, (unique, name, model) in enumerate(sorted(cameras))
     ]
 

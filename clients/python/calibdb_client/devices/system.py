@@ -3,35 +3,27 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from ..errors import CameraError
 from . import linux, macos, windows
 from .device import Device
 
-_LISTS: dict[str, Callable[[], Sequence[Device]]] = {
-    "linux": linux.devices,
-    "darwin": macos.devices,
-    "win32": windows.devices,
-}
-_PLATFORMS = {
-    "linux": linux.LINUX_PLATFORM,
-    "darwin": macos.MACOS_PLATFORM,
-    "win32": windows.WINDOWS_PLATFORM,
-}
+_SYSTEMS = {"linux": linux, "darwin": macos, "win32": windows}
 
 
 def devices() -> Sequence[Device]:
     """List the cameras of this machine. Raises CameraError on a system that is not known."""
-    listed = _LISTS.get(sys.platform)
-    if listed is None:
+    system = _SYSTEMS.get(sys.platform)
+    if system is None:
         raise CameraError(f"cameras of {sys.platform} are not known: give label and platform")
-    return listed()
+    cameras: Sequence[Device] = system.devices()
+    return cameras
 
 
 def platform_of(system: str = sys.platform) -> str:
     """Return the platform that Chromium gives on a system; Linux's for one that is not known."""
-    return _PLATFORMS.get(system, linux.LINUX_PLATFORM)
+    return str(_SYSTEMS.get(system, linux).PLATFORM)
 
 
 def find(wanted: str | int, among: Sequence[Device] | None = None) -> Device:

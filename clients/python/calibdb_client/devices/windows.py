@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 from ..errors import MissingPackageError
 from .device import Device, label_of
 
-WINDOWS_PLATFORM = "Windows NT 10.0; Win64; x64"
+PLATFORM = "Windows NT 10.0; Win64; x64"
 """Chromium's platform on every Windows: user agents are reduced."""
 CAP_MSMF = 1400
 
@@ -37,5 +37,5 @@ def name_devices(listed: Iterable[tuple[int, str, str]]) -> Sequence[Device]:
     for index, name, path in listed:
         ids = _IDS.search(path)
         label = label_of(name, f"{ids[1]}:{ids[2]}" if ids else "")
-        cameras.append(Device(index, label, WINDOWS_PLATFORM, path, CAP_MSMF))
+        cameras.append(Device(index, label, PLATFORM, path, CAP_MSMF))
     return cameras

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import text
 from .base import ImportedFile
-from .coefficients import camera_from_opencv
+from .coefficients import camera_from_opencv, matrix_of
 from .members import Members
 
 
@@ -70,7 +70,7 @@ def read(data: Mapping[Any, Any]) -> ImportedFile:
     else:
         fy, cx, cy = value("f"), size[0] / 2 + value("cx") - 0.5, size[1] / 2 + value("cy") - 0.5
         fx = fy + value("b1")
-    matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]])
+    matrix = matrix_of(fx, fy, cx, cy)
     names = ("k1", "k2", "p2", "p1", "k3") if kind == "frame" else ("k1", "k2", "k3", "k4")
     return ImportedFile(
         camera_from_opencv(matrix, np.array([value(n) for n in names]), size, kind == "fisheye")

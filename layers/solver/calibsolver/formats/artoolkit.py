@@ -6,7 +6,7 @@ import numpy as np
 
 from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
-from .coefficients import camera_from_opencv
+from .coefficients import camera_from_opencv, matrix_of
 from .format import Format
 
 
@@ -59,5 +59,5 @@ def read(raw: bytes) -> ImportedFile:
             "newer ARToolKit"
         )
     fx, fy, cx, cy = factors[-5:-1]
-    matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]])
+    matrix = matrix_of(fx, fy, cx, cy)
     return ImportedFile(camera_from_opencv(matrix, factors[:-5], (w, h), fisheye=False))

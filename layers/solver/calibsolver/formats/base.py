@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from .. import models
 from ..arrays import Mask
 from ..board import Board
 from ..camera import Camera
@@ -92,6 +93,10 @@ class ModelConstraint:
     equal_focal: bool = False
 
 
+ANY_MODEL = tuple(ModelConstraint(model) for model in models.NAMES)
+"""Constraints of a format that holds every camera."""
+
+
 @dataclass(frozen=True)
 class ExportedFile:
     """A file.
@@ -122,8 +127,6 @@ class ImportedFile:
         None if the file has only measurements.
     views
         With the coordinates of the file's own board, in its unit.
-    img_size
-        Width and height, px; None if the file does not say.
     name
         The camera's name in the file, or "".
     cameras
@@ -135,7 +138,6 @@ class ImportedFile:
 
     camera: Camera | None
     views: tuple[View, ...] = ()
-    img_size: tuple[int, int] | None = None
     name: str = ""
     cameras: tuple[str, ...] = ()
     error: float = 0.0

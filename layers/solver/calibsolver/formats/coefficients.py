@@ -1,9 +1,16 @@
 """Cameras of distortion coefficients as in files: checked, padded, distinguished by their number."""
 
+import numpy as np
+
 from ..arrays import Array
 from ..camera import Camera
 from ..errors import CalibrationError
 from . import text
+
+
+def matrix_of(fx: float, fy: float, cx: float, cy: float) -> Array:
+    """Return the camera matrix (3, 3) of focal lengths and centre, px."""
+    return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
 
 
 def make_camera(model: str, matrix: Array, d: Array, img_size: tuple[int, int]) -> Camera:

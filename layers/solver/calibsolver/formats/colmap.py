@@ -7,7 +7,7 @@ import numpy as np
 from ..camera import Camera
 from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
-from .coefficients import camera_from_opencv
+from .coefficients import camera_from_opencv, matrix_of
 from .format import Format
 
 HALF = 0.5
@@ -81,10 +81,8 @@ def read(data: object) -> ImportedFile:
         zip(names.split(), text.floats(text.member(data, "params"), "PARAMS", count, count), strict=True)
     )
     w, h = (text.count(side, "WIDTH, HEIGHT") for side in text.member(data, "size"))
-    fx, fy = values.get("fx", values.get("f")), values.get("fy", values.get("f"))
-    matrix = np.array(
-        [[fx, 0, values["cx"] - HALF], [0, fy, values["cy"] - HALF], [0, 0, 1.0]], dtype=np.float64
-    )
+    fx, fy = (values[name if name in values else "f"] for name in ("fx", "fy"))
+    matrix = matrix_of(fx, fy, values["cx"] - HALF, values["cy"] - HALF)
     order = ("k1", "k2", "k3", "k4") if fisheye else ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
     d = np.array([values.get(name, 0.0) for name in order])
     return ImportedFile(camera_from_opencv(matrix, d, (w, h), fisheye))

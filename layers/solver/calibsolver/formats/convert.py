@@ -196,25 +196,17 @@ def _cone(angle: float) -> Array:
 
 
 def convert_in_image(source: ExportSource, constraints: tuple[ModelConstraint, ...]) -> Conversion:
-    """Return the camera of one of `constraints` that draws the picture most alike (see `fit_in_image`).
+    """Return the camera of one of `constraints` that draws the picture most alike.
 
-    Another model is fitted to the source's views first. Raises CalibrationError ``not_representable``.
+    For files that correct pictures: there a turn of the camera, which a fit to keypoints is free to make, is
+    a shift of what is seen. Another model is fitted to the source's views first.
+
+    Raises CalibrationError ``not_representable``.
     """
     whole = convert(source, tuple(ModelConstraint(constraint.model) for constraint in constraints)).camera
     constraint = next(constraint for constraint in constraints if constraint.model == whole.model)
-    camera = fit_in_image(whole, constraint).camera
+    camera = whole if satisfies(whole, constraint) else fit_to_rays(whole, constraint)
     return Conversion(camera) if camera is source.camera else compare(source.camera, camera)
-
-
-def fit_in_image(camera: Camera, constraint: ModelConstraint) -> Conversion:
-    """Fit the camera of a constraint on the camera's own model that draws the picture most alike.
-
-    For files that correct pictures: there a turn of the camera, which a fit to keypoints is free to make, is
-    a shift of what is seen.
-    """
-    if satisfies(camera, constraint):
-        return Conversion(camera)
-    return compare(camera, fit_to_rays(camera, constraint))
 
 
 def fitted(source: ExportSource, constraint: ModelConstraint) -> tuple[Camera, tuple[Mask, ...]]:

@@ -11,7 +11,7 @@ from ..errors import CalibrationError
 from . import agisoft, colmap, generic, gyroflow, kalibr, lensfun, meshroom, opensfm, photonvision, text
 from .base import ImportedFile, ReaderOptions
 from .members import Members, image_size, normalise
-from .spellings import DISTORTION, MATRIX
+from .spellings import DISTORTION, MATRIX, words
 
 MAX_DEPTH = 8
 """Levels of members in which cameras are looked for."""
@@ -150,17 +150,7 @@ def _sides(members: Members) -> dict[str, dict[str, Any]]:
     return {side: {**common, **group} for side, group in groups.items()}
 
 
-_SHARED = (
-    "imagewidth",
-    "imageheight",
-    "imagesize",
-    "width",
-    "height",
-    "resolution",
-    "imgsize",
-    "distortionmodel",
-    "fisheye",
-)
+_SHARED = words("imagewidth imageheight imagesize width height resolution imgsize distortionmodel fisheye")
 
 
 def _stems(key: str) -> Iterator[tuple[str, str]]:

@@ -16,7 +16,7 @@ from ..errors import CalibrationError
 from . import text
 from .base import ImportedFile, ModelConstraint
 from .members import Members, normalise
-from .ray_fit import SAMPLE_GRID, fit_samples
+from .ray_fit import fit_samples, sample_pixels
 
 Unprojection = Callable[[Array], Array]
 """Rays (n, 3) of pixels (n, 2), of any length; NaN where there are none."""
@@ -31,9 +31,7 @@ def closest_camera(rays_of: Unprojection, size: tuple[int, int], name: str = "")
 
     Raises CalibrationError ``malformed`` if none comes near.
     """
-    w, h = size
-    x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
-    q = np.stack([x.ravel(), y.ravel()], axis=1)
+    q = sample_pixels(size).T
     with np.errstate(all="ignore"):
         rays = rays_of(q)
         rays = rays / np.linalg.norm(rays, axis=1, keepdims=True)
@@ -56,7 +54,7 @@ def closest_camera(rays_of: Unprojection, size: tuple[int, int], name: str = "")
         raise text.refuse("no model of calibsolver comes near the camera in the file")
     least = min(error for error, _ in results)
     error, camera = next(each for each in results if each[0] <= max(EQUAL_PX, least))
-    if error > MAX_APPROXIMATION_WIDTHS * w:
+    if error > MAX_APPROXIMATION_WIDTHS * size[0]:
         raise text.refuse(f"the closest model is {error:.1f} px off somewhere in the picture of the file")
     return ImportedFile(camera, name=name, error=error)
 
@@ -75,34 +73,26 @@ def named_rays(members: Members, matrix: Array) -> Unprojection | None:
 
 def rays_of_kind(kind: str, matrix: Array, one: float, other: float) -> Unprojection:
     """Return the rays of a double sphere camera (xi, alpha) or an extended unified one (alpha, beta)."""
-    fx, fy, cx, cy = matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]
-    make = double_sphere if kind.startswith("d") else extended_unified
-    return make(fx, fy, cx, cy, one, other)
-
-
-def double_sphere(fx: float, fy: float, cx: float, cy: float, xi: float, alpha: float) -> Unprojection:
-    """Return the rays of a double sphere camera."""
+    rays = _double_sphere if kind.startswith("d") else _extended_unified
 
     def rays_of(q: Array) -> Array:
-        x, y = (q[:, 0] - cx) / fx, (q[:, 1] - cy) / fy
-        r2 = x * x + y * y
-        mz = (1 - alpha**2 * r2) / (alpha * np.sqrt(1 - (2 * alpha - 1) * r2) + 1 - alpha)
-        scale = (mz * xi + np.sqrt(mz**2 + (1 - xi**2) * r2)) / (mz**2 + r2)
-        return np.stack([scale * x, scale * y, scale * mz - xi], axis=1)
+        x, y = (q - matrix[:2, 2]).T / np.diagonal(matrix)[:2, None]
+        return rays(x, y, one, other)
 
     return rays_of
 
 
-def extended_unified(fx: float, fy: float, cx: float, cy: float, alpha: float, beta: float) -> Unprojection:
-    """Return the rays of a camera of the extended unified model."""
+def _double_sphere(x: Array, y: Array, xi: float, alpha: float) -> Array:
+    r2 = x * x + y * y
+    mz = (1 - alpha**2 * r2) / (alpha * np.sqrt(1 - (2 * alpha - 1) * r2) + 1 - alpha)
+    scale = (mz * xi + np.sqrt(mz**2 + (1 - xi**2) * r2)) / (mz**2 + r2)
+    return np.stack([scale * x, scale * y, scale * mz - xi], axis=1)
 
-    def rays_of(q: Array) -> Array:
-        x, y = (q[:, 0] - cx) / fx, (q[:, 1] - cy) / fy
-        r2 = x * x + y * y
-        z = (1 - beta * alpha**2 * r2) / (alpha * np.sqrt(1 - (2 * alpha - 1) * beta * r2) + 1 - alpha)
-        return np.stack([x, y, z], axis=1)
 
-    return rays_of
+def _extended_unified(x: Array, y: Array, alpha: float, beta: float) -> Array:
+    r2 = x * x + y * y
+    z = (1 - beta * alpha**2 * r2) / (alpha * np.sqrt(1 - (2 * alpha - 1) * beta * r2) + 1 - alpha)
+    return np.stack([x, y, z], axis=1)
 
 
 def scaramuzza(

@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Array
 from . import text
 from .base import ImportedFile, ReaderOptions
-from .coefficients import camera_from_opencv, make_camera, pad_coefficients
+from .coefficients import camera_from_opencv, make_camera, matrix_of, pad_coefficients
 from .foreign_models import closest_camera, named_rays
 from .members import Members, image_size
 from .model_names import stated_model
@@ -89,18 +89,6 @@ def _data(value: Any) -> Any:
     return value
 
 
-def _numbers(value: Any) -> Array | None:
-    """Return the numbers of a value that holds some, and nothing else."""
-    held = _data(value)
-    if isinstance(held, Mapping) or held is None or isinstance(held, bool):
-        return None
-    if isinstance(held, str) and text.number_list(held) is None:
-        return None
-    if isinstance(held, list | tuple) and (len(held) > 16 or not held):
-        return None
-    return text.floats(held, "a matrix")
-
-
 def _matrix_key(members: Members) -> str | None:
     """Return the name of the camera matrix: of a list of 3 x 3 numbers, or of four or five intrinsics."""
     for key in MATRIX:
@@ -143,15 +131,13 @@ def _matrix(members: Members, flat: Members) -> tuple[Array, float | None]:
             return values.reshape(3, 4)[:, :3].copy(), None
         if len(values) in (4, 5) and key not in EXPLICIT_MATRIX:
             fx, fy, cx, cy = values[-4:]
-            return np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]]), float(values[0]) if len(
-                values
-            ) == 5 else None
+            return matrix_of(fx, fy, cx, cy), float(values[0]) if len(values) == 5 else None
         raise text.refuse(f"{name} must be 9 to 9 numbers, not {len(values)}")
     intrinsics = _scalar_intrinsics(flat)
     if intrinsics is None:
         raise text.refuse("the file has no camera matrix")
     fx, fy, cx, cy = intrinsics
-    return np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]]), None
+    return matrix_of(fx, fy, cx, cy), None
 
 
 def _flat(members: Members) -> Members:
@@ -257,8 +243,8 @@ def _order_coefficients(named: dict[str, float], model: str | None, d: Array) ->
 
 def _matlab_size(members: Members) -> tuple[int, int] | None:
     """Image size as MATLAB has it: rows first."""
-    size = _numbers(members.get("imagesize"))
-    if size is None or len(size) < 2:
+    size = _flatten(_data(members.get("imagesize")))
+    if len(size) < 2 or not all(map(_is_number, size)):
         return None
     return text.count(float(size[1]), "ImageSize"), text.count(float(size[0]), "ImageSize")
 

@@ -5,7 +5,7 @@ import numpy as np
 from ..errors import CalibrationError
 from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
-from .coefficients import make_camera, pad_coefficients
+from .coefficients import make_camera, matrix_of, pad_coefficients
 from .foreign_models import closest_camera, rays_of_kind
 from .format import Format
 
@@ -66,7 +66,7 @@ def read(cam: object) -> ImportedFile:
     values = text.floats(text.member(cam, "intrinsics"), "intrinsics", 4, 6)
     d = text.floats(members.get("distortion_coeffs", []), "distortion_coeffs", 0, 8)
     fx, fy, cx, cy = values[-4:]
-    matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]])
+    matrix = matrix_of(fx, fy, cx, cy)
     size = (text.count(w, "resolution"), text.count(h, "resolution"))
     if kind in ("ds", "eucm") and len(values) == 6 and not d.any():
         return closest_camera(rays_of_kind(kind, matrix, *values[:2].tolist()), size)

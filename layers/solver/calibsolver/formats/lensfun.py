@@ -8,7 +8,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Mask
 from ..camera import Camera
 from ..errors import CalibrationError
 from . import text
@@ -98,15 +98,13 @@ def polynomial(camera: Camera) -> Array:
     """
     k = np.asarray(camera.matrix)
     unit = half(camera)
-    (w, h), f = camera.img_size, float(k[0, 0])
+    w, h = camera.img_size
     reach = math.hypot(max(k[0, 2], w - 1 - k[0, 2]), max(k[1, 2], h - 1 - k[1, 2]))
     radius = np.linspace(0, reach, 400)[1:]
     rays = camera.unproject(np.stack([k[0, 2] + radius, np.full_like(radius, k[1, 2])], axis=1))
-    angle = np.arctan2(np.hypot(rays[:, 0], rays[:, 1]), rays[:, 2])
-    visible = np.isfinite(angle) & (angle < (np.pi if camera.model == "fisheye" else 1.5))
+    visible, rho = _corrected_radii(camera, rays)
     if visible.sum() < 10:
         raise CalibrationError("not_representable", "too little of the image can be corrected")
-    rho = f * (angle[visible] if camera.model == "fisheye" else np.tan(angle[visible])) / unit
     terms = np.stack([rho**4, rho**3, rho**2, rho], axis=1)
     # every ring of the picture counts by its area
     weight = np.sqrt(radius[visible])
@@ -120,18 +118,24 @@ def polynomial(camera: Camera) -> Array:
     return result
 
 
+def _corrected_radii(camera: Camera, rays: Array) -> tuple[Mask, Array]:
+    """Return which rays (n, 3) the corrected picture shows, and their radii in it, rho of `polynomial`."""
+    angle = np.arctan2(np.hypot(rays[:, 0], rays[:, 1]), rays[:, 2])
+    fisheye = camera.model == "fisheye"
+    visible: Mask = np.isfinite(angle) & (angle < (np.pi if fisheye else 1.5))
+    return visible, camera.matrix[0, 0] * (angle if fisheye else np.tan(angle))[visible] / half(camera)
+
+
 def _away(camera: Camera, radial: Camera) -> tuple[float, float]:
     """Largest distance, px, of the polynomial from the camera over the image, and the share it reaches."""
     k, q = np.asarray(radial.matrix), samples(camera.img_size)
     rays = camera.unproject(q)
-    flat = np.hypot(rays[:, 0], rays[:, 1])
-    angle = np.arctan2(flat, rays[:, 2])
-    visible = np.isfinite(angle) & (angle < (np.pi if radial.model == "fisheye" else 1.5))
+    visible, rho = _corrected_radii(radial, rays)
     a, b, c, s = polynomial(radial)
-    unit = half(camera)
-    r = s * k[0, 0] * (angle[visible] if radial.model == "fisheye" else np.tan(angle[visible])) / unit
-    distorted = unit * (a * r**4 + b * r**3 + c * r**2 + (1 - a - b - c) * r)
-    side = rays[visible, :2] / np.maximum(flat[visible], 1e-300)[:, None]
+    r = s * rho
+    distorted = half(camera) * (a * r**4 + b * r**3 + c * r**2 + (1 - a - b - c) * r)
+    side = rays[visible, :2]
+    side = side / np.maximum(np.hypot(side[:, 0], side[:, 1]), 1e-300)[:, None]
     away = np.linalg.norm(k[:2, 2] + side * distorted[:, None] - q[visible], axis=1)
     count = np.isfinite(rays).all(axis=1).sum()
     return float(away.max(initial=0.0)) * (1 + ERROR_MARGIN), float(visible.sum() / max(count, 1))

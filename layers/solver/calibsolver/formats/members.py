@@ -36,10 +36,6 @@ class Members:
                 return value
         return None
 
-    def key(self, *names: str) -> str | None:
-        """Return the first of `names`, normalised, that is there."""
-        return next((name for name in names if self.get(name) is not None), None)
-
     def spelling(self, name: str) -> str:
         """Return the name as the file writes it."""
         return self._found.get(name, (name, None))[0]

@@ -7,7 +7,7 @@ import numpy as np
 
 from . import text
 from .base import ImportedFile
-from .coefficients import camera_from_opencv
+from .coefficients import camera_from_opencv, matrix_of
 from .members import Members
 
 _RADIAL = ("none", "pinhole", "radial1", "radial3", "radialk1", "radialk3", "brown", "fisheye", "fisheye4")
@@ -52,7 +52,7 @@ def read(data: Mapping[Any, Any]) -> ImportedFile:
     d = text.floats(members.get("distortionparams") or [], "distortionParams", 0, 10)
     if kind not in _RADIAL:
         raise text.refuse(f"Meshroom's {kind[:40]!r} is not supported; radial, Brown and fisheye4 are")
-    matrix = np.array([[focal[0], 0, centre[0] - 0.5], [0, focal[-1], centre[1] - 0.5], [0, 0, 1.0]])
+    matrix = matrix_of(focal[0], focal[-1], centre[0] - 0.5, centre[1] - 0.5)
     if kind in ("fisheye", "fisheye4"):
         return ImportedFile(camera_from_opencv(matrix, d, size, fisheye=True))
     if kind == "brown":  # k1 k2 k3 t1 t2

@@ -2,77 +2,38 @@
 
 from . import text
 from .members import Members, normalise
+from .spellings import words
 
 MODEL_NAMES = {
-    "rectilinear": (
-        *("plumbbob", "radtan", "radialtangential", "brown", "brownconrady", "opencv", "opencv4", "opencv5"),
-        *("opencvstandard", "opencvpinhole", "opencvradtan", "rectilinear", "standard", "perspective"),
-        *("pinhole", "pinholeradtan", "pinholebrown", "simplepinhole", "simpleradial", "radial", "rectified"),
-        *("none", "noop", "nodistortion", "pinholecamera"),
+    "rectilinear": words(
+        "plumbbob radtan radialtangential brown brownconrady opencv opencv4 opencv5 opencvstandard "
+        "opencvpinhole opencvradtan rectilinear standard perspective pinhole pinholeradtan "
+        "pinholebrown simplepinhole simpleradial radial rectified none noop nodistortion pinholecamera"
     ),
-    "rational": (
-        *(
-            "rationalpolynomial",
-            "rational",
-            "opencv8",
-            "fullopencv",
-            "pinholefull",
-            "radtan8",
-            "pinholeradtan8",
-        ),
+    "rational": words("rationalpolynomial rational opencv8 fullopencv pinholefull radtan8 pinholeradtan8"),
+    "fisheye": words(
+        "equidistant equi fisheye opencvfisheye fisheyeopencv kannalabrandt kb kb4 kannalabrandt4 "
+        "kannalabrandt8 kb8 pinholeequi pinholeequidistant equidistant4 kannalabrandtcamera "
+        "fisheyecamera pinholefisheye"
     ),
-    "fisheye": (
-        *("equidistant", "equi", "fisheye", "opencvfisheye", "fisheyeopencv", "kannalabrandt", "kb", "kb4"),
-        *("kannalabrandt4", "kannalabrandt8", "kb8", "pinholeequi", "pinholeequidistant", "equidistant4"),
-        *("kannalabrandtcamera", "fisheyecamera", "pinholefisheye"),
-    ),
-    "omnidirectional": (
-        *("omni", "mei", "omnidir", "omnidirectional", "unified", "ucm", "omniradtan", "catadioptric"),
-        *("cata", "meicamera", "catacamera"),
+    "omnidirectional": words(
+        "omni mei omnidir omnidirectional unified ucm omniradtan catadioptric cata meicamera catacamera"
     ),
 }
 """Names, normalised, by our model."""
 
-FOREIGN_NAMES = {
-    *("fov", "atan", "ds", "doublesphere", "eucm", "extendedunified", "scaramuzza", "ocam", "ocamcalib"),
-    *(
-        "cahvor",
-        "cahvore",
-        "poly3",
-        "poly5",
-        "ptlens",
-        "thinprismfisheye",
-        "thinprism",
-        "ftheta",
-        "spherical",
-    ),
-    *("inversebrownconrady", "modifiedbrownconrady", "equirectangular", "cylindrical", "kannalabrandt6"),
-    *(
-        "division",
-        "simpledivision",
-        "stereographic",
-        "lonlat",
-        "latlon",
-        "radtanthinprismfisheye",
-        "fisheye624",
-    ),
-    *("fisheye62", "splined", "genericpolynomial", "pinholefov", "omnifov", "orthographic", "equisolid"),
-    *("equisolidangle", "omnieucm", "radialfisheye", "simpleradialfisheye"),
-}
+FOREIGN_NAMES = words(
+    "fov atan ds doublesphere eucm extendedunified scaramuzza ocam ocamcalib cahvor cahvore poly3 "
+    "poly5 ptlens thinprismfisheye thinprism ftheta spherical inversebrownconrady modifiedbrownconrady "
+    "equirectangular cylindrical kannalabrandt6 division simpledivision stereographic lonlat latlon "
+    "radtanthinprismfisheye fisheye624 fisheye62 splined genericpolynomial pinholefov omnifov "
+    "orthographic equisolid equisolidangle omnieucm radialfisheye simpleradialfisheye"
+)
 """Names of models that none of ours is, normalised. Other words in members such as `model` are ignored."""
 
-_STATED = ("distortionmodel", "modeltype", "distortiontype", "distmodel", "projectionmodel", "projectiontype")
-_CAMERA = (
-    "cameramodel",
-    "cameratype",
-    "type",
-    "model",
-    "intrinsicstype",
-    "lensmodel",
-    "lens",
-    "cameramodeltype",
-)
-_FLAGS = ("fisheyemodel", "fisheye", "isfisheye", "usefisheye", "useopencvfisheye", "fisheyelens")
+_STATED = words("distortionmodel modeltype distortiontype distmodel projectionmodel projectiontype")
+_CAMERA = words("cameramodel cameratype type model intrinsicstype lensmodel lens cameramodeltype")
+_FLAGS = words("fisheyemodel fisheye isfisheye usefisheye useopencvfisheye fisheyelens")
 
 
 def stated_model(members: Members, *, distorted: bool = True) -> str | None:

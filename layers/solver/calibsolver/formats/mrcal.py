@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from .. import models, rotation
+from .. import rotation
 from ..arrays import Array
 from ..board import Board
 from ..errors import CalibrationError
 from ..view import View
 from . import text
-from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
-from .coefficients import camera_from_opencv
+from .base import ANY_MODEL, Conversion, ExportSource, ImportedFile, ModelConstraint
+from .coefficients import camera_from_opencv, matrix_of
 from .format import Format
 from .optimum import MIN_USED_POINTS, at_optimum, resect_used
 
@@ -133,7 +133,7 @@ class CornersVnl(Format):
 
     name = "corners-vnl"
     suffix = ".vnl"
-    constraints = tuple(ModelConstraint(model) for model in models.NAMES)
+    constraints = ANY_MODEL
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the keypoints; `-` where a corner was not seen."""
@@ -175,7 +175,7 @@ def read(content: str) -> ImportedFile:
     count = 4 + SIZES[lens_model]
     k = text.floats(text.member(data, "intrinsics"), "intrinsics", count, count)
     w, h = text.floats(text.member(data, "imagersize"), "imagersize", 2, 2)
-    matrix = np.array([[k[0], 0, k[2]], [0, k[1], k[3]], [0, 0, 1.0]])
+    matrix = matrix_of(k[0], k[1], k[2], k[3])
     camera = camera_from_opencv(matrix, k[4:], (int(w), int(h)), fisheye=False)
     packed = data.get("optimization_inputs")
     number = data.get("icam_intrinsics", 0)

@@ -1,10 +1,10 @@
 """The service's own JSON, which loads in WPILib's WPIcal as it is where the model is OpenCV's."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
-from .. import models
 from . import text
-from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
+from .base import ANY_MODEL, Conversion, ExportSource, ImportedFile
 from .coefficients import make_camera
 from .format import Format
 
@@ -15,7 +15,7 @@ class NativeJson(Format):
     name = "calibdb"
     suffix = ".json"
     media_type = "application/json"
-    constraints = tuple(ModelConstraint(model) for model in models.NAMES)
+    constraints = ANY_MODEL
 
     def check(self, conversion: Conversion) -> Conversion:
         """State which cameras WPIcal misreads: it takes any coefficients for OpenCV's."""
@@ -46,11 +46,10 @@ class NativeJson(Format):
 
 def read(data: object) -> ImportedFile:
     """Read parsed JSON; CalibrationError ``malformed``."""
-    model = (
-        text.member(data, "distortion_model") if text.has_member(data, "distortion_model") else "rectilinear"
-    )
+    given = data if isinstance(data, Mapping) else {}
+    model, label = given.get("distortion_model", "rectilinear"), given.get("camera")
     size = text.floats(text.member(data, "img_size"), "img_size", 2, 2)
     matrix = text.floats(text.member(data, "camera_matrix"), "camera_matrix", 9, 9).reshape(3, 3)
     d = text.floats(text.member(data, "distortion_coefficients"), "distortion_coefficients", 0, 14)
-    label = data["camera"] if isinstance(data, dict) and isinstance(data.get("camera"), str) else ""
-    return ImportedFile(make_camera(str(model), matrix, d, (int(size[0]), int(size[1]))), name=label)
+    camera = make_camera(str(model), matrix, d, (int(size[0]), int(size[1])))
+    return ImportedFile(camera, name=label if isinstance(label, str) else "")

@@ -2,11 +2,9 @@
 
 import numpy as np
 
-from .. import models
 from ..arrays import Array
 from . import text
-from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
-from .coefficients import camera_from_opencv, make_camera
+from .base import ANY_MODEL, Conversion, ExportSource
 from .format import Format
 
 
@@ -17,7 +15,7 @@ class OpenCvYaml(Format):
     front_readers = "cv2.fisheye"
     suffix = ".yml"
     media_type = "application/yaml"
-    constraints = tuple(ModelConstraint(model) for model in models.NAMES)
+    constraints = ANY_MODEL
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write plain members, then the matrices; omnidirectional cameras have `xi` and four coefficients."""
@@ -34,7 +32,7 @@ class OpenCvJson(Format):
     front_readers = "cv2.fisheye"
     suffix = ".json"
     media_type = "application/json"
-    constraints = OpenCvYaml.constraints
+    constraints = ANY_MODEL
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write plain members, then the matrices."""
@@ -98,26 +96,3 @@ def _scalar(value: str | int | float) -> str:
     if isinstance(value, str):
         return text.quote(value)
     return str(value) if isinstance(value, int) else text.number(value)
-
-
-def read(data: object) -> ImportedFile:
-    """Read the parsed file, YAML or JSON; CalibrationError ``malformed``."""
-    matrix = _matrix(data, "camera_matrix", 9, 9).reshape(3, 3)
-    d = _matrix(data, "distortion_coefficients", 0, 14)
-    size = (
-        text.count(text.member(data, "image_width"), "image_width"),
-        text.count(text.member(data, "image_height"), "image_height"),
-    )
-    fisheye = text.has_member(data, "fisheye_model") and bool(text.member(data, "fisheye_model"))
-    name = text.member(data, "camera_name") if text.has_member(data, "camera_name") else ""
-    if text.has_member(data, "xi"):
-        xi = _matrix(data, "xi", 1, 1)
-        return ImportedFile(
-            make_camera("omnidirectional", matrix, np.concatenate([xi, d]), size), name=str(name)
-        )
-    return ImportedFile(camera_from_opencv(matrix, d, size, fisheye), name=str(name))
-
-
-def _matrix(data: object, key: str, min_count: int, max_count: int) -> Array:
-    value = text.member(data, key)
-    return text.floats(value["data"] if text.has_member(value, "data") else value, key, min_count, max_count)

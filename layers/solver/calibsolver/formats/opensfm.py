@@ -5,7 +5,7 @@ import numpy as np
 from ..camera import Camera
 from . import text
 from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
-from .coefficients import camera_from_opencv
+from .coefficients import camera_from_opencv, matrix_of
 from .format import Format
 
 
@@ -63,6 +63,4 @@ def read(data: object) -> ImportedFile:
     cx, cy = value("c_x") * side + (size[0] - 1) / 2, value("c_y") * side + (size[1] - 1) / 2
     names = ("k1", "k2", "k3", "k4") if fisheye else ("k1", "k2", "p1", "p2", "k3")
     d = np.array([value(name) for name in names])
-    return ImportedFile(
-        camera_from_opencv(np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]]), d, size, fisheye)
-    )
+    return ImportedFile(camera_from_opencv(matrix_of(fx, fy, cx, cy), d, size, fisheye))

@@ -5,17 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from .. import models
 from ..arrays import Array, Mask
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting import resection
-from ..fitting.fit import FREE, refine
-from ..fitting.levenberg_marquardt import Problem
-from ..fitting.observations import Observations
+from ..fitting.fit import refine
 from ..view import View
-from .base import Conversion, ExportSource
-from .convert import compare
+from .base import Conversion, ExportSource, ModelConstraint
+from .convert import compare, fit_constrained
 
 MIN_USED_POINTS = 6
 """Points of a view with which it counts."""
@@ -30,17 +27,11 @@ def at_optimum(source: ExportSource, conversion: Conversion) -> Conversion:
     used = conversion.used or used_points(camera, source.views)
     if conversion.error == 0:
         return replace(conversion, used=used)
-    views = [v.subset(m) for v, m in zip(source.views, used, strict=True)]
-    views = [view for view in views if len(view) >= MIN_USED_POINTS]
-    model, obs = models.get(camera.model), Observations.of(views)
+    subsets = [v.subset(m) for v, m in zip(source.views, used, strict=True)]
+    views = tuple(view for view in subsets if len(view) >= MIN_USED_POINTS)
+    everything = tuple(np.ones(len(view), dtype=bool) for view in views)
     try:
-        with np.errstate(all="ignore"):  # a step too far is tested before it is taken
-            problem = Problem(model, obs, camera.img_size)
-            poses, _ = resection.resect(model, camera.intrinsics, obs)
-            state = problem.solve(problem.at(camera.intrinsics, poses), obs.mask.astype(np.float64), FREE)
-        if not np.isfinite(state.k).all():
-            return replace(conversion, used=used)
-        better = Camera.from_intrinsics(camera.model, state.k, camera.img_size)
+        better = fit_constrained(camera, ModelConstraint(camera.model), views, everything)
         return replace(compare(source.camera, better), used=used)
     except (CalibrationError, np.linalg.LinAlgError):
         return replace(conversion, used=used)

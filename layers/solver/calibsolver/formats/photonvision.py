@@ -67,7 +67,9 @@ class PhotonVision(Format):
                     "reprojectionErrors": [_point(e) for e in residuals],
                     "optimisedCameraToObject": {
                         "translation": _point(rt[3:]),
-                        "rotation": {"quaternion": _quaternion(rt[:3])},
+                        "rotation": {
+                            "quaternion": dict(zip("WXYZ", quaternion(rt[:3]).tolist(), strict=True))
+                        },
                     },
                     "cornersUsed": [True] * len(view),
                     "snapshotName": f"{source.name}, view {i}",
@@ -85,11 +87,11 @@ def _point(p: Array) -> dict[str, float]:
     return dict(zip("xyz", p.tolist(), strict=False))
 
 
-def _quaternion(rvec: Array) -> dict[str, float]:
+def quaternion(rvec: Array) -> Array:
+    """Convert a rotation vector (3,) to a unit quaternion (w, x, y, z)."""
     angle = float(np.linalg.norm(rvec))
-    axis = rvec / angle if angle else np.zeros(3)
-    x, y, z = (np.sin(angle / 2) * axis).tolist()
-    return {"W": float(np.cos(angle / 2)), "X": x, "Y": y, "Z": z}
+    axis = rvec / angle if angle > 0 else np.zeros(3)
+    return np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * axis])
 
 
 def read(data: object) -> ImportedFile:

@@ -24,14 +24,19 @@ OPTIONS = Options(with_prior=False, iterations=100, tolerance=1e-5, damping=1e-6
 """Of one fit: valleys of denominators are long."""
 
 
+def sample_pixels(img_size: tuple[int, int]) -> Array:
+    """Return pixels (2, n) all over an image."""
+    w, h = img_size
+    x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
+    return np.stack([x.ravel(), y.ravel()])
+
+
 def sampled_rays(camera: Camera, max_angle: float = np.pi) -> tuple[Array, Array]:
     """Return unit rays (3, n) of pixels all over an image, and the pixels (2, n), up to an angle in radians.
 
     Raises CalibrationError ``not_representable`` if there are none.
     """
-    w, h = camera.img_size
-    x, y = np.meshgrid(np.linspace(0, w - 1, SAMPLE_GRID[0]), np.linspace(0, h - 1, SAMPLE_GRID[1]))
-    q = np.stack([x.ravel(), y.ravel()])
+    q = sample_pixels(camera.img_size)
     rays = models.get(camera.model).unproject(camera.intrinsics, q)
     visible = rays[2] > np.cos(max_angle)  # also false where there is no ray
     if visible.sum() < models.get(camera.model).size:

@@ -1,6 +1,6 @@
 """Other tools' files read: what kind one is, and what it says."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -56,8 +56,8 @@ def read_bytes(
     from . import untrusted
 
     try:
-        parsed = untrusted.parse(raw, suffix, is_text_kind)
-        return READERS[parsed.form](parsed.content, options)
+        form, content = untrusted.parse(raw, suffix, is_text_kind)
+        return READERS[form](content, options)
     except RecursionError:
         raise text.refuse("nested too deeply") from None
     except MemoryError:  # an array that claims a size of its own choice
@@ -66,47 +66,23 @@ def read_bytes(
 
 def is_text_kind(content: str) -> bool:
     """True if `read_text` reads it: it is neither JSON nor YAML."""
-    return (
-        content.lstrip().startswith("<")
-        or is_mrcal(content)
-        or plain_text.is_ros_ini(content)
-        or bool(colmap.lines_of_cameras(content))
-        or plain_text.is_assignments(content)
-        or plain_text.numbers_alone(content) is not None
-        or ocamcalib.is_results(content)
-        or mrcal.is_corners(content)
-    )
+    return any(recognise(content) for recognise, _ in TEXT_READERS) or mrcal.is_corners(content)
 
 
 def is_mrcal(content: str) -> bool:
     """True if it is a .cameramodel: a Python dictionary with a lens model, under today's or an older name."""
-    return any(
-        f"{quote}{name}{quote}" in content
-        for name in ("lensmodel", "lens_model", "distortion_model")
-        for quote in ("'",)
-    ) or ('"lensmodel":  ' in content)
+    names = ("lensmodel", "lens_model", "distortion_model")
+    return any(f"'{name}'" in content for name in names) or '"lensmodel":  ' in content
 
 
 def read_text(content: str, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: B008 - a value that never changes
-    """Read a text of another form: XML, mrcal's .cameramodel, ROS's .ini and ost.txt, COLMAP's cameras.txt,
-    `name = value` lines, a bare matrix of numbers, or a table of corners.
+    """Read a text of another form, one of `TEXT_READERS`, or else a table of corners.
 
     Raises CalibrationError ``malformed``.
-    """  # noqa: D205 - a list of names
-    if ocamcalib.is_results(content):
-        return ocamcalib.read(content)
-    if content.lstrip().startswith("<"):
-        return read(storage_xml.parse(content), options)
-    if is_mrcal(content):
-        return mrcal.read(content)
-    if plain_text.is_ros_ini(content):
-        return read(plain_text.ros_ini(content), options)
-    if cameras := colmap.lines_of_cameras(content):
-        return read(cameras, options)
-    if plain_text.is_assignments(content):
-        return read(plain_text.assignments(content), options)
-    if camera := plain_text.numbers_alone(content):
-        return read(camera, options)
+    """
+    for recognise, reader in TEXT_READERS:
+        if recognise(content):
+            return reader(content, options)
     if options.squares is None:
         raise text.refuse(
             "a table of corners does not say what board it is of: give its squares (--squares 9x6), one more "
@@ -115,20 +91,25 @@ def read_text(content: str, options: ReaderOptions = ReaderOptions()) -> Importe
     return mrcal.read_corners(content, options.squares)
 
 
-def read_archive(raw: bytes, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: B008 - a value that never changes
-    """Read an archive of numpy arrays (.npz); CalibrationError ``malformed``."""
-    return read(numpy_archive.parse(raw), options)
+def _of_values(parse: Callable[[Any], object]) -> Callable[[Any, ReaderOptions], ImportedFile]:
+    """Return the reader of a content that is parsed to plain values."""
+    return lambda content, options: read(parse(content), options)
 
 
-def read_binary(raw: bytes, options: ReaderOptions = ReaderOptions()) -> ImportedFile:  # noqa: ARG001, B008
-    """Read ARToolKit's camera_para.dat; CalibrationError ``malformed``."""
-    return artoolkit.read(raw)
-
-
+TEXT_READERS: Sequence[tuple[Callable[[str], object], Callable[[str, ReaderOptions], ImportedFile]]] = (
+    (ocamcalib.is_results, lambda content, _: ocamcalib.read(content)),
+    (lambda content: content.lstrip().startswith("<"), _of_values(storage_xml.parse)),
+    (is_mrcal, lambda content, _: mrcal.read(content)),
+    (plain_text.is_ros_ini, _of_values(plain_text.ros_ini)),
+    (colmap.lines_of_cameras, _of_values(colmap.lines_of_cameras)),
+    (plain_text.is_assignments, _of_values(plain_text.assignments)),
+    (plain_text.numbers_alone, _of_values(plain_text.numbers_alone)),
+)
+"""What recognises a text that is neither JSON nor YAML, and its reader; the first that does reads it."""
 READERS: Mapping[str, Callable[[Any, ReaderOptions], ImportedFile]] = {
     "values": read,
     "text": read_text,
-    "archive": read_archive,
-    "binary": read_binary,
+    "archive": _of_values(numpy_archive.parse),
+    "binary": lambda raw, _: artoolkit.read(raw),
 }
 """Readers by the form of a file's content."""

@@ -4,8 +4,7 @@ import numpy as np
 
 from ..arrays import Array
 from . import text
-from .base import Conversion, ExportSource, ImportedFile, ModelConstraint
-from .coefficients import camera_from_opencv, make_camera
+from .base import Conversion, ExportSource, ModelConstraint
 from .format import Format
 
 ROS_MODELS = {"rectilinear": "plumb_bob", "rational": "rational_polynomial", "fisheye": "equidistant"}
@@ -45,22 +44,3 @@ class Ros(Format):
     @staticmethod
     def _matrix(name: str, rows: int, columns: int, data: Array) -> list[str]:
         return [f"{name}:", f"  rows: {rows}", f"  cols: {columns}", f"  data: [{text.numbers(data)}]"]
-
-
-def read(data: object) -> ImportedFile:
-    """Read the parsed YAML; CalibrationError ``malformed``."""
-    size = (
-        text.count(text.member(data, "image_width"), "image_width"),
-        text.count(text.member(data, "image_height"), "image_height"),
-    )
-    matrix = text.floats(text.member(data, "camera_matrix", "data"), "camera_matrix", 9, 9).reshape(3, 3)
-    d = text.floats(text.member(data, "distortion_coefficients", "data"), "distortion_coefficients", 0, 14)
-    model = text.member(data, "distortion_model")
-    name = str(text.member(data, "camera_name")) if text.has_member(data, "camera_name") else ""
-    if model == "equidistant":
-        return ImportedFile(make_camera("fisheye", matrix, d, size), name=name)
-    if model not in ("plumb_bob", "rational_polynomial"):
-        raise text.refuse(
-            f"distortion_model {model!r} is none of plumb_bob, rational_polynomial, equidistant"
-        )
-    return ImportedFile(camera_from_opencv(matrix, d, size, fisheye=False), name=name)

@@ -1,7 +1,8 @@
 """Names, normalised (`members.normalise`), under which calibration programs write the parts of a camera."""
 
 
-def _words(names: str) -> tuple[str, ...]:
+def words(names: str) -> tuple[str, ...]:
+    """Split names at blanks."""
     return tuple(names.split())
 
 
@@ -13,20 +14,20 @@ EXPLICIT_MATRIX = ("cameramatrix", "cameramat", "cammatrix")
 """Names that nothing but a camera matrix has."""
 MATRIX = (
     *EXPLICIT_MATRIX,
-    *_words(
+    *words(
         "cameramtx mtx k kmatrix matrixk intrinsicmatrix intrinsicsmatrix cameraintrinsicmatrix "
         "cameraintrinsics intrinsics intrinsic intrinsicmat intrinsicparameters calibrationmatrix "
         "cameracalibrationmatrix cameraintrinsic m a matrix"
     ),
 )
-DISTORTION = _words(
+DISTORTION = words(
     "distortioncoefficients distortioncoeffs distortioncoeff distortioncoefs distortioncoef "
     "distcoeffs distcoeff distcoefs distcoef distcoefficients distortioncoefficient distortion "
     "distortions dist d distortionvector distortionparameters distortionparams cameradistortion "
     "distortionmatrix lensdistortion coeffs coefficients kc distvec distortionvalues dists "
     "distortionarray distparams cameradistcoeffs"
 )
-COEFFICIENTS = _words("k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty")
+COEFFICIENTS = words("k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty")
 """Coefficients that have a name each, in OpenCV's order."""
 FISHEYE_COEFFICIENTS = ("k1", "k2", "k3", "k4", "k5")
 FOCAL = _pairs(
@@ -37,9 +38,9 @@ CENTRE = _pairs(
     "cx,cy cu,cv pu,pv u0,v0 ppx,ppy px,py x0,y0 principalpointx,principalpointy centerx,centery "
     "ox,oy cenx,ceny"
 )
-FOCAL_PAIRS = _words("focallength fc focallengths focal f focallengthpx")
-CENTRE_PAIRS = _words("principalpoint cc opticalcenter opticalcentre principal center c pp")
-NESTED = _words(
+FOCAL_PAIRS = words("focallength fc focallengths focal f focallengthpx")
+CENTRE_PAIRS = words("principalpoint cc opticalcenter opticalcentre principal center c pp")
+NESTED = words(
     "projectionparameters distortionparameters mirrorparameters intrinsics intrinsic camera "
     "parameters params distortion distortioncoefficients distcoeffs distortionparams lens projection "
     "cameraparameters intrinsicparameters coefficients distortioncoeffs cameraintrinsics "
@@ -54,7 +55,7 @@ SIDES = _pairs(
     "nx,ny"
 )
 """Width and height."""
-SIZE = _words(
+SIZE = words(
     "imgsize imagesize resolution cameraresolution imsize imageresolution framesize calibdimension "
     "calibrationresolution imagedimensions imagesizes dimensions size resolutions viewport"
 )

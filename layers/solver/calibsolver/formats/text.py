@@ -3,7 +3,7 @@
 import json
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -51,25 +51,19 @@ def refuse(what: str) -> CalibrationError:
     return CalibrationError("malformed", what)
 
 
-def member(data: object, *path: str | int) -> Any:
+def member(data: object, *path: str) -> Any:
     """Look up `path` in parsed data; CalibrationError ``malformed`` names the missing part."""
     here: Any = data
     for i, key in enumerate(path):
-        is_there = (isinstance(here, Mapping) and key in here) or (
-            isinstance(here, Sequence)
-            and not isinstance(here, str)
-            and isinstance(key, int)
-            and key < len(here)
-        )
-        if not is_there:
-            raise refuse(f"the file has no {'.'.join(str(part) for part in path[: i + 1])}")
+        if not has_member(here, key):
+            raise refuse(f"the file has no {'.'.join(path[: i + 1])}")
         here = here[key]
     return here
 
 
 def has_member(data: object, key: str) -> bool:
     """True if parsed data is an object with such a member."""
-    return isinstance(data, dict) and key in data
+    return isinstance(data, Mapping) and key in data
 
 
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eEdD][-+]?\d+)?f?", re.ASCII)

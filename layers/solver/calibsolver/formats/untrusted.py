@@ -6,7 +6,6 @@ import codecs
 import json
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import yaml
@@ -32,34 +31,29 @@ _BINARY = {
 """First bytes of files that hold no text, and the remedy for each."""
 
 
-@dataclass(frozen=True)
-class ParsedFile:
-    """Content of a file: bytes of an archive or a binary file, a text of a form of its own, or values."""
-
-    form: Literal["archive", "binary", "text", "values"]
-    content: Any
+Form = Literal["archive", "binary", "text", "values"]
+"""Content of a file: bytes of an archive or a binary file, a text of a form of its own, or values."""
 
 
-def parse(raw: bytes, suffix: str, is_text_kind: Callable[[str], bool]) -> ParsedFile:
-    """Parse a file; `suffix` as of its name, `is_text_kind` recognises texts that are neither JSON nor YAML.
+def parse(raw: bytes, suffix: str, is_text_kind: Callable[[str], bool]) -> tuple[Form, Any]:
+    """Parse a file to its form and content.
+
+    `suffix` as of its name. `is_text_kind` recognises texts that are neither JSON nor YAML.
 
     Raises CalibrationError ``malformed``, which says what is wrong with it.
     """
     if raw.startswith(b"PK\x03\x04"):
-        return ParsedFile("archive", raw)
+        return "archive", raw
     if is_parameters(raw):
-        return ParsedFile("binary", raw)
+        return "binary", raw
     content = decode(raw)
-    try:
-        if content.lstrip()[:1] in ("{", "["):
-            parsed = parse_json(content, suffix)
-            if parsed is not None:
-                return ParsedFile("values", parsed)
-        if suffix == ".vnl" or is_text_kind(content):
-            return ParsedFile("text", content)
-        return ParsedFile("values", parse_yaml(content))
-    except RecursionError:
-        raise refuse("nested too deeply") from None
+    if content.lstrip()[:1] in ("{", "["):
+        parsed = parse_json(content, suffix)
+        if parsed is not None:
+            return "values", parsed
+    if suffix == ".vnl" or is_text_kind(content):
+        return "text", content
+    return "values", parse_yaml(content)
 
 
 def decode(raw: bytes) -> str:

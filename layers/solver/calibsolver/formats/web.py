@@ -4,11 +4,10 @@ import math
 
 import numpy as np
 
-from .. import models
 from ..arrays import Array
 from ..camera import Camera
 from . import text
-from .base import Conversion, ExportSource, ModelConstraint
+from .base import ANY_MODEL, Conversion, ExportSource
 from .convert import compare
 from .format import Format
 
@@ -35,7 +34,7 @@ class WebXr(Format):
     name = "webxr"
     suffix = ".json"
     media_type = "application/json"
-    constraints = tuple(ModelConstraint(model) for model in models.NAMES)
+    constraints = ANY_MODEL
 
     def write(self, source: ExportSource, conversion: Conversion) -> bytes:
         """Write the attributes, and the projection matrix that goes with them."""
@@ -61,7 +60,7 @@ class Gltf(Format):
     name = "gltf"
     suffix = ".gltf"
     media_type = "model/gltf+json"
-    constraints = WebXr.constraints
+    constraints = ANY_MODEL
 
     def convert(self, source: ExportSource) -> Conversion:
         """Return the centred pinhole that other programs reconstruct from the file's two numbers."""

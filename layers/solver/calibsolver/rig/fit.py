@@ -36,8 +36,9 @@ from .problem import Moment, RigMember, RigProblem, pack_moments
 from .single import Single, Specification, fit_alone
 from .start import ResectedMoment, RigidMotion, RigStart
 from .thinning import thin
-from .validation import check
 
+MIN_RIG_CAMERAS, MAX_RIG_CAMERAS = 2, 8
+MAX_MOMENTS = 1000
 MAX_REJECTIONS = 6
 """Rounds of outlier rejection."""
 MAX_UNSETTLED_ROUNDS = 3
@@ -91,7 +92,7 @@ def fit(
         ``unlinked`` where some cameras share no moment with the others.
     """
     moments = [dict(moment) for moment in moments]
-    check(moments, cameras)
+    _check(moments, cameras)
     board_shape = board_shape and not any(view.flat for moment in moments for view in moment.values())
     if max_points is not None:
         moments = thin(moments, max_points)
@@ -104,6 +105,27 @@ def fit(
         linked = [m for m, moment in enumerate(resected) if moment.poses]
         began = rig_start.start([each.camera for each in alone], [resected[m] for m in linked])
         return _RigFit(moments, alone, linked, began, robust, board_shape).run()
+
+
+def _check(moments: Sequence[Moment], cameras: Sequence[Specification]) -> None:
+    """Raise CalibrationError (``bad_rig``, ``no_views``, ``unlinked``) unless every camera has views."""
+    if not MIN_RIG_CAMERAS <= len(cameras) <= MAX_RIG_CAMERAS:
+        raise CalibrationError(
+            "bad_rig", f"a rig has {MIN_RIG_CAMERAS} to {MAX_RIG_CAMERAS} cameras, not {len(cameras)}"
+        )
+    if not 1 <= len(moments) <= MAX_MOMENTS:
+        raise CalibrationError(
+            "no_views", f"a rig is fitted to 1 to {MAX_MOMENTS} moments, not {len(moments)}"
+        )
+    for m, moment in enumerate(moments):
+        for position in moment:
+            if position not in range(len(cameras)):
+                raise CalibrationError(
+                    "bad_rig", f"moment {m} has a view of camera {position}: there are {len(cameras)}"
+                )
+    for position in range(len(cameras)):
+        if not any(position in moment for moment in moments):
+            raise CalibrationError("unlinked", f"camera {position} has no view")
 
 
 @dataclass(frozen=True, eq=False)

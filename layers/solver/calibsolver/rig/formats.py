@@ -8,7 +8,7 @@ import io
 import json
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from ..errors import CalibrationError
 from ..formats import colmap, kalibr, opencv, ros, text, web
 from ..formats.base import MAX_INVISIBLE_PX, Conversion, ExportedFile, ExportSource
 from ..formats.format import Format
+from ..formats.photonvision import quaternion
 from .rectification import Rectification, rectify
 from .start import RigidMotion
 
@@ -52,7 +53,7 @@ class RigSource:
     unit: str = "squares"
     names: Sequence[str] = ()
     identifier: str = ""
-    record: Mapping[str, Any] | None = None
+    record: Mapping[str, Any] = field(default_factory=dict)
 
     def motion(self, position: int) -> RigidMotion:
         """Motion camera 0 -> a camera."""
@@ -143,15 +144,8 @@ def _opencv(source: RigSource) -> _RigFiles:
                     value
                 )
         members |= {"R": motion.r, "T": motion.t[:, None], "E": essential, "F": fundamental}
-        rectification = _rectification(one, other, motion)
-        if rectification is not None:
-            members |= {
-                "R1": rectification.r1,
-                "R2": rectification.r2,
-                "P1": rectification.p1,
-                "P2": rectification.p2,
-                "Q": rectification.q,
-            }
+        if rectification := _rectification(one, other, motion):
+            members |= {name: getattr(rectification, name.lower()) for name in ("R1", "R2", "P1", "P2", "Q")}
         body = [
             f"image_width: {one.img_size[0]}",
             f"image_height: {one.img_size[1]}",
@@ -219,7 +213,7 @@ def _colmap(source: RigSource) -> _RigFiles:
         }
         if i:
             motion = source.motion(i)
-            entry["cam_from_rig_rotation"] = _quaternion(motion.vector()[:3]).tolist()
+            entry["cam_from_rig_rotation"] = quaternion(motion.vector()[:3]).tolist()
             entry["cam_from_rig_translation"] = motion.t.tolist()
         else:
             entry["ref_sensor"] = True
@@ -260,7 +254,7 @@ def _gltf(source: RigSource) -> _RigFiles:
         cameras.append(json.loads(form.write(single, form.convert(single)))["cameras"][0])
         back = source.motion(i).inverse()
         turn = flip @ back.r @ flip
-        w, x, y, z = _quaternion(rotation.vector(turn)).tolist()
+        w, x, y, z = quaternion(rotation.vector(turn)).tolist()
         place = (flip @ back.t).tolist()
         nodes.append({"name": source.name(i), "camera": i, "rotation": [x, y, z, w], "translation": place})
     scene = {
@@ -274,24 +268,8 @@ def _gltf(source: RigSource) -> _RigFiles:
 
 
 def _json(source: RigSource) -> _RigFiles:
-    """Record of the service, or plain values of cameras and poses."""
-    record = source.record or {
-        "cameras": [
-            {
-                "camera_matrix": camera.matrix.tolist(),
-                "distortion_coefficients": camera.distortion.tolist(),
-                "distortion_model": camera.model,
-                "img_size": list(camera.img_size),
-            }
-            for camera in source.cameras
-        ],
-        "extrinsics": [
-            {"position": i, "rvec": pose[:3].tolist(), "tvec": pose[3:].tolist()}
-            for i, pose in enumerate(np.asarray(source.poses))
-        ],
-        "unit": source.unit,
-    }
-    return _RigFiles({"rig.json": text.dump(dict(record))}, "application/json")
+    """Record of the service."""
+    return _RigFiles({"rig.json": text.dump(source.record)}, "application/json")
 
 
 def _rectification(one: Camera, other: Camera, motion: RigidMotion) -> Rectification | None:
@@ -300,13 +278,6 @@ def _rectification(one: Camera, other: Camera, motion: RigidMotion) -> Rectifica
         return rectify(one, other, motion)
     except CalibrationError:
         return None
-
-
-def _quaternion(rvec: Array) -> Array:
-    """Convert a rotation vector (3,) to a unit quaternion (w, x, y, z)."""
-    angle = float(np.linalg.norm(rvec))
-    axis = rvec / angle if angle > 0 else np.zeros(3)
-    return np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * axis])
 
 
 WRITERS: Mapping[str, Callable[[RigSource], _RigFiles]] = {

@@ -21,10 +21,11 @@ from tests.helpers.solver.export_sources import IMG_SIZE, captured, image_rays, 
 
 GRID = (100, 75)
 TURNS = {
-    "upright": image_transform.identity(IMG_SIZE),
-    "turned": image_transform.rotate(IMG_SIZE, 90),
-    "mirrored": image_transform.mirror(IMG_SIZE),
+    "upright": image_transform.identity,
+    "turned": lambda size: image_transform.rotate(size, 90),
+    "mirrored": image_transform.mirror,
 }
+"""Transforms of pictures of a size."""
 
 
 def held(source: ExportSource, name: str) -> formats.Conversion:
@@ -36,6 +37,7 @@ def held(source: ExportSource, name: str) -> formats.Conversion:
 def test_stated_error_is_not_exceeded_on_a_grid_of_valid_rays(model: str, cropped: bool) -> None:
     part = image_transform.crop(IMG_SIZE, (100, 60), (800, 500))
     source = formats.transform_source(subject(model), part) if cropped else subject(model)
+    grids = [image_rays(source.camera, *GRID, border=border) for border in (0.0, 0.5)]
     for name in ("kalibr", "gyroflow", "gltf", "photonvision", "artoolkit", "mrcal"):
         try:
             conversion = held(source, name)
@@ -45,8 +47,7 @@ def test_stated_error_is_not_exceeded_on_a_grid_of_valid_rays(model: str, croppe
         angle = other.domain_half_angle(np.asarray(conversion.camera.distortion))
         if models.get(model).max_angle > other.max_angle:
             angle = min(angle, other.max_angle)
-        for border in (0.0, 0.5):
-            rays, q = image_rays(source.camera, *GRID, border=border)
+        for rays, q in grids:
             covered = rays[:, 2] > np.cos(angle)
             away = np.linalg.norm(conversion.camera.project(rays[covered]) - q[covered], axis=1)
             assert away.max() <= conversion.error + 1e-9, name
@@ -63,7 +64,7 @@ def wide() -> ExportSource:
     )
     board = subject("fisheye").board
     assert board is not None
-    views = captured(camera, board, count=20, noise=0.15)
+    views = captured(camera, board, count=12, noise=0.15)
     return ExportSource(fit(views, camera.img_size, "fisheye").camera, views, board)
 
 
@@ -108,13 +109,7 @@ def rms_before_and_after(arrays: dict[str, Any]) -> tuple[float, float]:
 
 @pytest.mark.parametrize("turn", ["upright", "turned", *thorough("mirrored")])
 def test_mrcal_inputs_of_a_wide_fisheye_are_at_their_optimum(turn: str) -> None:
-    size = wide().camera.img_size
-    transform = {
-        "upright": image_transform.identity(size),
-        "turned": image_transform.rotate(size, 90),
-        "mirrored": image_transform.mirror(size),
-    }[turn]
-    file = formats.write(wide(), "mrcal", transform)
+    file = formats.write(wide(), "mrcal", TURNS[turn](wide().camera.img_size))
     before, after = rms_before_and_after(inputs(file))
     assert before < 1.01 * after
     assert after < 0.25
@@ -131,8 +126,8 @@ def test_mrcal_inputs_of_real_photographs_are_at_their_optimum() -> None:
 @pytest.mark.parametrize("name", ["kalibr", "gyroflow", "artoolkit"])
 def test_turned_picture_is_converted_to_the_turned_camera(name: str) -> None:
     upright = written("rational", name)
-    for transform in (TURNS["turned"], TURNS["mirrored"]):
-        turned = formats.write(subject("rational"), name, transform)
+    for turn in ("turned", "mirrored"):
+        turned = formats.write(subject("rational"), name, TURNS[turn](IMG_SIZE))
         assert turned.error == pytest.approx(upright.error, rel=1e-9)
         assert turned.coverage == upright.coverage
 

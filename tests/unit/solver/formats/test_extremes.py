@@ -12,7 +12,7 @@ from tests.helpers.solver import synthetic
 
 
 @pytest.mark.parametrize("name", formats.FORMAT_NAMES)
-@pytest.mark.parametrize("size", [(1, 1), (1280, 1), (1, 720), (15, 720)])
+@pytest.mark.parametrize("size", [(1280, 1), (15, 720)])
 def test_part_below_16_px_is_refused(name: str, size: tuple[int, int]) -> None:
     camera = synthetic.rectilinear_cameras()[6]
     part = image_transform.crop(camera.img_size, (0, 0), size)
@@ -22,10 +22,9 @@ def test_part_below_16_px_is_refused(name: str, size: tuple[int, int]) -> None:
 
 
 @pytest.mark.parametrize("name", formats.FORMAT_NAMES)
-@pytest.mark.parametrize("size", [(16, 16)])
-def test_small_part_is_written_with_a_finite_error_or_refused(name: str, size: tuple[int, int]) -> None:
+def test_small_part_is_written_with_a_finite_error_or_refused(name: str) -> None:
     camera = synthetic.rectilinear_cameras()[6]
-    part = image_transform.crop(camera.img_size, (0, 0), size)
+    part = image_transform.crop(camera.img_size, (0, 0), (16, 16))
     error = coverage = 0.0
     begun = time.thread_time()
     short = deadline.limit(lambda: begun + 0.3 - time.thread_time())

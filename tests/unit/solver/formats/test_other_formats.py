@@ -6,9 +6,6 @@ import io
 import json
 import math
 import struct
-import subprocess
-import sys
-from functools import cache
 
 import cv2
 import lensfunpy
@@ -34,16 +31,6 @@ def calibrated(model: str) -> Camera:
 # ---- mrcal
 
 
-@cache
-def system_mrcal() -> str | None:
-    """The interpreter that has mrcal (Debian's package is for the system's), or None."""
-    for python in ("/usr/bin/python3", sys.executable):
-        found = subprocess.run([python, "-c", "import mrcal"], capture_output=True, check=False)
-        if found.returncode == 0:
-            return python
-    return None
-
-
 @pytest.mark.parametrize("model", models.NAMES)
 def test_mrcal_model_has_every_member_of_the_reader(model: str) -> None:
     file, mine = written(model, "mrcal"), subject(model)
@@ -67,45 +54,6 @@ def test_mrcal_model_has_every_member_of_the_reader(model: str) -> None:
     good = seen[0, ..., 2].ravel() > 0
     away = np.linalg.norm(q - seen[0, ..., :2].reshape(-1, 2), axis=1)[good]
     assert np.sqrt(np.mean(away**2)) < 1.5 * mine.rms
-
-
-def test_mrcal_itself_reads_it_and_finds_nothing_to_improve() -> None:
-    python = system_mrcal()
-    if python is None:  # its grammar is checked above
-        return
-    program = """
-import sys, json, tempfile, numpy as np, mrcal
-with tempfile.NamedTemporaryFile('w', suffix='.cameramodel') as f:
-    f.write(sys.stdin.read()); f.flush()
-    model = mrcal.cameramodel(f.name)
-inputs = model.optimization_inputs()
-x = mrcal.optimizer_callback(**inputs)[1]
-before = np.array(inputs['intrinsics'])
-stats = mrcal.optimize(**inputs)
-v = np.array(json.loads(sys.argv[1]))
-q = mrcal.project(v, *model.intrinsics())
-error = mrcal.projection_uncertainty(mrcal.unproject(np.array([[640., 360.]]), *model.intrinsics()), model,
-    what='rms-stdev')
-print(json.dumps({'q': q.tolist(), 'rms': float(stats['rms_reproj_error__pixels']), 'std': float(error[0]),
-    'moved': float(np.abs(np.array(inputs['intrinsics']) - before)[0, :4].max())}))
-"""
-    for model in ("rectilinear", "rational"):
-        mine = subject(model)
-        rays, q = image_rays(mine.camera)
-        done = subprocess.run(
-            [python, "-c", program, json.dumps(rays.tolist())],
-            input=formats.write(mine, "mrcal").content.decode(),
-            capture_output=True,
-            check=True,
-            text=True,
-        )
-        said = json.loads(done.stdout)
-        assert np.abs(np.array(said["q"]) - q).max() < 1e-6
-        # mrcal reports the rms of single coordinates, corners that were not seen among them as zeros
-        seen = sum(len(view) for view in mine.views) / (40 * len(mine.views))
-        assert said["rms"] == pytest.approx(mine.rms * math.sqrt(seen / 2), rel=0.01)
-        assert said["moved"] < 1.0
-        assert 0.01 < said["std"] < 1
 
 
 def test_corners_table_has_a_line_for_every_corner_of_every_view() -> None:

@@ -172,7 +172,7 @@ def short(model: str, name: str) -> str:
     return formats.write(replace(mine, views=mine.views[:2]), name).content.decode()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.data())
 def test_arbitrary_files_are_read_or_refused(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject

@@ -34,6 +34,7 @@ def test_moments_that_contradict_the_majority_are_set_aside(seed: int, bad: int)
     truth = rigs.side_by_side([flat[int(rng.integers(12))], flat[int(rng.integers(12))]], 2.0)
     found = rig.fit(with_lies(truth, 5, bad, rng), [(c.img_size, c.model) for c in truth.cameras])
     assert {m for m, _ in found.set_aside} == set(range(5, 5 + bad))
+    assert set(found.set_aside.values()) == {"contradicts"}
     motions = [RigidMotion.of_vector(pose) for pose in found.poses]
     error = rigs.transfer_error(truth, rigs.Rig(found.cameras, motions), found.working_distances.tolist())
     assert error < 3 * found.uncertainty.rms

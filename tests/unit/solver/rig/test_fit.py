@@ -95,18 +95,6 @@ class TestSyntheticRigs:
             turn = RigidMotion.of_vector(found.poses[i]).r @ motion.r.T
             assert np.degrees(np.arccos(min((np.trace(turn) - 1) / 2, 1))) < 0.2
 
-    def test_sets_a_moment_aside_whose_views_contradict_the_rig(self) -> None:
-        truth = rigs.side_by_side(synthetic.rectilinear_cameras(2), 2.0)
-        rng = np.random.default_rng(3)
-        moments = rigs.moments(truth, BOARD, 9, 0.2, rng)
-        # the board moved on by a hundredth of its distance before the second camera saw it
-        view = moments[4][1]
-        moments[4][1] = View(view.object_points, view.image_points + np.array([10.0, 3.0]))
-        found, error = fitted(truth, moments)
-        assert {m for m, _ in found.set_aside} == {4}, "either view may be the late one"
-        assert set(found.set_aside.values()) == {"contradicts"}
-        assert error < 0.6
-
     @pytest.mark.parametrize(("count", "seeds"), [(4, 2), *thorough((4, 5), (6, 5))])
     def test_sets_a_late_view_aside_to_which_the_fit_could_bend(self, count: int, seeds: int) -> None:
         """One picture is 200 ms old while a hand moves squares of 3 cm at 5 cm/s."""
@@ -188,7 +176,7 @@ def test_derivatives_are_those_of_the_residuals() -> None:
 def test_one_shape_of_the_board_is_estimated_of_all_cameras() -> None:
     """A bend of 0.5 % moves a rig by 1 to 4 px if the board is taken as drawn."""
     drawn, shaped = [], []
-    for seed in range(4):
+    for seed in range(3):
         rng = np.random.default_rng(seed)
         truth = rigs.side_by_side(synthetic.rectilinear_cameras()[4:6], 2.0)
         board = Board()
@@ -209,14 +197,3 @@ def test_one_shape_of_the_board_is_estimated_of_all_cameras() -> None:
         flat = [{i: replace(view, flat=True) for i, view in moment.items()} for moment in moments]
         assert rig.fit(flat, cameras).board_shape is None
     assert np.median(shaped) < 0.3 < 1 < np.median(drawn)
-
-
-def test_shape_of_a_real_board_lowers_the_held_out_error_of_a_real_rig() -> None:
-    moments, cameras = rigs.mended_pairs(), [(rigs.REAL_SIZE, "rectilinear")] * 2
-    drawn, shaped = (rig.fit(moments, cameras, board_shape=each) for each in (False, True))
-    assert shaped.board_shape is not None
-    errors = [rig.held_out_rms(moments, found) for found in (drawn, shaped)]
-    assert errors[0] is not None
-    assert errors[1] is not None
-    assert errors[1] < 0.98 * errors[0]  # 0.274 px instead of 0.283
-    assert shaped.uncertainty.rms < drawn.uncertainty.rms

@@ -1,11 +1,9 @@
 """Files of rigs in use: the tools that read them project points where the rig sees them.
 
-The tools are OpenCV, pycolmap and, where the system has it, mrcal. Of ROS and Kalibr: the rules of
-their readers.
+The tools are OpenCV and pycolmap. Of ROS and Kalibr: the rules of their readers.
 """
 
 import json
-import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -23,7 +21,6 @@ from calibsolver.rig.formats import RigSource
 from calibsolver.rig.start import RigidMotion
 from tests.helpers.rig_vectors import LENSES
 from tests.helpers.solver import rigs
-from tests.unit.solver.formats.test_other_formats import system_mrcal
 from tests.unit.solver.rig.test_formats import unpack
 
 SIZE = (1280, 720)
@@ -189,34 +186,6 @@ def test_pycolmap_projects_into_every_camera_of_the_rig(tmp_path: Path) -> None:
             assert (read.width, read.height) == SIZE or read is sensor.camera  # which the images say
             found = np.array([read.img_from_cam(p) for p in points]) - 0.5
             assert np.abs(found - seen(rig, i)).max() < 1e-6
-
-
-def test_mrcal_itself_projects_into_every_camera(tmp_path: Path) -> None:
-    python = system_mrcal()
-    if python is None:  # the members of its files are checked in test_formats.py
-        return
-    rig = source(("rectilinear", "rational", "rectilinear"))
-    files = unpack(formats.write(rig, "mrcal").content)
-    assert set(files) == {"cam0.cameramodel", "cam1.cameramodel", "cam2.cameramodel"}
-    for name, content in files.items():
-        (tmp_path / name).write_bytes(content)
-    program = """
-import sys, json, numpy as np, mrcal
-p = np.array(json.loads(sys.argv[1]))
-for path in sys.argv[2:]:
-    model = mrcal.cameramodel(path)
-    of = model.rt_cam_ref if hasattr(model, 'rt_cam_ref') else model.extrinsics_rt_fromref
-    print(json.dumps(mrcal.project(mrcal.transform_point_rt(of(), p), *model.intrinsics()).tolist()))
-"""
-    paths = [str(tmp_path / name) for name in sorted(files)]
-    done = subprocess.run(
-        [python, "-c", program, json.dumps(POINTS.tolist()), *paths],
-        capture_output=True,
-        check=True,
-        text=True,
-    )
-    for i, line in enumerate(done.stdout.splitlines()):
-        assert np.abs(np.array(json.loads(line)) - seen(rig, i)).max() < 1e-6
 
 
 def test_nodes_of_gltf_look_where_the_cameras_do() -> None:

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from calibsolver import Board, View, rig
-from calibsolver.rig.problem import unlinked_cameras
+from calibsolver import Board, rig
 from tests.bench import rigs as bench
 from tests.helpers.marks import thorough
 from tests.helpers.solver import rigs, synthetic
@@ -47,8 +46,3 @@ def test_targets_of_known_lenses_are_seen_by_both_and_skipped_ones_do_not_return
     other = rig.next_moment(BOARD, truth.cameras, moments, found, [target.pose])
     assert other.pose is not None
     assert np.linalg.norm(other.pose - target.pose) > 0.3
-
-
-def test_chains_of_shared_moments_link_cameras() -> None:
-    view = View(BOARD.points, np.zeros((BOARD.corner_count, 2)))
-    assert unlinked_cameras(4, [{0: view, 1: view}, {2: view, 1: view}, {3: view}]) == (3,)

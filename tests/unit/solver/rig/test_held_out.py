@@ -25,5 +25,8 @@ def test_real_pair_predicts_moments_it_never_saw() -> None:
     left_out = rig.held_out_rms(moments, found)
     assert left_out is not None
     assert found.rms < left_out < 1.1 * found.rms
+    drawn = rig.fit(moments, [(rigs.REAL_SIZE, "rectilinear")] * 2, board_shape=False)
+    assert left_out < 0.98 * (rig.held_out_rms(moments, drawn) or 0), "the board is not as drawn"
+    assert found.uncertainty.rms < drawn.uncertainty.rms
     held = rig.fit(moments, found.cameras)
     assert found.rms < (rig.held_out_rms(moments, held) or np.inf) < left_out
