@@ -10,8 +10,7 @@ from typing import Any, get_args
 
 from calibdb.http import metrics
 from calibdb.schema.session import Refusal
-from infra.deploy.package import FRAGMENTS, ROOT
-from infra.deploy.template import parse
+from infra.deploy.package import FRAGMENTS, ROOT, complete_template
 
 #: files that together are the deployed template
 TEMPLATES = (Path("template.yaml"), *(path.relative_to(ROOT) for path in FRAGMENTS))
@@ -58,8 +57,7 @@ def firewall(prices: Mapping[str, Any]) -> FixedCost:
     """Price a month of the firewall, without any request."""
     ((name, acl),) = (
         (name, resource["Properties"])
-        for file in TEMPLATES
-        for name, resource in parse(ROOT / file)["Resources"].items()
+        for name, resource in complete_template()["Resources"].items()
         if resource["Type"] == "AWS::WAFv2::WebACL"
     )
     usd = prices["web_acl_month"] + len(acl["Rules"]) * prices["web_acl_rule_month"]
@@ -67,11 +65,9 @@ def firewall(prices: Mapping[str, Any]) -> FixedCost:
 
 
 def _items(prices: Mapping[str, Any]) -> Iterator[FixedCost]:
-    resources = {
-        name: resource for file in TEMPLATES for name, resource in parse(ROOT / file)["Resources"].items()
-    }
-    parameters = {name: p.get("Default") for name, p in parse(ROOT / TEMPLATES[0])["Parameters"].items()}
-    if parameters["Canary"] == "off":
+    template = complete_template()
+    resources = template["Resources"]
+    if template["Parameters"]["Canary"]["Default"] == "off":
         resources = {name: each for name, each in resources.items() if each.get("Condition") != "CanaryOn"}
     assumed = prices["assumed"]
 

@@ -12,7 +12,7 @@ from calibdb.store import aws
 from infra.deploy import account_check, package
 from infra.web_build import site_headers
 from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S
-from tests.helpers.sam import complete, created, parsed
+from tests.helpers.sam import complete, created
 from tests.helpers.service.iam import statements
 
 ROOT = Path(__file__).parents[2]
@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def source() -> dict:
-    return parsed(complete())
+    return complete()
 
 
 @pytest.fixture(scope="module")
@@ -207,7 +207,7 @@ def test_access_logs_hold_neither_addresses_nor_credentials(source: dict) -> Non
 
 
 def test_dashboard_shows_published_metrics_only() -> None:
-    deployed = parsed(package.package_template(complete()))
+    deployed = package.package_template(complete())
     body = json.loads(deployed["Resources"]["Dashboard"]["Properties"]["DashboardBody"]["Fn::Sub"])
     shown = set()
     for widget in body["widgets"]:

@@ -8,7 +8,7 @@ import pytest
 
 from calibdb.http import application
 from tests.helpers.data import ROOT
-from tests.helpers.sam import complete, parsed, resources
+from tests.helpers.sam import complete, resources
 
 # Headers that CloudFront refuses among the custom ones: those of CORS, and those with members of their own.
 SECURITY = {
@@ -216,7 +216,7 @@ def test_own_domain_gets_records_in_its_zone() -> None:
     sets = records["Properties"]["RecordSets"]
     assert [r["Type"] for r in sets] == ["A", "AAAA"]
     assert [r["AliasTarget"] for r in sets] == [target, target]
-    outputs = parsed(complete())["Outputs"]
+    outputs = complete()["Outputs"]
     assert outputs["DistributionDomain"]["Value"] == {"Fn::GetAtt": ["Distribution", "DomainName"]}
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from infra.deploy import package
-from tests.helpers.sam import ROOT, as_created, complete, created, parsed, versions, without_events
+from tests.helpers.sam import ROOT, as_created, complete, created, versions, without_events
 from tests.helpers.service.iam import statements
 
 API = {
@@ -41,7 +41,7 @@ def published(code: tuple[Path, ...], **parameters: str) -> dict[str, str]:
 
 @functools.cache
 def published_as(release: str, parameters: tuple[tuple[str, str], ...]) -> dict[str, str]:
-    source = without_events(parsed(package.package_template(complete(), release)))
+    source = without_events(package.package_template(complete(), release))
     return versions(as_created(source, dict(parameters)))
 
 
@@ -87,7 +87,7 @@ def test_compiled_leftovers_of_functions_are_no_release(code: tuple[Path, ...]) 
 
 
 def test_every_function_carries_its_release() -> None:
-    document = parsed(package.package_template(complete(), "0123456789abcdef"))
+    document = package.package_template(complete(), "0123456789abcdef")
     variables = document["Globals"]["Function"]["Environment"]["Variables"]
     assert variables["RELEASE"] == "0123456789abcdef"
     resources = as_created(without_events(document))["Resources"]
@@ -118,12 +118,12 @@ def test_calls_move_to_a_release_gradually_and_back_on_an_alarm() -> None:
     # The API's routes lead to the aliases, which wait for the alarm: it may not name the API.
     for name in names:
         assert "HttpApi" not in json.dumps(resources[name]["Properties"])
-    at_once = as_created(without_events(parsed(complete())), {"Rollout": "AllAtOnce"})["Resources"]
+    at_once = as_created(without_events(complete()), {"Rollout": "AllAtOnce"})["Resources"]
     assert "AllAtOnce" in json.dumps(at_once["LookupFunctionDeploymentGroup"])
 
 
 def test_fragments_and_bodies_stand_in_the_complete_template() -> None:
-    found = parsed(complete())["Resources"]
+    found = complete()["Resources"]
     assert {"PageHeaders", "SharedHeaders", "ServerErrorAlarm", "Budget"} <= set(found)
     for name in ("WebIndex", "Preflight"):
         code = found[name]["Properties"]["FunctionCode"]
@@ -135,7 +135,7 @@ def test_fragments_and_bodies_stand_in_the_complete_template() -> None:
 
 def test_roles_may_write_traces_only_if_requests_are_traced() -> None:
     def policies(*, traced: bool) -> set[str]:
-        document = without_events(parsed(package.package_template(complete(), traced=traced)))
+        document = without_events(package.package_template(complete(), traced=traced))
         roles = [r for r in as_created(document)["Resources"].values() if r["Type"] == "AWS::IAM::Role"]
         return {str(arn) for role in roles for arn in role["Properties"].get("ManagedPolicyArns", [])}
 
@@ -145,7 +145,7 @@ def test_roles_may_write_traces_only_if_requests_are_traced() -> None:
 
 def test_functions_that_read_sessions_may_list_them() -> None:
     """Else S3 says 403 of a session that another request has just deleted, which would be a fault of ours."""
-    source = parsed(complete())
+    source = complete()
     for name, resource in source["Resources"].items():
         if resource["Type"] != "AWS::Serverless::Function":
             continue

@@ -13,7 +13,7 @@ from calibdb.store.keys import calibration_object
 from infra.deploy import smoke_capture
 from infra.deploy.template import parse
 from tests.helpers.data import ROOT
-from tests.helpers.sam import as_created, complete, parsed
+from tests.helpers.sam import as_created, complete, resources
 
 MAX_POLICY_CHARACTERS = 6144  # IAM quotas, "managed policy size", whitespace not counted
 #: actions that take no resource, by AWS's service authorization reference
@@ -46,7 +46,7 @@ HANDLERS = yaml.safe_load((ROOT / "tests/unit/deploy/handler_actions.yaml").read
 @pytest.fixture(scope="module")
 def created() -> dict[str, Any]:
     """Resources that CloudFormation makes, with every parameter that adds some of them."""
-    found: dict[str, Any] = as_created(parsed(complete()), {"Tracing": "Active"})["Resources"]
+    found: dict[str, Any] = as_created(complete(), {"Tracing": "Active"})["Resources"]
     return found
 
 
@@ -237,13 +237,7 @@ def test_every_service_of_the_template_may_be_deployed(role: dict[str, Any]) -> 
         if statement["Effect"] == "Allow"
         for action in listed(statement["Action"])
     }
-    files = [ROOT / "template.yaml", *ROOT.glob("infra/deploy/*.yaml"), *ROOT.glob("infra/edge/*.yaml")]
-    types = {
-        resource["Type"]
-        for file in files
-        if file.name != "role.yaml"
-        for resource in parse(file).get("Resources", {}).values()
-    }
+    types = {resource["Type"] for resource in resources().values()}
     needed = {SERVICES.get(kind.split("::")[1], kind.split("::")[1].lower()) for kind in types}
     assert len(needed) >= 10
     assert needed <= allowed
