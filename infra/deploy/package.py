@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from infra.deploy.template import parse
-from infra.web_build.site import WEB, page_keys
+from infra.web_build.site import WEB, made_files
 
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATE = ROOT / ".build" / "deploy" / "template.yaml"
@@ -165,7 +165,7 @@ def _edge_function(path: Path, pages: str) -> str:
 def _pages() -> list[str]:
     """List the folders of the site that hold a page, as they stand in addresses."""
     index = "index.html"
-    return sorted(f"/{key.removesuffix(index)}" for key in page_keys() if key.endswith(index))
+    return sorted(f"/{key.removesuffix(index)}" for key in made_files() if key.endswith(index))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -10,7 +10,7 @@ from typing import Any
 from xml.sax.saxutils import escape
 
 from infra.web_build.precache_manifest import shell
-from infra.web_build.site import LANGUAGES, Options, page_keys
+from infra.web_build.site import LANGUAGES, Options, made_files
 
 _SECURITY_TEXT_DAYS = 364  # less than the year that the RFC recommends at most
 #: answers to programs, and single results of people
@@ -71,7 +71,7 @@ def root_file(key: str, web: Path, options: Options, settings: Mapping[str, Any]
         case "robots.txt":
             return robots_text(options.origin)
         case "sitemap.xml":
-            return sitemap(options.origin, page_keys(web))
+            return sitemap(options.origin, made_files(web, options))
         case ".well-known/security.txt" if contact:
             return security_text(contact, datetime.now(UTC), options.origin)
     return None
