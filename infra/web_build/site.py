@@ -214,7 +214,7 @@ def _inputs(web: Path) -> Iterator[str]:
             folders[:] = sorted(name for name in folders if name != "vendor")
             yield from (f"{place}/{name}" for name in sorted(names) if name.endswith(_INPUTS))
     documents = (entry.source for entry in ENTRIES if entry.source)
-    yield from (f"{ROOT}/{name}" for name in ("pyproject.toml", *documents))
+    yield from (f"{ROOT}/{name}" for name in ("pyproject.toml", ".build/examples.json", *documents))
 
 
 def main(folder: Path) -> None:
