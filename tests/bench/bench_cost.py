@@ -19,5 +19,5 @@ def rows() -> Iterator[Row]:
         yield Row(f"price of {name}", total, MAX_USD[name], "USD", "list prices")
     edge = edge_month.price(*at_edge(uses[LOOKUPS], prices))
     yield Row("price of a million lookups, 80 % cached", edge, edge_month.MAX_EDGE_USD, "USD", "list prices")
-    fixed = sum(cost.usd for cost in fixed_costs(prices))
+    fixed = sum(fixed_costs(prices).values())
     yield Row("price of a month without requests", fixed, MAX_FIXED_USD, "USD", "list prices")

@@ -2,44 +2,19 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, get_args
 
 from calibdb.http import metrics
 from calibdb.schema.session import Refusal
-from infra.deploy.package import FRAGMENTS, ROOT, complete_template
+from infra.deploy.package import complete_template
 
-#: files that together are the deployed template
-TEMPLATES = (Path("template.yaml"), *(path.relative_to(ROOT) for path in FRAGMENTS))
 _METRICS_OF_A_ROUTE = 6
 
 
-@dataclass(frozen=True)
-class FixedCost:
-    """One item of the monthly bill; `places`: file and line of what causes it."""
-
-    what: str
-    usd: float
-    places: tuple[str, ...]
-
-
-def fixed_costs(prices: Mapping[str, Any]) -> list[FixedCost]:
-    """Price a month of the deployment with the default parameters, without any request or the firewall."""
-    return [cost for cost in _items(prices) if cost.usd > 0]
-
-
-def places(*names: str) -> tuple[str, ...]:
-    """Find file and line of resources; raises KeyError if there is no such resource."""
-    resources = {
-        match["name"]: f"{file}:{number}"
-        for file in TEMPLATES
-        for number, line in enumerate((ROOT / file).read_text(encoding="utf-8").splitlines(), 1)
-        if (match := re.fullmatch(r"  (?P<name>\w+):", line))
-    }
-    return tuple(resources[name] for name in names)
+def fixed_costs(prices: Mapping[str, Any]) -> dict[str, float]:
+    """Price a month with the default parameters, without any request or the firewall, USD."""
+    return {what: usd for what, usd in _items(prices) if usd > 0}
 
 
 def custom_metrics() -> list[str]:
@@ -53,18 +28,17 @@ def custom_metrics() -> list[str]:
     return [*metrics.UNITS, *reasoned]
 
 
-def firewall(prices: Mapping[str, Any]) -> FixedCost:
+def firewall(prices: Mapping[str, Any]) -> float:
     """Price a month of the firewall, without any request."""
-    ((name, acl),) = (
-        (name, resource["Properties"])
-        for name, resource in complete_template()["Resources"].items()
+    (acl,) = (
+        resource["Properties"]
+        for resource in complete_template()["Resources"].values()
         if resource["Type"] == "AWS::WAFv2::WebACL"
     )
-    usd = prices["web_acl_month"] + len(acl["Rules"]) * prices["web_acl_rule_month"]
-    return FixedCost("firewall", usd, places(name))
+    return float(prices["web_acl_month"] + len(acl["Rules"]) * prices["web_acl_rule_month"])
 
 
-def _items(prices: Mapping[str, Any]) -> Iterator[FixedCost]:
+def _items(prices: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
     template = complete_template()
     resources = template["Resources"]
     if template["Parameters"]["Canary"]["Default"] == "off":
@@ -75,31 +49,31 @@ def _items(prices: Mapping[str, Any]) -> Iterator[FixedCost]:
         return {name: r["Properties"] for name, r in resources.items() if r["Type"] == kind}
 
     dashboards = of_type("AWS::CloudWatch::Dashboard")
-    yield FixedCost("dashboard", len(dashboards) * prices["dashboard_month"], places(*dashboards))
+    yield "dashboard", len(dashboards) * prices["dashboard_month"]
     alarms = of_type("AWS::CloudWatch::Alarm")
     for name, alarm in alarms.items():
         watched = sum("MetricStat" in metric for metric in alarm.get("Metrics", [])) or 1
-        yield FixedCost(name, watched * prices["alarm_metric_month"], places(name))
+        yield name, watched * prices["alarm_metric_month"]
     published = len(custom_metrics())
-    yield FixedCost(f"{published} metrics", published * prices["metric_month"], places("FunctionLog"))
-    for name, api in of_type("AWS::Serverless::HttpApi").items():
+    yield f"{published} metrics", published * prices["metric_month"]
+    for api in of_type("AWS::Serverless::HttpApi").values():
         routes = sum(
             len(function.get("Events", {})) for function in of_type("AWS::Serverless::Function").values()
         )
         detailed = api["DefaultRouteSettings"].get("DetailedMetricsEnabled", False)
         usd = routes * _METRICS_OF_A_ROUTE * prices["metric_month"] if detailed else 0.0
-        yield FixedCost("metrics of routes", usd, places(name))
-    for name, table in of_type("AWS::DynamoDB::Table").items():
+        yield "metrics of routes", usd
+    for table in of_type("AWS::DynamoDB::Table").values():
         recovery = table["PointInTimeRecoverySpecification"]["PointInTimeRecoveryEnabled"]
         gb = prices["dynamodb_gb_month"] + recovery * prices["dynamodb_recovery_gb_month"]
-        yield FixedCost("index and its recovery", assumed["table_gb"] * gb, places(name))
+        yield "index and its recovery", assumed["table_gb"] * gb
     read = assumed["hours"] * assumed["refreshes"] * assumed["secrets"]
-    yield FixedCost("secrets", read * prices["kms_request"], places("ReadSecretsPolicy"))
+    yield "secrets", read * prices["kms_request"]
     for function in of_type("AWS::Serverless::Function").values():
         for event in function.get("Events", {}).values():
             if event["Type"] == "SQS":
                 usd = assumed["polls"] * prices["sqs_request"]
-                yield FixedCost("polling", usd, places(event["Properties"]["Queue"]["Fn::GetAtt"][0]))
+                yield "polling", usd
     if "Probe" in resources:
         once = (
             prices["event"]
@@ -109,4 +83,4 @@ def _items(prices: Mapping[str, Any]) -> Iterator[FixedCost]:
             + prices["http_api_request"]
             + 1.5 * prices["lambda_request"]
         )
-        yield FixedCost("probe", assumed["probes"] * once, places("Probe"))
+        yield "probe", assumed["probes"] * once
