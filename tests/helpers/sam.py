@@ -52,8 +52,8 @@ def as_created(source: dict[str, Any], parameters: dict[str, str] | None = None)
 
 @cache
 def created() -> dict[str, Any]:
-    """Create the resources of the complete template with its default parameters; tests only read them."""
-    found: dict[str, Any] = as_created(complete())["Resources"]
+    """Create the resources of the complete template, traced ones too; tests only read them."""
+    found: dict[str, Any] = as_created(complete(), {"Tracing": "Active"})["Resources"]
     return found
 
 

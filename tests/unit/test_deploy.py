@@ -62,6 +62,8 @@ def test_uploads_have_type_encoding_and_cache_control(site: dict[str, Upload]) -
     forever = {key for key, file in site.items() if file.cache_control == FOREVER}
     (named,) = {match[1] for key in site if (match := re.match(r"calibrate/main-([0-9a-f]{12})\.js$", key))}
     assert forever == {key for key in site if re.match(r"vendor-\w{12}/|sdk/\d", key) or f"-{named}." in key}
+    versions = {key for key, file in site.items() if file.is_versioned}
+    assert versions == {key for key in forever if re.match(r"sdk/\d", key)} != set()
     # What pages load changes its name; the rest is for other origins, the edge's 404 page and the browser.
     plain = {key for key in site.keys() - forever if key.endswith((".js", ".css"))}
     assert {re.sub(r"/.*", "/", key) for key in plain} == {"sdk/", "webxr/", "style.css", "sw.js"}

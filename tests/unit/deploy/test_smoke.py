@@ -1,5 +1,6 @@
 """The smoke test asks what pages need, and finds each thing that is missing."""
 
+import functools
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
@@ -29,8 +30,11 @@ def address(stack: Server) -> Iterator[str]:
         yield url
 
 
+make_requester = functools.cache(smoke.make_requester)
+
+
 def found(address: str, change: Change | None = None) -> list[str]:
-    ask = smoke.make_requester(address)
+    ask = make_requester(address)
 
     def changed(method: str, path: str, headers: Mapping[str, str], body: bytes | None) -> smoke.Response:
         heard = ask(method, path, headers, body)
