@@ -14,6 +14,7 @@ from typing import Any
 
 from infra.deploy.template import parse
 from infra.web_build.site import WEB, made_files
+from infra.web_build.site_headers import CONTENT_SECURITY_POLICY
 
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATE = ROOT / ".build" / "deploy" / "template.yaml"
@@ -23,7 +24,7 @@ FRAGMENTS = (
     *(ROOT / "infra" / "edge" / f"{name}.yaml" for name in ("headers", "caching", "distribution", "logs")),
     *(
         ROOT / "infra" / "deploy" / f"{name}.yaml"
-        for name in ("alarms", "canary", "cutoff", "monitoring", "policies", "replication")
+        for name in ("alarms", "canary", "monitoring", "policies", "replication")
     ),
 )
 UNRELEASED = "source"  # the release of an unpackaged template
@@ -57,6 +58,9 @@ def complete_template() -> Template:
     for path in FRAGMENTS:
         resources |= _resources(parse(path))
     resources["Dashboard"]["Properties"]["DashboardBody"] = {"Fn::Sub": DASHBOARD.read_text(encoding="utf-8")}
+    for name in ("PageHeaders", "WorkerHeaders"):
+        policies = resources[name]["Properties"]["ResponseHeadersPolicyConfig"]["SecurityHeadersConfig"]
+        policies["ContentSecurityPolicy"]["ContentSecurityPolicy"] = CONTENT_SECURITY_POLICY
     pages = json.dumps(_pages())
     for resource in resources.values():
         if resource["Type"] == "AWS::CloudFront::Function":

@@ -23,6 +23,18 @@ TAGS = {
     "Service": "State of the service.",
 }
 """Groups of calls, in the order of the reference."""
+_GROUPS = {
+    "/v1/lookup": "Lookup",
+    "/known/": "Lookup",
+    "/v1/rigs": "Rigs",
+    "/v1/tokens": "Tokens",
+    "/v1/usage": "Tokens",
+    "/healthz": "Service",
+    "/v1/auth": "Capture",
+    "/v1/session": "Capture",
+    "/v1/checks": "Capture",
+}
+"""Groups by the beginnings of paths; all other calls are of the database."""
 
 PROBLEMS = {
     400: "The body is not JSON.",
@@ -68,12 +80,16 @@ class Operation:
     parameters: tuple[Node, ...] = ()
     problems: tuple[int, ...] = ()  # besides those of every call, of a credential and of a body
     body_required: bool = True
-    tag: str = "Service"  # one of `TAGS`
     description: str = ""
     example: Any = None  # body of a request
     example_query: Mapping[str, str] = field(default_factory=dict)
     example_path: Mapping[str, str] = field(default_factory=dict)
     example_accept: str | None = None
+
+    @property
+    def tag(self) -> str:
+        """Name of the group, one of `TAGS`."""
+        return next((tag for start, tag in _GROUPS.items() if self.path.startswith(start)), "Database")
 
     @property
     def all_problems(self) -> set[int]:
