@@ -5,6 +5,7 @@ python -m infra.web_build.openapi .build/openapi.json     # the document as a fi
 
 from __future__ import annotations
 
+import functools
 import json
 import sys
 from collections.abc import Sequence
@@ -29,8 +30,9 @@ RATE_LIMITED = ("RateLimit-Policy", "RateLimit")
 _REFERENCE = "#/components/schemas/{model}"
 
 
+@functools.cache
 def document() -> Node:
-    """Return the OpenAPI 3.1 document."""
+    """Return the OpenAPI 3.1 document; callers may not change it."""
     requests, answers = _models(OPERATIONS)
     models_and_modes: list[tuple[type[BaseModel], JsonSchemaMode]] = [
         *((model, "validation") for model in requests),

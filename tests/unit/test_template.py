@@ -10,6 +10,7 @@ import pytest
 from calibdb.access import token_cache
 from calibdb.store import aws
 from infra.deploy import account_check, package
+from infra.web_build import site_headers
 from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S
 from tests.helpers.sam import complete, created
 from tests.helpers.service.iam import statements

@@ -115,17 +115,6 @@ def test_calls_move_to_a_release_gradually_and_back_on_an_alarm() -> None:
     assert "AllAtOnce" in json.dumps(at_once["LookupFunctionDeploymentGroup"])
 
 
-def test_fragments_and_bodies_stand_in_the_complete_template() -> None:
-    found = complete()["Resources"]
-    assert {"PageHeaders", "SharedHeaders", "ServerErrorAlarm", "Budget"} <= set(found)
-    for name in ("WebIndex", "Preflight"):
-        code = found[name]["Properties"]["FunctionCode"]
-        assert "function handler(event)" in code
-        assert len(code.encode()) < 10_240  # CloudFront takes no more
-    assert '"/calibrate/"' in found["WebIndex"]["Properties"]["FunctionCode"]
-    assert len(json.loads(found["Dashboard"]["Properties"]["DashboardBody"]["Fn::Sub"])["widgets"]) > 5
-
-
 def test_roles_may_write_traces_only_if_requests_are_traced() -> None:
     def policies(*, traced: bool) -> set[str]:
         document = without_events(package.package_template(complete(), traced=traced))
