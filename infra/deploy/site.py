@@ -15,8 +15,7 @@ from typing import Any
 from calibdb.store.dumps import CACHE_CONTROL, JSON, NO_STATISTICS, STATISTICS
 from infra.deploy import hashed_names
 from infra.web_build import site
-from infra.web_build.precache_manifest import shell_of
-from infra.web_build.root_files import robots_text, security_text, sitemap
+from infra.web_build.root_files import robots_text, security_text, shell_of, sitemap
 from infra.web_build.sdk import VERSIONED, digest
 from infra.web_build.site_headers import FOREVER, media_type
 

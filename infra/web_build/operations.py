@@ -13,8 +13,19 @@ from calibdb.schema.fields import MAX_INDEX
 from calibdb.schema.membership import MAX_MOMENT_LENGTH
 from calibdb.schema.rig import RIG_FORMATS
 from calibdb.store.aliases import alias_digest
-from infra.web_build.operation import JPEG, JSON, PNG, PROBLEM, SVG, Content, Operation
-from infra.web_build.parameters import SWITCH, path, query, query_of
+from infra.web_build.operation import (
+    JPEG,
+    JSON,
+    PNG,
+    PROBLEM,
+    SVG,
+    SWITCH,
+    Content,
+    Operation,
+    path,
+    query,
+    query_of,
+)
 
 EXAMPLE_CAMERA = "HD Pro Webcam C920 (046d:082d)"
 EXAMPLE_PLATFORM = "X11; Linux x86_64"

@@ -164,10 +164,10 @@ def _build(web: Path) -> dict[str, str]:
         hint = " Run `npm ci`." if "ERR_MODULE_NOT_FOUND" in made.stderr else ""
         raise SiteError(f"the site cannot be made.{hint}\n{made.stderr.strip()}")
     files: dict[str, str] = json.loads(made.stdout)
-    from infra.web_build import openapi, schemas  # here: the models take their time
+    from infra.web_build import openapi  # here: the models take their time
 
     others = {key: text for key, text in generated.items() if not key.endswith(".html")}
-    return others | files | schemas.files() | {openapi.OPENAPI_KEY: openapi.text()}
+    return others | files | openapi.files()
 
 
 def _repository() -> str | None:
