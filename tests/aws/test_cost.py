@@ -9,8 +9,17 @@ import yaml
 from infra.deploy.template import parse
 from tests.bench import edge_month
 from tests.bench.cost import MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of
-from tests.bench.fixed_costs import firewall, fixed_costs
-from tests.bench.usage import PRICES, Usage, price, price_at_edge, price_preflights, read_units, write_units
+from tests.bench.usage import (
+    PRICES,
+    Usage,
+    firewall,
+    fixed_costs,
+    price,
+    price_at_edge,
+    price_preflights,
+    read_units,
+    write_units,
+)
 from tests.helpers.data import ROOT
 from tests.helpers.service.storage_calls import lasting_tokens
 

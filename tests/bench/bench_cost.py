@@ -6,9 +6,8 @@ import yaml
 
 from tests.bench import edge_month
 from tests.bench.cost import LOOKUPS, MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of
-from tests.bench.fixed_costs import fixed_costs
 from tests.bench.table import Row
-from tests.bench.usage import PRICES
+from tests.bench.usage import PRICES, fixed_costs
 
 
 def rows() -> Iterator[Row]:

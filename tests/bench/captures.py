@@ -181,18 +181,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--token", default="cdb_dev_local")
     parser.add_argument("--sessions", type=int, default=200)
     parser.add_argument("--clients", type=int, default=64)
-    parser.add_argument("--cameras", type=int, default=16)
-    parser.add_argument("--faults", type=float, default=FAULT_RATE, help="share of requests that fail (0.2)")
     options = parser.parse_args(arguments)
     try:
-        outcome = drive(
-            options.url.rstrip("/"),
-            options.token,
-            options.sessions,
-            options.clients,
-            cameras=options.cameras,
-            faults=options.faults,
-        )
+        outcome = drive(options.url.rstrip("/"), options.token, options.sessions, options.clients)
     except (CallError, OSError) as error:
         print(f"calibDB: {error}", file=sys.stderr)
         return 1

@@ -25,10 +25,11 @@ from infra.server.server import DEVELOPMENT_TOKEN
 from tests.aws.emulator import LocalStack, intercept
 from tests.aws.emulator.storage import Answer
 from tests.bench import edge_month
-from tests.bench.fixed_costs import firewall, fixed_costs
 from tests.bench.usage import (
     PRICES,
     Usage,
+    firewall,
+    fixed_costs,
     price,
     price_at_edge,
     price_preflights,
