@@ -32,7 +32,6 @@ UNRELEASED = "source"  # the release of an unpackaged template
 _CODE = (ROOT / ".build" / "layers", ROOT / "functions")
 _RELEASE_DIGITS = 16
 _FUNCTION_TYPE = "AWS::Serverless::Function"
-_UNCOUNTED = ("__pycache__",)  # of `functions/`: a test run leaves it there
 _ALARM = {
     "EvaluationPeriods": 1,
     "Threshold": 1,
@@ -126,17 +125,14 @@ def release_digest(complete: Template, parameters: Mapping[str, str], code: Iter
     named = sorted(set(_references(_of_functions(complete))) & values.keys())
     whole = hashlib.sha256(json.dumps([complete, [(n, values[n]) for n in named]]).encode())
     for folder in code:
+        # Compiled modules are part of the layers; in `functions/` a test run leaves them.
+        uncounted = {"__pycache__"} if folder.name == "functions" else set()
         for path in sorted(folder.rglob("*")):
-            if path.is_file() and not set(path.relative_to(folder).parts) & set(_excluded_folders(folder)):
+            if path.is_file() and not uncounted.intersection(path.relative_to(folder).parts):
                 content = path.read_bytes()
                 whole.update(f"\0{path.relative_to(folder).as_posix()}\0{len(content)}\0".encode())
                 whole.update(content)
     return whole.hexdigest()[:_RELEASE_DIGITS]
-
-
-def _excluded_folders(folder: Path) -> tuple[str, ...]:
-    """Names of folders that are not part of the code; in the layers, compiled modules are."""
-    return _UNCOUNTED if folder.name == "functions" else ()
 
 
 def _of_functions(document: Mapping[str, Any]) -> list[Any]:

@@ -105,7 +105,7 @@ def _upload(key: str, content: bytes, vendor: str, named: str) -> Upload:
     if key.startswith(_VENDOR):
         key = vendor + key.removeprefix(_VENDOR)
     elif key.endswith(_REFERENCING_SUFFIXES) and not VERSIONED.match(key):
-        content = rename_vendor_folder(content, vendor)
+        content = re.sub(rb"(?<=[\"'/(])vendor/", vendor.encode(), content)
     versioned = VERSIONED.match(key) is not None
     large = len(content) > _MAX_EDGE_COMPRESSED_BYTES
     return Upload(
@@ -116,8 +116,3 @@ def _upload(key: str, content: bytes, vendor: str, named: str) -> Upload:
         content_encoding="gzip" if large else None,
         is_versioned=versioned,
     )
-
-
-def rename_vendor_folder(content: bytes, vendor: str) -> bytes:
-    """Replace the name of the folder `vendor/` in a file of ours."""
-    return re.sub(rb"(?<=[\"'/(])vendor/", vendor.encode(), content)

@@ -363,19 +363,15 @@ def draw(context: OpsContext, mode: Mode, width: int) -> str:
     plotext.xlabel("fx (px)")
     plotext.ylabel("difference from the consensus (px rms)")
     groups = points_by_group(context, mode)
-    for (name, points), marker in zip(groups.items(), _cycle(len(groups)), strict=True):
+    for number, (name, points) in enumerate(groups.items()):
         finite = [point for point in points if math.isfinite(point.difference)]
         plotext.scatter(
             [point.fx for point in finite],
             [point.difference for point in finite],
             label=f"{name} ({len(points)})",
-            marker=marker,
+            marker=_MARKERS[min(number, _MAX_GROUPS - 1)],
         )
     return str(plotext.uncolorize(plotext.build()))
-
-
-def _cycle(number: int) -> list[str]:
-    return [_MARKERS[min(i, _MAX_GROUPS - 1)] for i in range(number)]
 
 
 def _names_of_groups(context: OpsContext, consensus: ConsensusDocument | None) -> dict[str, str]:

@@ -164,7 +164,8 @@ def _page(web: Path, example: Example) -> str:
     )
     style = f'\n  <link rel="stylesheet" href="../../{example.style}">' if example.style else ""
     sources = "".join(
-        f'<details><summary><code>{name}</code></summary><div lang="en">{_source(web, name)}</div></details>'
+        f'<details><summary><code>{name}</code></summary><div lang="en">'
+        f"{code_block((web / EXAMPLES / name).read_text(encoding='utf-8'), 'js')}</div></details>"
         for name in (f"{example.folder}/main.js", *example.sources)
     )
     return _document(
@@ -215,10 +216,6 @@ def _camera_demo(example: Example) -> str:
         <p id="choice" hidden><label class="choice"><input id="calibrated" type="checkbox" checked>
           <span data-t="examples.calibrated">Use the calibration</span></label></p>
         <div id="virtual" aria-hidden="true"></div>"""
-
-
-def _source(web: Path, name: str) -> str:
-    return code_block((web / EXAMPLES / name).read_text(encoding="utf-8"), "js")
 
 
 def _index() -> str:
