@@ -1,7 +1,7 @@
 // Service worker: caches the pages' files under the hashes of their contents. Nothing of the API is ever cached.
 //
 // `shell.json` names every file with the hash of its content; the server or the deployment writes it
-// (infra/web_build/precache_manifest.py). A visit gets the files of one such list, all old or all new: the next list
+// (infra/web_build/root_files.py). A visit gets the files of one such list, all old or all new: the next list
 // applies only once all of its files are cached. OpenCV is cached when it is first used, or while a page is open that
 // will use it. On localhost, where pages are developed, the network comes first and the cache is only its fallback.
 

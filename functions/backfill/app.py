@@ -23,16 +23,18 @@ from calibdb.store.names import with_current_key
 @metrics.counting_denied_reads
 def handler(event: dict[str, Any], _: object) -> dict[str, Any]:
     """List the requests to `refit`."""
-    batch = BackfillBatch.model_validate(event)
-    calibrations = Service.of_process().store.calibrations
+    names = [listed.key for listed in BackfillBatch.model_validate(event).items]
+    requests = requests_of(Service.of_process().store.calibrations, names)
+    return BackfillAnswer(requests=requests).model_dump(mode="json")
+
+
+def requests_of(calibrations: Calibrations, names: list[str]) -> tuple[RefitRequest, ...]:
+    """List the requests for the modes of the calibrations with these objects' names, in order."""
     stored_modes = sorted(
-        set(modes(calibrations, [listed.key for listed in batch.items])),
+        set(modes(calibrations, names)),
         key=lambda mode: (mode.camera_key, mode.img_size, mode.zoom),
     )
-    requests = tuple(
-        RefitRequest(camera=m.camera_key, img_size=m.img_size, zoom=m.zoom) for m in stored_modes
-    )
-    return BackfillAnswer(requests=requests).model_dump(mode="json")
+    return tuple(RefitRequest(camera=m.camera_key, img_size=m.img_size, zoom=m.zoom) for m in stored_modes)
 
 
 def modes(calibrations: Calibrations, names: list[str]) -> Iterator[StreamMode]:

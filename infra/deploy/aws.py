@@ -50,16 +50,11 @@ def describe(cloudformation: Any, stack: str) -> Stack | None:
     )
 
 
-def missing_secrets(ssm: Any, stack: str) -> list[str]:
-    """List the secrets that the stack does not have yet."""
-    response = ssm.get_parameters(Names=[f"/calibdb/{stack}/{name}" for name in SECRETS])
-    there = {p["Name"].rpartition("/")[2] for p in response["Parameters"]}
-    return [name for name in SECRETS if name not in there]
-
-
 def make_secrets(ssm: Any, stack: str) -> list[str]:
     """Make the missing secrets, without replacing any; return their names."""
-    missing = missing_secrets(ssm, stack)
+    response = ssm.get_parameters(Names=[f"/calibdb/{stack}/{name}" for name in SECRETS])
+    there = {p["Name"].rpartition("/")[2] for p in response["Parameters"]}
+    missing = [name for name in SECRETS if name not in there]
     for name in missing:
         if name == _READ_BY_CLOUDFORMATION:  # after the list, whose first it is
             keys = _read(ssm, stack, "EDGE_SECRETS")[:1]

@@ -16,7 +16,15 @@ import boto3
 from infra.console import announce
 from infra.deploy import account_check, aws, page_token, smoke, smoke_capture
 from infra.deploy.aws import DeployError
-from infra.deploy.package import ROOT, TEMPLATE, complete_template, package_template, release_digest
+from infra.deploy.package import (
+    ROOT,
+    TEMPLATE,
+    Template,
+    complete_template,
+    package_template,
+    release_digest,
+    write_template,
+)
 from infra.deploy.prune import prune
 from infra.deploy.site import uploads
 from infra.deploy.steps import PARAMETERS, Step, Target, parameter_file, steps
@@ -24,7 +32,7 @@ from infra.web_build.root_files import contacts, public_settings
 from infra.web_build.site import Options
 
 
-def deploy(target: Target, template: str | None = None, leave_out: Collection[str] = ()) -> None:
+def deploy(target: Target, template: Template | None = None, leave_out: Collection[str] = ()) -> None:
     """Do every step; raises DeployError at the first that fails.
 
     Parameters
@@ -36,8 +44,7 @@ def deploy(target: Target, template: str | None = None, leave_out: Collection[st
     leave_out
         Kinds of steps that are not done.
     """
-    written = (ROOT / "template.yaml").read_text(encoding="utf-8")
-    source = complete_template(written) if template is None else template
+    source = template or complete_template()
     target = find_out(target)
     chosen = [step for step in steps(target) if step.kind not in leave_out]
     for step in announce(f"deploy {target.stack}", chosen, lambda step: step.text):
@@ -58,7 +65,7 @@ def _describe(target: Target) -> aws.Stack | None:
     return aws.describe(boto3.client("cloudformation", target.region), target.stack)
 
 
-def _do(step: Step, target: Target, source: str) -> None:
+def _do(step: Step, target: Target, source: Template) -> None:
     region, stack = target.region, target.stack
     match step.kind:
         case "account":
@@ -104,7 +111,7 @@ def _do(step: Step, target: Target, source: str) -> None:
                 raise DeployError("\n".join([*messages, *advice]))
 
 
-def release(target: Target, source: str) -> str:
+def release(target: Target, source: Template) -> str:
     """Digest of what is deployed; raises KeyError if the address of the site is needed and not known."""
     stack = _describe(target)
     values = {**(stack.parameters if stack else {}), **target.effective}
@@ -113,16 +120,15 @@ def release(target: Target, source: str) -> str:
     return release_digest(source, values)
 
 
-def _package(target: Target, source: str) -> str:
+def _package(target: Target, source: Template) -> str:
     named = release(target, source)
     stack = _describe(target)
     tracing = {**(stack.parameters if stack else {}), **target.parameters}.get("Tracing")
-    TEMPLATE.parent.mkdir(parents=True, exist_ok=True)
-    TEMPLATE.write_text(package_template(source, named, traced=tracing == "Active"), encoding="utf-8")
+    write_template(package_template(source, named, traced=tracing == "Active"), TEMPLATE)
     return named
 
 
-def _smoke(target: Target, source: str) -> Iterator[str]:
+def _smoke(target: Target, source: Template) -> Iterator[str]:
     region, stack = target.region, target.stack
     cloudformation, lambda_ = boto3.client("cloudformation", region), boto3.client("lambda", region)
     made = aws.outputs(cloudformation, stack)

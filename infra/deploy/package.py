@@ -3,34 +3,28 @@
 from __future__ import annotations
 
 import argparse
+import copy
 import hashlib
 import json
 import re
 import sys
-import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from infra.deploy.template import parse_text
-from infra.web_build.site import WEB, page_keys
+from infra.deploy.template import parse
+from infra.web_build.site import WEB, made_files
+from infra.web_build.site_headers import CONTENT_SECURITY_POLICY
 
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATE = ROOT / ".build" / "deploy" / "template.yaml"
 DASHBOARD = ROOT / "infra" / "deploy" / "dashboard.json"
 # Resources that stand in files of their own
 FRAGMENTS = (
+    *(ROOT / "infra" / "edge" / f"{name}.yaml" for name in ("headers", "caching", "distribution", "logs")),
     *(
-        ROOT / "infra" / "edge" / name
-        for name in ("headers.yaml", "caching.yaml", "distribution.yaml", "logs.yaml")
-    ),
-    *(
-        ROOT / "infra" / "deploy" / name
-        for name in (
-            *("alarms.yaml", "canary.yaml", "cutoff.yaml", "monitoring.yaml", "policies.yaml"),
-            "replication.yaml",
-        )
+        ROOT / "infra" / "deploy" / f"{name}.yaml"
+        for name in ("alarms", "canary", "monitoring", "policies", "replication")
     ),
 )
 UNRELEASED = "source"  # the release of an unpackaged template
@@ -38,42 +32,81 @@ UNRELEASED = "source"  # the release of an unpackaged template
 _CODE = (ROOT / ".build" / "layers", ROOT / "functions")
 _RELEASE_DIGITS = 16
 _FUNCTION_TYPE = "AWS::Serverless::Function"
-_TRACING = "    Tracing: !Ref Tracing\n"
-_UNCOUNTED = ("__pycache__",)  # of `functions/`: a test run leaves it there
+_ALARM = {
+    "EvaluationPeriods": 1,
+    "Threshold": 1,
+    "ComparisonOperator": "GreaterThanOrEqualToThreshold",
+    "TreatMissingData": "notBreaching",
+    "AlarmActions": [{"Ref": "AlarmTopic"}],
+}
+# Folders of code, and where they are from the folder of `TEMPLATE`
+_PLACES = {"functions/": "../../functions/", "infra/": "../../infra/", "layers/": "../layers/"}
+
+Template = dict[str, Any]
+"""A template as `parse` returns it."""
 
 
-def complete_template(source: str) -> str:
-    """Insert into the template what stands in files of its own.
+def complete_template() -> Template:
+    """Return the template with what stands in files of its own.
 
     These are resources, the body of the dashboard, and the edge's functions: CloudFormation wants bodies and
     code as strings, of which `AWS::Include` makes maps.
     """
-    fragments = "\n".join(path.read_text(encoding="utf-8").partition("Resources:\n")[2] for path in FRAGMENTS)
-    whole = source.replace("\nOutputs:\n", f"\n{fragments}\nOutputs:\n")
-    dashboard = textwrap.indent(DASHBOARD.read_text(encoding="utf-8"), " " * 8)
-    whole = re.sub(r"DashboardBody: !Sub '.*'\n", lambda _: f"DashboardBody: !Sub |\n{dashboard}", whole)
-    inline = partial(_inline_function, pages=json.dumps(_pages()))
-    return re.sub(r"FunctionCode: (infra/edge/\S+\.js)\n", inline, whole)
+    document = parse(ROOT / "template.yaml")
+    resources = document["Resources"]
+    for path in FRAGMENTS:
+        resources |= _resources(parse(path))
+    resources["Dashboard"]["Properties"]["DashboardBody"] = {"Fn::Sub": DASHBOARD.read_text(encoding="utf-8")}
+    for name in ("PageHeaders", "WorkerHeaders"):
+        policies = resources[name]["Properties"]["ResponseHeadersPolicyConfig"]["SecurityHeadersConfig"]
+        policies["ContentSecurityPolicy"]["ContentSecurityPolicy"] = CONTENT_SECURITY_POLICY
+    pages = json.dumps(_pages())
+    for resource in resources.values():
+        if resource["Type"] == "AWS::CloudFront::Function":
+            properties = resource["Properties"]
+            properties["FunctionCode"] = _edge_function(ROOT / properties["FunctionCode"], pages)
+    return document
 
 
-def package_template(complete: str, release: str = UNRELEASED, *, traced: bool = False) -> str:
+def _resources(fragment: Template) -> Template:
+    """Return the resources of a fragment: those that it writes out, its alarms and its policies."""
+    resources: Template = dict(fragment["Resources"])
+    for name, alarm in fragment.get("Alarms", {}).items():
+        condition = {"Condition": alarm.pop("Condition")} if "Condition" in alarm else {}
+        resources[name] = {"Type": "AWS::CloudWatch::Alarm", **condition, "Properties": _ALARM | alarm}
+    for name, statements in fragment.get("Policies", {}).items():
+        allowed = [{"Effect": "Allow", **statement} for statement in statements]
+        document = {"Version": "2012-10-17", "Statement": allowed}
+        resources[name] = {"Type": "AWS::IAM::ManagedPolicy", "Properties": {"PolicyDocument": document}}
+    return resources
+
+
+def package_template(complete: Template, release: str = UNRELEASED, *, traced: bool = False) -> Template:
     """Convert the complete template to the one in `.build/deploy`, of this release.
 
     Its paths are relative to that folder; its layers are the built ones. Only with `traced` may functions
     write traces.
     """
+    document = copy.deepcopy(complete)
+    functions = document["Globals"]["Function"]
+    functions["Environment"]["Variables"]["RELEASE"] = release
     if not traced:
-        complete = complete.replace(_TRACING, "")
-    return (
-        complete.replace(f"        RELEASE: {UNRELEASED}\n", f'        RELEASE: "{release}"\n')
-        .replace("DefinitionUri: infra/", "DefinitionUri: ../../infra/")
-        .replace("CodeUri: functions/", "CodeUri: ../../functions/")
-        .replace("ContentUri: layers/service/", "ContentUri: ../layers/service/")
-        .replace("ContentUri: layers/solver/", "ContentUri: ../layers/solver/")
-    )
+        del functions["Tracing"]
+    for resource in document["Resources"].values():
+        properties = resource["Properties"]
+        for key in properties.keys() & {"CodeUri", "ContentUri", "DefinitionUri"}:
+            folder, slash, rest = properties[key].partition("/")
+            properties[key] = _PLACES[folder + slash] + rest
+    return document
 
 
-def release_digest(complete: str, parameters: Mapping[str, str], code: Iterable[Path] = _CODE) -> str:
+def write_template(document: Template, path: Path) -> None:
+    """Write a template to a file, as JSON, which is YAML."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(document, indent=1), encoding="utf-8")
+
+
+def release_digest(complete: Template, parameters: Mapping[str, str], code: Iterable[Path] = _CODE) -> str:
     """Digest of all that functions run with: code, layers, the template, and the parameters they name.
 
     SAM makes a new version of a function when the function's own package or its environment as written
@@ -88,22 +121,18 @@ def release_digest(complete: str, parameters: Mapping[str, str], code: Iterable[
     code
         Folders whose files count, names and contents.
     """
-    document = parse_text(complete)
-    values = {n: str(p.get("Default", "")) for n, p in document["Parameters"].items()} | dict(parameters)
-    named = sorted(set(_references(_of_functions(document))) & values.keys())
+    values = {n: str(p.get("Default", "")) for n, p in complete["Parameters"].items()} | dict(parameters)
+    named = sorted(set(_references(_of_functions(complete))) & values.keys())
     whole = hashlib.sha256(json.dumps([complete, [(n, values[n]) for n in named]]).encode())
     for folder in code:
+        # Compiled modules are part of the layers; in `functions/` a test run leaves them.
+        uncounted = {"__pycache__"} if folder.name == "functions" else set()
         for path in sorted(folder.rglob("*")):
-            if path.is_file() and not set(path.relative_to(folder).parts) & set(_excluded_folders(folder)):
+            if path.is_file() and not uncounted.intersection(path.relative_to(folder).parts):
                 content = path.read_bytes()
                 whole.update(f"\0{path.relative_to(folder).as_posix()}\0{len(content)}\0".encode())
                 whole.update(content)
     return whole.hexdigest()[:_RELEASE_DIGITS]
-
-
-def _excluded_folders(folder: Path) -> tuple[str, ...]:
-    """Names of folders that are not part of the code; in the layers, compiled modules are."""
-    return _UNCOUNTED if folder.name == "functions" else ()
 
 
 def _of_functions(document: Mapping[str, Any]) -> list[Any]:
@@ -127,32 +156,23 @@ def _references(value: Any) -> Iterator[str]:
             yield from _references(inner)
 
 
-def _inline_function(match: re.Match[str], pages: str) -> str:
-    code = (
-        (ROOT / match[1])
-        .read_text(encoding="utf-8")
-        .replace("PAGES = []", f"PAGES = {pages}")
-        .replace(
-            'NOT_FOUND = ""',
-            f"NOT_FOUND = {json.dumps((WEB / '404.html').read_text('utf-8'), ensure_ascii=False)}",
-        )
-    )
-    return f"FunctionCode: |\n{textwrap.indent(code, ' ' * 8)}"
+def _edge_function(path: Path, pages: str) -> str:
+    missing = json.dumps((WEB / "404.html").read_text(encoding="utf-8"), ensure_ascii=False)
+    code = path.read_text(encoding="utf-8")
+    return code.replace("PAGES = []", f"PAGES = {pages}").replace('NOT_FOUND = ""', f"NOT_FOUND = {missing}")
 
 
 def _pages() -> list[str]:
     """List the folders of the site that hold a page, as they stand in addresses."""
     index = "index.html"
-    return sorted(f"/{key.removesuffix(index)}" for key in page_keys() if key.endswith(index))
+    return sorted(f"/{key.removesuffix(index)}" for key in made_files() if key.endswith(index))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Write the complete template to the file named, for programs that check it."""
     parser = argparse.ArgumentParser(prog="python -m infra.deploy.package", description=main.__doc__)
     parser.add_argument("file", type=Path)
-    options = parser.parse_args(arguments)
-    options.file.parent.mkdir(parents=True, exist_ok=True)
-    options.file.write_text(complete_template((ROOT / "template.yaml").read_text(encoding="utf-8")), "utf-8")
+    write_template(complete_template(), parser.parse_args(arguments).file)
     return 0
 
 

@@ -7,8 +7,8 @@ What ministack does not know, or what only AWS can answer, is left out and said.
 
 from __future__ import annotations
 
+import json
 import os
-import re
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -19,7 +19,7 @@ from infra.ci import ministack
 from infra.deploy import aws
 from infra.deploy.aws import DeployError
 from infra.deploy.deployment import deploy
-from infra.deploy.package import ROOT, complete_template
+from infra.deploy.package import ROOT, Template, complete_template
 from infra.deploy.steps import Target
 
 # Values that the SAM CLI would cut at a blank, or change; `deploy` compares them with the stack's.
@@ -47,7 +47,7 @@ def main() -> int:
             "AWS_DEFAULT_REGION": REHEARSAL.region,
         }
         os.environ.pop("AWS_PROFILE", None)
-        template = remove_unsupported(complete_template((ROOT / "template.yaml").read_text(encoding="utf-8")))
+        template = remove_unsupported(complete_template())
         try:
             deploy(REHEARSAL, template, _ONLY_ON_AWS)
             settings, first = _settings(), _live()
@@ -103,16 +103,18 @@ def _find_unpublished(
     )
 
 
-def remove_unsupported(template: str) -> str:
-    """Remove what ministack does not support: resources, and deployments by CodeDeploy."""
-    template = re.sub(r"(?m)^ +DeploymentPreference: .*\n", "", template)
+def remove_unsupported(template: Template) -> Template:
+    """Remove from a template what ministack does not support: resources, and deployments by CodeDeploy."""
+    resources = template["Resources"]
     for name in UNSUPPORTED:
-        template = re.sub(rf"(?m)^  {name}:\n(?:    .*\n|\n)+", "", template)
+        del resources[name]
+    for owner in (template["Globals"]["Function"], *(each["Properties"] for each in resources.values())):
+        owner.pop("DeploymentPreference", None)
     # The linter refuses a condition that no resource has any more.
-    conditions = template.partition("\nConditions:\n")[2].partition("\n\n")[0]
-    for name in re.findall(r"(?m)^  (\w+): ", conditions):
-        if len(re.findall(rf"\b{name}\b", template)) == 1:
-            template = re.sub(rf"(?m)^  {name}: .*\n", "", template)
+    text = json.dumps(template)
+    for name in list(template["Conditions"]):
+        if text.count(f'"{name}"') == 1:
+            del template["Conditions"][name]
     return template
 
 

@@ -15,8 +15,7 @@ from typing import Any
 from calibdb.store.dumps import CACHE_CONTROL, JSON, NO_STATISTICS, STATISTICS
 from infra.deploy import hashed_names
 from infra.web_build import site
-from infra.web_build.precache_manifest import shell_of
-from infra.web_build.root_files import robots_text, security_text, sitemap
+from infra.web_build.root_files import robots_text, security_text, shell_of, sitemap
 from infra.web_build.sdk import VERSIONED, digest
 from infra.web_build.site_headers import FOREVER, media_type
 
@@ -106,7 +105,7 @@ def _upload(key: str, content: bytes, vendor: str, named: str) -> Upload:
     if key.startswith(_VENDOR):
         key = vendor + key.removeprefix(_VENDOR)
     elif key.endswith(_REFERENCING_SUFFIXES) and not VERSIONED.match(key):
-        content = rename_vendor_folder(content, vendor)
+        content = re.sub(rb"(?<=[\"'/(])vendor/", vendor.encode(), content)
     versioned = VERSIONED.match(key) is not None
     large = len(content) > _MAX_EDGE_COMPRESSED_BYTES
     return Upload(
@@ -117,8 +116,3 @@ def _upload(key: str, content: bytes, vendor: str, named: str) -> Upload:
         content_encoding="gzip" if large else None,
         is_versioned=versioned,
     )
-
-
-def rename_vendor_folder(content: bytes, vendor: str) -> bytes:
-    """Replace the name of the folder `vendor/` in a file of ours."""
-    return re.sub(rb"(?<=[\"'/(])vendor/", vendor.encode(), content)

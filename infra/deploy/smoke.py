@@ -27,15 +27,6 @@ _PREFLIGHT = {
 
 
 @dataclass(frozen=True)
-class Response:
-    """An HTTP response; names of headers in lower case."""
-
-    status: int
-    headers: dict[str, str]
-    body: bytes
-
-
-@dataclass(frozen=True)
 class Site:
     """Addresses of a deployment.
 
@@ -51,7 +42,7 @@ class Site:
     distribution: str | None = None
 
 
-Ask = Callable[[str, str, Mapping[str, str], bytes | None], Response]
+Ask = Callable[[str, str, Mapping[str, str], bytes | None], httpx.Response]
 """Method, path, headers and body to answer."""
 
 
@@ -59,19 +50,12 @@ def make_requester(url: str, via: str | None = None) -> Ask:
     """Build a function that sends requests to `url`, which ends without slash; `via` as in `target`."""
     context = ssl.create_default_context()
 
-    def ask(
-        method: str, path: str, headers: Mapping[str, str] | None = None, body: bytes | None = None
-    ) -> Response:
+    def ask(method: str, path: str, headers: Mapping[str, str], body: bytes | None) -> httpx.Response:
         address, host, extensions = target(url, via)
         with httpx.Client(verify=context, timeout=_SMOKE_TIMEOUT_S, trust_env=False) as client:
-            response = client.request(
-                method,
-                f"{address}{path}",
-                content=body,
-                headers={**host, **(headers or {})},
-                extensions=extensions,
+            return client.request(
+                method, f"{address}{path}", content=body, headers={**host, **headers}, extensions=extensions
             )
-        return Response(response.status_code, dict(response.headers), response.content)
 
     return ask
 
@@ -133,8 +117,8 @@ def _paths(ask: Ask) -> Iterator[str]:
         ("GET", "/v1/auth", 405),
     ):
         heard = ask(method, path, {}, None)
-        if heard.status != status:
-            yield f"{method} {path}: {heard.status}, not {status}"
+        if heard.status_code != status:
+            yield f"{method} {path}: {heard.status_code}, not {status}"
     page = ask("GET", "/calibrate/", {}, None)
     for header in ("content-security-policy", "x-content-type-options"):
         if header not in page.headers:
@@ -146,15 +130,15 @@ def _other_origins(ask: Ask) -> Iterator[str]:
     for path in ("/v1/lookup", "/v1/session/views", "/v1/nowhere"):
         yield from preflight_problems(ask, path)
     heard = ask("GET", "/sdk/calibdb.js", {"Origin": _ELSEWHERE}, None)
-    if heard.status != HTTPStatus.OK or heard.headers.get("access-control-allow-origin") != "*":
-        yield f"GET /sdk/calibdb.js: {heard.status}, and pages of other origins may not load it"
+    if heard.status_code != HTTPStatus.OK or heard.headers.get("access-control-allow-origin") != "*":
+        yield f"GET /sdk/calibdb.js: {heard.status_code}, and pages of other origins may not load it"
 
 
 def preflight_problems(ask: Ask, path: str) -> Iterator[str]:
     """Find why a browser would refuse a page of another origin this path of the API."""
     heard = ask("OPTIONS", path, _PREFLIGHT, None)
-    if not HTTPStatus.OK <= heard.status < HTTPStatus.MULTIPLE_CHOICES:
-        yield f"OPTIONS {path}: {heard.status}, so that browsers refuse pages of other origins"
+    if not heard.is_success:
+        yield f"OPTIONS {path}: {heard.status_code}, so that browsers refuse pages of other origins"
     for header, value in (
         ("access-control-allow-origin", "*"),
         ("access-control-allow-methods", "POST"),
@@ -173,7 +157,7 @@ def _redirects(ask: Ask) -> Iterator[str]:
 def _page(ask: Ask, site: Site, patience_s: float) -> Iterator[str]:
     """Send a request like the site's own pages."""
     config = ask("GET", "/config.json", {}, None)
-    settings = json.loads(config.body or b"{}") if config.status == HTTPStatus.OK else {}
+    settings = config.json() if config.status_code == HTTPStatus.OK else {}
     token = str(settings.get("token", ""))
     if not token.startswith("cdb_"):
         yield "GET /config.json: no token"
@@ -181,15 +165,15 @@ def _page(ask: Ask, site: Site, patience_s: float) -> Iterator[str]:
     headers = {"Authorization": f"Bearer {token}", "Content-Type": "application/json", "Origin": site.url}
     end = time.monotonic() + patience_s
     opened = ask("POST", "/v1/auth", headers, b"")
-    while opened.status == HTTPStatus.FORBIDDEN and time.monotonic() < end:
+    while opened.status_code == HTTPStatus.FORBIDDEN and time.monotonic() < end:
         time.sleep(5)
         opened = ask("POST", "/v1/auth", headers, b"")
-    if opened.status != HTTPStatus.CREATED:
-        yield f"POST /v1/auth with the pages' token from {site.url}: {opened.status}, not 201"
+    if opened.status_code != HTTPStatus.CREATED:
+        yield f"POST /v1/auth with the pages' token from {site.url}: {opened.status_code}, not 201"
     camera = {"camera": "calibDB smoke test", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
     missed = ask("POST", "/v1/lookup", headers, json.dumps({**camera, "redirect": False}).encode())
     guidance = (
-        str(json.loads(missed.body).get("guidance_url", "")) if missed.status == HTTPStatus.NOT_FOUND else ""
+        str(missed.json().get("guidance_url", "")) if missed.status_code == HTTPStatus.NOT_FOUND else ""
     )
     if not guidance.startswith(f"{site.url}/"):
-        yield f"POST /v1/lookup: {missed.status}, and the guidance is {guidance}, not on {site.url}"
+        yield f"POST /v1/lookup: {missed.status_code}, and the guidance is {guidance}, not on {site.url}"

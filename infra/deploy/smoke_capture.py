@@ -58,11 +58,11 @@ def call(ask: smoke.Ask, method: str, path: str, credential: str, body: object =
         if attempt:
             time.sleep(1)
         response = ask(method, path, {"Authorization": f"Bearer {credential}"}, content)
-        if response.status != HTTPStatus.SERVICE_UNAVAILABLE:
+        if response.status_code != HTTPStatus.SERVICE_UNAVAILABLE:
             break
-    if response.status >= HTTPStatus.MULTIPLE_CHOICES:
-        raise CallError(f"{method} {path}: {response.status} {response.body[:300]!r}")
-    return json.loads(response.body)
+    if not response.is_success:
+        raise CallError(f"{method} {path}: {response.status_code} {response.content[:300]!r}")
+    return response.json()
 
 
 def capture(call: Call, token: str, seed: int, camera: str, *, finish: bool = True) -> CaptureRecord:

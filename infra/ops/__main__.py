@@ -7,12 +7,53 @@ AWS with the operator's own credentials.
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
 
-from infra.ops.application import NAME, application
+import typer
+
+from infra.ops import backfill, cameras, files, reindex, tokens, withdrawal
 
 _USAGE_ERROR = 2
+NAME = "calibdb-ops"
+
+application = typer.Typer(
+    name=NAME,
+    help="The operator's command line of calibDB.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+@application.callback()
+def choose(
+    data: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Data folder of a server, in use or not.")
+    ] = None,
+) -> None:
+    """Choose the deployment."""
+    if data is not None:
+        os.environ["DATA_DIR"] = str(data)
+
+
+application.add_typer(tokens.app, name="token")
+application.add_typer(cameras.app, name="camera")
+application.add_typer(withdrawal.calibration_app, name="calibration")
+application.add_typer(withdrawal.contributor_app, name="contributor")
+application.command("reindex")(reindex.reindex_command)
+application.command("backfill")(backfill.backfill_command)
+application.command("dump")(files.dump)
+application.command("publish-dump")(files.publish_dump)
+application.command("load")(files.load)
+application.command("bundle")(files.bundle)
+application.command("backup")(files.backup)
+application.command("restore")(files.restore)
+application.command("import")(files.import_files)
+application.command("seed")(files.seed)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -6,16 +6,17 @@ reads and is left as it is, so it can be stopped and run again at any time.
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Annotated
+
+import typer
 
 from calibdb.errors import UnavailableError
-from calibdb.schema import DISTORTION_MODELS, BackfillAnswer, RefitRequest
-from functions.backfill.app import handler
+from calibdb.schema import DISTORTION_MODELS, RefitRequest
+from functions.backfill.app import requests_of
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext
-
-BATCH_SIZE = 1000  # names that the state machine hands on together
+from infra.ops.reindex import raise_failed
+from infra.ops.session import DryRun, Json, open_run
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ def backfill(context: OpsContext, after: str = "", *, dry_run: bool = False) -> 
         Only list what would be checked.
     """
     changed = failed = 0
-    requests = list(_all_requests(context, after))
+    requests = _all_requests(context, after)
     if dry_run:
         for request in requests:
             context.echo(f"{_describe(request)}: would be checked")
@@ -53,16 +54,11 @@ def backfill(context: OpsContext, after: str = "", *, dry_run: bool = False) -> 
     return BackfillResult(len(requests), changed, failed)
 
 
-def _all_requests(context: OpsContext, after: str) -> Iterator[RefitRequest]:
-    """Yield one request for each mode of each camera."""
+def _all_requests(context: OpsContext, after: str) -> list[RefitRequest]:
+    """List one request for each mode of each camera."""
     names = context.track(context.objects.names(CALIBRATIONS_PREFIX), "listing")
-    chosen = (name for name in names if not after or name.split("/")[1] > after)
-    done: RefitRequest | None = None
-    for batch in _batches(chosen):
-        for request in _requests(batch):
-            if request != done:  # on the border of two batches
-                done = request
-                yield request
+    chosen = [name for name in names if not after or name.split("/")[1] > after]
+    return list(requests_of(context.store.calibrations, chosen))
 
 
 def _describe(request: RefitRequest) -> str:
@@ -88,12 +84,17 @@ def _refit(context: OpsContext, request: RefitRequest) -> int | None:
     return changed
 
 
-def _requests(names: Iterable[str]) -> Iterator[RefitRequest]:
-    items = {"Items": [{"Key": name} for name in names]}
-    yield from BackfillAnswer.model_validate(handler(items, None)).requests
-
-
-def _batches(names: Iterable[str]) -> Iterator[list[str]]:
-    names = iter(names)
-    while batch := list(itertools.islice(names, BATCH_SIZE)):
-        yield batch
+def backfill_command(
+    after: Annotated[str, typer.Option(metavar="KEY", help="Continue after this camera.")] = "",
+    dry_run: DryRun = False,
+    as_json: Json = False,
+) -> None:
+    """Recompute outdated consensuses: after a new model, another solver or other thresholds."""
+    with open_run(as_json=as_json) as run:
+        done = backfill(run.context, after, dry_run=dry_run)
+        run.output.value(asdict(done))
+        if dry_run:
+            run.output.line(f"{done.modes} modes of cameras would be checked")
+            return
+        run.output.line(f"{done.modes} modes of cameras checked, {done.changed} consensuses computed")
+        raise_failed(done.failed)

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import gzip
 import json
+import math
 import re
+import shutil
 import time
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 from calibdb.camera_key.characters import visible
 from calibdb.schema import CalibrationDocument, ConsensusDocument
@@ -19,7 +23,13 @@ from calibdb.store.aliases import Aliases
 from calibdb.store.keys import WITHDRAWN, camera_pk, tombstone_object
 from infra.ops import OpsError, reindex
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext
+from infra.ops.session import Json, open_run
 
+app = typer.Typer(help="List cameras, and show one.", no_args_is_help=True)
+_COLUMNS = ("id", "time (UTC)", "contributor", "model", "#views", "#fx (px)", "#rms (px)", "withdrawn")
+_MARKERS = ("●", "x", "+", "◇", "▵")
+_HEIGHT = 18  # lines of a terminal
+_MAX_GROUPS = len(_MARKERS)  # with their own marker; the others have none
 UNKNOWN = "unknown"  # cameras that no lookup has found
 _LOOKUP_PATH = re.compile(r"/known/v1/([0-9a-f]{32})/")
 
@@ -238,3 +248,143 @@ def _paths(folder: Path) -> Iterator[str]:
                     yield str(json.loads(line).get("cs-uri-stem", ""))
         except (OSError, EOFError, ValueError, AttributeError) as error:
             raise OpsError(f"not a log of CloudFront in JSON: {log}: {error}") from error
+
+
+@app.command("list")
+def list_cameras(
+    text: Annotated[str, typer.Argument(help="Only those whose key contains this text.")] = "",
+    as_json: Json = False,
+) -> None:
+    """List the cameras that were calibrated."""
+    with open_run(as_json=as_json) as run:
+        counts = count_all(run.context, text)
+        run.output.table(
+            ("camera", "#calibrations", "#withdrawn"),
+            ((one.key, one.calibrations, one.withdrawn) for one in counts),
+            (one.line for one in counts),
+        )
+        run.output.value(
+            [{"key": one.key, "calibrations": one.calibrations, "withdrawn": one.withdrawn} for one in counts]
+        )
+
+
+@app.command("show")
+def show_camera(
+    key: Annotated[str, typer.Argument(help="As `camera list` prints it.")],
+    plot: Annotated[
+        bool, typer.Option("--plot", help="Draw the members of each consensus and the other groups.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Show consensuses and calibrations of one camera."""
+    with open_run(as_json=as_json) as run:
+        found = detail(run.context, key)
+        run.output.value(found.record())
+        for text, rows, lines in _sections(found):
+            run.output.line(text)
+            if lines:
+                run.output.table(_COLUMNS, rows, lines)
+        if plot:
+            width = min(100, shutil.get_terminal_size().columns)
+            for mode in found.modes:
+                if points_by_group(run.context, mode):
+                    run.output.line(draw(run.context, mode, width))
+
+
+@app.command("use")
+def show_use(
+    logs: Annotated[Path, typer.Argument(help="Folder with a copy of the bucket EdgeLogBucket.")],
+    as_json: Json = False,
+) -> None:
+    """Count lookups at the edge by camera."""
+    with open_run(as_json=as_json) as run:
+        use = count_use(logs, run.context.store.aliases).most_common()
+        run.output.table(("camera", "#lookups"), use, (f"{count:>9}  {label}" for label, count in use))
+        run.output.value([{"camera": label, "lookups": count} for label, count in use])
+
+
+def _sections(detail: CameraDetail) -> Iterator[tuple[str, list[tuple[object, ...]], list[str]]]:
+    """Yield lines, and after the consensuses of each mode the rows and the lines of its calibrations."""
+    yield f"{detail.camera}, {detail.platform}", [], []
+    for mode in detail.modes:
+        texts = [
+            title(mode.mode),
+            *(f"  {describe_consensus(c)}" for c in mode.consensuses),
+        ]
+        rows = [calibration_row(*one) for one in mode.calibrations]
+        lines = [f"  {describe_calibration(*one)}" for one in mode.calibrations]
+        yield "\n".join(texts), rows, lines
+
+
+@dataclass(frozen=True)
+class Point:
+    """One calibration: focal length, px; difference from the reference projection, px rms over the image."""
+
+    id: str
+    fx: float
+    difference: float
+
+
+def points_by_group(context: OpsContext, mode: Mode) -> dict[str, list[Point]]:
+    """Divide the calibrations of a mode into the members of the consensus and the other groups.
+
+    The model is that of most calibrations; the others, and withdrawn ones, are left out. The reference is the
+    consensus, or, where there is none, the newest calibration.
+    """
+    from calibsolver import Camera
+    from calibsolver.consensus.agreement import difference
+
+    counted = [document for document, withdrawn in mode.calibrations if not withdrawn]
+    if not counted:
+        return {}
+    model = Counter(document.distortion_model for document in counted).most_common(1)[0][0]
+    consensus = next((c for c in mode.consensuses if c.distortion_model == model), None)
+    pooled = consensus.calibration if consensus is not None else None
+    drawn = [document for document in counted if model in document.fits]
+    record = pooled.model_dump() if pooled is not None else drawn[-1].fits[model].model_dump()
+    reference = Camera.from_record(record)
+    names = _names_of_groups(context, consensus)
+    by_group: dict[str, list[Point]] = {name: [] for name in dict.fromkeys(names.values())}
+    for document in drawn:
+        fit = document.fits[model].model_dump()
+        apart = difference(reference, Camera.from_record(fit))
+        point = Point(document.id, fit["camera_matrix"][0][0], apart)
+        by_group.setdefault(names.get(document.id, "alone"), []).append(point)
+    return {name: points for name, points in by_group.items() if points}
+
+
+def draw(context: OpsContext, mode: Mode, width: int) -> str:
+    """Draw focal lengths against differences from the consensus, as lines of text."""
+    import plotext
+
+    plotext.clear_figure()
+    plotext.theme("clear")
+    plotext.plotsize(width, _HEIGHT)
+    plotext.title(title(mode.mode))
+    plotext.xlabel("fx (px)")
+    plotext.ylabel("difference from the consensus (px rms)")
+    groups = points_by_group(context, mode)
+    for number, (name, points) in enumerate(groups.items()):
+        finite = [point for point in points if math.isfinite(point.difference)]
+        plotext.scatter(
+            [point.fx for point in finite],
+            [point.difference for point in finite],
+            label=f"{name} ({len(points)})",
+            marker=_MARKERS[min(number, _MAX_GROUPS - 1)],
+        )
+    return str(plotext.uncolorize(plotext.build()))
+
+
+def _names_of_groups(context: OpsContext, consensus: ConsensusDocument | None) -> dict[str, str]:
+    """Map the id of each grouped calibration to the name of its group, members first."""
+    stored = context.store.consensuses.groups(consensus) if consensus is not None else None
+    names: dict[str, str] = {}
+    for number, group in enumerate(stored.groups if stored else ()):
+        if number == 0:
+            name = "members"
+        elif number < _MAX_GROUPS - 1 and len(group) > 1:
+            name = f"group {number + 1}"
+        else:
+            name = "alone"
+        names |= dict.fromkeys(group, name)
+    return names

@@ -46,28 +46,18 @@ does `source`, where they were, by which they are counted.
 
 _TABLE = pa.schema(
     [
-        ("id", pa.string()),
-        ("camera_key", pa.string()),
-        ("camera", pa.string()),
-        ("platform", pa.string()),
-        ("width", pa.int32()),
-        ("height", pa.int32()),
+        *((name, pa.string()) for name in ("id", "camera_key", "camera", "platform")),
+        *((name, pa.int32()) for name in ("width", "height")),
         ("zoom", pa.float64()),
         ("distortion_model", pa.string()),
-        ("fx", pa.float64()),
-        ("fy", pa.float64()),
-        ("cx", pa.float64()),
-        ("cy", pa.float64()),
+        *((name, pa.float64()) for name in ("fx", "fy", "cx", "cy")),
         ("distortion_coefficients", pa.list_(pa.float64())),
-        ("avg_reprojection_error", pa.float64()),
-        ("uncertainty_rms", pa.float64()),
+        *((name, pa.float64()) for name in ("avg_reprojection_error", "uncertainty_rms")),
         ("views", pa.int32()),
         ("board_kind", pa.string()),
-        ("squares_x", pa.int32()),
-        ("squares_y", pa.int32()),
+        *((name, pa.int32()) for name in ("squares_x", "squares_y")),
         ("time", pa.timestamp("s", tz="UTC")),
-        ("contributor", pa.string()),
-        ("licence", pa.string()),
+        *((name, pa.string()) for name in ("contributor", "licence")),
     ]
 )
 _CORNERS = pa.schema(
@@ -155,15 +145,9 @@ def document_row(document: CalibrationDocument) -> dict[str, Any]:
     """Return the row of a calibration in the table of all."""
     fit = document.fits[document.distortion_model]
     (fx, _, cx), (_, fy, cy), _ = fit.camera_matrix
-    return {
-        "id": document.id,
-        "camera_key": document.camera_key,
-        "camera": document.camera,
-        "platform": document.platform,
+    return document.model_dump(include=set(_TABLE.names) - {"views"}) | {
         "width": document.img_size[0],
         "height": document.img_size[1],
-        "zoom": document.zoom,
-        "distortion_model": document.distortion_model,
         "fx": fx,
         "fy": fy,
         "cx": cx,
@@ -175,9 +159,6 @@ def document_row(document: CalibrationDocument) -> dict[str, Any]:
         "board_kind": document.board.kind,
         "squares_x": document.board.squares[0],
         "squares_y": document.board.squares[1],
-        "time": document.time,
-        "contributor": document.contributor,
-        "licence": document.licence,
     }
 
 

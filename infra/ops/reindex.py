@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 from typing import cast as typed
 
@@ -21,7 +21,9 @@ from calibdb.store.priors import Priors
 from calibdb.store.rigs import Rigs
 from calibdb.store.sessions import Sessions
 from calibdb.store.votes import Votes
+from infra.ops import OpsError
 from infra.ops.context import CALIBRATIONS_PREFIX, Key, OpsContext, count_objects
+from infra.ops.session import DryRun, Json, open_run
 
 # What a computation writes; all other items of a camera follow from single objects.
 _COMPUTED = ("CONSENSUS", "GROUPS")
@@ -179,3 +181,28 @@ def _computed_of(key: Key) -> tuple[str, str] | None:
     pk, sk = key
     kind, _, rest = sk.partition("#")
     return (pk, rest.rpartition("#")[0]) if kind in _COMPUTED else None
+
+
+def reindex_command(dry_run: DryRun = False, as_json: Json = False) -> None:
+    """Rebuild the index from the bucket, the source of truth."""
+    with open_run(as_json=as_json) as run:
+        done = reindex(run.context, dry_run=dry_run)
+        run.output.value(asdict(done))
+        if dry_run:
+            run.output.line(
+                f"{done.calibrations} calibrations, {done.votes} votes, {done.tokens} tokens to index; "
+                f"{done.published} calibrations to publish, {done.removed} stale entries to remove"
+            )
+            return
+        run.output.line(
+            f"{done.calibrations} calibrations indexed, {done.published} of them published only now; "
+            f"{done.votes} votes, {done.tokens} tokens, {done.sessions} sessions, {done.rigs} rigs; "
+            f"{done.consensuses} consensuses computed, {done.removed} stale entries removed"
+        )
+        raise_failed(done.failed)
+
+
+def raise_failed(modes: int) -> None:
+    """Raise OpsError if the consensus of modes could not be computed."""
+    if modes:
+        raise OpsError(f"the consensus of {modes} modes could not be computed; run the command again")

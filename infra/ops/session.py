@@ -1,4 +1,4 @@
-"""One run of a command: storage that is open, output, and an exit status."""
+"""One run of a command: options, storage that is open, output, and an exit status."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -18,6 +18,27 @@ from infra.console import Output, track
 if TYPE_CHECKING:
     from calibdb.store.ports import JobName
     from infra.ops.context import OpsContext
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document, for programs.")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Change nothing; say what would be done.")]
+Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")]
+
+
+class Size(NamedTuple):
+    """Width and height in one argument; of a plain tuple typer would read two."""
+
+    width: int
+    height: int
+
+
+def parse_size(text: str | Size) -> Size:
+    """Parse a size such as `1280x720`."""
+    if isinstance(text, Size):
+        return text
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise typer.BadParameter(f"{text} is not a size such as 1280x720")
+    return Size(int(width), int(height))
 
 
 @dataclass(frozen=True)

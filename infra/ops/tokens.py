@@ -4,16 +4,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from typing import Annotated
 from urllib.parse import urlsplit
+
+import typer
 
 from calibdb.access.plans import HOUR_S, PLANS
 from calibdb.access.token_facts import use_summary
 from calibdb.access.tokens import ApiToken, secret_hash, with_secret
 from calibdb.schema.managed_token import TokenUse
 from calibdb.store import Tokens
+from infra.console import confirm
 from infra.ops import OpsError
 from infra.ops.context import OpsContext
+from infra.ops.session import DryRun, Json, Yes, open_run
 
+app = typer.Typer(help="Issue, list, rotate and revoke API tokens.", no_args_is_help=True)
+TokenId = Annotated[str, typer.Argument(metavar="ID", help="As `token list` prints it.")]
 _ID_BYTES, _SECRET_BYTES = 8, 24
 
 
@@ -92,3 +99,133 @@ def _check(origin: str) -> None:
         raise OpsError(f"{origin!r} is not an origin such as https://example.org")
     if f"{parts.scheme}://{parts.netloc}" != origin or parts.username is not None:
         raise OpsError(f"{origin!r} has more than scheme, host and port")
+
+
+def _complete_plan(start: str) -> list[str]:
+    return [plan for plan in PLANS if plan.startswith(start)]
+
+
+@app.command("create")
+def create_token(
+    origin: Annotated[
+        list[str] | None, typer.Option(help="Origin that may use the token; repeatable. None: any.")
+    ] = None,
+    plan: Annotated[
+        str,
+        typer.Option(
+            help="Plan, which limits its use in an hour.",
+            autocompletion=_complete_plan,
+        ),
+    ] = "free",
+    as_json: Json = False,
+) -> None:
+    """Issue a token; it is shown once."""
+    with open_run(as_json=as_json) as run:
+        token = create(run.context, origin or [], plan)
+        run.output.line(token)
+        run.output.value({"token": token})
+
+
+@app.command("list")
+def list_tokens(as_json: Json = False) -> None:
+    """List all tokens, without their secrets."""
+    with open_run(as_json=as_json) as run:
+        listing = list_all(run.context)
+        rows = [describe(token) for token in listing]
+        run.output.table(
+            ("id", "created", "plan", "made by", "origins"), rows, ("  ".join(row) for row in rows)
+        )
+        run.output.value(
+            [
+                {
+                    "id": token.id,
+                    "created": token.created,
+                    "plan": token.plan,
+                    "origins": token.origins,
+                    "pending": token.pending,
+                    "name": token.name or None,
+                    "self_made": token.management_sha256 is not None,
+                    "former_until": token.former_until or None,
+                }
+                for token in listing
+            ]
+        )
+
+
+@app.command("show")
+def show_token(token_id: TokenId, as_json: Json = False) -> None:
+    """Show a token and its use: by hour for two days, by day for thirty."""
+    with open_run(as_json=as_json) as run:
+        token = get(run.context, token_id)
+        used = use(run.context, token_id)
+        run.output.line("  ".join(describe(token)))
+        periods = [
+            *((each.hour, each) for each in used.hours),
+            *((each.day, each) for each in used.days),
+        ]
+        rows = [
+            (period, *map(str, (each.sessions, each.views, each.poses, each.lookups)))
+            for period, each in periods
+            if each.sessions or each.views or each.poses or each.lookups
+        ]
+        run.output.table(
+            ("period (UTC)", "sessions", "views", "poses", "lookups"), rows, ("  ".join(row) for row in rows)
+        )
+        run.output.value({"id": token.id, "plan": token.plan, "use": used.model_dump(mode="json")})
+
+
+@app.command("made")
+def count_made(as_json: Json = False) -> None:
+    """Count the tokens that people made for themselves, day by day."""
+    with open_run(as_json=as_json) as run:
+        days = list(run.context.store.quotas.issued())
+        rows = [(day, str(count)) for day, count in days]
+        run.output.table(("day (UTC)", "tokens"), rows, ("  ".join(row) for row in rows))
+        run.output.value([{"day": day, "tokens": count} for day, count in days])
+
+
+@app.command("sweep")
+def sweep_tokens(dry_run: DryRun = False) -> None:
+    """Remove trial tokens that expired unused, a week after their end."""
+    with open_run() as run:
+        store = run.context.store.tokens
+        orphans = store.orphans(run.context.now)
+        count = len(orphans) if dry_run else store.remove(orphans)
+        run.output.line(f"{count} trial tokens {'would be ' if dry_run else ''}removed")
+
+
+@app.command("revoke")
+def revoke_token(token_id: TokenId, dry_run: DryRun = False, yes: Yes = False) -> None:
+    """Revoke a token for good, within a minute."""
+    with open_run() as run:
+        token = get(run.context, token_id)
+        description = "  ".join(describe(token))
+        if dry_run:
+            run.output.line(f"would be revoked: {description}")
+            return
+        confirm(f"Revoke for good: {description}?", yes=yes)
+        revoke(run.context, token_id)
+
+
+@app.command("rotate")
+def rotate_token(
+    token_id: TokenId,
+    grace: Annotated[
+        float,
+        typer.Option(min=0, max=24 * 366, metavar="HOURS", help="Time for which the old secret still works."),
+    ] = 24,
+    dry_run: DryRun = False,
+    yes: Yes = False,
+    as_json: Json = False,
+) -> None:
+    """Give a token a new secret; it is shown once."""
+    with open_run(as_json=as_json) as run:
+        token = get(run.context, token_id)
+        description = "  ".join(describe(token))
+        if dry_run:
+            run.output.line(f"would get a new secret: {description}")
+            return
+        confirm(f"End the present secret in {grace:g} hours: {description}?", yes=yes)
+        fresh = rotate(run.context, token_id, grace)
+        run.output.line(fresh)
+        run.output.value({"token": fresh})

@@ -1,10 +1,14 @@
-"""Withdrawal of calibrations, and removal of everything that a contributor sent."""
+"""Withdrawal of calibrations, and removal of everything that a contributor sent; their commands."""
 
 from __future__ import annotations
 
 import functools
+import sys
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Annotated
+
+import typer
 
 from calibdb.access.tokens import SessionIds, contributor
 from calibdb.camera_key import current_key
@@ -13,10 +17,15 @@ from calibdb.schema import CalibrationDocument, RigDocument, SessionDocument
 from calibdb.store import StreamMode
 from calibdb.store.keys import calibration_object, tombstone_object, vote_object
 from calibdb.store.rigs import rig_calibration_object
+from infra.console import confirm
 from infra.ops import OpsError, reindex
 from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
 from infra.ops.public_dump import replace_dumps
+from infra.ops.session import DryRun, Json, Run, Yes, open_run
 
+calibration_app = typer.Typer(help="Withdraw, restore and unname single calibrations.", no_args_is_help=True)
+Ids = Annotated[list[str], typer.Argument(metavar="ID", help="As `camera show` prints them.")]
+contributor_app = typer.Typer(help="Remove the data of contributors.", no_args_is_help=True)
 _MIN_DIGITS = 12  # hex digits of a contributor that name one
 _HASH_DIGITS = 12  # at the end of a calibration's id; earlier ids have another time before them
 _MAX_VERSIONS = 1_000  # of a restarted session
@@ -202,3 +211,116 @@ def get(context: OpsContext, calibration_id: str) -> CalibrationDocument:
 def _refit(context: OpsContext, mode: StreamMode) -> None:
     if reindex.refit(context, mode) is None:
         raise OpsError("the consensus could not be computed; `reindex` tries again")
+
+
+def _complete_reason(start: str) -> list[str]:
+    return [reason for reason in ("wrong", "abuse", "privacy") if reason.startswith(start)]
+
+
+@calibration_app.command("withdraw")
+def withdraw_calibrations(
+    ids: Ids,
+    reason: Annotated[
+        str,
+        typer.Option(
+            help="Stored with it; the API returns its first word if that is `wrong`, `abuse` or `privacy`.",
+            autocompletion=_complete_reason,
+        ),
+    ] = "",
+    dry_run: DryRun = False,
+) -> None:
+    """Exclude calibrations from all consensuses."""
+    with open_run() as run:
+        for calibration_id in run.context.track(ids, "calibrations", len(ids)):
+            if dry_run:
+                get(run.context, calibration_id)
+                run.output.line(f"would be withdrawn: {calibration_id}")
+            elif not withdraw(run.context, calibration_id, reason):
+                run.output.line("it was withdrawn before")
+
+
+@calibration_app.command("unname")
+def unname_calibrations(ids: Ids, dry_run: DryRun = False) -> None:
+    """Remove the names that contributors gave to modes of cameras; the calibrations stay."""
+    with open_run() as run:
+        for calibration_id in run.context.track(ids, "calibrations", len(ids)):
+            if dry_run:
+                name = get(run.context, calibration_id).mode_name
+                run.output.line(f"would lose its name: {calibration_id} {name or '(it has none)'}")
+            elif not unname(run.context, calibration_id):
+                run.output.line("it has no name")
+
+
+@calibration_app.command("restore")
+def restore_calibrations(ids: Ids, dry_run: DryRun = False) -> None:
+    """Include withdrawn calibrations again."""
+    with open_run() as run:
+        for calibration_id in run.context.track(ids, "calibrations", len(ids)):
+            if dry_run:
+                get_withdrawn(run.context, calibration_id)
+                run.output.line(f"would be restored: {calibration_id}")
+            else:
+                restore(run.context, calibration_id)
+
+
+@contributor_app.callback()
+def contributors() -> None:
+    """Keep `forget` a verb of its own, although it is the only one."""
+
+
+@contributor_app.command("forget")
+def forget_contributor(
+    contributor_id: Annotated[
+        str | None,
+        typer.Argument(metavar="ID", help="As `camera show` prints it; its first 12 digits are enough."),
+    ] = None,
+    address: Annotated[str | None, typer.Option(help="Instead: the IP address of the contributor …")] = None,
+    token: Annotated[
+        str | None, typer.Option(help="… and the id of the token; without it, all tokens are tried.")
+    ] = None,
+    receipt: Annotated[
+        str | None, typer.Option(help="Instead: what the privacy page keeps for who made a calibration.")
+    ] = None,
+    dry_run: DryRun = False,
+    yes: Yes = False,
+    as_json: Json = False,
+) -> None:
+    """Remove everything that a contributor sent, for good."""
+    with open_run(as_json=as_json) as run:
+        contributors = _find(run, contributor_id, address, token, receipt)
+        ask = not yes and sys.stdin.isatty()
+        if dry_run or ask:
+            counted = forget(run.context, contributors, dry_run=True)
+            description = _describe(counted)
+            run.output.value(asdict(counted))
+            if dry_run:
+                run.output.line(f"would be removed: {description}")
+                return
+            confirm(f"Remove {description} for good?", yes=yes)
+        done = forget(run.context, contributors)
+        run.output.line(f"removed {_describe(done)}")
+        run.output.value(asdict(done))
+
+
+def _describe(counts: ForgetResult) -> str:
+    return (
+        f"{counts.calibrations} calibrations, {counts.sessions} sessions, {counts.votes} votes, "
+        f"{counts.rigs} rigs"
+    )
+
+
+def _find(
+    run: Run, contributor_id: str | None, address: str | None, token: str | None, receipt: str | None
+) -> set[str]:
+    """Find the contributors that are meant; raises OpsError if nothing came from them."""
+    if contributor_id is not None and address is receipt is None:
+        return {find_contributor(run.context, contributor_id)}
+    if receipt is not None and address is contributor_id is None:
+        return find_contributors_by_receipt(run.context, receipt)
+    if address is None or contributor_id is not None or receipt is not None:
+        raise OpsError("name either a contributor, an address, or a receipt")
+    if not run.context.secret_known:
+        raise OpsError("set CONTRIBUTOR_SECRET: without it, addresses cannot be matched with contributors")
+    if matches := find_contributors_at(run.context, address, token):
+        return matches
+    raise OpsError("nothing came from there")

@@ -65,13 +65,12 @@ def _layers(name: str) -> None:
 
 def _summaries() -> None:
     text = changelog.notes((ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), version())
-    sums = [f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in _list_built()]
+    sums = [
+        f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n"
+        for path in sorted(RELEASE.iterdir())
+    ]
     (RELEASE / "NOTES.md").write_text(text, encoding="utf-8")
     (RELEASE / "SHA256SUMS").write_text("".join(sums), encoding="utf-8")
-
-
-def _list_built() -> list[Path]:
-    return sorted(path for path in RELEASE.iterdir() if path.is_file())
 
 
 def _run(*command: str) -> None:

@@ -76,8 +76,8 @@ class Pages:
             await PlainTextResponse("Method Not Allowed", 405, {"allow": "GET, HEAD"})(scope, receive, send)
             return
         key = scope["path"].removeprefix("/")
-        content = root_file(key, self._folder, self._options, self._settings)
         try:
+            content = root_file(key, self._folder, self._options, self._settings)
             if content is None:
                 await self._refresh(key)
         except (site.SiteError, SdkError) as error:

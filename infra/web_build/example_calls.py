@@ -42,7 +42,8 @@ def calls() -> Iterator[Call]:
     for name in SCENARIO:
         operation = operations[name]
         credential = next((CREDENTIALS[one] for one in operation.credentials if one in CREDENTIALS), None)
-        path = operation.path.format(**operation.example_path)
+        identity = "RIG_ID" if operation.tag == "Rigs" else "CALIBRATION_ID"
+        path = operation.path.format(**{"id": identity, "key": "CAMERA_KEY", **operation.example_path})
         yield Call(
             name,
             operation.method.upper(),

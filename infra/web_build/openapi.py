@@ -1,13 +1,14 @@
-"""OpenAPI document, a file of the site, built from the models that functions check requests with.
+"""OpenAPI document and JSON Schemas of the site, built from the models that functions check requests with.
 
 python -m infra.web_build.openapi .build/openapi.json     # the document as a file
 """
 
 from __future__ import annotations
 
+import functools
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,22 +16,27 @@ from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
 from calibdb import __version__, schema
-from infra.web_build.operation import JSON, PROBLEM, PROBLEMS, TAGS, Content, Operation
+from calibdb.schema.dump import Dump, Statistics
+from infra.web_build.operation import JSON, PROBLEM, PROBLEMS, TAGS, Content, Node, Operation
 from infra.web_build.operations import OPERATIONS
-from infra.web_build.parameters import Node
 
 __all__ = ["OPENAPI_KEY", "OPERATIONS", "document", "text"]
 
 EXAMPLES_PATH = Path(__file__).resolve().parents[2] / ".build" / "examples.json"
 """Answers to the examples of `operations`, written by `infra.web_build.recorded_examples`."""
 OPENAPI_KEY = "openapi.json"
+CALIBRATION_VERSION = 1
+"""Another one removes a member, or gives it another meaning; new members do not change it."""
+CALIBRATION_SCHEMA_KEY = f"docs/schema/calibration-{CALIBRATION_VERSION}.json"
+DUMP_SCHEMA_KEY = "data/schema.json"
 RATE_LIMITED = ("RateLimit-Policy", "RateLimit")
 """Headers of every response under a plan with limits."""
 _REFERENCE = "#/components/schemas/{model}"
 
 
+@functools.cache
 def document() -> Node:
-    """Return the OpenAPI 3.1 document."""
+    """Return the OpenAPI 3.1 document; callers may not change it."""
     requests, answers = _models(OPERATIONS)
     models_and_modes: list[tuple[type[BaseModel], JsonSchemaMode]] = [
         *((model, "validation") for model in requests),
@@ -122,6 +128,56 @@ def _operation(operation: Operation, names: Any, example: Any) -> Node:
 def text() -> str:
     """Return the file's content."""
     return json.dumps(document(), indent=1, ensure_ascii=False) + "\n"
+
+
+def files() -> dict[str, str]:
+    """Return the content of each file of the site, by its key."""
+    return {OPENAPI_KEY: text(), CALIBRATION_SCHEMA_KEY: calibration_schema(), DUMP_SCHEMA_KEY: dump_schema()}
+
+
+def calibration_schema() -> str:
+    """Return the schema of a calibration document."""
+    models = (schema.LookupAnswer, schema.ReportedCalibration, schema.GivenCalibration)
+    definitions = _definitions(models, "validation")
+    lookup, reported, stored = (definitions.pop(model.__name__) for model in models)
+    return _schema_text(
+        {
+            "$id": f"/{CALIBRATION_SCHEMA_KEY}",
+            "title": f"Calibration of calibDB, version {CALIBRATION_VERSION}",
+            "description": "As a lookup, GET /v1/calibrations/{id} and the export format calibdb return it, "
+            "and as the Python client saves it. Only what makes a camera is required.",
+            "type": "object",
+            "properties": lookup["properties"] | reported["properties"],
+            "required": stored["required"],
+            "$defs": definitions,
+        }
+    )
+
+
+def dump_schema() -> str:
+    """Return the schema of a dump."""
+    return _schema_text(
+        {
+            "title": "Dump of calibDB, version 1",
+            "description": "Of /dumps/latest.json. $defs also has Statistics, of /dumps/statistics.json, and "
+            "the documents in the files, one a line: CalibrationDocument and VoteDocument.",
+            "$ref": "#/$defs/Dump",
+            "$defs": _definitions(
+                (Dump, Statistics, schema.CalibrationDocument, schema.VoteDocument), "serialization"
+            ),
+        }
+    )
+
+
+def _definitions(models: tuple[type[BaseModel], ...], mode: JsonSchemaMode) -> dict[str, Any]:
+    _, made = models_json_schema([(model, mode) for model in models], ref_template="#/$defs/{model}")
+    definitions: dict[str, Any] = made["$defs"]
+    return definitions
+
+
+def _schema_text(members: Mapping[str, Any]) -> str:
+    content = {"$schema": "https://json-schema.org/draft/2020-12/schema", **members}
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 
 if __name__ == "__main__":

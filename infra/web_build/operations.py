@@ -13,8 +13,19 @@ from calibdb.schema.fields import MAX_INDEX
 from calibdb.schema.membership import MAX_MOMENT_LENGTH
 from calibdb.schema.rig import RIG_FORMATS
 from calibdb.store.aliases import alias_digest
-from infra.web_build.operation import JPEG, JSON, PNG, PROBLEM, SVG, Content, Operation
-from infra.web_build.parameters import SWITCH, path, query, query_of
+from infra.web_build.operation import (
+    JPEG,
+    JSON,
+    PNG,
+    PROBLEM,
+    SVG,
+    SWITCH,
+    Content,
+    Operation,
+    path,
+    query,
+    query_of,
+)
 
 EXAMPLE_CAMERA = "HD Pro Webcam C920 (046d:082d)"
 EXAMPLE_PLATFORM = "X11; Linux x86_64"
@@ -88,7 +99,6 @@ _RIGS = (
         _SESSION,
         schema.RigRequest,
         problems=(404, 409),
-        tag="Rigs",
         description=(
             "Creates a rig of two to eight cameras. The session, which has no views yet, is camera 0 and "
             "leads. Other cameras join with `POST /v1/session` and `rig: {code, position?}`, from any "
@@ -107,13 +117,11 @@ _RIGS = (
         ("sessionId", "apiToken"),
         parameters=(_RIG_ID, query("skip", SWITCH, "`1`, of the leader: a target of another kind.")),
         problems=(404, 409, 422),
-        tag="Rigs",
         description=(
             "Returns the state of a rig: its cameras, its moments and what is set aside of them, the "
             "expected error, and the next pose of the board as each camera sees it. Poll once a second "
             "with `If-None-Match`: 304 does not count against the plan."
         ),
-        example_path={"id": "RIG_ID"},
     ),
     Operation(
         "delete",
@@ -124,9 +132,7 @@ _RIGS = (
         _SESSION,
         parameters=(_RIG_ID,),
         problems=(404, 409),
-        tag="Rigs",
         description="Deletes a running rig with the sessions of its cameras. A finished rig stays.",
-        example_path={"id": "RIG_ID"},
     ),
     Operation(
         "post",
@@ -138,14 +144,12 @@ _RIGS = (
         schema.MomentRequest,
         parameters=(_RIG_ID,),
         problems=(404, 409),
-        tag="Rigs",
         description=(
             "Opens a moment: one pose of the board, held still, under an id that the leader chooses. Each "
             "camera then sends its view of it with `POST /v1/session/views` and `moment`, at any later "
             "time. A rig has at most 100 moments."
         ),
         example={"moment": "m1"},
-        example_path={"id": "RIG_ID"},
     ),
     Operation(
         "delete",
@@ -156,9 +160,8 @@ _RIGS = (
         _SESSION,
         parameters=(_RIG_ID, _MOMENT),
         problems=(404, 409, 422),
-        tag="Rigs",
         description="Undoes a moment. Its views are removed from all cameras, and late ones are refused.",
-        example_path={"id": "RIG_ID", "moment": "m1"},
+        example_path={"moment": "m1"},
     ),
     Operation(
         "post",
@@ -169,12 +172,10 @@ _RIGS = (
         _SESSION,
         parameters=(_RIG_ID,),
         problems=(404, 409),
-        tag="Rigs",
         description=(
             "Ends a rig whose cameras are all linked and have four agreeing views. Each camera's session is "
             "published as a calibration; the rig contains their poses."
         ),
-        example_path={"id": "RIG_ID"},
     ),
     Operation(
         "get",
@@ -197,12 +198,10 @@ _RIGS = (
             ),
         ),
         problems=(404, 409, 422),
-        tag="Rigs",
         description=(
             "Returns the cameras as they were fitted together, and the pose of each relative to camera 0. "
             "`format` chooses files of OpenCV (`opencv_stereo`), ROS, Kalibr, COLMAP, mrcal or glTF."
         ),
-        example_path={"id": "RIG_ID"},
     ),
 )
 
@@ -215,7 +214,6 @@ _TOKENS = (
         {201: Content("The token. Its two secrets are shown this once.", schema.TokenCreated)},
         body=schema.TokenRequest,
         problems=(403, 415, 429),
-        tag="Tokens",
         description=(
             "Creates an API token for pages of some origins, and for programs. Origins of the machine "
             "itself, such as `http://localhost`, need no proof. For an `https://` origin the response "
@@ -231,7 +229,6 @@ _TOKENS = (
         "Facts about a token, its limits, and its use by hour and day",
         {200: _MANAGED_TOKEN},
         _MANAGEMENT,
-        tag="Tokens",
         description=(
             "Returns the facts about a token, its limits, and its use by hour for two days and "
             "by day for thirty."
@@ -245,7 +242,6 @@ _TOKENS = (
         {200: _MANAGED_TOKEN},
         _MANAGEMENT,
         schema.TokenChange,
-        tag="Tokens",
         description="Replaces the origins or the name of a token. Origins that stay keep their state.",
         example={"origins": ["http://localhost", "https://www.page.example"]},
     ),
@@ -256,7 +252,6 @@ _TOKENS = (
         "Revoke a token for good, within a minute",
         {204: Content("Revoked.")},
         _MANAGEMENT,
-        tag="Tokens",
         description="Revokes a token for good, within a minute. The call is idempotent.",
     ),
     Operation(
@@ -266,7 +261,6 @@ _TOKENS = (
         "Look for the proofs of the origins that are pending",
         {200: _MANAGED_TOKEN},
         _MANAGEMENT,
-        tag="Tokens",
         description=(
             "Looks for the proofs of all pending origins, at `https://<origin>/.well-known/calibdb.txt`. "
             "`failure` and `detail` of an origin explain what is missing."
@@ -281,7 +275,6 @@ _TOKENS = (
         _MANAGEMENT,
         schema.RotationRequest,
         body_required=False,
-        tag="Tokens",
         description=(
             "Issues another secret, which is shown only once. The previous one works for another day, "
             "or for `grace_s` seconds; 0 ends all earlier secrets."
@@ -295,7 +288,6 @@ _TOKENS = (
         "Limits and use of an API token in this hour",
         {200: Content("Limits and use.", schema.UsageAnswer)},
         _TOKEN,
-        tag="Tokens",
         description=(
             "Returns the limits of an API token's plan, and its use in this hour by all users and "
             "from your address. It counts as a lookup."
@@ -311,7 +303,6 @@ OPERATIONS = (
         "Exchange an API token for the credential of one guided capture",
         {201: Content("A session id, signed and short-lived.", schema.SessionOpened)},
         _TOKEN,
-        tag="Capture",
         description=(
             "Exchanges an API token for a session id, the signed credential of one guided capture. "
             "It is valid for 30 minutes. All calls of that capture use it instead of the token."
@@ -326,7 +317,6 @@ OPERATIONS = (
         _SESSION,
         schema.SessionRequest,
         problems=(409,),
-        tag="Capture",
         description=(
             'Starts the capture of one camera at one size and zoom. Use `capture: "recorded"` for views '
             "that exist already: photos, a video, or another program's corners. Then every agreeing view "
@@ -343,7 +333,6 @@ OPERATIONS = (
         {200: _STATE},
         _SESSION,
         problems=(404,),
-        tag="Capture",
         description=(
             "Returns the session's state: its views, its progress, the current calibration and its expected "
             "error."
@@ -357,7 +346,6 @@ OPERATIONS = (
         {204: Content("Forgotten.")},
         _SESSION,
         problems=(404, 409),
-        tag="Capture",
         description="Ends the session and deletes its views. A published calibration stays.",
     ),
     Operation(
@@ -375,7 +363,6 @@ OPERATIONS = (
         _SESSION,
         parameters=(query("skip", SWITCH, "`1`: a pose of another kind instead of the open one."),),
         problems=(404, 406, 409, 422),
-        tag="Capture",
         description=(
             "Returns the target pose of the board, which stays the same until a view answers it. `Accept` "
             "chooses between an image to lay over the video (JPEG, PNG) and numbers. 409 once the session "
@@ -392,7 +379,6 @@ OPERATIONS = (
         _SESSION,
         schema.ViewRequest,
         problems=(404, 409),
-        tag="Capture",
         description=(
             "Submits the board's corners in one frame: their ids, and their positions in px, where "
             "the centre of the top-left pixel is (0, 0). At least six, not all on a line. `accepted` "
@@ -410,7 +396,6 @@ OPERATIONS = (
         _SESSION,
         schema.BatchRequest,
         problems=(404, 409),
-        tag="Capture",
         description=(
             "Submits several views of a session that was started with `capture: recorded`. The service "
             "judges them in their order and returns a result for each. If a view has invalid fields, no "
@@ -429,7 +414,6 @@ OPERATIONS = (
             path("index", {"type": "integer", "minimum": 0, "maximum": MAX_INDEX}, "Index of the view."),
         ),
         problems=(404, 409, 422),
-        tag="Capture",
         description="Removes a view from the session. Its index is not used again.",
         example_path={"index": "0"},
     ),
@@ -441,7 +425,6 @@ OPERATIONS = (
         {200: _STATE},
         _SESSION,
         problems=(404, 409),
-        tag="Capture",
         description=(
             "Ends a session with the views that agree, publishes the calibration, and returns the state. "
             "At least four views must agree. The call is idempotent."
@@ -456,7 +439,6 @@ OPERATIONS = (
         _SESSION,
         schema.LicenceRequest,
         problems=(404, 409),
-        tag="Capture",
         description=(
             "Adds the licence to a session and to the calibration that it published. A licence cannot be "
             "withdrawn or replaced."
@@ -472,7 +454,6 @@ OPERATIONS = (
         _TOKEN,
         schema.LookupRequest,
         (_REDIRECT,),
-        tag="Lookup",
         description=(
             "Returns the calibration of a camera: its camera matrix, its distortion, and how far to trust "
             'them. Name the camera as the browser does. If nothing reliable is known, `miss: "ok"` returns '
@@ -491,7 +472,6 @@ OPERATIONS = (
         ("apiToken", "apiTokenInQuery", "apiTokenInOldQuery"),
         parameters=_LOOKUP,
         problems=(422,),
-        tag="Lookup",
         description=(
             "Same as `POST /v1/lookup`, with the names as query parameters. A browser can navigate to it "
             "with the API token in `key`. If nothing reliable is known, it is redirected to the guidance "
@@ -526,13 +506,11 @@ OPERATIONS = (
             *query_of(schema.ExportQuery),
         ),
         problems=(404, 410, 422),
-        tag="Database",
         description=(
             "Returns a stored calibration with the report of its session, or a consensus. `format` returns "
             "another tool's file; `crop`, `resize`, `rotate` and `mirror` convert it to a changed image. "
             "`without` refits the calibration without some views and stores nothing."
         ),
-        example_path={"id": "CALIBRATION_ID"},
     ),
     Operation(
         "post",
@@ -552,7 +530,6 @@ OPERATIONS = (
         },
         _TOKEN,
         body=schema.ConvertRequest,
-        tag="Database",
         description=(
             "Reads the camera matrix and distortion of another program's file (OpenCV, ROS, Kalibr, COLMAP, "
             "mrcal, Gyroflow and others) and returns the file in `format`. Nothing is stored. Files above "
@@ -575,7 +552,6 @@ OPERATIONS = (
         _SESSION,
         schema.CheckRequest,
         problems=(404,),
-        tag="Capture",
         description=(
             "Compares the stored consensus of a camera with one to five fresh views, and counts the "
             "result as a vote. Only the poses are fitted to the views. With `calibration` it compares that "
@@ -592,7 +568,6 @@ OPERATIONS = (
         _TOKEN,
         parameters=query_of(CamerasRequest),
         problems=(422,),
-        tag="Database",
         description=(
             "Finds cameras by name: each word of `query` must begin a word of the name. "
             "Without a query it lists all cameras. Pass `next` as `after` for the following page."
@@ -608,12 +583,10 @@ OPERATIONS = (
         _TOKEN,
         parameters=(path("key", {"type": "string"}, "As a search returned it."),),
         problems=(404,),
-        tag="Database",
         description=(
             "Returns everything that is known about a camera: by size and zoom, the calibrations, "
             "the groups in which they agree, and the consensus of each model."
         ),
-        example_path={"key": "CAMERA_KEY"},
     ),
     Operation(
         "get",
@@ -630,7 +603,6 @@ OPERATIONS = (
             path("zoom", {"type": "string"}, "Up to six decimals, without zeros at the end: `0`, `1.5`."),
             path("file", {"type": "string"}, "Distortion model and `.json`, as in `rectilinear.json`."),
         ),
-        tag="Lookup",
         description=(
             "Looks a camera up by the digest of its label and platform. It needs neither a credential nor a "
             "preflight, and caches keep the response. Ask here first, and by POST after a 404."
@@ -652,12 +624,11 @@ OPERATIONS = (
             path("key", {"type": "string"}, "As a search returned it."),
             path("file", {"type": "string"}, "Width, x, height and `.svg`, as in `1280x720.svg`."),
         ),
-        tag="Database",
         description=(
             "Returns an image for a README or a page: whether a camera is calibrated at a size, and with "
             "which error. It needs no credential."
         ),
-        example_path={"key": "CAMERA_KEY", "file": "1280x720.svg"},
+        example_path={"file": "1280x720.svg"},
     ),
     *_RIGS,
     *_TOKENS,
@@ -674,7 +645,6 @@ OPERATIONS = (
             query("deep", SWITCH, "`1`: check table, bucket, edge and solver, each with its latency."),
         ),
         problems=(422,),
-        tag="Service",
         description="Returns 200 if the service works. It needs no credential.",
     ),
 )

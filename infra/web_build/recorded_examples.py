@@ -21,6 +21,7 @@ import numpy as np
 from calibsolver import Board, Camera
 from calibsolver import rotation as rotations
 from calibsolver.guidance import FixedPlan, TargetPose
+from infra.server.jobs import JobWorker
 from infra.server.server import DEVELOPMENT_TOKEN, Server
 from infra.web_build.example_calls import calls, fill_in, learn
 from infra.web_build.openapi import EXAMPLES_PATH
@@ -44,15 +45,21 @@ _TRUTH = Camera(
 
 
 def prepare(stack: Server) -> None:
-    """Publish the calibrations by which the camera of the examples is reliably known."""
+    """Publish the calibrations by which the camera of the examples is reliably known.
+
+    Jobs run only here: nothing of the examples shows what they do.
+    """
     for session in [record(stack, index) for index in range(CALIBRATIONS)]:  # one refit may do for several
         send(stack, "POST", "/v1/session/finish", session)
+    worker = JobWorker(stack.jobs)
+    worker.start()
     end = time.monotonic() + _CONSENSUS_TIMEOUT_S
     while json.loads(send(stack, "POST", "/v1/lookup", DEVELOPMENT_TOKEN, EXAMPLES["lookup"])).get("reason"):
         if time.monotonic() > end:
             raise ValueError("the calibrations of the examples did not become a consensus")
         time.sleep(0.02)
     stack.wait_until_idle(_CONSENSUS_TIMEOUT_S)  # its label is an alias from here on
+    worker.stop(_CONSENSUS_TIMEOUT_S)
 
 
 def record(stack: Server, seed: int) -> str:
@@ -156,7 +163,7 @@ def examples() -> dict[str, Any]:
     """Return the answers by operation, None if there is no body."""
     answers: dict[str, Any] = {}
     values: dict[str, str] = {}
-    with Server(environment={"NEW_TOKENS": "100"}) as stack:
+    with Server(environment={"NEW_TOKENS": "100"}, worker=1) as stack:
         prepare(stack)
         for call in calls():
             prepare_call(stack, call.name, values)

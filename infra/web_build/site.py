@@ -93,33 +93,6 @@ def made_files(web: Path = WEB, options: Options | None = None) -> Mapping[str, 
     return _completed(web, state, json.dumps(dict(options.contacts), sort_keys=True), options.origin)
 
 
-def page_keys(web: Path = WEB) -> list[str]:
-    """List the keys of all pages in all languages, without making them."""
-    if MADE_FILES.is_dir():
-        return sorted(key for key in made_files() if key.endswith(".html"))
-    return list(_page_keys(web, _state(web)))
-
-
-def is_translated(source: str) -> bool:
-    """True if a page has texts of the message catalogues, and so exists in every language."""
-    return "data-t=" in source
-
-
-def sources(web: Path = WEB) -> dict[str, str]:
-    """Return the source of every page: key → HTML."""
-    written = {
-        path.relative_to(web).as_posix(): path.read_text(encoding="utf-8")
-        for path in sorted(web.rglob("*.html"))
-    }
-    pages = {key: text for key, text in generate_pages(web).items() if key.endswith(".html")}
-    return {key: text for key, text in (pages | written).items() if not key.startswith(_SKIPPED)}
-
-
-def generate_pages(web: Path = WEB) -> Mapping[str, str]:
-    """Return all that the generators make, or made of the same sources before."""
-    return _generate_pages(web, _state(web))
-
-
 def build_for_wheel(folder: Path) -> None:
     """Write to a folder, a wheel's `MADE_FILES`, the files that are made."""
     for key, content in _make_files(WEB, _state(WEB)).items():
@@ -148,48 +121,33 @@ def _files_of_wheel() -> dict[str, bytes]:
     return {path.relative_to(MADE_FILES).as_posix(): path.read_bytes() for path in paths}
 
 
-@lru_cache(maxsize=8)
-def _page_keys(web: Path, state: str) -> tuple[str, ...]:  # noqa: ARG001
-    """Keys of all pages; `state` names the sources' state of which they are remembered."""
-    return tuple(
-        sorted(
-            f"{folder}{key}"
-            for key, source in sources(web).items()
-            for folder in ("", *(f"{language}/" for language in LANGUAGES if is_translated(source)))
-        )
-    )
-
-
-@lru_cache(maxsize=8)
-def _generate_pages(web: Path, state: str) -> Mapping[str, str]:
-    """Render them once for all processes: it takes a second."""
-    return _remember(
-        f"{state}generated",
-        lambda: {key: text for generate in _generators() for key, text in generate(web).items()},
-    )
+def _sources(web: Path, generated: Mapping[str, str]) -> dict[str, str]:
+    """Return the source of every page: key → HTML."""
+    written = {
+        path.relative_to(web).as_posix(): path.read_text(encoding="utf-8")
+        for path in sorted(web.rglob("*.html"))
+    }
+    pages = {key: text for key, text in generated.items() if key.endswith(".html")} | written
+    return {key: text for key, text in pages.items() if not key.startswith(_SKIPPED)}
 
 
 @lru_cache(maxsize=8)
 def _make_files(web: Path, state: str) -> Mapping[str, bytes]:
-    texts = _remember(f"{state}built", lambda: _build(web))
-    return {key: text.encode() for key, text in texts.items()} | dict(sdk_files(web))
-
-
-def _remember(name: str, make: Callable[[], dict[str, str]]) -> dict[str, str]:
-    """Return the texts that a process kept under this name, or make and keep them."""
-    cache_file = _CACHE / f"{hashlib.sha256(name.encode()).hexdigest()[:24]}.json"
+    """Make the files once for all processes: it takes seconds."""
+    cache_file = _CACHE / f"{state[:24]}.json"
     try:
-        pages: dict[str, str] = json.loads(cache_file.read_text(encoding="utf-8"))
+        texts: dict[str, str] = json.loads(cache_file.read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        pages = make()
-        _keep(cache_file, pages)
-    return pages
+        texts = _build(web)
+        _keep(cache_file, texts)
+    return {key: text.encode() for key, text in texts.items()} | dict(sdk_files(web))
 
 
 def _build(web: Path) -> dict[str, str]:
     source = _repository()
     contacts = _ANY_CONTACTS | ({"source": source} if source else {})
-    task = {"web": str(web), "pages": sources(web), "origin": _ANY_ORIGIN, "contacts": contacts}
+    generated = {key: text for generate in _generators() for key, text in generate(web).items()}
+    task = {"web": str(web), "pages": _sources(web, generated), "origin": _ANY_ORIGIN, "contacts": contacts}
     node = shutil.which("node")
     if node is None:
         raise SiteError("the site is made with Node.js, which is not there: install it, version 20 or newer")
@@ -206,10 +164,10 @@ def _build(web: Path) -> dict[str, str]:
         hint = " Run `npm ci`." if "ERR_MODULE_NOT_FOUND" in made.stderr else ""
         raise SiteError(f"the site cannot be made.{hint}\n{made.stderr.strip()}")
     files: dict[str, str] = json.loads(made.stdout)
-    from infra.web_build import openapi, schemas  # here: the models take their time
+    from infra.web_build import openapi  # here: the models take their time
 
-    others = {key: text for key, text in generate_pages(web).items() if not key.endswith(".html")}
-    return others | files | schemas.files() | {openapi.OPENAPI_KEY: openapi.text()}
+    others = {key: text for key, text in generated.items() if not key.endswith(".html")}
+    return others | files | openapi.files()
 
 
 def _repository() -> str | None:
@@ -256,7 +214,7 @@ def _inputs(web: Path) -> Iterator[str]:
             folders[:] = sorted(name for name in folders if name != "vendor")
             yield from (f"{place}/{name}" for name in sorted(names) if name.endswith(_INPUTS))
     documents = (entry.source for entry in ENTRIES if entry.source)
-    yield from (f"{ROOT}/{name}" for name in ("pyproject.toml", *documents))
+    yield from (f"{ROOT}/{name}" for name in ("pyproject.toml", ".build/examples.json", *documents))
 
 
 def main(folder: Path) -> None:

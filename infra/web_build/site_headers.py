@@ -11,19 +11,11 @@ from infra.web_build.sdk import VERSIONED
 FOREVER = "public, max-age=31536000, immutable"
 """Of what has a name that changes with its content."""
 FOR_EVERYONE = {"access-control-allow-origin": "*", "cross-origin-resource-policy": "cross-origin"}
-_POLICY = {
-    "default-src": "'self'",
-    "img-src": "'self' blob: data:",
-    "media-src": "'self' blob:",
-    "connect-src": "'self'",
-    "script-src": "'self' 'wasm-unsafe-eval'",
-    "style-src": "'self'",
-    "worker-src": "'self'",
-    "frame-ancestors": "'none'",
-    "base-uri": "'none'",
-    "form-action": "'self'",
-    "object-src": "'none'",
-}
+CONTENT_SECURITY_POLICY = (
+    "default-src 'self'; img-src 'self' blob: data:; media-src 'self' blob:; connect-src 'self'; "
+    "script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; worker-src 'self'; frame-ancestors 'none'; "
+    "base-uri 'none'; form-action 'self'; object-src 'none'"
+)
 # What pages of other origins load: a module is always requested with CORS, and the SDK reads the settings.
 _CROSS_ORIGIN = ("sdk/", "webxr/", "vendor/webxr/", "openapi.json", "config.json")
 # What the machine's own tables may lack or call otherwise; a browser is particular about these.
@@ -46,7 +38,7 @@ def headers(key: str) -> dict[str, str]:
     return {
         # A file may have changed with the next save: ask each time, mostly to hear 304.
         "cache-control": FOREVER if VERSIONED.match(key) else "no-cache",
-        "content-security-policy": "; ".join(f"{name} {value}" for name, value in _POLICY.items()),
+        "content-security-policy": CONTENT_SECURITY_POLICY,
         "cross-origin-opener-policy": "same-origin",
         "referrer-policy": "strict-origin-when-cross-origin",
         "x-content-type-options": "nosniff",

@@ -12,7 +12,7 @@ from tests.bench.document import is_chosen
 from tests.bench.table import Row, render
 
 
-def main() -> int:
+def main() -> None:
     """Run every tests/bench/bench_*.py's rows() and print one table."""
     names = [m.name for m in pkgutil.iter_modules(bench.__path__) if m.name.startswith("bench_")]
     wanted = [name for name in names if is_chosen(name.removeprefix("bench_"))]
@@ -22,8 +22,7 @@ def main() -> int:
         measure: Callable[[], Iterable[Row]] = importlib.import_module(f"tests.bench.{name}").rows
         rows += measure()
     print(render(rows))
-    return 0
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

@@ -103,7 +103,7 @@ def opencv(data: corners.Corners, model: str) -> Outcome:
     return Outcome("", train["rms"], held_out, worst, train["seconds"])
 
 
-def main() -> int:
+def main() -> None:
     results: dict[tuple[str, str], tuple[Outcome, Outcome]] = {}
     for name in track(corners.NAMES, "corner sets", len(corners.NAMES)):
         data = corners.load(name)
@@ -118,7 +118,6 @@ def main() -> int:
                 flush=True,
             )
     document.replace("corner sets", render(results))
-    return 0
 
 
 def render(results: dict[tuple[str, str], tuple[Outcome, Outcome]]) -> str:
@@ -162,4 +161,4 @@ def conclusion(results: dict[tuple[str, str], tuple[Outcome, Outcome]]) -> str:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

@@ -6,9 +6,8 @@ import yaml
 
 from tests.bench import edge_month
 from tests.bench.cost import LOOKUPS, MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of
-from tests.bench.fixed_costs import fixed_costs
 from tests.bench.table import Row
-from tests.bench.usage import PRICES
+from tests.bench.usage import PRICES, fixed_costs
 
 
 def rows() -> Iterator[Row]:
@@ -19,5 +18,5 @@ def rows() -> Iterator[Row]:
         yield Row(f"price of {name}", total, MAX_USD[name], "USD", "list prices")
     edge = edge_month.price(*at_edge(uses[LOOKUPS], prices))
     yield Row("price of a million lookups, 80 % cached", edge, edge_month.MAX_EDGE_USD, "USD", "list prices")
-    fixed = sum(cost.usd for cost in fixed_costs(prices))
+    fixed = sum(fixed_costs(prices).values())
     yield Row("price of a month without requests", fixed, MAX_FIXED_USD, "USD", "list prices")

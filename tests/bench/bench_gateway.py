@@ -1,36 +1,26 @@
 """The server under load: lookups that hit, over sockets, from another process."""
 
-import tempfile
 from collections.abc import Iterator
-from pathlib import Path
 from urllib.parse import urlencode
 
-from infra.server.server import Server
-from tests.bench.load import drive
+from tests.bench.load import LABEL, drive, serving_known_camera
 from tests.bench.table import Row
 from tests.helpers.service.client import CAMERA, TOKEN
-from tests.helpers.service.published import calibration, publish
-from tests.helpers.stack.processes import LocalProcess
 
-LABEL = "Measured camera (046d:0825)"
 REQUESTS = 2000
 RATE = 150  # lookups a second
 
 
 def rows() -> Iterator[Row]:
-    with tempfile.TemporaryDirectory() as place:
-        data_dir = Path(place, "data")
-        with Server(data_dir) as stack:
-            publish(stack, *(calibration(LABEL, n) for n in range(5)), models=())
-        asked = {**CAMERA, "camera": LABEL, "img_size": "1280x720", "key": TOKEN}
-        lookup = f"/v1/lookup?{urlencode(asked)}"
-        with LocalProcess(data_dir) as server:
-            yield Row("second start, until healthy", server.start_seconds, 2, "s")
-            drive(server.url, "GET", lookup, requests=200, clients=4)
-            alone = drive(server.url, "GET", lookup, requests=REQUESTS // 4, clients=1)
-            paced = drive(server.url, "GET", lookup, requests=REQUESTS, clients=8, rate=RATE)
-            most = drive(server.url, "GET", lookup, requests=REQUESTS, clients=8)
-            health = drive(server.url, "GET", "/healthz", requests=REQUESTS, clients=8)
+    asked = {**CAMERA, "camera": LABEL, "img_size": "1280x720", "key": TOKEN}
+    lookup = f"/v1/lookup?{urlencode(asked)}"
+    with serving_known_camera() as server:
+        yield Row("second start, until healthy", server.start_seconds, 2, "s")
+        drive(server.url, "GET", lookup, requests=200, clients=4)
+        alone = drive(server.url, "GET", lookup, requests=REQUESTS // 4, clients=1)
+        paced = drive(server.url, "GET", lookup, requests=REQUESTS, clients=8, rate=RATE)
+        most = drive(server.url, "GET", lookup, requests=REQUESTS, clients=8)
+        health = drive(server.url, "GET", "/healthz", requests=REQUESTS, clients=8)
     yield Row("lookup over a socket, 1 client, p50", alone.percentile(0.5), None, "ms")
     yield Row(f"lookups over sockets, {RATE} a second, p99", paced.percentile(0.99), 50, "ms")
     note = f"{1e3 / most.each:.0f}/s"

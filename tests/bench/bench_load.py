@@ -1,15 +1,16 @@
 """Memory and files after many requests, and many captures at once. `make bench DOCS=load` does more."""
 
-import http.client
-import json
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import httpx
+
 from infra.server.server import Server
+from tests.bench.memory import memory_mb
 from tests.bench.table import Row
 from tests.helpers.service.client import CAMERA, TOKEN, Client, Truth
 from tests.helpers.stack.processes import LocalProcess
@@ -26,7 +27,16 @@ def rows() -> Iterator[Row]:
 def memory() -> Row:
     """Growth of the server over the requests after the first, of every kind that leaves nothing behind."""
     with tempfile.TemporaryDirectory() as folder, LocalProcess(Path(folder) / "data") as server:
-        ask = asker(server.url)
+        client = httpx.Client(base_url=server.url)
+
+        def ask(method: str, path: str, credential: str, body: object) -> Any:
+            response = client.request(
+                method, path, json=body, headers={"Authorization": f"Bearer {credential}"}
+            )
+            if response.status_code >= 500:
+                raise RuntimeError(f"{method} {path}: {response.status_code}")
+            return response.json()
+
         session = ask("POST", "/v1/auth", TOKEN, None)["session_id"]
         ask("POST", "/v1/session", session, CAMERA)
         truth = Truth()
@@ -46,12 +56,9 @@ def memory() -> Row:
             ask(*kinds[number % len(kinds)])
             if number in (WARM, REQUESTS):
                 time.sleep(1)
-                sizes[number] = resident(server.process.pid)
-    grown = (sizes[REQUESTS] - sizes[WARM]) / 2**20
-    note = (
-        f"{sizes[REQUESTS] / 2**20:.0f} MB after {REQUESTS} requests, {sizes[WARM] / 2**20:.0f} after {WARM}"
-    )
-    return Row("memory of the server, growth", grown, 4, "MB", note)
+                sizes[number] = memory_mb(server.process.pid)
+    note = f"{sizes[REQUESTS]:.0f} MB after {REQUESTS} requests, {sizes[WARM]:.0f} after {WARM}"
+    return Row("memory of the server, growth", sizes[REQUESTS] - sizes[WARM], 4, "MB", note)
 
 
 def guided() -> Row:
@@ -73,25 +80,3 @@ def guided() -> Row:
                 print(error)
     note = f"the slowest took {max(taken, default=0):.1f} s"
     return Row(f"{GUIDED} guided captures at once, failed", failed, 0, "captures", note)
-
-
-def asker(url: str) -> Callable[[str, str, str, object], Any]:
-    connection = http.client.HTTPConnection(url.removeprefix("http://"))
-
-    def ask(method: str, path: str, credential: str, body: object) -> Any:
-        connection.request(
-            method, path, json.dumps(body) if body else None, {"Authorization": f"Bearer {credential}"}
-        )
-        response = connection.getresponse()
-        content = response.read()
-        if response.status >= 500:
-            raise RuntimeError(f"{method} {path}: {response.status}")
-        return json.loads(content)
-
-    return ask
-
-
-def resident(pid: int) -> int:
-    """Bytes of memory that a process holds."""
-    pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
-    return pages * 4096

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from calibdb.schema import GroupsDocument
 from calibdb.settings import Settings
 from calibdb.store import Store
+from calibdb.store.ports import IF_NOT_EXISTS, Item
 from infra.server.server import Server
-from tests.bench.large_table import crowd
 from tests.bench.table import Row, p50
 from tests.helpers.service.client import Client
 from tests.helpers.service.known import C920, LINUX, calibration, consensus
@@ -54,6 +54,19 @@ def one_unknown(stack: Server) -> Callable[[], object]:
             raise RuntimeError(answer.body.decode())
 
     return lookup
+
+
+def crowd(stack: Server, count: int) -> None:
+    """Put cameras into the table, each with a consensus and a name."""
+    document = consensus(camera="Another").model_dump_json()
+    for first in range(0, count, 5_000):
+        items: list[Item] = []
+        for n in range(first, min(first + 5_000, count)):
+            key = f"c4-another-{n:012x}"
+            sk = "CONSENSUS#1280x720#0#rectilinear"
+            items.append({"pk": f"CAMERA#{key}", "sk": sk, "basis": "", "document": document})
+            items.append({"pk": "CAMERAS#", "sk": key, "name": "another"})
+        assert stack.storage.table.put_transaction(items, IF_NOT_EXISTS)
 
 
 def cpu(action: Callable[[], object], repeat: int = 1000) -> float:

@@ -5,18 +5,12 @@ import os
 import statistics
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
-from infra.server.server import Server
-from tests.bench.bench_gateway import LABEL
-from tests.bench.load import drive
+from tests.bench.load import LABEL, ROOT, drive, serving_known_camera
 from tests.bench.table import Row
 from tests.helpers.service.client import CAMERA, TOKEN
-from tests.helpers.service.published import calibration, publish
-from tests.helpers.stack.processes import ROOT, LocalProcess
 
 WORKERS, CLIENTS, REQUESTS, ROUNDS = 2, 8, 4000, 5
 EMPTY = """
@@ -39,23 +33,19 @@ http_server(Starlette(routes=[Route("/", empty)])).run([listener])
 
 
 def rows() -> Iterator[Row]:
-    with tempfile.TemporaryDirectory() as place:
-        data_dir = Path(place, "data")
-        with Server(data_dir) as stack:
-            publish(stack, *(calibration(LABEL, n) for n in range(5)), models=())
-        with empty_server() as empty, LocalProcess(data_dir, {"WORKERS": str(WORKERS)}) as server:
-            body = json.dumps({**CAMERA, "camera": LABEL})
-            headers = {"authorization": f"Bearer {TOKEN}", "content-type": "application/json"}
-            for what, least, request in (
-                ("POST lookup of a known camera", 0.10, ("POST", "/v1/lookup", headers, body)),
-                ("landing page", 0.25, ("GET", "/", {"accept-encoding": "gzip"}, "")),
-                ("/healthz", 0.5, ("GET", "/healthz", {}, "")),
-            ):
-                rate(server.url, *request)  # warm
-                pairs = [(rate(server.url, *request), rate(empty, "GET", "/", {}, "")) for _ in range(ROUNDS)]
-                ours, theirs = (statistics.median(column) for column in zip(*pairs, strict=True))
-                note = f"{ours:.0f} of {theirs:.0f}/s, share {ours / theirs:.3f}, at least {least}"
-                yield Row(f"requests of an empty app per {what}", theirs / ours, 1 / least, "", note)
+    with empty_server() as empty, serving_known_camera(WORKERS=str(WORKERS)) as server:
+        body = json.dumps({**CAMERA, "camera": LABEL})
+        headers = {"authorization": f"Bearer {TOKEN}", "content-type": "application/json"}
+        for what, least, request in (
+            ("POST lookup of a known camera", 0.10, ("POST", "/v1/lookup", headers, body)),
+            ("landing page", 0.25, ("GET", "/", {"accept-encoding": "gzip"}, "")),
+            ("/healthz", 0.5, ("GET", "/healthz", {}, "")),
+        ):
+            rate(server.url, *request)  # warm
+            pairs = [(rate(server.url, *request), rate(empty, "GET", "/", {}, "")) for _ in range(ROUNDS)]
+            ours, theirs = (statistics.median(column) for column in zip(*pairs, strict=True))
+            note = f"{ours:.0f} of {theirs:.0f}/s, share {ours / theirs:.3f}, at least {least}"
+            yield Row(f"requests of an empty app per {what}", theirs / ours, 1 / least, "", note)
 
 
 def rate(url: str, method: str, path: str, headers: dict[str, str], body: str) -> float:

@@ -5,8 +5,6 @@ only, mrcal with its own two numbers of warp where `MRCAL_PYTHON` (default /usr/
 installs python3-mrcal) has it.
 """
 
-import json
-import os
 import subprocess
 import tempfile
 from collections.abc import Sequence
@@ -20,10 +18,10 @@ from calibsolver.formats import ExportSource
 from calibsolver.image_transform import identity
 from tests.bench import corners, document, opencv
 from tests.bench.capture import FISHEYE
+from tests.bench.mrcal_files import MRCAL_PYTHON, in_mrcal
 from tests.helpers.data import available, on_board
 
 FOLDS = 5
-MRCAL_PYTHON = os.environ.get("MRCAL_PYTHON", "/usr/bin/python3")
 WITH_WARP = """
 import json, sys
 import mrcal, numpy as np
@@ -63,10 +61,7 @@ def mrcal(views: Sequence[View], size: tuple[int, int]) -> float:
             taken = tuple(ours[i] for i in training)
             source = ExportSource(fit(taken, size).camera, taken, board)
             path.write_bytes(formats.write(source, "mrcal", identity(size)).content)
-        run = subprocess.run(
-            [MRCAL_PYTHON, "-c", WITH_WARP, *map(str, paths)], capture_output=True, check=True, text=True
-        )
-    found = [json.loads(line) for line in run.stdout.splitlines() if line.startswith("[")]
+        found = in_mrcal(WITH_WARP, paths)
     square = 0.0
     for (intrinsics, corners_3d), (_, test) in zip(found, parts, strict=True):
         camera = Camera.from_intrinsics("rectilinear", np.array(intrinsics), size)
@@ -92,7 +87,7 @@ def held_out(views: Sequence[View], size: tuple[int, int], model: str) -> list[f
     return [float("nan") if model != "rectilinear" else float(errors[0]), *errors[1:].tolist()]
 
 
-def main() -> int:
+def main() -> None:
     """Compare on every set that is at hand."""
     rows, to_drawn, to_opencv, to_mrcal = [], [], [], []
     with_mrcal = has_mrcal()
@@ -126,7 +121,6 @@ def main() -> int:
                 f"{shaped / drawn:.3f}",
             ]
         )
-        print(*rows[-1], flush=True)
     header = ["set", "views", "sag, 1e-3", "stretch, 1e-3", "OpenCV, px", "mrcal", "as drawn"]
     header += ["in shape", "ratio"]
     conclusion = (
@@ -138,8 +132,7 @@ def main() -> int:
     else:
         conclusion += "mrcal was not compared."
     document.replace("board shape", f"{document.table(header, rows)}\n\n{conclusion}")
-    return 0
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

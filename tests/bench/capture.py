@@ -201,7 +201,7 @@ def row(source: Footage, outcomes: Sequence[Outcome]) -> list[str]:
     ]
 
 
-def main() -> int:
+def main() -> None:
     """Measure every set that is at hand."""
     seeds = int(os.environ.get("SEEDS", "3"))
     rows, near, ended, total, true = [], np.zeros(2), 0, 0, 0
@@ -212,7 +212,6 @@ def main() -> int:
         if not outcomes:
             continue
         rows.append(row(source, outcomes))
-        print(*rows[-1], sep=" | ", flush=True)
         near += np.median([o.ratios for o in outcomes], axis=0) <= MAX_RATIO
         ended += sum(o.end != "never" for o in outcomes)
         true += sum(o.actual[0] <= 2 * o.stated[0] for o in outcomes)
@@ -234,9 +233,7 @@ def main() -> int:
         "has an error of its own."
     )
     document.replace("capture", f"{document.table(header, rows)}\n\n{conclusion}")
-    print(conclusion)
-    return 0
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

@@ -25,8 +25,9 @@ from http import HTTPStatus
 from typing import Any
 from urllib.parse import urlsplit
 
+import httpx
+
 from infra.console import track
-from infra.deploy.smoke import Response
 from infra.deploy.smoke_capture import CallError, CaptureRecord, call, capture
 
 FAULT_RATE = 0.2  # share of the requests
@@ -83,17 +84,19 @@ class Line:
         kind = http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
         return kind(parts.netloc, timeout=_TIMEOUT_S)
 
-    def _ask(self, method: str, path: str, headers: Mapping[str, str], content: bytes | None) -> Response:
+    def _ask(
+        self, method: str, path: str, headers: Mapping[str, str], content: bytes | None
+    ) -> httpx.Response:
         connection = self._connection()
         start = time.perf_counter()
         try:
             connection.request(method, path, content, dict(headers))
             answer = connection.getresponse()
-            response = Response(answer.status, dict(answer.getheaders()), answer.read())
+            response = httpx.Response(answer.status, content=answer.read())
         finally:
             connection.close()
         self.latencies.append((time.perf_counter() - start) * 1e3)
-        if response.status == HTTPStatus.SERVICE_UNAVAILABLE:
+        if response.status_code == HTTPStatus.SERVICE_UNAVAILABLE:
             self.counts["asked again"] += 1
         return response
 
@@ -181,18 +184,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--token", default="cdb_dev_local")
     parser.add_argument("--sessions", type=int, default=200)
     parser.add_argument("--clients", type=int, default=64)
-    parser.add_argument("--cameras", type=int, default=16)
-    parser.add_argument("--faults", type=float, default=FAULT_RATE, help="share of requests that fail (0.2)")
     options = parser.parse_args(arguments)
     try:
-        outcome = drive(
-            options.url.rstrip("/"),
-            options.token,
-            options.sessions,
-            options.clients,
-            cameras=options.cameras,
-            faults=options.faults,
-        )
+        outcome = drive(options.url.rstrip("/"), options.token, options.sessions, options.clients)
     except (CallError, OSError) as error:
         print(f"calibDB: {error}", file=sys.stderr)
         return 1

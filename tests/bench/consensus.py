@@ -46,7 +46,7 @@ HEADER = [
 ]
 
 
-def main() -> int:
+def main() -> None:
     cameras = int(os.environ.get("CAMERAS", "1000"))
     parts = {
         "poisoning": lambda: poisoning(cameras),
@@ -56,7 +56,6 @@ def main() -> int:
     for name, written in parts.items():
         if document.is_chosen(name):
             document.replace(name, written())
-    return 0
 
 
 def poisoning(cameras: int) -> str:
@@ -69,7 +68,6 @@ def poisoning(cameras: int) -> str:
             for i in track(range(number), f"variation {variation}, {liars}, {views}", number)
         ]
         rows.append([f"{variation:.1%}", str(liars), views, *cells(trials)])
-        print(*rows[-1], sep=" | ", flush=True)
     return document.table(HEADER, rows)
 
 
@@ -139,13 +137,10 @@ def profiles() -> str:
     ):
         mean = np.mean([rates[mode] for mode in chosen], axis=0)
         rows.append([what, str(len(chosen)), f"{mean[0]:.1%}", f"{mean[1]:.1%}"])
-        print(*rows[-1], flush=True)
     whole = np.mean([is_reliable(seen[mode], found[0][0].img_size) for mode, found in modes.items()])
     rows.append(["all profiles of a mode at once", str(len(modes)), f"{whole:.1%}", ""])
-    print(*rows[-1], flush=True)
     wrong = reliable_across_lenses(rng)
     rows.append([f"five lenses, one camera ({LENS_DRAWS} draws)", "", f"{wrong:.1%}", ""])
-    print(*rows[-1], flush=True)
     return document.table(["draws of five from", "modes", "reliable", "fx, fy, cx, cy agree"], rows)
 
 
@@ -192,4 +187,4 @@ def reliable_across_lenses(rng: np.random.Generator) -> float:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

@@ -2,10 +2,8 @@
 
 Simulated: 12 cameras, six guided views per contributor, noise 0.3 px. The middle of a board is off its plane
 by 0.02 squares (standard deviation) and a hand moves it by 0.5 px between the middle row and the rim.
-`python -m tests.bench.contributors [ROUNDS]`: worlds per camera, 4 by default.
 """
 
-import sys
 from dataclasses import dataclass, replace
 from functools import partial
 from unittest.mock import patch
@@ -20,6 +18,7 @@ from tests.bench import document
 from tests.helpers.solver import hands, populations, synthetic
 
 CONTRIBUTORS, VIEWS, NOISE = 5, 6, 0.3
+ROUNDS = 4  # worlds per camera
 BEND_SQUARES = 0.02
 """Standard deviation of the height of a board's middle."""
 HAND = hands.Hand(readout_s=0.02, speed_cm_s=1.0, turn_deg_s=2.0)
@@ -79,22 +78,19 @@ def row(name: str, outcomes: list[Outcome]) -> list[str]:
     ]
 
 
-def main() -> int:
+def main() -> None:
     """Write the table."""
-    rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 4
     cameras = synthetic.rectilinear_cameras()
     worlds = [
         (camera, members(camera, np.random.default_rng((n, i))))
-        for n in range(rounds)
+        for n in range(ROUNDS)
         for i, camera in enumerate(cameras)
     ]
     rows = []
     for name, drawn in (("as drawn", True), ("in its shape", False)):
         rows.append(row(name, [outcome(*world, drawn=drawn) for world in track(worlds, name, len(worlds))]))
-        print(*rows[-1], flush=True)
     document.replace("contributors", document.table(HEADER, rows))
-    return 0
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

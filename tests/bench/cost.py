@@ -25,10 +25,11 @@ from infra.server.server import DEVELOPMENT_TOKEN
 from tests.aws.emulator import LocalStack, intercept
 from tests.aws.emulator.storage import Answer
 from tests.bench import edge_month
-from tests.bench.fixed_costs import FixedCost, firewall, fixed_costs, places
 from tests.bench.usage import (
     PRICES,
     Usage,
+    firewall,
+    fixed_costs,
     price,
     price_at_edge,
     price_preflights,
@@ -40,17 +41,6 @@ LOOKUPS, CALIBRATION = "a million lookups", "a finished calibration"
 ALIAS = "a new label or platform of a known camera"
 MAX_USD = {LOOKUPS: 2.0, CALIBRATION: 0.0006, ALIAS: 0.0001}  # USD
 MAX_FIXED_USD = 12.0  # USD a month
-#: resources of the template that each kind of cost follows from
-_RESOURCES = {
-    "API": ("HttpApi",),
-    "functions": ("LookupFunction", "SubmitFunction", "NextPoseFunction", "RefitFunction"),
-    "index": ("Table",),
-    "objects": ("KeypointBucket",),
-    "logs": ("AccessLog", "FunctionLog"),
-    "secrets": ("ReadSecretsPolicy",),
-    "transfer": ("HttpApi",),
-    "preflights": ("HttpApi", "LookupFunction"),
-}
 _CAMERA = {"camera": "Priced camera", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 _MEASURED_ALIASES = 5
 _IDLE_TIMEOUT_S = 120.0  # after which a consensus is surely computed
@@ -219,25 +209,25 @@ def price_of(name: str, use: Usage, prices: Mapping[str, Any]) -> dict[str, floa
     return parts
 
 
-def report(uses: Mapping[str, Usage], prices: Mapping[str, Any], fixed: list[FixedCost]) -> Iterator[str]:
-    """Yield the prices line by line, each with the lines of the template that it follows from."""
+def report(uses: Mapping[str, Usage], prices: Mapping[str, Any], fixed: Mapping[str, float]) -> Iterator[str]:
+    """Yield the prices line by line."""
     for name, use in uses.items():
         parts = price_of(name, use, prices)
         yield f"{name}: {sum(parts.values()):.6f} USD, at most {MAX_USD[name]}"
         for part, usd in parts.items():
-            yield f"  {part:28} {usd:.6f}  {', '.join(places(*_RESOURCES[part]))}"
+            yield f"  {part:28} {usd:.6f}"
         if name == LOOKUPS:
             sent = 1e6 / use.requests * use.sent
             asked, known = price_at_edge(parts, sent, prices)
             enough = max(0.0, (asked - MAX_USD[name]) / (asked - known))
             yield f"  through CloudFront {asked:.2f} where it must ask, {known:.2f} where it has the answer:"
             yield f"  at most {MAX_USD[name]} where it has {math.ceil(100 * enough)} % of them"
-    base, wall = sum(f.usd for f in fixed), firewall(prices)
+    base, wall = sum(fixed.values()), firewall(prices)
     yield f"a month without any request: {base:.2f} USD, at most {MAX_FIXED_USD}"
-    yield f"  with the firewall {base + wall.usd:.2f}"
-    yield f"  {'firewall (WafRate)':28} {wall.usd:8.2f}  {', '.join(wall.places)}"
-    for cost in fixed:
-        yield f"  {cost.what:28} {cost.usd:8.2f}  {', '.join(cost.places)}"
+    yield f"  with the firewall {base + wall:.2f}"
+    yield f"  {'firewall (WafRate)':28} {wall:8.2f}"
+    for what, usd in fixed.items():
+        yield f"  {what:28} {usd:8.2f}"
     yield f"prices of us-east-1, {prices['sources']['month']}; not in it:"
     for left_out in prices["not_in_it"]:
         yield f"  {left_out}"
@@ -254,7 +244,7 @@ def main(say: Callable[[str], None] = print) -> int:
     for line in edge_month.report(asked, cached, prices["assumed"]["edge_locations"]):
         say(line)
     expensive = edge_month.price(asked, cached) > edge_month.MAX_EDGE_USD
-    return 1 if over or expensive or sum(cost.usd for cost in fixed) > MAX_FIXED_USD else 0
+    return 1 if over or expensive or sum(fixed.values()) > MAX_FIXED_USD else 0
 
 
 def at_edge(lookup: Usage, prices: Mapping[str, Any]) -> tuple[float, float]:

@@ -9,7 +9,8 @@ ACCURACY = ROOT / "docs" / "accuracy.md"
 
 
 def replace(part: str, text: str, path: Path = ACCURACY) -> None:
-    """Write `text` between the marks `<!-- part: begin -->` and `<!-- part: end -->` of a document."""
+    """Print `text`, and write it between `<!-- part: begin -->` and `<!-- part: end -->` of a document."""
+    print(text)
     begin, end = f"<!-- {part}: begin -->", f"<!-- {part}: end -->"
     document = path.read_text()
     head, _, rest = document.partition(begin)

@@ -1,19 +1,10 @@
-"""Liars among honest contributors whose specimens, boards, noise and care differ: a part of `consensus`.
+"""Liars among honest contributors whose specimens, boards, noise and care differ: a part of `consensus`."""
 
-Trials are written to `.build/honest-worlds/` as they end, under a digest of the code that they try, so that a
-run that is stopped goes on where it was.
-"""
-
-import hashlib
-import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
-import calibsolver
 from calibsolver.consensus import Consensus, Member, Rule, difference, pool
 from infra.console import track
 from tests.bench import document
@@ -23,9 +14,6 @@ RULE = Rule(min_contributors=3)
 MOVED = 1.0
 """px over the image of 1,280, by which no liar may move a reliable answer."""
 MAX_HONEST = 12
-ROOT = Path(__file__).parents[2]
-TRIED = (*sorted(Path(calibsolver.__file__).parent.rglob("*.py")), Path(__file__), Path(worlds.__file__))
-"""Sources on which the outcome of a trial depends."""
 HEADER = [
     "contributors",
     "cameras",
@@ -99,30 +87,7 @@ def run_trial(number: int) -> Outcome:
 
 def table(cameras: int) -> str:
     """Table of what is answered without liars, and how far one and two move it."""
-    digest = hashlib.sha256(b"".join(path.read_bytes() for path in TRIED)).hexdigest()[:12]
-    path = ROOT / ".build" / "honest-worlds" / f"{digest}.jsonl"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    found = read(path) if path.exists() else {}
-    missing = [number for number in range(cameras) if number not in found]
-    with path.open("a") as file:
-        for number in track(missing, "honest worlds", len(missing)):
-            found[number] = run_trial(number)
-            print(json.dumps({"number": number, **asdict(found[number])}), file=file, flush=True)
-    return render([found[number] for number in range(cameras)])
-
-
-def read(path: Path) -> dict[int, Outcome]:
-    """Read the outcomes of earlier trials; a line that was cut off counts for nothing."""
-    found: dict[int, Outcome] = {}
-    for line in path.read_text().splitlines():
-        try:
-            values: dict[str, Any] = json.loads(line)
-        except json.JSONDecodeError:
-            continue
-        answers = {name: Answer(**values.pop(name)) for name in ("first_five", "clean", "one", "two")}
-        number = int(values.pop("number"))
-        found[number] = Outcome(**values, **answers)
-    return found
+    return render([run_trial(number) for number in track(range(cameras), "honest worlds", cameras)])
 
 
 def render(outcomes: Sequence[Outcome]) -> str:

@@ -144,7 +144,7 @@ def measure(size: int | None) -> tuple[dict[str, list[float]], int]:
     return found, pairs
 
 
-def main() -> int:
+def main() -> None:
     rows, intervals = [], []
     for title, size in (
         ("two halves", None),
@@ -160,14 +160,13 @@ def main() -> int:
             intervals.append([title, what, str(len(values)), *summary(values)])
         print(title, *rows[-3:], *intervals[-2:], sep="\n", flush=True)
     if TIMES != 1:
-        return 0
+        return
     header = ["parts", "covariance", "set x model", "splits", "median", "90th percentile", "above 2"]
     text = document.table(header, rows)
     text += f"\n\n{INTERVALS}\n\n"
     header = ["parts", "deviations", "differences", "median", "90th percentile", "above 2"]
     text += document.table(header, intervals)
     document.replace("honesty", text)
-    return 0
 
 
 def summary(values: Array) -> list[str]:
@@ -175,4 +174,4 @@ def summary(values: Array) -> list[str]:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

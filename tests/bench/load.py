@@ -5,12 +5,19 @@ import select
 import socket
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from infra.server.server import Server
+from tests.helpers.service.published import calibration, publish
+from tests.helpers.stack.processes import LocalProcess
+
 ROOT = Path(__file__).parents[2]
+LABEL = "Measured camera (046d:0825)"
 SPIN_S = 0.002
 """Before a request is due, for which the process does not sleep: the clock of `epoll` has milliseconds."""
 
@@ -57,6 +64,17 @@ def drive(
     if done.returncode:
         raise RuntimeError(f"{method} {path}: {done.stderr}")
     return Load(**json.loads(done.stdout))
+
+
+@contextmanager
+def serving_known_camera(**environment: str) -> Iterator[LocalProcess]:
+    """Run a server to which one camera, `LABEL`, is known."""
+    with tempfile.TemporaryDirectory() as place:
+        data_dir = Path(place, "data")
+        with Server(data_dir) as stack:
+            publish(stack, *(calibration(LABEL, n) for n in range(5)), models=())
+        with LocalProcess(data_dir, environment) as server:
+            yield server
 
 
 def main(asked: Mapping[str, str], requests: int, clients: int, rate: float) -> None:

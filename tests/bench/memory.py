@@ -7,37 +7,35 @@ import json
 import os
 import statistics
 import subprocess
-import tempfile
 import threading
 import time
 from pathlib import Path
 
-from infra.server.server import DEVELOPMENT_TOKEN, Server
+from infra.server.server import DEVELOPMENT_TOKEN
 from tests.bench import load
-from tests.bench.bench_gateway import LABEL
 from tests.bench.captures import drive
 from tests.helpers.service.client import CAMERA, TOKEN
-from tests.helpers.service.published import calibration, publish
-from tests.helpers.stack.processes import LocalProcess
 
 WORKERS, REQUESTS, SAMPLE_S = 2, 10_000, 10.0
 # So many that few calibrations meet in a refit, whose memory grows with their number.
 CAMERAS = 1000
 
 
-def memory_mb(parent: int) -> list[float]:
-    """Resident memory of the children of a process, MB."""
+def memory_mb(pid: int | str) -> float:
+    """Resident memory of a process, MB."""
+    status = Path(f"/proc/{pid}/status").read_text()
+    return int(status.partition("VmRSS:")[2].split()[0]) / 1024
+
+
+def largest_mb(parent: int) -> float:
+    """Largest resident memory of the children of a process, MB."""
     children = subprocess.run(["pgrep", "-P", str(parent)], capture_output=True, text=True, check=True)
-    sizes = []
-    for child in children.stdout.split():
-        status = Path(f"/proc/{child}/status").read_text()
-        sizes.append(int(status.partition("VmRSS:")[2].split()[0]) / 1024)
-    return sizes
+    return max(map(memory_mb, children.stdout.split()))
 
 
 def lookups(url: str, requests: int) -> None:
     """Send lookups of a known camera."""
-    body = json.dumps({**CAMERA, "camera": LABEL})
+    body = json.dumps({**CAMERA, "camera": load.LABEL})
     headers = {"authorization": f"Bearer {TOKEN}", "content-type": "application/json"}
     load.drive(url, "POST", "/v1/lookup", headers, body, requests=requests, clients=8)
 
@@ -54,20 +52,16 @@ def mixed_load(url: str, end: float) -> None:
 def main() -> None:
     """Print the memory after the lookups, and its course under the mixed load."""
     minutes = float(os.environ.get("MINUTES", "10"))
-    with tempfile.TemporaryDirectory() as place:
-        data_dir = Path(place, "data")
-        with Server(data_dir) as stack:
-            publish(stack, *(calibration(LABEL, n) for n in range(5)), models=())
-        with LocalProcess(data_dir, {"WORKERS": str(WORKERS)}) as server:
-            lookups(server.url, WORKERS * REQUESTS)
-            print(f"after {REQUESTS} lookups each: {max(memory_mb(server.process.pid)):.0f} MB at most")
-            end = time.monotonic() + 60 * minutes
-            mixed = threading.Thread(target=mixed_load, args=(server.url, end))
-            mixed.start()
-            samples = []
-            while mixed.is_alive():
-                time.sleep(SAMPLE_S)
-                samples.append(max(memory_mb(server.process.pid)))
+    with load.serving_known_camera(WORKERS=str(WORKERS)) as server:
+        lookups(server.url, WORKERS * REQUESTS)
+        print(f"after {REQUESTS} lookups each: {largest_mb(server.process.pid):.0f} MB at most")
+        end = time.monotonic() + 60 * minutes
+        mixed = threading.Thread(target=mixed_load, args=(server.url, end))
+        mixed.start()
+        samples = []
+        while mixed.is_alive():
+            time.sleep(SAMPLE_S)
+            samples.append(largest_mb(server.process.pid))
     parts = [samples[len(samples) * n // 5 : len(samples) * (n + 1) // 5] for n in range(5)]
     course = ", ".join(f"{statistics.median(part):.0f}" for part in parts if part)
     print(

@@ -10,8 +10,9 @@ import json
 import os
 import subprocess
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from tests.bench.document import table
 from tests.helpers.data import available, corner_views, on_board
 from tests.helpers.solver.export_sources import captured, subject
 
+MRCAL_PYTHON = os.environ.get("MRCAL_PYTHON", "/usr/bin/python3")
 JUDGE = """
 import json, sys
 import mrcal, numpy as np
@@ -44,6 +46,7 @@ for path in sys.argv[1:]:
     std = float(mrcal.projection_uncertainty(ray * distance, model, what="rms-stdev"))
     print(json.dumps([*rms, std]))
 """
+"""Prints rms in each file and after mrcal.optimize(), and the standard deviation at the centre, px."""
 REAL = {
     "opencv_left": "rectilinear",
     "pv_charuco_1280": "rectilinear",
@@ -127,10 +130,10 @@ def center_ray(camera: Camera) -> Array:
     return unit
 
 
-def judge(paths: list[Path]) -> list[list[float]]:
-    """Rms in the file, rms after mrcal.optimize(), standard deviation at the centre, px, of each file."""
-    python = os.environ.get("MRCAL_PYTHON", "/usr/bin/python3")
-    run = subprocess.run([python, "-c", JUDGE, *map(str, paths)], capture_output=True, check=True, text=True)
+def in_mrcal(program: str, paths: Sequence[Path]) -> list[list[Any]]:
+    """Run a program on files where mrcal is installed; return the lists that it prints."""
+    command = [MRCAL_PYTHON, "-c", program, *map(str, paths)]
+    run = subprocess.run(command, capture_output=True, check=True, text=True)
     return [json.loads(line) for line in run.stdout.splitlines() if line.startswith("[")]
 
 
@@ -149,7 +152,7 @@ def main() -> None:
             paths = [Path(folder, f"{kind}.cameramodel") for kind in pictures]
             for path, transform in zip(paths, pictures.values(), strict=True):
                 path.write_bytes(formats.write(source, "mrcal", transform).content)
-            judged = judge(paths)
+            judged = in_mrcal(JUDGE, paths)
             change = max(before / after - 1 for before, after, _ in judged)
             same = std_by_mrcals_definition(source)
             answered = float(found.projection_std((21, 15))[7, 10]) / np.sqrt(2)  # of one axis

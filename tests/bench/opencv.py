@@ -75,14 +75,13 @@ def attempt(training: Sequence[View], test: Sequence[View], img_size: tuple[int,
     )
 
 
-def main() -> int:
+def main() -> None:
     cv2.setNumThreads(1)
     name, model = sys.argv[1:]
     data = corners.load(name)
     for training, test in data.parts():
         attempt(training, test, data.img_size, model)
-    return 0
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

@@ -5,7 +5,7 @@ views that are left give the reference. The sixth contributor brings four views 
 or of another lens or phone, scaled to the size of the others. Errors are px rms at 1280 px width over the
 image.
 
-SEEDS=6 splits of each set; VIEWS=4 of the sixth; ONLY=yubin,uk.
+SEEDS=6 splits of each set; ONLY=yubin,uk.
 """
 
 import os
@@ -24,7 +24,7 @@ CONTRIBUTORS, MIN_VIEWS = 5, 25
 EACH = (4, 8)
 """Views of a contributor: at least as many as a calibration has, 15 % of the set, and at most."""
 RULE = Rule(min_contributors=3)
-SIXTH_VIEWS = int(os.environ.get("VIEWS", "4"))
+SIXTH_VIEWS = 4
 SIXTHS = (
     ("pv_picam_320", "pv_picam_640", "mode"),
     ("pv_picam_640", "pv_picam_320", "mode"),
@@ -129,7 +129,7 @@ def kept_out(sources: dict[str, Footage], seeds: int) -> Iterator[list[str]]:
         yield [name, other, what, *away, f"{outside} of {seeds}", f"{together} of {seeds}"]
 
 
-def main() -> int:
+def main() -> None:
     """Write both tables."""
     seeds = int(os.environ.get("SEEDS", "6"))
     sources = {source.name: source for source in footage()}
@@ -148,8 +148,7 @@ def main() -> int:
     header += ["sixth kept out", "the five agree"]
     tables.append(document.table(header, rows))
     document.replace("real contributors", "\n\n".join(tables))
-    return 0
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

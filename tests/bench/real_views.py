@@ -10,7 +10,6 @@ Beside the criterion of the guidance: a choice that represents the set, and the 
 method.
 """
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -198,7 +197,6 @@ def rows_of(name: str) -> list[Row]:
             )
             others, everything = zip(ours, random.tolist(), typical, peer, strict=True)
             row = Row(name, model, count, others, everything)
-            print(row, file=sys.stderr, flush=True)
             out.append(row)
     return out
 
@@ -253,7 +251,7 @@ def conclusion(rows: Sequence[Row], asides: Sequence[Aside]) -> str:
     return "\n".join(parts)
 
 
-def main() -> int:
+def main() -> None:
     """Compare on every set that is at hand."""
     rows = [row for name in corners.NAMES for row in rows_of(name)]
     asides = [row for name in corners.NAMES for row in asides_of(name)]
@@ -270,9 +268,7 @@ def main() -> int:
     ]
     told = conclusion(rows, asides)
     document.replace("real views", f"{document.table(header, cells)}\n\n{told}")
-    print(told)
-    return 0
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

@@ -29,12 +29,11 @@ HANDS: dict[str, tuple[hands.Hand, set[str | None]]] = {
 HANDS_CAPTURES, HANDS_VIEWS = 24, (4, 6, 10, 15)
 
 
-def main() -> int:
+def main() -> None:
     if document.is_chosen("noise"):
         document.replace("error bars", noise())
     if document.is_chosen("hands"):
         document.replace("error bars in hands", in_hands())
-    return 0
 
 
 def in_hands() -> str:
@@ -63,7 +62,6 @@ def in_hands() -> str:
         ):
             share = f"{np.mean(ratios > 2):.0%}"
             rows.append([name, covariance, str(len(ratios)), f"{np.median(ratios):.2f}", share, told])
-            print(*rows[-1], flush=True)
     views_of = ", ".join(map(str, HANDS_VIEWS))
     header = ["hand", "covariance", "captures", "error / predicted, median", "above 2"]
     return document.table([*header, f"cause named, of {views_of} views"], rows)
@@ -91,7 +89,6 @@ def noise() -> str:
                     str(found.failed),
                 ]
             )
-            print(*rows[-1], flush=True)
     header = [
         "model",
         "views",
@@ -106,4 +103,4 @@ def noise() -> str:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

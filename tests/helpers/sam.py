@@ -8,21 +8,20 @@ from typing import Any
 import pytest
 
 from infra.deploy import package
-from infra.deploy.template import parse_text
 
 ROOT = Path(__file__).parents[2]
 
 
 @cache
-def complete() -> str:
-    """Text of the template with everything that packaging puts into it."""
-    return package.complete_template((ROOT / "template.yaml").read_text())
+def complete() -> dict[str, Any]:
+    """The template with everything that packaging puts into it; nobody may change it."""
+    return package.complete_template()
 
 
 @cache
 def resources() -> dict[str, Any]:
     """Resources of the complete template; nobody may change them."""
-    found: dict[str, Any] = parsed(complete())["Resources"]
+    found: dict[str, Any] = complete()["Resources"]
     return found
 
 
@@ -33,12 +32,6 @@ class ManagedPolicies:
         return {
             "AWSLambdaBasicExecutionRole": "arn:aws:iam::aws:policy/service-role/AWSLambdaBasicExecutionRole"
         }
-
-
-def parsed(text: str) -> dict[str, Any]:
-    """A template's text with short forms such as `!Ref` in their long form; dates are strings, as in JSON."""
-    found: dict[str, Any] = json.loads(json.dumps(parse_text(text), default=str))
-    return found
 
 
 def as_created(source: dict[str, Any], parameters: dict[str, str] | None = None) -> dict[str, Any]:
@@ -59,8 +52,8 @@ def as_created(source: dict[str, Any], parameters: dict[str, str] | None = None)
 
 @cache
 def created() -> dict[str, Any]:
-    """Create the resources of the complete template with its default parameters; tests only read them."""
-    found: dict[str, Any] = as_created(parsed(complete()))["Resources"]
+    """Create the resources of the complete template, traced ones too; tests only read them."""
+    found: dict[str, Any] = as_created(complete(), {"Tracing": "Active"})["Resources"]
     return found
 
 

@@ -27,7 +27,7 @@ def test_acknowledged_views_are_stored_once(tmp_path: Path) -> None:
 
 def test_any_stack_can_be_driven(stack: Server, capsys: pytest.CaptureFixture[str]) -> None:
     with stack.serve() as url:
-        assert main([url, "--sessions", "1", "--clients", "1", "--faults", "0"]) == 0
+        assert main([url, "--sessions", "1", "--clients", "1"]) == 0
         assert "1 captures in" in capsys.readouterr().out
         assert main([url, "--token", "cdb_no_token", "--sessions", "1"]) == 1
         assert "403" in capsys.readouterr().err

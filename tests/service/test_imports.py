@@ -18,7 +18,6 @@ from typing import Any
 import pytest
 
 from infra.deploy.package import complete_template
-from infra.deploy.template import parse_text
 
 ROOT = Path(__file__).parents[2]
 #: The modules of each function in a fork of its own, made when what they share is loaded. `groups`: layers
@@ -100,7 +99,7 @@ class Imported:
 @functools.cache
 def deployed() -> dict[str, tuple[str, ...]]:
     """Each function's folder, and the layers that the template gives it."""
-    document = parse_text(complete_template((ROOT / "template.yaml").read_text()))
+    document = complete_template()
     resources, common = document["Resources"], document["Globals"]["Function"]["Layers"]
     return {
         Path(r["Properties"]["CodeUri"]).name: tuple(

@@ -20,13 +20,13 @@ from infra.ops import withdrawal
 from infra.ops.context import OpsContext
 from infra.ops.public_dump import dumps_of, publish_dump
 from infra.server.server import Server
-from infra.web_build import schemas
+from infra.web_build import openapi
 from tests.helpers.service.known import C920, LINUX, calibration, consensus
 from tests.helpers.service.published import put
 
 NOW = 1_795_312_800  # a Sunday
 GIVEN = {"licence": "CC0-1.0", "licence_version": "2026-11-22"}
-SCHEMA = json.loads(schemas.dump())
+SCHEMA = json.loads(openapi.dump_schema())
 
 
 class CrashError(Exception):

@@ -18,7 +18,7 @@ from infra.deploy.__main__ import main
 from infra.deploy.site import FOREVER, Upload, uploads
 from infra.web_build.site_headers import media_type
 from tests.helpers.aws import account
-from tests.helpers.sam import complete, parsed
+from tests.helpers.sam import complete
 
 ROOT = Path(__file__).parents[2]
 SETTINGS = {"api": "/v1", "token": "cdb_page_secret"}
@@ -62,6 +62,8 @@ def test_uploads_have_type_encoding_and_cache_control(site: dict[str, Upload]) -
     forever = {key for key, file in site.items() if file.cache_control == FOREVER}
     (named,) = {match[1] for key in site if (match := re.match(r"calibrate/main-([0-9a-f]{12})\.js$", key))}
     assert forever == {key for key in site if re.match(r"vendor-\w{12}/|sdk/\d", key) or f"-{named}." in key}
+    versions = {key for key, file in site.items() if file.is_versioned}
+    assert versions == {key for key in forever if re.match(r"sdk/\d", key)} != set()
     # What pages load changes its name; the rest is for other origins, the edge's 404 page and the browser.
     plain = {key for key in site.keys() - forever if key.endswith((".js", ".css"))}
     assert {re.sub(r"/.*", "/", key) for key in plain} == {"sdk/", "webxr/", "style.css", "sw.js"}
@@ -293,8 +295,8 @@ def test_wrong_parameter_is_refused_before_the_first_step(
 
 
 def test_packaged_template_names_existing_paths() -> None:
-    text = package.package_template(complete())
-    places = re.findall(r"(?:CodeUri|ContentUri|DefinitionUri): (\S+)", text)
+    text = json.dumps(package.package_template(complete()))
+    places = re.findall(r'"(?:CodeUri|ContentUri|DefinitionUri)": "([^"]+)"', text)
     assert len(places) == 19
     for place in places:
         there = (package.TEMPLATE.parent / place).resolve().relative_to(ROOT).as_posix()
@@ -302,8 +304,8 @@ def test_packaged_template_names_existing_paths() -> None:
 
 
 def test_rehearsal_leaves_out_its_listed_resources_alone() -> None:
-    left = parsed(rehearsal.remove_unsupported(complete()))["Resources"]
-    assert set(parsed(complete())["Resources"]) - set(left) == set(rehearsal.UNSUPPORTED)
+    left = rehearsal.remove_unsupported(package.complete_template())["Resources"]
+    assert set(complete()["Resources"]) - set(left) == set(rehearsal.UNSUPPORTED)
 
 
 def test_oversized_layers_are_named() -> None:

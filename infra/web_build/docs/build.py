@@ -1,7 +1,4 @@
-"""All pages under `/docs/`, and the texts that their search reads.
-
-python -m infra.web_build.docs.build .build/docs     # the pages as files, before the site's frame
-"""
+"""All pages under `/docs/`, and the texts that their search reads."""
 
 from __future__ import annotations
 
@@ -10,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape, unescape
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from infra.web_build import openapi
 from infra.web_build.docs import catalog, reference
@@ -72,7 +70,7 @@ def link_from(entry: Entry) -> Link:
     """Return the function that gives addresses of links on the page of a document."""
 
     def link(target: str) -> str | None:
-        if catalog.is_elsewhere(target):
+        if urlsplit(target).scheme:  # outside the repository
             return target
         page_key = catalog.target_key(entry.source or "", target)
         if page_key is None:

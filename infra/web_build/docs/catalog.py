@@ -171,8 +171,3 @@ def target_key(source: str, target: str) -> tuple[str, str] | None:
     if path.startswith("web/") and (ROOT / path).exists():
         return path.removeprefix("web/"), parts.fragment
     return None
-
-
-def is_elsewhere(target: str) -> bool:
-    """True if a link leaves the repository."""
-    return bool(urlsplit(target).scheme)

@@ -20,8 +20,8 @@ class Example:
 
     Attributes
     ----------
-    folder, name, heading, message, does
-        Folder, engine, heading, and the keys of the texts of the heading and of the line in the gallery.
+    folder, name, heading
+        Folder, which texts are named after, engine, and heading.
     has_virtual
         True if the virtual camera can stand in.
     lines, style
@@ -37,14 +37,17 @@ class Example:
     folder: str
     name: str
     heading: str
-    message: str
-    does: str
     has_virtual: bool
     lines: str
     style: str = ""
     demo: str = ""
     sources: tuple[str, ...] = _SHARED
     lead: str = "examples.lead"
+
+    @property
+    def message(self) -> str:
+        """Key of the heading's text; with `_does`, of the line in the gallery."""
+        return f"examples.{self.folder}"
 
 
 _LOOKUP_LINES = """const { calibration } = await lookup(track, { token, exact: true });
@@ -71,8 +74,6 @@ ENGINES = (
         "three",
         "three.js",
         "three.js over a calibrated camera",
-        "examples.three",
-        "examples.three_does",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/three";
 
@@ -85,8 +86,6 @@ mesh.position.set(x, -y, -z);                      // OpenCV's (x, y, z)""",
         "babylon",
         "Babylon.js",
         "Babylon.js over a calibrated camera",
-        "examples.babylon",
-        "examples.babylon_does",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/babylon";
 
@@ -99,8 +98,6 @@ mesh.position.set(x, -y, z);                       // OpenCV's (x, y, z), in a l
         "aframe",
         "A-Frame",
         "A-Frame over a calibrated camera",
-        "examples.aframe",
-        "examples.aframe_does",
         has_virtual=True,
         style="vendor/engines/aframe.css",
         lines=f"""{_IMPORT}import {{ registerCalibrated }} from "calibdb/adapters/aframe";
@@ -114,8 +111,6 @@ registerCalibrated(AFRAME);
         "arjs",
         "AR.js",
         "AR.js with your own camera_para.dat",
-        "examples.arjs",
-        "examples.arjs_does",
         has_virtual=False,
         lead="examples.arjs_lead",
         lines="""import { lookup } from "calibdb";
@@ -135,8 +130,6 @@ context.init(() => applyCalibration(camera, calibration, { viewport }));
         "stereo",
         "Stereo",
         "Depth from a rectified pair",
-        "examples.stereo",
-        "examples.stereo_does",
         has_virtual=True,
         lines="""import { rectifyPair, rig } from "calibdb";
 
@@ -171,7 +164,8 @@ def _page(web: Path, example: Example) -> str:
     )
     style = f'\n  <link rel="stylesheet" href="../../{example.style}">' if example.style else ""
     sources = "".join(
-        f'<details><summary><code>{name}</code></summary><div lang="en">{_source(web, name)}</div></details>'
+        f'<details><summary><code>{name}</code></summary><div lang="en">'
+        f"{code_block((web / EXAMPLES / name).read_text(encoding='utf-8'), 'js')}</div></details>"
         for name in (f"{example.folder}/main.js", *example.sources)
     )
     return _document(
@@ -224,17 +218,13 @@ def _camera_demo(example: Example) -> str:
         <div id="virtual" aria-hidden="true"></div>"""
 
 
-def _source(web: Path, name: str) -> str:
-    return code_block((web / EXAMPLES / name).read_text(encoding="utf-8"), "js")
-
-
 def _index() -> str:
     cards = [_card("../ar", '<strong data-t="examples.ar"></strong>', "examples.ar_does")]
     for one in ENGINES:
         adapter = re.search(r"calibdb/adapters/\w+", one.lines)
         heading = f'<strong data-t="{one.message}">{escape(one.heading)}</strong>'
         words = f"<strong>{one.name}</strong> <code>{adapter[0]}</code>" if adapter else heading
-        cards.append(_card(one.folder, words, one.does))
+        cards.append(_card(one.folder, words, f"{one.message}_does"))
     return _document(
         "Examples",
         "examples.index_lead",

@@ -56,8 +56,9 @@ def rows(schema: Node, schemas: Mapping[str, Node], prefix: str = "", depth: int
 def table(rows: list[Row], *, with_required: bool) -> str:
     """Make a table of fields."""
     head = '<th scope="col">Field</th><th scope="col">Type</th><th scope="col">Meaning</th>'
+    required = ' <span class="required">required</span>' if with_required else ""
     lines = [
-        f'<tr><th scope="row"><code>{escape(row.name)}</code>{_mark(row, with_required)}</th>'
+        f'<tr><th scope="row"><code>{escape(row.name)}</code>{required if row.required else ""}</th>'
         f"<td>{escape(row.kind)}</td><td>{inline(row.text)}</td></tr>"
         for row in rows
     ]
@@ -65,10 +66,6 @@ def table(rows: list[Row], *, with_required: bool) -> str:
         f'<div class="wide"><table class="fields-table"><thead><tr>{head}</tr></thead>'
         f"<tbody>{''.join(lines)}</tbody></table></div>\n"
     )
-
-
-def _mark(row: Row, with_required: bool) -> str:
-    return ' <span class="required">required</span>' if with_required and row.required else ""
 
 
 def resolve(node: Node, schemas: Mapping[str, Node]) -> Node:

@@ -192,7 +192,8 @@ def _trial(name: str, call: Call, node: Node) -> str:
     credential = next((one for each in node.get("security", ()) for one in each), "")
     inputs = []
     if credential:
-        inputs.append(_input(name, "credential", _upper_first(_CREDENTIALS[credential]), ""))
+        label = _CREDENTIALS[credential]
+        inputs.append(_input(name, "credential", label[0].upper() + label[1:], ""))
     for each in node.get("parameters", ()):
         if not each.get("deprecated"):
             value = {**call.query, **_PATH_VALUES}.get(each["name"], "")
@@ -207,10 +208,6 @@ def _trial(name: str, call: Call, node: Node) -> str:
         '<div class="actions"><button class="primary" type="submit">Send</button></div>'
         '<div class="trial-answer" role="status"></div></form></details>'
     )
-
-
-def _upper_first(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def _template(path: str) -> str:

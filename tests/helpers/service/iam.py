@@ -15,7 +15,6 @@ import pytest
 from botocore.client import BaseClient
 
 from infra.deploy.package import complete_template
-from infra.deploy.template import parse_text
 from tests.aws.emulator.functions import Function
 from tests.aws.emulator.intrinsics import ACCOUNT, REGION, Resolver
 
@@ -111,7 +110,7 @@ def statements(document: Mapping[str, Any], properties: Mapping[str, Any]) -> It
 
 @functools.cache
 def template() -> tuple[Mapping[str, Any], Resolver]:
-    document = parse_text(complete_template((ROOT / "template.yaml").read_text(encoding="utf-8")))
+    document = complete_template()
     defaults = {n: p.get("Default", "") for n, p in document["Parameters"].items()}
     return document, Resolver(defaults, document["Resources"])
 

@@ -3,9 +3,9 @@
 import pytest
 
 from infra.deploy import processor
-from infra.deploy.account_check import MIN_UNRESERVED, RESERVED
+from infra.deploy.account_check import RESERVED
 from tests.bench import capacity
-from tests.bench.capacity import ACCOUNT_CONCURRENCY, LARGE, LARGE_ACCOUNT_CONCURRENCY, defaults, limits
+from tests.bench.capacity import LARGE, LARGE_ACCOUNT_CONCURRENCY, defaults, limits
 
 
 def test_plan_of_the_pages_is_the_first_limit_by_default() -> None:
@@ -40,12 +40,6 @@ def test_counters_of_one_key_would_not_suffice(monkeypatch: pytest.MonkeyPatch) 
     assert [limit.name for limit in found if limit.use > 1] == [
         "DynamoDB, writes/s of one key of the page's token"
     ]
-
-
-def test_reservations_fit_into_an_account() -> None:
-    values = defaults()
-    reserved = sum(functions * int(values[name]) for name, functions in RESERVED.items())
-    assert reserved + MIN_UNRESERVED <= ACCOUNT_CONCURRENCY / 2
 
 
 def test_processor_is_compared_with_the_reference() -> None:

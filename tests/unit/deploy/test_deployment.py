@@ -199,24 +199,33 @@ def test_stack_and_table_are_protected_once_they_are_there() -> None:
     assert changes == [{"TableName": "table", "DeletionProtectionEnabled": True}]
 
 
-def test_parameters_are_filled_in_from_the_account(
-    cloud: Cloudformation, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+OTHER_STEPS = ("account", "build", "package", "secrets", "upload", "invalidate", "protect", "prune", "smoke")
+
+
+@pytest.fixture
+def written(cloud: Cloudformation, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """The parameter file of deployments of a stack; their commands do nothing."""
     cloud.status, cloud.outputs = "UPDATE_COMPLETE", {"SiteUrl": "https://d1.cloudfront.net"}
     monkeypatch.setattr(aws, "edge_secret_version", lambda *_: 7)
     monkeypatch.setattr(deployment, "PARAMETERS", tmp_path / "parameters.yaml")
+    monkeypatch.setattr(deployment, "_run", lambda *_: None)
+    monkeypatch.setattr(deployment, "find_out", lambda target: target)
+    return tmp_path / "parameters.yaml"
+
+
+def test_parameters_are_filled_in_from_the_account(
+    cloud: Cloudformation, monkeypatch: pytest.MonkeyPatch, written: Path
+) -> None:
     read: list[dict[str, str]] = []
 
     def run(command: Sequence[str], _: Target) -> None:
         if command[1] == "deploy":
-            read.append(as_sam_reads((tmp_path / "parameters.yaml").read_text()))
+            read.append(as_sam_reads(written.read_text()))
             cloud.parameters = read[-1]
 
     monkeypatch.setattr(deployment, "_run", run)
-    monkeypatch.setattr(deployment, "find_out", lambda target: target)
-    every = ("account", "build", "package", "secrets", "upload", "invalidate", "protect", "prune", "smoke")
     target = Target("mine", "us-east-1", {"OperatorName": "Jane Doe", "AlarmEmail": ""})
-    deployment.deploy(target, "unused", every)
+    deployment.deploy(target, {"unused": True}, OTHER_STEPS)
     first, again = read
     assert first["EdgeSecretVersion"] == "7"
     assert again["GuidanceUrl"] == "https://d1.cloudfront.net/calibrate/"
@@ -224,18 +233,12 @@ def test_parameters_are_filled_in_from_the_account(
     assert not any("{" in value for value in (*first.values(), *again.values()))
 
 
-def test_deployment_fails_if_the_stack_has_other_parameters(
-    cloud: Cloudformation, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    cloud.status, cloud.outputs = "UPDATE_COMPLETE", {"SiteUrl": "https://d1.cloudfront.net"}
+@pytest.mark.usefixtures("written")
+def test_deployment_fails_if_the_stack_has_other_parameters(cloud: Cloudformation) -> None:
     cloud.parameters = {"OperatorName": "Jane", "EdgeSecretVersion": "7", "Rollout": ROLLOUT}
-    monkeypatch.setattr(aws, "edge_secret_version", lambda *_: 7)
-    monkeypatch.setattr(deployment, "PARAMETERS", tmp_path / "parameters.yaml")
-    monkeypatch.setattr(deployment, "_run", lambda *_: None)
-    monkeypatch.setattr(deployment, "find_out", lambda target: target)
-    every = ("account", "build", "package", "secrets", "upload", "invalidate", "protect", "prune", "smoke")
+    target = Target("mine", "us-east-1", {"OperatorName": "Jane Doe"})
     with pytest.raises(aws.DeployError, match=r"other values than asked for: OperatorName$"):
-        deployment.deploy(Target("mine", "us-east-1", {"OperatorName": "Jane Doe"}), "unused", every)
+        deployment.deploy(target, {"unused": True}, OTHER_STEPS)
 
 
 @example("Foo Ltd|12 High Street|\"Room\" 'B'")

@@ -11,23 +11,18 @@ import pytest
 from calibdb.errors import UnavailableError
 from calibdb.store import Cameras
 from infra.deploy import __main__ as command
-from infra.deploy.package import complete_template
 from infra.deploy.site import uploads
 from infra.deploy.steps import Target, steps
-from infra.deploy.template import parse, parse_text
+from infra.deploy.template import parse
 from infra.release import checkout
 from infra.server.server import Server
 from tests.helpers.data import ROOT
+from tests.helpers.sam import resources
 
 NOW = datetime(2026, 11, 22, tzinfo=UTC)
 
 
-@pytest.fixture(scope="module")
-def complete() -> dict[str, Any]:
-    return parse_text(complete_template((ROOT / "template.yaml").read_text()))
-
-
-def test_bucket_of_the_replica_is_there_before_the_stack_names_it(complete: dict[str, Any]) -> None:
+def test_bucket_of_the_replica_is_there_before_the_stack_names_it() -> None:
     told = list(steps(Target("calibdb", "us-east-1", {"ReplicaRegion": "eu-west-1"})))
     texts = [step.text for step in told]
     made = texts.index("make the bucket for the replica in eu-west-1")
@@ -38,7 +33,7 @@ def test_bucket_of_the_replica_is_there_before_the_stack_names_it(complete: dict
     # Both templates build the name in the same way.
     replica = parse(ROOT / "infra/deploy/replica.yaml")["Resources"]["ReplicaBucket"]["Properties"]
     name = replica["BucketName"]["Fn::Sub"].replace("${Stack}", "${AWS::StackName}")
-    bucket = complete["Resources"]["KeypointBucket"]["Properties"]
+    bucket = resources()["KeypointBucket"]["Properties"]
     condition, replication, _ = bucket["ReplicationConfiguration"]["Fn::If"]
     assert condition == "Replicate"
     named = {rule["Destination"]["Bucket"]["Fn::Sub"] for rule in replication["Rules"]}
@@ -46,7 +41,7 @@ def test_bucket_of_the_replica_is_there_before_the_stack_names_it(complete: dict
     assert named == {f"arn:${{AWS::Partition}}:s3:::{expected}"}
     assert len({rule["Priority"] for rule in replication["Rules"]}) == len(replication["Rules"])
     # The role may write there and nowhere else, and remove nothing.
-    policy = complete["Resources"]["ReplicationPolicy"]["Properties"]["PolicyDocument"]["Statement"]
+    policy = resources()["ReplicationPolicy"]["Properties"]["PolicyDocument"]["Statement"]
     (writes,) = (s for s in policy if s["Sid"] == "WriteReplica")
     assert writes["Resource"]["Fn::Sub"] == f"arn:${{AWS::Partition}}:s3:::{expected}/*"
     assert not [s for s in policy if any("Delete" in action for action in s["Action"])]
@@ -75,9 +70,9 @@ def test_contact_is_published_where_one_is_named(tmp_path: Path) -> None:
     assert ".well-known/security.txt" not in {u.key for u in uploads(tmp_path, {}, None, NOW)}
 
 
-def run_probe(complete: dict[str, Any], url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def run_probe(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Run the code as Lambda gets it; raises RuntimeError where it finds the site out of order."""
-    code = complete["Resources"]["Probe"]["Properties"]["Code"]["ZipFile"]
+    code = resources()["Probe"]["Properties"]["Code"]["ZipFile"]
     assert len(code) <= 4096  # AWS::Lambda::Function Code, "ZipFile": 4 MB today, 4,096 characters once
     monkeypatch.setenv("SITE_URL", url)
     names: dict[str, Any] = {}
@@ -85,27 +80,23 @@ def run_probe(complete: dict[str, Any], url: str, monkeypatch: pytest.MonkeyPatc
     names["handler"]({}, None)
 
 
-def test_probe_finds_a_site_that_answers_lookups(
-    complete: dict[str, Any], monkeypatch: pytest.MonkeyPatch, served: str
-) -> None:
-    run_probe(complete, served, monkeypatch)
+def test_probe_finds_a_site_that_answers_lookups(monkeypatch: pytest.MonkeyPatch, served: str) -> None:
+    run_probe(served, monkeypatch)
 
 
-def test_probe_fails_where_lookups_are_not_answered(
-    complete: dict[str, Any], monkeypatch: pytest.MonkeyPatch, served: str
-) -> None:
+def test_probe_fails_where_lookups_are_not_answered(monkeypatch: pytest.MonkeyPatch, served: str) -> None:
     def fail(*_: Any, **__: Any) -> None:
         raise UnavailableError("Storage did not answer.")
 
     monkeypatch.setattr(Cameras, "known", fail)
     with pytest.raises(RuntimeError, match="POST /v1/lookup: 503"):
-        run_probe(complete, served, monkeypatch)
+        run_probe(served, monkeypatch)
     with pytest.raises(OSError, match="refused"):
-        run_probe(complete, "http://127.0.0.1:9", monkeypatch)
+        run_probe("http://127.0.0.1:9", monkeypatch)
 
 
-def test_every_alarm_is_explained(complete: dict[str, Any]) -> None:
-    alarms = {n for n, r in complete["Resources"].items() if r["Type"] == "AWS::CloudWatch::Alarm"}
+def test_every_alarm_is_explained() -> None:
+    alarms = {n for n, r in resources().items() if r["Type"] == "AWS::CloudWatch::Alarm"}
     explained = set(re.findall(r"^\| `(\w+Alarm)`", (ROOT / "docs/operations.md").read_text(), re.MULTILINE))
     assert explained == alarms
 

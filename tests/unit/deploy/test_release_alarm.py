@@ -9,7 +9,7 @@ from starlette.responses import Response
 from calibdb.errors import UnavailableError
 from calibdb.http import application
 from calibdb.service import Service
-from tests.helpers.sam import as_created, complete, parsed, without_events
+from tests.helpers.sam import created
 
 EVENT = {
     "version": "2.0",
@@ -39,9 +39,8 @@ def printed(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
 @pytest.fixture(scope="module")
 def alarm() -> dict[str, Any]:
     """The alarm on a metric of this project that rolls a release back."""
-    created = as_created(without_events(parsed(complete())))["Resources"]
-    groups = [r["Properties"] for r in created.values() if r["Type"] == "AWS::CodeDeploy::DeploymentGroup"]
-    watched = [created[a["Name"]["Ref"]]["Properties"] for a in groups[0]["AlarmConfiguration"]["Alarms"]]
+    groups = [r["Properties"] for r in created().values() if r["Type"] == "AWS::CodeDeploy::DeploymentGroup"]
+    watched = [created()[a["Name"]["Ref"]]["Properties"] for a in groups[0]["AlarmConfiguration"]["Alarms"]]
     (found,) = (each for each in watched if each["Namespace"] == "calibDB")
     return dict(found)
 

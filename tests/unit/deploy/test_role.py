@@ -13,7 +13,7 @@ from calibdb.store.keys import calibration_object
 from infra.deploy import smoke_capture
 from infra.deploy.template import parse
 from tests.helpers.data import ROOT
-from tests.helpers.sam import as_created, complete, parsed
+from tests.helpers.sam import created
 
 MAX_POLICY_CHARACTERS = 6144  # IAM quotas, "managed policy size", whitespace not counted
 #: actions that take no resource, by AWS's service authorization reference
@@ -25,14 +25,6 @@ UNSCOPED = {
     *("logs:PutResourcePolicy", "logs:DescribeResourcePolicies"),
     "logs:DescribeDeliveries",
 }
-#: types of resources whose service goes by another name in actions
-SERVICES = {
-    "ApiGatewayV2": "apigateway",
-    "Budgets": "budgets",
-    "Serverless": "lambda",
-    "StepFunctions": "states",
-    "WAFv2": "wafv2",
-}
 
 
 @pytest.fixture(scope="module")
@@ -41,13 +33,6 @@ def role() -> dict[str, Any]:
 
 
 HANDLERS = yaml.safe_load((ROOT / "tests/unit/deploy/handler_actions.yaml").read_text())
-
-
-@pytest.fixture(scope="module")
-def created() -> dict[str, Any]:
-    """Resources that CloudFormation makes, with every parameter that adds some of them."""
-    found: dict[str, Any] = as_created(parsed(complete()), {"Tracing": "Active"})["Resources"]
-    return found
 
 
 def statements(role: dict[str, Any]) -> list[dict[str, Any]]:
@@ -101,9 +86,7 @@ def test_role_cannot_change_itself_nor_attach_strange_policies(role: dict[str, A
     }
 
 
-def test_every_managed_policy_of_the_stack_may_be_attached(
-    role: dict[str, Any], created: dict[str, Any]
-) -> None:
+def test_every_managed_policy_of_the_stack_may_be_attached(role: dict[str, Any]) -> None:
     """SAM's transform attaches policies that no file of the project names."""
     (allowed,) = (s for s in statements(role) if s["Sid"] == "AttachOwnPolicies")
     patterns = [
@@ -112,7 +95,7 @@ def test_every_managed_policy_of_the_stack_may_be_attached(
     ]
     attached = {
         arn.replace("${AWS::Partition}", "aws")
-        for resource in created.values()
+        for resource in created().values()
         if resource["Type"] == "AWS::IAM::Role"
         for arn in strings(resource["Properties"].get("ManagedPolicyArns", []))
         if arn.startswith("arn:")
@@ -129,11 +112,9 @@ def strings(value: Any) -> list[str]:
     return [text for item in items for text in strings(item)]
 
 
-def test_every_handler_of_the_stack_s_resources_is_allowed(
-    role: dict[str, Any], created: dict[str, Any]
-) -> None:
+def test_every_handler_of_the_stack_s_resources_is_allowed(role: dict[str, Any]) -> None:
     allowed = {a for s in statements(role) if s["Effect"] == "Allow" for a in listed(s["Action"])}
-    types = {resource["Type"] for resource in created.values()}
+    types = {resource["Type"] for resource in created().values()}
     assert types == HANDLERS.keys(), "types whose actions are not listed, or that the stack lacks"
     required = {
         f"{service}:{name}"
@@ -159,14 +140,14 @@ def test_no_version_of_an_object_can_be_removed(role: dict[str, Any]) -> None:
         assert not fnmatch.fnmatchcase("calibrations/c4-another-63e5891877a7/x.json", pattern)
 
 
-def test_every_role_of_the_stack_has_the_boundary(created: dict[str, Any]) -> None:
-    roles = {name: r["Properties"] for name, r in created.items() if r["Type"] == "AWS::IAM::Role"}
+def test_every_role_of_the_stack_has_the_boundary() -> None:
+    roles = {name: r["Properties"] for name, r in created().items() if r["Type"] == "AWS::IAM::Role"}
     assert len(roles) >= 20
     boundary = {"Fn::If": ["Bounded", {"Ref": "PermissionsBoundary"}, {"Ref": "AWS::NoValue"}]}
     assert [name for name, role in roles.items() if role.get("PermissionsBoundary") != boundary] == []
 
 
-def test_boundary_allows_what_the_roles_are_given(role: dict[str, Any], created: dict[str, Any]) -> None:
+def test_boundary_allows_what_the_roles_are_given(role: dict[str, Any]) -> None:
     """Without the wildcards of AWS's own policies: they stand for these actions."""
     allowed = {
         action
@@ -175,7 +156,7 @@ def test_boundary_allows_what_the_roles_are_given(role: dict[str, Any], created:
     }
     given = {
         action
-        for resource in created.values()
+        for resource in created().values()
         for document in documents(resource)
         for statement in document["Statement"]
         for action in listed(statement["Action"])
@@ -228,22 +209,3 @@ def test_policies_fit_into_iam(role: dict[str, Any]) -> None:
             # The longest partition, account and region that a `!Sub` may stand for are no longer than itself.
             size = len(re.sub(r'\{"Fn::Sub":("[^"]*")\}', r"\1", text))
             assert size <= MAX_POLICY_CHARACTERS, name
-
-
-def test_every_service_of_the_template_may_be_deployed(role: dict[str, Any]) -> None:
-    allowed = {
-        action.partition(":")[0]
-        for statement in statements(role)
-        if statement["Effect"] == "Allow"
-        for action in listed(statement["Action"])
-    }
-    files = [ROOT / "template.yaml", *ROOT.glob("infra/deploy/*.yaml"), *ROOT.glob("infra/edge/*.yaml")]
-    types = {
-        resource["Type"]
-        for file in files
-        if file.name != "role.yaml"
-        for resource in parse(file).get("Resources", {}).values()
-    }
-    needed = {SERVICES.get(kind.split("::")[1], kind.split("::")[1].lower()) for kind in types}
-    assert len(needed) >= 10
-    assert needed <= allowed

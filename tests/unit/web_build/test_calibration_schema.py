@@ -7,7 +7,7 @@ import jsonschema
 import pytest
 
 from calibdb import schema
-from infra.web_build import openapi, schemas, site
+from infra.web_build import openapi, site
 from tests.helpers.recordings import calibration_of
 from tests.helpers.service.known import consensus
 from tests.helpers.service.published import calibration
@@ -71,5 +71,5 @@ def test_other_documents_are_invalid(changed: dict[str, Any]) -> None:
 
 
 def test_address_names_the_version() -> None:
-    assert SERVED["$id"] == f"/docs/schema/calibration-{schemas.CALIBRATION_VERSION}.json"
+    assert SERVED["$id"] == f"/docs/schema/calibration-{openapi.CALIBRATION_VERSION}.json"
     assert SERVED["required"] == ["img_size", "camera_matrix", "distortion_coefficients", "distortion_model"]

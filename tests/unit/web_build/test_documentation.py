@@ -1,5 +1,6 @@
 """Documentation pages: links that resolve, pages that are small, words about every call."""
 
+import functools
 import gzip
 import json
 import posixpath
@@ -37,11 +38,17 @@ def files(made: Mapping[str, bytes]) -> set[str]:
     )
 
 
+@functools.cache
+def rendered(source: str) -> tuple[set[str], list[str]]:
+    """Anchors of a document, and targets of its links."""
+    targets: list[str] = []
+    document = markdown.render((ROOT / source).read_text(), targets.append)
+    return {each.anchor for each in document.headings}, targets
+
+
 @pytest.mark.parametrize("source", MARKDOWN)
 def test_every_link_of_a_document_leads_to_a_file_and_an_anchor(source: str) -> None:
-    targets: list[str] = []
-    markdown.render((ROOT / source).read_text(), targets.append)
-    for target in targets:
+    for target in rendered(source)[1]:
         parts = urlsplit(target)
         if parts.scheme:
             assert parts.scheme in {"https", "http", "mailto"}, target
@@ -53,8 +60,7 @@ def test_every_link_of_a_document_leads_to_a_file_and_an_anchor(source: str) -> 
         )
         assert (ROOT / path).exists(), f"{source}: {target}"
         if parts.fragment and path.endswith(".md"):
-            linked = markdown.render((ROOT / path).read_text(), lambda _: None)
-            assert parts.fragment in {each.anchor for each in linked.headings}, f"{source}: {target}"
+            assert parts.fragment in rendered(path)[0], f"{source}: {target}"
 
 
 def test_every_document_of_the_folder_is_on_the_site() -> None:

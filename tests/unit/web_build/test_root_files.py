@@ -1,10 +1,13 @@
 """Files at the root of the site: for crawlers, and for who finds a vulnerability."""
 
+import hashlib
 from datetime import UTC, datetime
+from pathlib import Path
 from urllib.robotparser import RobotFileParser
 from xml.etree import ElementTree
 
-from infra.web_build.root_files import robots_text, security_text, sitemap
+from infra.web_build.root_files import robots_text, security_text, shell, sitemap
+from infra.web_build.site import made_files
 
 SITE = "https://calibdb.example"
 
@@ -41,3 +44,26 @@ def test_security_text_expires_within_a_year() -> None:
     assert fields["Contact"] == "mailto:a@b.example"
     assert fields["Canonical"] == f"{SITE}/.well-known/security.txt"
     assert 0 < (datetime.fromisoformat(fields["Expires"]) - now).days < 365
+
+
+def test_every_file_of_the_pages_is_listed_with_its_hash() -> None:
+    found = shell()
+    assert {"index.html", "style.css", "calibrate/main.js", "lib/result/view.js"} <= set(found["files"])
+    style = hashlib.sha256(made_files()["style.css"]).hexdigest()
+    assert found["files"]["style.css"] == style
+    assert not any("messages/" in name for name in found["files"]), "pages contain their texts"
+    assert set(found["late"]) <= set(found["files"])
+    assert not any(
+        name.endswith((".d.ts", "config.json", "sw.js", "openapi.json")) for name in found["files"]
+    )
+
+
+def test_the_version_is_that_of_the_contents(tmp_path: Path) -> None:
+    page = tmp_path / "index.html"
+    page.write_text("one")
+    first = shell(tmp_path)
+    page.write_text("other")
+    second = shell(tmp_path)
+    page.write_text("one")
+    assert first["version"] != second["version"]
+    assert shell(tmp_path) == first

@@ -1,4 +1,7 @@
-"""Commands that write and read files: dumps, bundles, calibrations of other tools."""
+"""Commands that write and read files: dumps, bundles, calibrations of other tools.
+
+A command imports its module when it runs: some load slowly (the solver, pyarrow).
+"""
 
 from __future__ import annotations
 
@@ -13,8 +16,14 @@ import typer
 
 from infra.console import Output
 from infra.ops import OpsError
-from infra.ops.options import DryRun, Json, Size, complete_model, parse_size
-from infra.ops.session import data_folder, failure_exit, open_run
+from infra.ops.session import DryRun, Json, Size, data_folder, failure_exit, open_run, parse_size
+
+
+def _complete_model(start: str) -> list[str]:
+    from calibdb.schema import DISTORTION_MODELS
+
+    return [model for model in DISTORTION_MODELS if model.startswith(start)]
+
 
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER")]
 
@@ -149,7 +158,7 @@ def import_files(
         str,
         typer.Option(
             help="Model to fit to keypoints (default: the one that suits them), or of unnamed coefficients.",
-            autocompletion=complete_model,
+            autocompletion=_complete_model,
         ),
     ] = "",
     licence: Annotated[
@@ -199,7 +208,7 @@ def seed(
     ] = "{camera}",
     platform: Annotated[str, typer.Option(help="Platform, in the same way.")] = "{platform}",
     model: Annotated[
-        str, typer.Option(help="Model of rows that name none.", autocompletion=complete_model)
+        str, typer.Option(help="Model of rows that name none.", autocompletion=_complete_model)
     ] = "rectilinear",
     source: Annotated[str, typer.Option(help="Source of the file; stored with each guess.")] = "",
     dry_run: DryRun = False,
