@@ -7,6 +7,7 @@ import pytest
 
 from calibsolver import CalibrationError, Camera, View, fit
 from calibsolver.consensus.agreement import compare
+from calibsolver.consensus.fit_memory import fit_once
 from calibsolver.consensus.pooling import Member, Rule, pool
 from tests.helpers.data import corner_views
 from tests.helpers.marks import corner_sets, thorough
@@ -53,8 +54,9 @@ def test_too_few_contributors_are_not_reliable(honest: list[Member]) -> None:
 
 
 def test_lying_minority_changes_nothing(honest: list[Member]) -> None:
-    """Three of ten agree with each other on another focal length; one more sends noise."""
-    liars = [member(50 + i, focal=1.15, contributor="mallory") for i in range(3)]
+    """Two of seven agree with each other on another focal length; one more sends noise."""
+    honest = honest[:5]
+    liars = [member(50 + i, focal=1.15, contributor="mallory") for i in range(2)]
     rng = np.random.default_rng(0)
     noise = Member(
         "noise",
@@ -67,14 +69,14 @@ def test_lying_minority_changes_nothing(honest: list[Member]) -> None:
     together = pool([*liars, *honest, noise], SIZE, "rectilinear")
     alone = pool(honest, SIZE, "rectilinear")
     assert together.members == alone.members == tuple(m.id for m in honest)
-    assert (together.total, together.reliable) == (11, True)
+    assert (together.total, together.reliable) == (8, True)
     np.testing.assert_array_equal(together.calibration.camera.intrinsics, alone.calibration.camera.intrinsics)
 
 
 @pytest.mark.parametrize("focal", [1.15, *thorough(1.03, 1.01)])
 def test_returning_contributors_do_not_outvote_others(honest: list[Member], focal: float) -> None:
-    """Nine calibrations of three contributors against one each of five."""
-    returning = [member(90 + i, focal=focal, contributor=f"liar {i % 3}") for i in range(9)]
+    """Six calibrations of three contributors against one each of five."""
+    returning = [member(90 + i, focal=focal, contributor=f"liar {i % 3}") for i in range(6)]
     rule = Rule(min_contributors=3)
     found = pool([*returning, *honest[:5]], SIZE, "rectilinear", rule)
     alone = pool(honest[:5], SIZE, "rectilinear", rule)
@@ -111,7 +113,7 @@ def test_consensus_without_majority_is_not_reliable(honest: list[Member]) -> Non
     assert not split.reliable
 
 
-@pytest.mark.parametrize("model", ["fisheye", "omnidirectional", *thorough("rational")])
+@pytest.mark.parametrize("model", ["omnidirectional", *thorough("fisheye", "rational")])
 def test_other_models_pool_the_same_views(model: str) -> None:
     """The rectilinear camera of five sessions, fitted by each of the other models."""
     camera, rng = synthetic.rectilinear_cameras()[6], np.random.default_rng(0)
@@ -154,7 +156,7 @@ def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
     model = MODELS[name]
     parts = [views[i::5] for i in range(5)]
     pooled = pool([Member(str(i), "lab", tuple(part)) for i, part in enumerate(parts)], size, model)
-    shaped = [view for part in parts for view in fit(part, size, model).shaped(part)]
+    shaped = [view for part in parts for view in fit_once(part, size, model).shaped(part)]
     whole, drawn = (fit(each, size, model, board_shape=False) for each in (shaped, views))
     assert pooled.reliable
     assert compare([pooled.calibration, whole])[0, 1] < 0.02

@@ -24,12 +24,16 @@ EXPECTED = {
 
 
 @pytest.mark.parametrize(
-    ("name", "most"),
-    [("opencv_left", 10), ("jy_left", 20), *thorough(*((name, 20) for name in available(EXPECTED)))],
+    ("name", "part"),
+    [
+        ("opencv_left", slice(0, None, 2)),
+        ("jy_left", slice(2, None, 4)),
+        *thorough(*((name, slice(0, None, 2)) for name in available(EXPECTED))),
+    ],
 )
-def test_suggested_model_of_real_lenses(name: str, most: int) -> None:
+def test_suggested_model_of_real_lenses(name: str, part: slice) -> None:
     views, size = corner_views(name)
-    choice = suggest_model(views[:: 1 + len(views) // most], size)
+    choice = suggest_model(views[part], size)
     assert choice.model in EXPECTED[name]
     assert set(choice.held_out) == set(models.NAMES)
     least = min(error for error in choice.held_out.values() if error is not None)
@@ -40,16 +44,8 @@ def test_suggested_model_of_real_lenses(name: str, most: int) -> None:
     assert len(choice.reasons) == len(models.NAMES)
 
 
-@pytest.mark.parametrize("seed", [0, *thorough(1)])
-def test_insignificant_improvement_keeps_the_model(seed: int) -> None:
-    """Four views of a lens that every model can follow: the plainest is suggested, whatever the noise."""
-    camera = synthetic.rectilinear_cameras()[9]
-    views = populations.views(camera, np.random.default_rng(seed), count=4)
-    assert suggest_model(views, camera.img_size).model == "rectilinear"
-
-
 def test_wild_corners_do_not_decide() -> None:
-    camera = synthetic.fisheye_cameras()[8]
+    camera = synthetic.fisheye_cameras()[2]
     rng = np.random.default_rng(1)
     views = []
     for view in populations.views(camera, rng, count=3):
