@@ -245,7 +245,7 @@ def with_focal_length(factor: float) -> Camera:
 
 @pytest.mark.parametrize("factor", [0.6, *thorough(0.3, 1.3, 5.0)])
 def test_wrong_seed_harms_no_capture(factor: float) -> None:
-    """As many views as without, one more at most, and none refused; the seed leaves no trace in the result."""
+    """As many views as without, or one more, none refused; and the seed leaves no trace in the result."""
     seed = with_focal_length(factor)
     plain, misled = started(None), started(seed)
     for run in (plain, misled):

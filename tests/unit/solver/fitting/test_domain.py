@@ -39,7 +39,7 @@ def test_points_that_contradict_the_prior_win(model: str, monkeypatch: pytest.Mo
 
 def test_fits_that_cover_the_image_are_as_they_were(monkeypatch: pytest.MonkeyPatch) -> None:
     views, size = corner_views("opencv_left")
-    found = {model: fit_once(views, size, model).camera.intrinsics for model in models.NAMES}
+    found = {model: fit_once(views, size, model).camera.intrinsics for model in ("rectilinear", "rational")}
     without_prior(monkeypatch)
     for model, k in found.items():
         np.testing.assert_array_equal(fit(views, size, model).camera.intrinsics, k)

@@ -56,7 +56,7 @@ def error_ratio(camera: Camera, rng: np.random.Generator, hand: hands.Hand, coun
 @pytest.mark.parametrize(
     ("hand", "most"),
     [
-        (hands.MOVING_AND_BENT, 6),
+        (hands.MOVING_AND_BENT, 4),
         *thorough((hands.MOVING_AND_BENT, 12), (hands.BENT, 12), (hands.MOVING, 12)),
     ],
 )
