@@ -15,22 +15,21 @@ from tests.helpers.solver import intervals, populations, synthetic
 from tests.helpers.solver.peers import Comfortable
 
 
-def captures(cameras: Sequence[Camera], views: int, **world: Any) -> list[synthetic.Session]:
-    """A capture of so many views with each camera."""
-    return [
-        synthetic.run(camera, np.random.default_rng(3 * i), views=views, **world)
-        for i, camera in enumerate(cameras)
-    ]
+def captures(
+    cameras: Sequence[Camera], numbers: Sequence[int], views: int, **world: Any
+) -> list[synthetic.Session]:
+    """A capture of so many views with some of the cameras, by their numbers."""
+    return [synthetic.run(cameras[n], np.random.default_rng(n), views=views, **world) for n in numbers]
 
 
 @pytest.fixture(scope="module")
 def rectilinear() -> list[synthetic.Session]:
-    return captures(synthetic.rectilinear_cameras()[::3], 5)
+    return captures(synthetic.rectilinear_cameras(), (0, 3, 6, 9), 5)
 
 
 @pytest.fixture(scope="module")
 def fisheye() -> list[synthetic.Session]:
-    return captures(synthetic.fisheye_cameras()[1::4], 4)
+    return captures(synthetic.fisheye_cameras(), (1, 5, 9), 4)
 
 
 def at(sessions: list[synthetic.Session], views: int) -> np.ndarray:
@@ -219,19 +218,20 @@ def test_capture_with_an_unusual_board_stops(squares: tuple[int, int], most: int
 
 
 def test_gross_outliers_hardly_raise_the_error() -> None:
-    sessions = captures(synthetic.rectilinear_cameras()[1::6], 4, wild=0.01)
+    sessions = captures(synthetic.rectilinear_cameras(), (1, 7), 4, wild=0.01)
     assert np.median([s.mean[3] for s in sessions]) <= 0.19
 
 
 def test_clumsy_user_needs_few_more_attempts() -> None:
     user = synthetic.User(degrees=9.0, share=0.09)
-    sessions = captures(synthetic.rectilinear_cameras()[1::6], 4, user=user)
+    sessions = captures(synthetic.rectilinear_cameras(), (1, 7), 4, user=user)
     assert sum(s.attempts for s in sessions) <= 1.3 * sum(len(s.views) for s in sessions)
 
 
 def test_comfortable_poses_reach_a_quarter_pixel() -> None:
     guide = Comfortable(ProjectionUncertainty(Board(), synthetic.IMG_SIZE))
-    assert (at(captures(synthetic.rectilinear_cameras()[3::4], 4, guide=guide), 4) <= (0.25, 0.55)).all()
+    sessions = captures(synthetic.rectilinear_cameras(), (3, 9), 4, guide=guide)
+    assert (at(sessions, 4) <= (0.25, 0.55)).all()
 
 
 @pytest.mark.parametrize("model", ["rational", "omnidirectional"])
