@@ -16,6 +16,7 @@ from calibsolver.fitting.levenberg_marquardt import Objective, Problem, assess_s
 from calibsolver.fitting.normal_equations import Poses
 from calibsolver.fitting.observations import Observations
 from calibsolver.fitting.resection import reprojection_score
+from tests.conftest import THOROUGH
 from tests.helpers.marks import thorough
 from tests.helpers.solver import populations, synthetic
 from tests.helpers.solver.intervals import POPULATIONS
@@ -157,17 +158,9 @@ def check_input(model: str, kind: str, seed: int) -> None:
 
 @pytest.mark.parametrize("model", models.NAMES)
 @given(kind=st.sampled_from(sorted(CORRUPTIONS)), seed=seeds)
-@settings(max_examples=3, deadline=None)
+@settings(max_examples=500 if THOROUGH else 3, deadline=None)
 def test_every_input_ends_in_finite_numbers_or_a_reason(model: str, kind: str, seed: int) -> None:
     """Warnings are errors here, as in all tests."""
-    check_input(model, kind, seed)
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("model", models.NAMES)
-@given(kind=st.sampled_from(sorted(CORRUPTIONS)), seed=seeds)
-@settings(max_examples=500, deadline=None)
-def test_many_inputs_end_in_finite_numbers_or_a_reason(model: str, kind: str, seed: int) -> None:
     check_input(model, kind, seed)
 
 

@@ -14,8 +14,6 @@ from tests.helpers.solver import populations, synthetic
 BOARD = Board()
 CAMERA = synthetic.rectilinear_cameras()[6]
 SIZE, D = CAMERA.img_size, np.zeros(5)
-WIDTHS = (0.3, 0.5, 0.7, 0.9)
-"""Of a board in the image, as shares of the image's."""
 
 
 @pytest.fixture(scope="module")
@@ -146,15 +144,12 @@ def test_noiseless_first_view_does_not_make_others_outliers(width: float) -> Non
 
 
 @pytest.mark.parametrize("model", models.NAMES)
-@pytest.mark.parametrize(
-    ("tilt", "widths"),
-    [(0, (0.3, 0.9)), *thorough((20, (0.5, 0.7)), *((tilt, WIDTHS) for tilt in (0, 2, 5, 10, 20)))],
-)
-def test_first_view_is_never_an_outlier(model: str, tilt: int, widths: tuple[float, ...]) -> None:
+@pytest.mark.parametrize("tilt", [0, *thorough(2, 5, 10, 20)])
+def test_first_view_is_never_an_outlier(model: str, tilt: int) -> None:
     # Facing the camera it tells little, but it is never an outlier for want of a fit.
     c, rng = Capture(BOARD, SIZE, model), np.random.default_rng(tilt)
     target = c.next_target([], c.estimate([]))
-    for focal, width in itertools.product((500, 2000), widths):
+    for focal, width in itertools.product((500, 2000), (0.3, 0.9)):
         camera = Camera("rectilinear", np.array([[focal, 0, 640], [0, focal, 360], [0, 0, 1]]), D, SIZE)
         rvec = np.radians(tilt) * np.array([0.6, 0.8, 0.0])
         place = np.array([0, 0, 9 * focal / (width * 1280)])
@@ -175,24 +170,6 @@ def test_mirrored_first_view_is_refused_in_any_pose() -> None:
         assert c.judge([], target, view).reason != "mirrored"
         flipped = View(view.object_points, [1279, 0] + view.image_points * [-1, 1])
         assert c.judge([], target, flipped).reason == "mirrored"
-
-
-@pytest.mark.parametrize("model", models.NAMES)
-def test_hostile_numbers_end_in_refusals(model: str) -> None:
-    c, rng = Capture(BOARD, (1280, 720), model), np.random.default_rng(0)
-    target = c.next_target([], c.estimate([]))
-    p = BOARD.points
-    for q in (
-        rng.uniform(0, 1279, (40, 2)),
-        np.full((40, 2), 100.0),
-        np.repeat(rng.uniform(0, 700, (2, 2)), 20, axis=0),
-        1e300 * rng.normal(size=(40, 2)),
-        1e-300 * rng.normal(size=(40, 2)),
-        100 + 20 * p[:, :2] + 500 * rng.normal(size=(40, 2)),
-    ):
-        decision = c.judge([], target, View(p, q))
-        assert not decision.accepted
-        assert c.estimate([View(p, q)]).converged is False
 
 
 def test_unknown_guidance_raises_value_error() -> None:

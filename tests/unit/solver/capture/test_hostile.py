@@ -175,7 +175,7 @@ def undo_of_the_majority_restores_the_first(session: Session) -> None:
 
 @pytest.mark.parametrize(
     ("seed", "focal"),
-    [(1, 2200.0), *thorough(*sorted({*product((0, 1, 4), (450.0, 600.0, 2200.0))} - {(1, 2200.0)}))],
+    [(1, 2200.0), *thorough(*product((0, 4), (450.0, 600.0, 2200.0)))],
 )
 def test_exactly_the_wrong_views_are_refused_or_excluded(seed: int, focal: float) -> None:
     """Of six views the second and the fourth are another camera's; 1280 x 720, true focal length 942 px."""

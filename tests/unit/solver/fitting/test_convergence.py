@@ -52,23 +52,6 @@ def test_gram_matrices_with_more_points_are_those_of_all_of_them() -> None:
     np.testing.assert_allclose(more, expected, rtol=0, atol=1e-10)
 
 
-def test_step_along_which_the_focal_length_at_the_axis_stays_does_not_move_the_boards() -> None:
-    """xi and generalised focal lengths grow together in proportion: the lens magnifies as before."""
-    views, img_size = data.corner_views("jy_left")
-    obs = Observations.of(views)
-    model = models.get("omnidirectional")
-    problem = Problem(model, obs, img_size)
-    k = model.start(600.0, img_size)
-    poses = Poses.of_vectors(np.tile([0.0, 0, 0, 1, 2, 10], (len(views), 1)))
-    step = np.zeros(model.size)
-    step[4] = 0.5
-    step[:2] = k[:2] * step[4] / (1 + k[4])
-    moved, boards = problem.retract(k, poses, step, np.zeros((len(views), 6)))
-    assert moved[4] == k[4] + step[4]
-    np.testing.assert_allclose(model.focal(moved), model.focal(k), rtol=1e-12)
-    np.testing.assert_allclose(boards.t, poses.t, rtol=1e-12)
-
-
 def test_omnidirectional_fit_goes_straight_along_its_valley(monkeypatch: pytest.MonkeyPatch) -> None:
     """With boards that move by the generalised focal length it takes 120 linearizations."""
     views, img_size = data.corner_views("jy_left")

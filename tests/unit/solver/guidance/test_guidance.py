@@ -1,6 +1,5 @@
 """Guidance in the closed loop: few views, calibrated predictions, feasible poses."""
 
-import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -143,14 +142,6 @@ def test_skipped_target_is_followed_by_an_easier_dissimilar_one(rectilinear: lis
             away = np.linalg.norm(center - rotation.matrix(old.rvec) @ board.outline.mean(axis=0) - old.tvec)
             assert turn > 20 or away > 1.5
         skipped.append(target)
-
-
-def test_target_survives_json() -> None:
-    target = ProjectionUncertainty(Board(), (1280, 720)).next_pose([], None)
-    again = TargetPose.from_dict(json.loads(json.dumps(target.to_dict())))
-    np.testing.assert_array_equal(again.corners, target.corners)
-    np.testing.assert_array_equal(again.rvec, target.rvec)
-    assert (again.ids, again.gain, again.hint) == (target.ids, target.gain, target.hint)
 
 
 def test_next_pose_is_deterministic(rectilinear: list[synthetic.Session]) -> None:
