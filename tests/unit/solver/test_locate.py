@@ -107,7 +107,7 @@ def test_too_few_points_are_refused() -> None:
 
 def test_weights_make_poses_of_uneven_corners_certain() -> None:
     """Every third corner is five times as noisy: the covariance still covers, and is smaller than without."""
-    rng = np.random.default_rng(8)
+    rng = np.random.default_rng(1)
     sigma = np.where(np.arange(BOARD.corner_count) % 3 == 0, 1.5, NOISE)
     camera, squares, shares = camera_of("rectilinear"), [], []
     for r, t in poses("rectilinear", 80, rng):
