@@ -13,7 +13,7 @@ import numpy as np
 
 from calibsolver import Board, Camera
 from calibsolver.capture import MAX_VIEWS
-from calibsolver.guidance import FixedPlan, ProjectionUncertainty
+from calibsolver.guidance import ProjectionUncertainty, fixed_plan
 from infra.console import announce
 from tests.bench import document
 from tests.bench.bound import bound
@@ -45,7 +45,7 @@ def guided(views: int = 10, **world: object) -> Run:
 
 
 def planned(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
-    plan = FixedPlan(Board(), camera.img_size, camera.model)
+    plan = synthetic.Planned(fixed_plan(Board(), camera.img_size, camera.model))
     return synthetic.run(camera, rng, noise=noise, views=10, max_views=MAX_VIEWS, guide=plan)
 
 

@@ -8,6 +8,7 @@ by some 3 degrees and 3 %.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from typing import Protocol
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from calibsolver import rotation as rotations
 from calibsolver.camera import pixel_grid
 from calibsolver.capture import Capture, Estimate, History
 from calibsolver.fitting.initial_guess import plane_poses
-from calibsolver.guidance import FixedPlan, Guide
 from calibsolver.guidance.target import TargetPose, in_image
 from tests.helpers.solver.hands import STEADY, Hand
 
@@ -173,6 +173,36 @@ def match_picture(board: Board, drawn: Camera, camera: Camera, target: TargetPos
     )
 
 
+class Guide(Protocol):
+    """Chooser of poses."""
+
+    def next_pose(
+        self,
+        views: Sequence[View],
+        calibration: Calibration | None,
+        skipped: Sequence[TargetPose] = (),
+        unreached: Sequence[TargetPose] = (),
+    ) -> TargetPose:
+        """Choose the pose of the next view; see `ProjectionUncertainty.next_pose`."""
+
+
+@dataclass(frozen=True)
+class Planned:
+    """Chooser of the poses of a plan (`guidance.fixed_plan`), one after the other."""
+
+    poses: tuple[TargetPose, ...]
+
+    def next_pose(
+        self,
+        views: Sequence[View],
+        _: Calibration | None,
+        skipped: Sequence[TargetPose] = (),
+        unreached: Sequence[TargetPose] = (),
+    ) -> TargetPose:
+        del unreached
+        return self.poses[(len(views) + len(skipped)) % len(self.poses)]
+
+
 def aligned_errors(camera: Camera, rays: np.ndarray, q: np.ndarray, r: np.ndarray, steps: int) -> np.ndarray:
     """Projections of rays (n, 3) less pixels (n, 2), after the rotation, near `r`, that fits best."""
     for _ in range(steps):
@@ -281,7 +311,7 @@ def run(
             used(session.views, estimate), estimate.calibration, (), unreached
         )
         # A plan that does not adapt is drawn with the camera that it was made for.
-        drawn = capture.camera(None if isinstance(chooser, FixedPlan) else estimate)
+        drawn = capture.camera(None if isinstance(chooser, Planned) else estimate)
         asked = match_picture(board, drawn, camera, target)
         rvec, tvec = user.hold(board, asked, rng)
         view = detect(board, camera, rvec, tvec, rng, noise, wild, blur, hand, corners)

@@ -78,6 +78,6 @@ def test_models_are_compared_by_a_paired_t_test(count: int, critical: float) -> 
     noise = 0.3 * (noise - noise.mean()) / noise.std(ddof=1)
     for t, as_good in ((1.2, True), (critical - 0.06, True), (critical + 0.06, False)):
         errors = best * np.exp(noise + t * 0.3 / np.sqrt(count))
-        one, other = (HeldOut(float(np.sqrt(np.mean(e**2))), (), e) for e in (errors, best))
+        one, other = (HeldOut(float(np.sqrt(np.mean(e**2))), e) for e in (errors, best))
         assert one.rms > 1.03 * other.rms
         assert not_significantly_worse(one, other) == as_good
