@@ -17,7 +17,8 @@ from calibsolver import rotation as rotations
 from calibsolver.camera import pixel_grid
 from calibsolver.capture import Capture, Estimate, History
 from calibsolver.fitting.initial_guess import plane_poses
-from calibsolver.guidance.target import TargetPose, in_image
+from calibsolver.guidance.candidates import distance_to_border
+from calibsolver.guidance.target import TargetPose
 from tests.helpers.solver.hands import STEADY, Hand
 
 IMG_SIZE = (1280, 720)
@@ -117,10 +118,10 @@ def detect(
     if hand.readout_s:
         q = hand.project(corners, camera, rvec, tvec, rng)
     noise = noise * (1 + blur * (tilt_deg(board, r, tvec) / 45) ** 2)
-    inside = in_image(q, camera.img_size, BORDER_PX)
+    inside = distance_to_border(q, camera.img_size) >= BORDER_PX
     if whole_markers:
         places = camera.project(board.support.reshape(-1, 3) @ r.T + tvec)
-        whole = in_image(places, camera.img_size, BORDER_PX).reshape(board.support.shape[:3])
+        whole = (distance_to_border(places, camera.img_size) >= BORDER_PX).reshape(board.support.shape[:3])
         inside &= np.any(np.all(whole, axis=2), axis=1)
     q = q[inside] + noise * rng.normal(size=(int(inside.sum()), 2))
     bad = rng.uniform(size=len(q)) < wild
