@@ -379,15 +379,11 @@ class Problem(LeastSquares):
     def rows_of(self, k: Array, poses: Poses, obs: Observations, before: int = 0) -> tuple[Array, Array]:
         """Rows of a `State` at given intrinsics (p,) and poses."""
         rows, square = residual_rows(self.model, k, poses, obs, before)
-        return self._free_rows(rows, before), square
-
-    def _free_rows(self, rows: Array, before: int) -> Array:
-        """Rows (before + a + ..., 2, v, n) by the free intrinsics, of rows by all of them."""
         if self.basis is None:
-            return rows
+            return rows, square
         after = before + self.model.size
         free = np.tensordot(self.basis.T, rows[before:after], 1)
-        return np.concatenate([rows[:before], free, rows[after:]])
+        return np.concatenate([rows[:before], free, rows[after:]]), square
 
     def prior(self, k: Array) -> tuple[Array, Array]:
         """Whitened residuals (m,) of the prior at intrinsics k (p,), and their Jacobian (m, a)."""

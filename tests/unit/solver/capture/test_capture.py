@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calibsolver import Board, Camera, View, models, rotation
-from calibsolver.capture import Capture, Exclusion, exclusions
+from calibsolver.capture import Capture
 from calibsolver.guidance import PoseSelection, TargetPose
 from tests.helpers.marks import thorough
 from tests.helpers.solver import populations, synthetic
@@ -122,7 +122,7 @@ def test_noiseless_copies_do_not_converge(focal: int) -> None:
     assert views
 
 
-@pytest.mark.parametrize("width", [0.1, *thorough(0.2, 0.6)])
+@pytest.mark.parametrize("width", [0.1, *thorough(0.6)])
 def test_noiseless_first_view_does_not_make_others_outliers(width: float) -> None:
     c, rng = capture(), np.random.default_rng(3)
     target, rvec = c.next_target([], c.estimate([])), np.array([0.3, 0.4, 0.0])
@@ -200,12 +200,6 @@ def test_capture_from_record_equals_constructed_capture() -> None:
     assert made.seed is not None
     np.testing.assert_array_equal(made.seed.intrinsics, camera.intrinsics)
     assert Capture.from_record({**record, "prior": None}).seed is None
-
-
-def test_exclusions_are_read_from_records_of_views() -> None:
-    reason = {"reason": "outlier", "detail": "Its corners are wrong."}
-    found = exclusions([{"set_aside": None}, {"set_aside": reason}, {"ids": [1, 2]}])
-    assert found == {1: Exclusion("outlier", "Its corners are wrong.")}
 
 
 def started(seed: Camera | None) -> synthetic.Session:

@@ -123,30 +123,25 @@ def test_session_converges_after_views_that_are_no_boards(seed: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("good_first", "seeds", "sent"),
+    ("good_first", "seed", "sent"),
     [
-        (2, (7,), 3),
-        *thorough((2, (7,), 10), (0, (3, 4), 10), (2, (3, 4, 5), 10)),
-        pytest.param(0, (5,), 10, marks=[pytest.mark.thorough, HIDDEN]),
+        (2, 7, 3),
+        *thorough((2, 7, 10), (0, 3, 10), (0, 4, 10), (2, 4, 10)),
+        pytest.param(0, 5, 10, marks=[pytest.mark.thorough, HIDDEN]),
     ],
 )
-def test_session_converges_after_views_that_can_be_explained(
-    good_first: int, seeds: tuple[int, ...], sent: int
-) -> None:
-    """At least three of the views sent do not count, on average."""
-    not_counted = 0
-    for seed in seeds:
-        session = Session(seed=seed)
-        for _ in range(good_first):
-            assert session.submit(session.honest())
-        for _ in range(sent):
-            view = session.honest()
-            if not session.estimate.converged:
-                session.submit(HOSTILE[EXPLAINED](session, view))
-        not_counted += len(session.reasons) + len(session.estimate.excluded)
-        assert not session.estimate.converged
-        assert session.finish() < 0.6
-    assert not_counted >= 3 * len(seeds)
+def test_session_converges_after_views_that_can_be_explained(good_first: int, seed: int, sent: int) -> None:
+    session = Session(seed=seed)
+    for _ in range(good_first):
+        assert session.submit(session.honest())
+    for _ in range(sent):
+        view = session.honest()
+        if not session.estimate.converged:
+            session.submit(HOSTILE[EXPLAINED](session, view))
+    not_counted = len(session.reasons) + len(session.estimate.excluded)
+    assert not session.estimate.converged
+    assert session.finish() < 0.6
+    assert not_counted >= 3
 
 
 @pytest.mark.parametrize(

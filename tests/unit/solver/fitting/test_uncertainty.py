@@ -24,15 +24,6 @@ def test_predicted_error_matches_the_actual_error() -> None:
     assert 0.91 < found.coverage.mean() < 0.99
 
 
-@pytest.mark.parametrize("model", models.NAMES)
-def test_noise_is_estimated(model: str) -> None:
-    camera = intervals.POPULATIONS[model]()[5]
-    for noise in (0.1, 0.5):
-        c = fit(populations.views(camera, np.random.default_rng(1), noise, 8), camera.img_size, model)
-        assert c.noise == pytest.approx(noise, rel=0.12)
-        assert c.avg_reprojection_error == pytest.approx(noise * np.sqrt(2), rel=0.12)
-
-
 def test_error_does_not_jump_at_the_edge_of_the_domain() -> None:
     """Real corners of a fisheye lens whose domain ends inside the image in some fits, and not in others."""
     views, size = corner_views("babel_ov_plane")
