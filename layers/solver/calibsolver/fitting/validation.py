@@ -25,10 +25,11 @@ MAX_OUTSIDE = 0.05
 """Distance of a point from the image / its longer side, above which the size is wrong and not the point."""
 
 
-def check(views: Iterable[View], img_size: tuple[int, int]) -> None:
-    """Refuse views that no fit could use: CalibrationError, see `fit`."""
-    bad = degenerate_views(pack(views, img_size))
-    refuse(bad, "degenerate", "the points of view {} lie on a line or in one place")
+def check(views: Iterable[View], img_size: tuple[int, int]) -> Observations:
+    """Pack views, or refuse those that no fit could use: CalibrationError, see `fit`."""
+    obs = pack(views, img_size)
+    refuse(degenerate_views(obs), "degenerate", "the points of view {} lie on a line or in one place")
+    return obs
 
 
 def pack(views: Iterable[View], img_size: tuple[int, int]) -> Observations:

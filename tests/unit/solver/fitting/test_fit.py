@@ -211,3 +211,22 @@ def test_views_may_come_one_by_one() -> None:
     views, size = corner_views("opencv_left")
     one_by_one = fit((view for view in views), size)  # type: ignore[arg-type]
     np.testing.assert_array_equal(one_by_one.camera.matrix, fit(views, size).camera.matrix)
+
+
+def test_record_has_the_stored_members() -> None:
+    views, size = corner_views("opencv_left")
+    record = fit(views, size).record()
+    assert set(record) == {
+        "img_size",
+        "camera_matrix",
+        "distortion_coefficients",
+        "distortion_model",
+        "avg_reprojection_error",
+        "uncertainty",
+        "systematic",
+        "board_shape",
+    }
+    assert record["img_size"] == [640, 480]
+    assert np.shape(record["camera_matrix"]) == (3, 3)
+    assert len(record["distortion_coefficients"]) == 5
+    assert 0 < record["uncertainty"]["rms"] < record["uncertainty"]["max"]
