@@ -47,9 +47,6 @@ def test_progress_grows_to_one(session: synthetic.Session) -> None:
     assert last.converged
     assert last.uncertainty is not None
     assert last.uncertainty.rms < 0.3
-
-
-def test_three_views_never_converge(session: synthetic.Session) -> None:
     generous = Capture(BOARD, CAMERA.img_size, target_error=50.0)
     assert not generous.estimate(session.views[:3]).converged
     assert generous.estimate(session.views).converged
