@@ -137,16 +137,6 @@ def test_equal_weights_change_nothing_and_unequal_ones_favour_their_view() -> No
     assert fit(heavy, size, robust=False).view_errors[2] < 0.95 * plain.view_errors[2]
 
 
-def test_weighted_fits_do_not_depend_on_the_order_of_views() -> None:
-    rng = np.random.default_rng(3)
-    views, size = corner_views("opencv_left")
-    weighted = [View(v.object_points, v.image_points, rng.uniform(0.2, 5, len(v))) for v in views]
-    order = rng.permutation(len(views))
-    shuffled = [weighted[i].subset(rng.permutation(len(weighted[i]))) for i in order]
-    one, other = fit(weighted, size), fit(shuffled, size)
-    np.testing.assert_array_equal(one.camera.intrinsics, other.camera.intrinsics)
-
-
 @pytest.mark.parametrize(
     ("fix", "code", "says"),
     [

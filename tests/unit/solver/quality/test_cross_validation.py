@@ -39,20 +39,6 @@ def test_no_fold_diverges() -> None:
     assert held_out(*corner_views("arizonat_fe"), "fisheye").rms < 0.18
 
 
-@external_data
-def test_another_camera_has_a_higher_score() -> None:
-    """The same webcam at two resolutions: another field of view, so that scaling the matrix is wrong."""
-    small, size = corner_views("pv_charuco_480")
-    large, other = corner_views("pv_charuco_1280")
-    camera = fit(small, size).camera
-    k = camera.intrinsics
-    k[:2] *= other[0] / size[0]
-    k[2:4] = (other[0] - 1) / 2, (other[1] - 1) / 2
-    assert reprojection_score(camera, small).rms < 0.25
-    own = fit(large, other).avg_reprojection_error
-    assert reprojection_score(Camera.from_intrinsics("rectilinear", k, other), large).rms > 3.5 * own
-
-
 def test_unprojectable_views_have_no_finite_score() -> None:
     """A view beyond the edge of a folding lens is not explained; no number pretends it is."""
     narrow = Camera(
