@@ -13,7 +13,7 @@ import numpy as np
 
 from calibsolver import Board, Camera
 from calibsolver.capture import MAX_VIEWS
-from calibsolver.guidance import ProjectionUncertainty, fixed_plan
+from calibsolver.guidance import fixed_plan
 from infra.console import announce
 from tests.bench import document
 from tests.bench.bound import bound
@@ -50,7 +50,7 @@ def planned(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
 
 
 def comfortable(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
-    guide = peers.Comfortable(ProjectionUncertainty(Board(), camera.img_size, camera.model))
+    guide = peers.Comfortable(Board(), camera.img_size, camera.model)
     return synthetic.run(camera, rng, noise=noise, views=8, max_views=MAX_VIEWS, guide=guide)
 
 

@@ -220,7 +220,7 @@ def test_clumsy_user_needs_few_more_attempts() -> None:
 
 
 def test_comfortable_poses_reach_a_quarter_pixel() -> None:
-    guide = Comfortable(ProjectionUncertainty(Board(), synthetic.IMG_SIZE))
+    guide = Comfortable(Board(), synthetic.IMG_SIZE)
     sessions = captures(synthetic.rectilinear_cameras(), (3, 9), 4, guide=guide)
     assert (at(sessions, 4) <= (0.25, 0.55)).all()
 
