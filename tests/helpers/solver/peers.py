@@ -29,6 +29,7 @@ class Comfortable(ProjectionUncertainty):
     def choose(
         self, posterior: IntrinsicsPosterior, index: int, limits: PoseLimits, *others: Any, **named: Any
     ) -> TargetPose:
+        del limits
         return super().choose(posterior, index, COMFORTABLE, *others, **named)
 
 
