@@ -10,7 +10,7 @@ import json
 from pathlib import Path
 
 from calibsolver import Board
-from calibsolver.guidance import FixedPlan
+from calibsolver.guidance import fixed_plan
 
 PLAN_PATH = Path(__file__).resolve().parents[2] / "web" / "calibrate" / "plan.json"
 IMG_SIZE = (1280, 720)
@@ -26,7 +26,7 @@ def text() -> str:
             "hint": pose.hint,
             "hint_code": pose.hint_code,
         }
-        for pose in FixedPlan(Board(), IMG_SIZE).poses
+        for pose in fixed_plan(Board(), IMG_SIZE)
     ]
     return "[\n" + ",\n".join("  " + json.dumps(pose) for pose in poses) + "\n]\n"
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from calibsolver import Board, Camera
 from calibsolver import rotation as rotations
-from calibsolver.guidance import FixedPlan, TargetPose
+from calibsolver.guidance import TargetPose, fixed_plan
 from infra.server.jobs import JobWorker
 from infra.server.server import DEVELOPMENT_TOKEN, Server
 from infra.web_build.example_calls import calls, fill_in, learn
@@ -156,7 +156,7 @@ def _views(
 @functools.cache
 def _poses() -> tuple[TargetPose, ...]:
     """Return the first poses of the fixed plan for the default board."""
-    return FixedPlan(Board(), IMG_SIZE).poses[:_VIEWS]
+    return fixed_plan(Board(), IMG_SIZE)[:_VIEWS]
 
 
 def examples() -> dict[str, Any]:

@@ -15,7 +15,7 @@ from calibsolver import Board, Camera
 from calibsolver.arrays import symmetric_inverse
 from calibsolver.capture import MAX_VIEWS
 from calibsolver.fitting import prior
-from calibsolver.guidance import FixedPlan, IntrinsicsPosterior, ProjectionUncertainty
+from calibsolver.guidance import IntrinsicsPosterior, ProjectionUncertainty, fixed_plan
 from calibsolver.guidance.candidates import PoseLimits
 from infra.console import announce
 from tests.bench import document
@@ -46,12 +46,12 @@ def guided(views: int = 10, **world: object) -> Run:
 
 
 def planned(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
-    plan = FixedPlan(Board(), camera.img_size, camera.model)
+    plan = synthetic.Planned(fixed_plan(Board(), camera.img_size, camera.model))
     return synthetic.run(camera, rng, noise=noise, views=10, max_views=MAX_VIEWS, guide=plan)
 
 
 def comfortable(camera: Camera, rng: np.random.Generator, noise: float) -> Session:
-    guide = peers.Comfortable(ProjectionUncertainty(Board(), camera.img_size, camera.model))
+    guide = peers.Comfortable(Board(), camera.img_size, camera.model)
     return synthetic.run(camera, rng, noise=noise, views=8, max_views=MAX_VIEWS, guide=guide)
 
 

@@ -81,7 +81,7 @@ class Person:
             pose = TargetPose(
                 rotation.vector(r), t, (), np.empty((0, 2)), np.empty((0, 2)), "", "", "first", 0
             )
-            flat = texture_coordinates(self.camera, pose, (0, 0, w, h), SQUARE_PX, np.ones(2))
+            flat = texture_coordinates(self.camera, pose, (0, 0, w, h), SQUARE_PX, np.ones(2), np.zeros(3))
             eye = -r.T @ t
             xy = (flat + 0.5) / SQUARE_PX
             bent = xy + (eye[:2] - xy) * (heights(xy - center[:2], bend) / eye[2])[..., None]

@@ -19,7 +19,7 @@ import numpy as np
 from calibsolver import Board, Calibration, Camera, View, fit, formats, models, rotation
 from calibsolver import image_transform as transforms
 from calibsolver.arrays import Array, symmetric_inverse
-from calibsolver.fitting.normal_equations import POSE_SIZE, Poses, projection_jacobian
+from calibsolver.fitting.normal_equations import POSE_SIZE, Poses, linearize
 from calibsolver.formats import ExportSource
 from calibsolver.formats.mrcal import Mrcal
 from calibsolver.formats.optimum import MIN_USED_POINTS, resect_used
@@ -109,12 +109,12 @@ def std_by_mrcals_definition(source: ExportSource) -> float:
     square, count = 0.0, 0
     for i, (view, pose) in enumerate(zip(views, poses, strict=True)):
         at = slice(p + POSE_SIZE * i, p + POSE_SIZE * (i + 1))
-        q, j = projection_jacobian(
-            model, camera.intrinsics, Poses.of_vectors(pose[None]), view.object_points.T[None]
+        q, rows = linearize(
+            model, camera.intrinsics, Poses.of_vectors(pose[None]), view.object_points.T[None], 0
         )
-        square += float(((q[0].T - view.image_points) ** 2).sum())
+        square += float(((q[:, 0].T - view.image_points) ** 2).sum())
         count += 2 * len(view)
-        flat = j[0].reshape(p + POSE_SIZE, -1)
+        flat = rows.reshape(p + POSE_SIZE, -1)
         unknowns = np.r_[0:p, at]
         information[np.ix_(unknowns, unknowns)] += flat @ flat.T
         turn = np.cross(point - pose[3:], by_point[:, :, 0].T)

@@ -1,10 +1,10 @@
 """Other ways to capture, in the same world as `synthetic.run`: what guidance is measured against."""
 
-from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
-from calibsolver import Board, Calibration, CalibrationError, Camera, View, fit, rotation
+from calibsolver import Board, CalibrationError, Camera, View, fit, rotation
 from calibsolver.fitting.normal_equations import Poses
 from calibsolver.guidance import (
     IntrinsicsPosterior,
@@ -23,20 +23,14 @@ MAX_ATTEMPTS = 8
 COMFORTABLE = PoseLimits(width=(0.30, 0.75), max_tilt_deg=45.0, min_visible=0.9)
 
 
-class Comfortable:
+class Comfortable(ProjectionUncertainty):
     """The default guidance for someone who holds the board at ease: not near, not steep, nearly all of it."""
 
-    def __init__(self, guide: ProjectionUncertainty) -> None:
-        self.guide = guide
-
-    def next_pose(
-        self,
-        views: Sequence[View],
-        calibration: Calibration | None,
-        skipped: Sequence[TargetPose] = (),
-        unreached: Sequence[TargetPose] = (),
+    def choose(
+        self, posterior: IntrinsicsPosterior, index: int, limits: PoseLimits, *others: Any, **named: Any
     ) -> TargetPose:
-        return self.guide.next_pose(views, calibration, skipped, unreached, COMFORTABLE)
+        del limits
+        return super().choose(posterior, index, COMFORTABLE, *others, **named)
 
 
 def run_published_method(

@@ -8,6 +8,7 @@ by some 3 degrees and 3 %.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from typing import Protocol
 
 import numpy as np
 
@@ -16,8 +17,8 @@ from calibsolver import rotation as rotations
 from calibsolver.camera import pixel_grid
 from calibsolver.capture import Capture, Estimate, History
 from calibsolver.fitting.initial_guess import plane_poses
-from calibsolver.guidance import FixedPlan, Guide
-from calibsolver.guidance.target import TargetPose, in_image
+from calibsolver.guidance.candidates import distance_to_border
+from calibsolver.guidance.target import TargetPose
 from tests.helpers.solver.hands import STEADY, Hand
 
 IMG_SIZE = (1280, 720)
@@ -117,10 +118,10 @@ def detect(
     if hand.readout_s:
         q = hand.project(corners, camera, rvec, tvec, rng)
     noise = noise * (1 + blur * (tilt_deg(board, r, tvec) / 45) ** 2)
-    inside = in_image(q, camera.img_size, BORDER_PX)
+    inside = distance_to_border(q, camera.img_size) >= BORDER_PX
     if whole_markers:
         places = camera.project(board.support.reshape(-1, 3) @ r.T + tvec)
-        whole = in_image(places, camera.img_size, BORDER_PX).reshape(board.support.shape[:3])
+        whole = (distance_to_border(places, camera.img_size) >= BORDER_PX).reshape(board.support.shape[:3])
         inside &= np.any(np.all(whole, axis=2), axis=1)
     q = q[inside] + noise * rng.normal(size=(int(inside.sum()), 2))
     bad = rng.uniform(size=len(q)) < wild
@@ -171,6 +172,36 @@ def match_picture(board: Board, drawn: Camera, camera: Camera, target: TargetPos
         hint_code=target.hint_code,
         gain=target.gain,
     )
+
+
+class Guide(Protocol):
+    """Chooser of poses."""
+
+    def next_pose(
+        self,
+        views: Sequence[View],
+        calibration: Calibration | None,
+        skipped: Sequence[TargetPose] = (),
+        unreached: Sequence[TargetPose] = (),
+    ) -> TargetPose:
+        """Choose the pose of the next view; see `ProjectionUncertainty.next_pose`."""
+
+
+@dataclass(frozen=True)
+class Planned:
+    """Chooser of the poses of a plan (`guidance.fixed_plan`), one after the other."""
+
+    poses: tuple[TargetPose, ...]
+
+    def next_pose(
+        self,
+        views: Sequence[View],
+        _: Calibration | None,
+        skipped: Sequence[TargetPose] = (),
+        unreached: Sequence[TargetPose] = (),
+    ) -> TargetPose:
+        del unreached
+        return self.poses[(len(views) + len(skipped)) % len(self.poses)]
 
 
 def aligned_errors(camera: Camera, rays: np.ndarray, q: np.ndarray, r: np.ndarray, steps: int) -> np.ndarray:
@@ -281,7 +312,7 @@ def run(
             used(session.views, estimate), estimate.calibration, (), unreached
         )
         # A plan that does not adapt is drawn with the camera that it was made for.
-        drawn = capture.camera(None if isinstance(chooser, FixedPlan) else estimate)
+        drawn = capture.camera(None if isinstance(chooser, Planned) else estimate)
         asked = match_picture(board, drawn, camera, target)
         rvec, tvec = user.hold(board, asked, rng)
         view = detect(board, camera, rvec, tvec, rng, noise, wild, blur, hand, corners)

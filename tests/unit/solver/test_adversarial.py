@@ -16,7 +16,10 @@ from calibsolver.fitting.levenberg_marquardt import Objective, Problem, assess_s
 from calibsolver.fitting.normal_equations import Poses
 from calibsolver.fitting.observations import Observations
 from calibsolver.fitting.resection import reprojection_score
+from tests.conftest import THOROUGH
+from tests.helpers.marks import thorough
 from tests.helpers.solver import populations, synthetic
+from tests.helpers.solver.intervals import POPULATIONS
 
 BOARD = Board()
 SIZE = synthetic.IMG_SIZE
@@ -33,12 +36,6 @@ REASONS = {
     "not_believable",
 }
 """As `fit` documents them."""
-CAMERAS = {
-    "rectilinear": synthetic.rectilinear_cameras(),
-    "fisheye": synthetic.fisheye_cameras(),
-    "rational": populations.rational_cameras(),
-    "omnidirectional": populations.omnidirectional_cameras(),
-}
 Observation = tuple[Array, Array]
 """Points (n, 3) of the board and where they were seen (n, 2), px."""
 Corruption = Callable[[np.random.Generator, Array, Array], Observation]
@@ -141,8 +138,8 @@ def check_capture(rng: np.random.Generator, model: str, views: list[View]) -> No
 
 def check_input(model: str, kind: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
-    kinds = list(CAMERAS)
-    camera = CAMERAS[kinds[int(rng.integers(len(kinds)))]][int(rng.integers(12))]
+    kinds = list(POPULATIONS)
+    camera = POPULATIONS[kinds[int(rng.integers(len(kinds)))]]()[int(rng.integers(12))]
     views = corrupt_views(rng, camera, kind)
     if not views:
         return
@@ -161,17 +158,9 @@ def check_input(model: str, kind: str, seed: int) -> None:
 
 @pytest.mark.parametrize("model", models.NAMES)
 @given(kind=st.sampled_from(sorted(CORRUPTIONS)), seed=seeds)
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=500 if THOROUGH else 3, deadline=None)
 def test_every_input_ends_in_finite_numbers_or_a_reason(model: str, kind: str, seed: int) -> None:
     """Warnings are errors here, as in all tests."""
-    check_input(model, kind, seed)
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("model", models.NAMES)
-@given(kind=st.sampled_from(sorted(CORRUPTIONS)), seed=seeds)
-@settings(max_examples=500, deadline=None)
-def test_many_inputs_end_in_finite_numbers_or_a_reason(model: str, kind: str, seed: int) -> None:
     check_input(model, kind, seed)
 
 
@@ -196,7 +185,7 @@ def test_views_without_a_start_raise_calibration_error() -> None:
 @pytest.mark.parametrize("model", models.NAMES)
 def test_step_beyond_the_largest_number_is_refused(model: str) -> None:
     """A step of the focal length by a factor of more than e^709."""
-    camera = CAMERAS[model][0]
+    camera = POPULATIONS[model]()[0]
     views = populations.views(camera, np.random.default_rng(0), count=2)
     problem = Problem(models.get(model), Observations.of(views), SIZE)
     state = problem.at(camera.intrinsics, Poses.of_vectors(reprojection_score(camera, views).poses))
@@ -230,21 +219,11 @@ def test_symmetric_inverse_of_an_indefinite_matrix_is_positive() -> None:
 
 
 @pytest.mark.parametrize("model", models.NAMES)
-def test_noiseless_capture_accepts_views(model: str) -> None:
+@pytest.mark.parametrize(("seed", "attempts"), [(0, 2), *thorough(*((seed, 15) for seed in range(6)))])
+def test_noiseless_capture_accepts_views(model: str, seed: int, attempts: int) -> None:
     """A simulated camera, its picture shifted at each view, and a goal that no detector reaches."""
-    check_noiseless_capture(model, 0, 2)
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("model", models.NAMES)
-@pytest.mark.parametrize("seed", range(6))
-def test_many_noiseless_captures_accept_views(model: str, seed: int) -> None:
-    check_noiseless_capture(model, seed, 15)
-
-
-def check_noiseless_capture(model: str, seed: int, attempts: int) -> None:
     rng = np.random.default_rng(seed)
-    camera = CAMERAS[model][2 * seed]
+    camera = POPULATIONS[model]()[2 * seed]
     rules = Capture(BOARD, SIZE, model, target_error=0.001)
     estimate, views = rules.estimate([]), list[View]()
     for _ in range(attempts):

@@ -15,6 +15,7 @@ KINDS = {"chessboard": CHESSBOARD, "aprilgrid": APRILGRID, "inverted": Board(inv
 
 
 def test_chessboard_has_inner_corners_row_by_row() -> None:
+    assert Board(kind="chessboard", squares=(60, 40)).corner_count == 59 * 39  # without markers
     assert CHESSBOARD.corner_count == len(CHESSBOARD.points) == 9 * 6
     np.testing.assert_array_equal(
         CHESSBOARD.points[[0, 8, 9, 53]], [[1, 1, 0], [9, 1, 0], [1, 2, 0], [9, 6, 0]]
@@ -59,33 +60,6 @@ def test_half_turn_leaves_a_chessboard_of_equal_corners() -> None:
     assert Board(kind="chessboard", squares=(9, 7)).is_half_turn_symmetric
     assert not CHESSBOARD.is_half_turn_symmetric
     assert not Board(squares=(9, 7)).is_half_turn_symmetric
-
-
-@pytest.mark.parametrize(
-    "values",
-    [
-        {"kind": "dots"},
-        {"kind": "chessboard", "squares": (2, 7)},
-        {"kind": "aprilgrid"},  # its dictionary is no AprilTag family
-        {"kind": "aprilgrid", "dictionary": "DICT_APRILTAG_16h5", "squares": (6, 6)},
-        {"kind": "aprilgrid", "dictionary": "DICT_APRILTAG_36h11", "squares": (1, 1)},
-        {"kind": "aprilgrid", "dictionary": "DICT_APRILTAG_36h11", "tag_spacing": 0.0},
-        {"kind": "aprilgrid", "dictionary": "DICT_APRILTAG_36h11", "tag_spacing": float("nan")},
-    ],
-)
-def test_impossible_boards_of_a_kind_are_refused(values: dict[str, object]) -> None:
-    with pytest.raises(ValueError, match=r"board|AprilGrid|markers"):
-        Board(**values)  # type: ignore[arg-type]
-
-
-def test_large_chessboard_needs_no_markers() -> None:
-    assert Board(kind="chessboard", squares=(60, 40)).corner_count == 59 * 39
-
-
-def test_boards_are_made_of_records() -> None:
-    for board in KINDS.values():
-        record = {name: getattr(board, name) for name in board.__dataclass_fields__}
-        assert Board.from_record({**record, "squares": list(board.squares)}) == board
 
 
 @pytest.mark.parametrize("kind", KINDS)

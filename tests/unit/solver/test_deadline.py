@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from calibsolver import Board, CalibrationError, DeadlineError, View, deadline, fit
+from calibsolver import Board, DeadlineError, View, deadline, fit
 from calibsolver.capture import Capture
 from calibsolver.capture.consistency import Consistency
 from calibsolver.fitting.resection import reprojection_score
@@ -159,7 +159,3 @@ def test_capture_ends_where_the_whole_board_has_no_room() -> None:
     ended = capture.estimate(views)
     assert ended.converged
     assert [advice.code for advice in ended.advice] == ["limit_reached"]
-
-
-def test_calibration_error_is_no_deadline_error() -> None:
-    assert not issubclass(DeadlineError, CalibrationError)

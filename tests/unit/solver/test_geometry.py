@@ -83,10 +83,17 @@ def test_board_and_views_are_made_of_records() -> None:
         {"marker_ratio": 0.0},
         {"marker_ratio": float("nan")},
         {"dictionary": "DICT_9X9_50"},
+        {"kind": "dots"},
+        {"kind": "chessboard", "squares": (2, 7)},
+        {"kind": "aprilgrid"},  # its dictionary is no AprilTag family
+        {"kind": "aprilgrid", "dictionary": "DICT_APRILTAG_16h5", "squares": (6, 6)},
+        {"kind": "aprilgrid", "dictionary": "DICT_APRILTAG_36h11", "squares": (1, 1)},
+        {"kind": "aprilgrid", "dictionary": "DICT_APRILTAG_36h11", "tag_spacing": 0.0},
+        {"kind": "aprilgrid", "dictionary": "DICT_APRILTAG_36h11", "tag_spacing": float("nan")},
     ],
 )
 def test_impossible_boards_are_refused(values: dict[str, object]) -> None:
-    with pytest.raises(ValueError, match=r"board|marker|dictionary|whole"):
+    with pytest.raises(ValueError, match=r"board|marker|dictionary|whole|AprilGrid"):
         Board(**values)  # type: ignore[arg-type]
 
 

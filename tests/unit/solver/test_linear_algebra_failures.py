@@ -36,7 +36,6 @@ ENTRIES: dict[str, Callable[[], object]] = {
     "held_out": lambda: quality.held_out(VIEWS, SIZE),
     "cause": lambda: probable_cause(FITTED, VIEWS),
     "report": lambda: report.describe(FITTED, VIEWS),
-    "board": lambda: fit(VIEWS, SIZE),
     "consensus": lambda: consensus.pool(
         [consensus.Member(str(i), VIEWS[:3], str(i), 0) for i in range(2)], SIZE, "rectilinear"
     ),

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .advice import Advice
-    from .decision import Estimate, Exclusion, ViewDecision, exclusions
+    from .decision import Estimate, Exclusion, ViewDecision
     from .ending import MAX_VIEWS, History
     from .rules import Capture
 
@@ -17,10 +17,9 @@ _MODULES = {
     "History": "ending",
     "MAX_VIEWS": "ending",
     "ViewDecision": "decision",
-    "exclusions": "decision",
 }
 
-__all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "Exclusion", "History", "ViewDecision", "exclusions"]
+__all__ = ["MAX_VIEWS", "Advice", "Capture", "Estimate", "Exclusion", "History", "ViewDecision"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,6 +1,6 @@
 """Values of a capture: the estimate after some views, exclusions of views, the decision about a view."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -40,15 +40,6 @@ REFUSAL_HINTS: Mapping[Reason, Hint] = {
     "outlier": Hint.of("hold_still"),
 }
 """Hint after a refusal that does not depend on the target."""
-
-
-def exclusions(records: Iterable[Mapping[str, Any]]) -> dict[int, Exclusion]:
-    """Exclusions by index of views given as plain values: `set_aside` holds one, or is None or missing."""
-    return {
-        i: Exclusion.from_record(record["set_aside"])
-        for i, record in enumerate(records)
-        if record.get("set_aside") is not None
-    }
 
 
 @dataclass(frozen=True, eq=False)

@@ -156,19 +156,12 @@ class Contributions:
         s = np.einsum("vnp,vnq->pq", left, left)
         b = -np.einsum("vnp,vn->p", left, off)
         covariance = self._scale_covariance(f.calibration.covariance)
-        ridged = s + self.prior_ridge(f)
-        white = np.sum(symmetric_inverse(ridged) * self.metric)
+        # With the information that a fit of its own adds at unit noise: the prior's.
+        information = prior.information(self.model, self.camera.intrinsics, self.camera.img_size)
+        ridge = f.calibration.noise**2 * information * self.scale[:, None] * self.scale
+        white = np.sum(symmetric_inverse(s + ridge) * self.metric)
         noise2 = max(float(np.sum(covariance * self.metric) / white), f.calibration.noise**2)
         return s / noise2, b / noise2, float(np.sum(off**2)) / noise2
-
-    def prior_ridge(self, f: FittedMember) -> Array:
-        """Information (p, p) that a fit of its own adds to the views of a calibration at unit noise."""
-        information = prior.information(self.model, self.camera.intrinsics, self.camera.img_size)
-        return f.calibration.noise**2 * information * self.scale[:, None] * self.scale
-
-    def is_settled(self, members: Sequence[int]) -> bool:
-        """True if the location of some calibrations is close to where they are linearized."""
-        return bool(self.length(self.locate(members).y) < self.huber_px)
 
     def relinearize(self, members: Sequence[int]) -> "Contributions":
         """Linearize again until the location of some calibrations lies where they are linearized."""

@@ -4,14 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import Array, IntArray, Mask, frozen, symmetric_inverse
+from ..arrays import Array, IntArray, frozen, symmetric_inverse
 from ..camera import Camera
 from ..errors import CalibrationError
 from ..fitting.calibration import Calibration
 from ..fitting.fit import fit, refine
 from ..fitting.resection import MIN_POSE_POINTS, reprojection_score
 from ..rotation import matrix
-from ..view import View
 from .location import Contributions, FittedMember
 
 FOLDS = 5
@@ -35,7 +34,11 @@ def describe(camera: Camera, group: Sequence[FittedMember], covariance: Array) -
     """Describe a camera by the views of a group: poses by their inliers, errors over all points."""
     views = [view for f in group for view in f.member.views]
     used = [mask for f in group for mask in f.calibration.used]
-    posed = reprojection_score(camera, [_inliers(v, mask) for v, mask in zip(views, used, strict=True)]).poses
+    shown = [
+        view.subset(mask) if mask.sum() >= MIN_POSE_POINTS else view
+        for view, mask in zip(views, used, strict=True)
+    ]
+    posed = reprojection_score(camera, shown).poses
     limit = float(np.hypot(*camera.img_size))
     residuals = [
         view.image_points - camera.project(view.object_points @ matrix(pose[:3]).T + pose[3:])
@@ -45,6 +48,7 @@ def describe(camera: Camera, group: Sequence[FittedMember], covariance: Array) -
     square = [float(np.sum(e**2)) for e in lengths]
     points = [len(e) for e in lengths]
     noise = np.sqrt(np.mean([f.calibration.noise**2 for f in group]))
+    weights = [sum(map(len, f.member.views)) for f in group]
     return Calibration(
         camera=camera,
         poses=frozen(posed),
@@ -53,22 +57,11 @@ def describe(camera: Camera, group: Sequence[FittedMember], covariance: Array) -
         covariance=frozen(covariance),
         information=frozen(symmetric_inverse(covariance)),
         noise=float(noise),
-        inflation=float(np.average([f.calibration.inflation for f in group], weights=_points(group))),
+        inflation=float(np.average([f.calibration.inflation for f in group], weights=weights)),
         residuals=tuple(frozen(e) for e in residuals),
         used=tuple(used),
         prior_used=any(f.calibration.prior_used for f in group),
     )
-
-
-def _points(group: Sequence[FittedMember]) -> list[int]:
-    return [sum(len(view) for view in f.member.views) for f in group]
-
-
-def _inliers(view: View, used: Mask) -> View:
-    """Select the inliers of a view, where they are enough for a pose; else the view."""
-    if used.sum() < MIN_POSE_POINTS:
-        return view
-    return view.subset(used)
 
 
 def cross_validate_views(group: Sequence[FittedMember], pooled: Camera) -> Array:

@@ -237,7 +237,7 @@ class _Agreement:
             result = start.relinearize(group)
         except CalibrationError:
             result = None
-        if result is not None and result.is_settled(group):
+        if result is not None and result.length(result.locate(group).y) < result.huber_px:
             return result
         # One calibration may lie far along a valley of the model; all of them together do not.
         camera = self.fits[self.reference].calibration.camera

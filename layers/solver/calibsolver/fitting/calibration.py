@@ -1,7 +1,9 @@
 """The result of a fit."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,6 @@ from .. import models
 from ..arrays import Array, Mask
 from ..camera import Camera
 from ..view import View
-from . import description
 from .board_shape import BoardShape
 from .rivals import Rivals
 from .uncertainty import Uncertainty, projection_jacobian_rotation_free, variance
@@ -88,14 +89,45 @@ class Calibration:
         return float(np.sqrt(np.sum(square) / max(sum(used.sum() for used in self.used), 1)))
 
     def __repr__(self) -> str:
-        return description.line(self)
+        camera, (fx, fy, cx, cy) = self.camera, self.camera.intrinsics[:4]
+        w, h = camera.img_size
+        return (
+            f"Calibration({camera.model}, {w}x{h}, fx={fx:.2f}, fy={fy:.2f}, cx={cx:.2f}, cy={cy:.2f}, "
+            f"{len(self.used) - len(self.cut_views)} views, rms {self.rms_inliers:.3f} px)"
+        )
 
     def summary(self) -> str:
         """Describe the result in a few lines: intrinsics with standard deviations, errors, views left out."""
-        return description.summary(self)
+        rows = self._facts()
+        width = max(len(name) for name, _ in rows)
+        return "\n".join(f"{name:<{width}}  {text}" for name, text in rows)
 
     def _repr_html_(self) -> str:
-        return description.html(self)
+        cells = (f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in self._facts())
+        return f"<table>{''.join(cells)}</table>"
+
+    def _facts(self) -> list[tuple[str, str]]:
+        """Names and texts of the intrinsics, then of what the fit used and leaves open."""
+        camera, stated = self.camera, self.uncertainty()
+        names = ("fx", "fy", "cx", "cy", *models.get(camera.model).coefficients)
+        deviations = np.sqrt(np.maximum(np.diagonal(self.covariance), 0))
+        digits = (2,) * 4 + (5,) * len(camera.distortion)
+        numbers = zip(names, camera.intrinsics, deviations, digits, strict=True)
+        w, h = camera.img_size
+        used, count = sum(int(u.sum()) for u in self.used), sum(len(u) for u in self.used)
+        left_out = Counter(self.cut_views.values())
+        reasons = "; left out: " + ", ".join(f"{n} {why}" for why, n in left_out.items()) if left_out else ""
+        return [
+            *(
+                (name, f"{value:.{d}f} ± {sigma:.{d}f}" if sigma > 0 else f"{value:.{d}f} (fixed)")
+                for name, value, sigma, d in numbers
+            ),
+            ("camera", f"{camera.model}, {w} x {h} px"),
+            ("views", f"{len(self.used) - len(self.cut_views)} of {len(self.used)}{reasons}"),
+            ("corners", f"{used} of {count}"),
+            ("rms", f"{self.rms_inliers:.3f} px, {self.avg_reprojection_error:.3f} px of all corners"),
+            ("uncertainty", f"{stated.rms:.2f} px rms over the image, {stated.max:.2f} px at most"),
+        ]
 
     def projection_std(self, grid: tuple[int, int] = (20, 15)) -> Array:
         """Predicted error of a projection over the image, px, (rows, columns) for `grid` = (columns, rows).

@@ -297,7 +297,11 @@ class _Fit:
             )
             begun = [state, *(problem.at(s.k, s.poses) for s in other)]
             free = [problem.solve(s, self.multistart.unit_weights, FREE) for s in begun]
-            best = min((s for s in free if s.converged and s.is_finite), key=cost, default=None)
+            best = min(
+                (s for s in free if s.converged and s.is_finite),
+                key=lambda s: float(s.square.sum()),
+                default=None,
+            )
             if (
                 best is not None
                 and plausibility.share_outside_domain(problem, best, self.mask)
@@ -445,8 +449,3 @@ class _Found:
     state: State
     good: Mask
     calibration: Calibration
-
-
-def cost(state: State) -> float:
-    """Sum of the squared residuals, padding included: for comparison only."""
-    return float(state.square.sum())

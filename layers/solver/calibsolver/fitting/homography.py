@@ -62,7 +62,10 @@ class Homographies:
         """
         x = np.ones((len(self.h), *points.shape[-2:]))
         x[:, :2] = (points[..., :2, :] - self.mean[:, :, None]) / self.spread[:, None, None]
-        return angular_errors(self.h @ x, rays)
+        p = self.h @ x
+        e = p / np.maximum(np.sqrt(np.einsum("vin,vin->vn", p, p)), 1e-300)[:, None] - rays
+        out: Array = np.sqrt(np.einsum("vin,vin->vn", e, e))
+        return out
 
     def with_focal_scale(self, factor: float) -> "Homographies":
         """Homographies of the same planes where rays have `factor` times the distance from the axis."""
@@ -113,11 +116,4 @@ def normalize_scale(h: Array) -> Array:
     """Homographies (v, 3, 3) of which the first two columns have mean length 1."""
     columns = np.sqrt((h[:, :, :2] ** 2).sum(axis=1)).sum(axis=1) / 2
     out: Array = h / np.maximum(columns, 1e-300)[:, None, None]
-    return out
-
-
-def angular_errors(p: Array, rays: Array) -> Array:
-    """Angles (v, n), radians, small ones, between points (v, 3, n), camera frame, and unit rays (v, 3, n)."""
-    e = p / np.maximum(np.sqrt(np.einsum("vin,vin->vn", p, p)), 1e-300)[:, None] - rays
-    out: Array = np.sqrt(np.einsum("vin,vin->vn", e, e))
     return out

@@ -7,7 +7,7 @@ or the square, sigma the noise that the residuals themselves show. (Marquardt 19
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -106,20 +106,9 @@ class State:
     converged: bool = False
 
     @property
-    def length(self) -> Array:
-        """Lengths (v, n) of the residuals, px."""
-        out: Array = np.sqrt(self.square)
-        return out
-
-    @property
     def is_finite(self) -> bool:
         """True if every residual is finite."""
         return bool(np.isfinite(self.square).all())
-
-    def ended(self, converged: bool) -> "State":
-        """Return the state as the last of a run."""
-        prior = self.prior_residuals, self.prior_jacobian
-        return State(self.k, self.poses, self.rows, self.square, *prior, converged)
 
     def system(self, weights: Array | None, prior_weight: float) -> System:
         """Build the normal equations for points of weight (v, n), and the prior's weight."""
@@ -245,10 +234,6 @@ class LeastSquares(ABC):
         rows, square = self.rows_of(k, poses, self.obs)
         return State(k, poses, rows, square, *self.prior(k))
 
-    def residuals(self, k: Array, poses: Poses) -> Array:
-        """Compute the residuals (2, v, n) at given shared unknowns (p,) and poses, px."""
-        return self.residuals_of(k, poses, self.obs)
-
     def solve(self, state: State, weights: Array, options: Options) -> State:
         """Iterate from `state` to the optimum for points of weight (v, n).
 
@@ -277,7 +262,7 @@ class LeastSquares(ABC):
                     return state
                 da, dp, predicted, elimination = system.step(damping)
                 if not predicted > tolerance:
-                    return state.ended(bool(np.isfinite(predicted)))
+                    return replace(state, converged=bool(np.isfinite(predicted)))
                 if predicted > SAME_STEP * uphill and not curved:
                     refused, damping = damping, damping * 10
                     continue
@@ -306,12 +291,12 @@ class LeastSquares(ABC):
                 # The error of the quadratic model bounds what the next step can gain.
                 or (options.one_step and used <= UNDAMPED and abs(actual - step.predicted) < tolerance)
             ):
-                return moved.ended(converged=True)
+                return replace(moved, converged=True)
             last = step if used <= UNDAMPED else None
             state, previous_predicted = moved, predicted
         visible = max(sigma, NOISE_FLOOR * self.width)
         # Where curvature beyond Gauss-Newton's makes it slow, what is left may be nothing that could be seen.
-        return state.ended(bool(predicted < NEGLIGIBLE_DECREASE * visible * visible))
+        return replace(state, converged=bool(predicted < NEGLIGIBLE_DECREASE * visible * visible))
 
     def noise(self, state: State, counted: Mask) -> float:
         """Noise of a coordinate, px, over the points that count (v, n): what weighs the prior."""
@@ -341,7 +326,7 @@ class LeastSquares(ABC):
         k, poses = self.retract(state.k, state.poses, h * da, h * dp)
         if not self.is_feasible(k):
             return da, dp
-        moved = self.residuals(k, poses)
+        moved = self.residuals_of(k, poses, self.obs)
         rows, r, size = state.rows, state.rows[-1], len(da)
         first = (da @ rows[:size].reshape(size, -1)).reshape(r.shape)
         first += np.einsum("vi,iavn->avn", dp, rows[size:-1])
@@ -394,15 +379,11 @@ class Problem(LeastSquares):
     def rows_of(self, k: Array, poses: Poses, obs: Observations, before: int = 0) -> tuple[Array, Array]:
         """Rows of a `State` at given intrinsics (p,) and poses."""
         rows, square = residual_rows(self.model, k, poses, obs, before)
-        return self._free_rows(rows, before), square
-
-    def _free_rows(self, rows: Array, before: int) -> Array:
-        """Rows (before + a + ..., 2, v, n) by the free intrinsics, of rows by all of them."""
         if self.basis is None:
-            return rows
+            return rows, square
         after = before + self.model.size
         free = np.tensordot(self.basis.T, rows[before:after], 1)
-        return np.concatenate([rows[:before], free, rows[after:]])
+        return np.concatenate([rows[:before], free, rows[after:]]), square
 
     def prior(self, k: Array) -> tuple[Array, Array]:
         """Whitened residuals (m,) of the prior at intrinsics k (p,), and their Jacobian (m, a)."""

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, dot, symmetric_inverse
+from .effect_likelihood import trust
 from .normal_equations import solve_or_nan
 from .systematic_effects import BEND_SIZE, EFFECTS_SIZE
 
@@ -243,10 +244,8 @@ def trusted_motion(v: Variances, noise2: float) -> float:
     more than a hand's counts only if motion explains most of the residuals: from a half on, in full from two
     thirds on.
     """
-    share = 1 - v.noise2 / noise2
-    trust = min(max(share / max(1 - share, 1e-12) - 1, 0.0), 1.0)
     usual = min(v.motion, FIRST_MOTION)
-    return usual + trust * (v.motion - usual)
+    return usual + trust(1 - v.noise2 / noise2) * (v.motion - usual)
 
 
 def marginal_information(information: Array, size: int) -> Array:

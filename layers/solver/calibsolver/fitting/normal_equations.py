@@ -66,12 +66,6 @@ def project(model: Model, k: Array, poses: Poses, points: Array) -> Array:
     return model.project(k, p.transpose(1, 0, 2)).transpose(1, 0, 2)
 
 
-def projection_jacobian(model: Model, k: Array, poses: Poses, points: Array) -> tuple[Array, Array]:
-    """Pixels (v, 2, n) of points (v, 3, n), or (3, n) for all, and the Jacobian (v, p + 6, 2, n)."""
-    q, rows = linearize(model, k, poses, points, 0)
-    return q.transpose(1, 0, 2), rows.transpose(2, 0, 1, 3)
-
-
 def linearize(
     model: Model, k: Array, poses: Poses, points: Array, extra_rows: int, rows_before: int = 0
 ) -> tuple[Array, Array]:
@@ -107,17 +101,6 @@ def gram_matrices(rows: Array) -> Array:
     h: Array = across @ across.transpose(0, 2, 1)
     h += down @ down.transpose(0, 2, 1)
     return h
-
-
-def fisher_information(j: Array, weights: Array) -> Array:
-    """Fisher information (v, p, p) of the intrinsics at unit noise, the pose of each view marginalised.
-
-    Of the Jacobian (v, p + 6, 2, n) and the weights (v, n) of the points.
-    """
-    rows = j.transpose(1, 2, 0, 3)
-    if not (weights == 1).all():
-        rows = rows * np.sqrt(weights)
-    return schur_complement(gram_matrices(rows))
 
 
 def schur_complement(h: Array, nuisance: int = 0) -> Array:

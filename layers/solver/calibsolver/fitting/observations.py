@@ -44,10 +44,6 @@ class Observations:
         """Pack `views`; at least one, none empty."""
         lengths = np.array([len(view) for view in views])
         n = int(lengths.max())
-        if (lengths == n).all():
-            points = np.ascontiguousarray(np.stack([view.object_points.T for view in views]))
-            pixels = np.ascontiguousarray(np.stack([view.image_points.T for view in views]))
-            return cls(points, pixels, np.ones((len(views), n), dtype=bool), _scale(views, n))
         index = np.minimum(np.arange(n), lengths[:, None] - 1)
         points = np.stack([view.object_points[i] for view, i in zip(views, index, strict=True)])
         pixels = np.stack([view.image_points[i] for view, i in zip(views, index, strict=True)])

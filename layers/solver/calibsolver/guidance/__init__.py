@@ -1,7 +1,6 @@
 """Guidance: three ways to choose the next-best view."""
 
-from .fixed_plan import FixedPlan
-from .guide import Guide
+from .fixed_plan import fixed_plan
 from .pose_selection import PoseSelection
 from .posterior import MIN_NOISE_WIDTHS, IntrinsicsPosterior
 from .projection_uncertainty import ProjectionUncertainty
@@ -16,10 +15,9 @@ GUIDES: dict[str, type[ProjectionUncertainty] | type[PoseSelection]] = {
 __all__ = [
     "GUIDES",
     "MIN_NOISE_WIDTHS",
-    "FixedPlan",
-    "Guide",
     "IntrinsicsPosterior",
     "PoseSelection",
     "ProjectionUncertainty",
     "TargetPose",
+    "fixed_plan",
 ]

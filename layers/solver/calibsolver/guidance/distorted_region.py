@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array, Mask
-from ..camera import Camera
+from ..camera import Camera, pixel_grid
 
 CELL_PX = 20
 """Spacing of the grid on which the distortion is evaluated."""
@@ -72,9 +72,7 @@ def displacement(camera: Camera, columns: int, rows: int) -> Array:
     Against a pinhole camera of the same focal length, px per radian at the axis. Pixels without a ray, or
     whose ray is nearly perpendicular to the axis, get the largest displacement of all others.
     """
-    w, h = camera.img_size
-    x, y = (np.arange(columns) + 0.5) * w / columns - 0.5, (np.arange(rows) + 0.5) * h / rows - 0.5
-    q = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    q = pixel_grid(camera.img_size, (columns, rows)).reshape(2, -1).T
     ray = camera.unproject(q)
     center = camera.intrinsics[2:4]
     with np.errstate(all="ignore"):

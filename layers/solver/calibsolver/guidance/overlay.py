@@ -69,20 +69,12 @@ def render(
     if image_format == "png":
         alpha = cv2.threshold(canvas, 0, 255, cv2.THRESH_BINARY)[1]
         with_alpha = np.asarray(cv2.merge([*cv2.split(picture), alpha]), dtype=np.uint8)
-        return encode(".png", with_alpha, [cv2.IMWRITE_PNG_COMPRESSION, 1])
+        return cv2.imencode(".png", with_alpha, [cv2.IMWRITE_PNG_COMPRESSION, 1])[1].tobytes()
     for quality in JPEG_QUALITIES:
-        data = encode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])
+        data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes()
         if len(data) <= MAX_JPEG_BYTES:
             break
     return data
-
-
-def encode(suffix: str, picture: Picture, options: list[int]) -> bytes:
-    """Encode the picture as a file of that suffix."""
-    ok, data = cv2.imencode(suffix, picture, options)
-    if not ok:  # cannot happen with memory left
-        raise MemoryError("the overlay could not be encoded")
-    return data.tobytes()
 
 
 def drawn_size(img_size: tuple[int, int]) -> tuple[int, int]:
@@ -124,18 +116,15 @@ def texture_coordinates(
     box: tuple[int, int, int, int],
     square: int,
     scale: Array,
-    corner: Array | None = None,
+    corner: Array,
 ) -> npt.NDArray[np.float32]:
     """Texture coordinates (y1 - y0, x1 - x0, 2) of a box of pixels; outside the texture if there are none.
 
     The box is of a picture `scale` (2,) times smaller than the image. `corner`: where on the board the
-    texture begins, (0, 0) unless given.
+    texture begins.
     """
     for stride in STRIDES_PX:
-        coarse = board_coordinates(camera, target, box, stride, scale)
-        if corner is not None:
-            coarse = coarse - corner[:2]
-        coarse = coarse * square - 0.5
+        coarse = (board_coordinates(camera, target, box, stride, scale) - corner[:2]) * square - 0.5
         if np.isfinite(coarse).all():
             break
     x0, y0, x1, y1 = box

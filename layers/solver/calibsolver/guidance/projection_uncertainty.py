@@ -75,7 +75,6 @@ class ProjectionUncertainty:
         calibration: Calibration | None,
         skipped: Sequence[TargetPose] = (),
         unreached: Sequence[TargetPose] = (),
-        limits: PoseLimits | None = None,
     ) -> TargetPose:
         """Choose the pose of the next view.
 
@@ -89,8 +88,6 @@ class ProjectionUncertainty:
             Targets the user could not reach: one unlike them is chosen, easy to hold and wholly visible.
         unreached
             Targets given up earlier in this session: from then on easier ones are chosen.
-        limits
-            Limits of the pose; None: the usual ones, tightened by what was skipped or unreached.
         """
         posterior = IntrinsicsPosterior.of(self.model.name, self.img_size, calibration, self.seed)
         # First estimates may be far off: corners that overflow count as invisible.
@@ -98,7 +95,7 @@ class ProjectionUncertainty:
             if not views and not skipped:
                 return self.first_pose(posterior)
             history = PoseHistory.of(self.board, posterior.camera, calibration, unreached)
-            limits = limits or history.restrict(EASY_LIMITS if skipped else PoseLimits())
+            limits = history.restrict(EASY_LIMITS if skipped else PoseLimits())
             last = None
             if calibration is not None:
                 r, t = rotation.matrix(calibration.poses[-1, :3]), calibration.poses[-1, 3:]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import rotation
-from ..arrays import Array, IntArray, Mask
+from ..arrays import Array, IntArray, Mask, whitening
 from ..board import Board
 from ..fitting.normal_equations import Poses
 from . import candidates
@@ -51,27 +51,11 @@ class Candidates:
         return Candidates(self.unit[index], self.information[index])
 
 
-def cholesky_whitening(information: Array) -> Array:
-    """Whitening matrix M (p, p) of an information matrix A (p, p): M A M' = 1.
-
-    Unlike `arrays.whitening` it is triangular: Cholesky's decomposition of the matrix with a ridge of 1e-13.
-    Corners with hardly any noise leave some directions known so much better than others that rounding makes
-    A indefinite; then the eigenvalues of the worst directions are raised to a small positive number.
-    """
-    scale = 1 / np.sqrt(np.maximum(np.diagonal(information), 1e-300))
-    unit = information * scale[:, None] * scale + 1e-13 * np.eye(len(scale))
-    try:
-        return np.asarray(np.linalg.inv(np.linalg.cholesky(unit)) * scale)
-    except np.linalg.LinAlgError:
-        values, axes = np.linalg.eigh(unit)
-        return np.asarray(axes.T / np.sqrt(np.maximum(values, 1e-9))[:, None] * scale)
-
-
 class Search:
     """Cross-entropy method: wide sampling, then ever closer samples around the best candidates (the elite).
 
-    Information is whitened by the posterior's, so that nothing is badly scaled: with A = L L' the posterior's
-    information and S a candidate's, trace((A + S)^-1 W) = trace((1 + L^-1 S L^-T)^-1 L^-1 W L^-T).
+    Information is whitened by the posterior's, so that nothing is badly scaled: with A the posterior's
+    information, T'AT = 1 and S a candidate's, trace((A + S)^-1 W) = trace((1 + T'ST)^-1 T'WT).
 
     Parameters
     ----------
@@ -101,7 +85,7 @@ class Search:
         self.skipped = skipped
         self.history = history
         self.corners = CornerGrid.of(board, SEARCH_COLUMNS)
-        self._whiten = cholesky_whitening(posterior.information)
+        self._whiten = whitening(posterior.information).T
         self._metric = self._whiten @ posterior.error_metric @ self._whiten.T
         self._offsets = candidates.r_sequence(SAMPLES_PER_ELITE * ELITE_COUNT, 1) - 0.5
 

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from .. import rotation
-from ..arrays import Array, Mask, frozen
+from ..arrays import Array, frozen
 from ..board import Board
 from ..camera import Camera
+from .candidates import distance_to_border
 from .hints import TEXTS, Code, Hint, Placement, largest_difference
 
 PIXELS = ("ids", "corners", "outline")
@@ -70,8 +71,8 @@ class TargetPose:
         """Target at rotation (3, 3) and translation (3,) as `camera` sees it; `last`: last placement."""
         q = camera.project(board.points @ r.T + t)
         support = camera.project(board.support.reshape(-1, 3) @ r.T + t).reshape(*board.support.shape[:3], 2)
-        whole = np.all(in_image(support, camera.img_size), axis=2)
-        inside = in_image(q, camera.img_size) & np.any(whole, axis=1)
+        whole = np.all(distance_to_border(support, camera.img_size) >= 0, axis=2)
+        inside = (distance_to_border(q, camera.img_size) >= 0) & np.any(whole, axis=1)
         edge = camera.project(edge_points(board) @ r.T + t)
         hint = Hint.of("first")
         if last is not None:
@@ -125,14 +126,6 @@ class TargetPose:
             hint_code=values["hint_code"] if values.get("hint_code") in TEXTS else "first",
             gain=float(values["gain"]),
         )
-
-
-def in_image(q: Array, img_size: tuple[int, int], margin: float = 0.0) -> Mask:
-    """True if pixels (..., 2) lie in the image, at least `margin` px from its border; NaN does not."""
-    w, h = img_size
-    x, y = q[..., 0], q[..., 1]
-    inside: Mask = (x >= margin) & (y >= margin) & (x <= w - 1 - margin) & (y <= h - 1 - margin)
-    return inside
 
 
 def edge_points(board: Board) -> Array:

@@ -13,6 +13,19 @@ from .base import Coefficient, Model, Prior, first_root
 TINY = 1e-200
 
 
+def image_radius(d: Array, t: Array) -> Array:
+    """Image radius a (...) at angles t (...)."""
+    s = t * t
+    a: Array = t * (1 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3]))))
+    return a
+
+
+def radial_slope(d: Array, s: Array) -> Array:
+    """Derivative (...) of the image radius by the angle, at squared angles s (...)."""
+    da: Array = 1 + s * (3 * d[0] + s * (5 * d[1] + s * (7 * d[2] + s * 9 * d[3])))
+    return da
+
+
 class Fisheye(Model):
     """Kannala-Brandt's model as in cv2.fisheye (formula: see the module)."""
 
@@ -32,11 +45,8 @@ class Fisheye(Model):
 
     def distort(self, d: Array, p: Array) -> Array:
         r = np.hypot(p[0], p[1])
-        t = np.arctan2(r, p[2])
-        s = t * t
-        a = t * (1 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3]))))
         # On the axis a/r is 1/z; with r = 0 the product below is 0 whatever the quotient.
-        m = a / np.maximum(r, TINY)
+        m = image_radius(d, np.arctan2(r, p[2])) / np.maximum(r, TINY)
         return np.stack([p[0] * m, p[1] * m])
 
     def distort_jacobian(self, d: Array, p: Array) -> tuple[Array, Array, Array]:
@@ -45,8 +55,7 @@ class Fisheye(Model):
         r = np.sqrt(rr)
         t = np.arctan2(r, z)
         s = t * t
-        a = t * (1 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3]))))
-        da = 1 + s * (3 * d[0] + s * (5 * d[1] + s * (7 * d[2] + s * 9 * d[3])))
+        a, da = image_radius(d, t), radial_slope(d, s)
         ir = 1 / np.maximum(r, 1e-150)
         cx, cy = x * ir, y * ir  # direction in the image
         on_axis = r < 1e-9 * np.abs(z)
@@ -79,24 +88,18 @@ class Fisheye(Model):
             return np.stack([u[0] * m, u[1] * m, np.cos(t)])
         limit = self.domain_half_angle(d)
         grid = np.linspace(0, limit, 513)
-        s = grid * grid
-        table = grid * (1 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3]))))
+        table = image_radius(d, grid)
         r = np.hypot(u[0], u[1])
         good = np.isfinite(r) & (r < table[-1])
         radius = np.where(good, r, 0.0)
         t = np.interp(radius, table, grid)
         with np.errstate(all="ignore"):  # the derivative vanishes at the edge itself: refused below
             for _ in range(8):
-                s = t * t
-                a = t * (1 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3]))))
-                da = 1 + s * (3 * d[0] + s * (5 * d[1] + s * (7 * d[2] + s * 9 * d[3])))
-                step = (a - radius) / da
+                step = (image_radius(d, t) - radius) / radial_slope(d, t * t)
                 t = t - step
                 if np.nanmax(np.abs(step), initial=0.0) < 1e-14:
                     break
-            s = t * t
-            a = t * (1 + s * (d[0] + s * (d[1] + s * (d[2] + s * d[3]))))
-            good &= (np.abs(a - radius) < 1e-12 * (1 + radius)) & (t >= 0) & (t < limit)
+            good &= (np.abs(image_radius(d, t) - radius) < 1e-12 * (1 + radius)) & (t >= 0) & (t < limit)
         t = np.where(good, t, np.nan)
         m = np.sin(t) / np.where(radius > 1e-12, radius, 1.0)
         return np.stack([u[0] * m, u[1] * m, np.cos(t)])

@@ -6,14 +6,12 @@ from typing import Literal
 
 import numpy as np
 
-from .. import models
 from ..arrays import Array
 from ..camera import pixel_grid
 from ..errors import undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.coverage import Coverage
-from ..fitting.normal_equations import Poses, project
-from ..fitting.observations import Observations
+from ..fitting.normal_equations import Poses
 from ..phrasing import format_px_error
 from ..view import View
 
@@ -39,6 +37,7 @@ Code = Literal[
 Side = Literal["left", "right", "top", "bottom"]
 
 RIM_GRID = (12, 9)
+PATTERN_GRID = (8, 6)
 EDGES: Mapping[Side, tuple[slice | int, slice | int]] = {
     "left": (slice(None), 0),
     "right": (slice(None), -1),
@@ -205,14 +204,6 @@ def _uncovered_edge(calibration: Calibration, views: Sequence[View]) -> Reason |
     return Reason(EDGE_CODES[side], f"the {side} edge of the image has not seen the board yet")
 
 
-def residual_vectors(calibration: Calibration, views: Sequence[View]) -> list[Array]:
-    """Measured minus predicted pixel of every point: for each view (n, 2), px."""
-    obs = Observations.of(calibration.shaped(views))
-    model, k = models.get(calibration.camera.model), calibration.camera.intrinsics
-    q = project(model, k, Poses.of_vectors(calibration.poses), obs.points)
-    return [(obs.pixels[i] - q[i]).T[obs.mask[i]] for i in range(len(views))]
-
-
 def tilts(calibration: Calibration, views: Sequence[View]) -> Array:
     """Angle (v,) between each board's normal and the line of sight to its middle, radians."""
     poses = Poses.of_vectors(calibration.poses)
@@ -245,22 +236,20 @@ def has_fixed_pattern(calibration: Calibration, views: Sequence[View], factor: f
     return common > factor * least and share > factor * MAX_FIXED_PATTERN_SHARE
 
 
-def fixed_pattern_residual(
-    calibration: Calibration, views: Sequence[View], grid: tuple[int, int] = (8, 6)
-) -> tuple[float, float]:
+def fixed_pattern_residual(calibration: Calibration, views: Sequence[View]) -> tuple[float, float]:
     """Part of the residuals that depends only on the place in the image: share of their rms, and px rms.
 
     The mean over a cell of independent residuals has their variance / n; what is more than that the model
     leaves unexplained. A board that is bent shows in each view elsewhere, and counts little.
     """
-    w, h = calibration.camera.img_size
+    (w, h), (columns, rows) = calibration.camera.img_size, PATTERN_GRID
     used = np.concatenate(calibration.used)
-    e = np.concatenate(residual_vectors(calibration, views))[used]
+    e = np.concatenate(calibration.residuals)[used]
     q = np.concatenate([view.image_points for view in views])[used]
-    column = np.clip(((q[:, 0] + 0.5) / w * grid[0]).astype(int), 0, grid[0] - 1)
-    row = np.clip(((q[:, 1] + 0.5) / h * grid[1]).astype(int), 0, grid[1] - 1)
-    cell = row * grid[0] + column
-    cells = grid[0] * grid[1]
+    column = np.clip(((q[:, 0] + 0.5) / w * columns).astype(int), 0, columns - 1)
+    row = np.clip(((q[:, 1] + 0.5) / h * rows).astype(int), 0, rows - 1)
+    cell = row * columns + column
+    cells = columns * rows
     n = np.bincount(cell, minlength=cells)
     total = np.stack([np.bincount(cell, e[:, axis], cells) for axis in (0, 1)])
     enough = n >= 4

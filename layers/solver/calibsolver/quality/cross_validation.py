@@ -14,6 +14,9 @@ from ..fitting.resection import reprojection_score
 from ..fitting.validation import degenerate_views, pack
 from ..view import View
 
+FOLDS = 5
+"""Parts of the views that are left out in turn."""
+
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
@@ -23,15 +26,12 @@ class HeldOut:
     ----------
     rms
         px, root of the mean square distance over all points of the views left out.
-    folds
-        px, the same for each fold.
     view_errors
         (v,) px, rms of each view when it was left out; NaN where it never was: a degenerate view has no pose
         to measure it by.
     """
 
     rms: float
-    folds: tuple[float, ...]
     view_errors: Array
 
 
@@ -40,8 +40,6 @@ def held_out(
     views: Sequence[View],
     img_size: tuple[int, int],
     model: str = "rectilinear",
-    folds: int = 5,
-    split: Sequence[int] | None = None,
     *,
     board_shape: bool = True,
     start: Camera | None = None,
@@ -53,20 +51,16 @@ def held_out(
     ----------
     views, img_size, model, board_shape, start, fix
         As for `fit`.
-    folds
-        Number of parts; every view is left out once, view i in part i mod folds. With fewer views than
-        that, every view makes a part.
-    split
-        Part of each view, counted from 0, in place of that; negative: always in the training.
+
+    Every view is left out once, view i in part i mod FOLDS. With fewer views than that, every view makes a
+    part.
 
     Raises
     ------
     CalibrationError
         ``too_few_views`` where no training view would be left, or what the fit of a part raises.
     """
-    part = np.arange(len(views)) % max(min(folds, len(views)), 1) if split is None else np.asarray(split)
-    if part.shape != (len(views),):
-        raise ValueError("split must name a part for each view")
+    part = np.arange(len(views)) % FOLDS
     if len(views):
         part = np.where(degenerate_views(pack(views, img_size)), -1, part)
     parts = [np.flatnonzero(part == p).tolist() for p in np.unique(part[part >= 0])]
@@ -78,10 +72,5 @@ def held_out(
         found = fit(training, img_size, model, start=start, fix=fix, board_shape=board_shape)
         shaped = found.shaped([views[i] for i in left])
         errors[left] = reprojection_score(found.camera, shaped).view_errors
-
-    def rms(index: list[int]) -> float:
-        return float(np.sqrt(np.average(errors[index] ** 2, weights=counts[index])))
-
-    return HeldOut(
-        rms([i for left in parts for i in left]), tuple(rms(left) for left in parts), frozen(errors)
-    )
+    seen = part >= 0
+    return HeldOut(float(np.sqrt(np.average(errors[seen] ** 2, weights=counts[seen]))), frozen(errors))

@@ -10,7 +10,7 @@ from ..errors import undetermined
 from ..fitting.board_shape import BoardShape
 from ..fitting.calibration import Calibration
 from ..view import View
-from .assessment import Assessment, Reason, assess, residual_vectors
+from .assessment import Assessment, Reason, assess
 from .systematic import Cause, probable_cause
 
 __all__ = ["Assessment", "Json", "Reason", "assess", "board_sentence", "describe"]
@@ -68,7 +68,6 @@ def describe(
     level = "fair" if verdict.level == "good" and reasons else verdict.level
     std = np.sqrt(np.maximum(np.diagonal(calibration.covariance), 0))
     grid, width = (20, 15), calibration.camera.img_size[0]
-    vectors = residual_vectors(calibration, views)
     return {
         "verdict": {
             "level": level,
@@ -96,7 +95,7 @@ def describe(
                 "index": i if indices is None else indices[i],
                 "rms": _digits(calibration.view_errors[i], 5),
                 "points": _to_lists(view.image_points, lambda x: round(x, 2)),
-                "residuals": _to_lists(vectors[i], lambda x: round(x, 3)),
+                "residuals": _to_lists(calibration.residuals[i], lambda x: round(x, 3)),
                 "rvec": [_digits(x, 8) for x in calibration.poses[i, :3]],
                 "tvec": [_digits(x, 6) for x in calibration.poses[i, 3:]],
                 "cut": [int(n) for n in np.flatnonzero(~calibration.used[i])],

@@ -169,8 +169,7 @@ def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[In
     height = calibration.camera.img_size[1]
     middle = obs.points[:, :2].transpose(1, 0, 2)[:, obs.mask].mean(axis=1)
     scale = np.abs(obs.points[:, :2].transpose(1, 0, 2)[:, obs.mask] - middle[:, None]).max()
-    fits: dict[InView, _Regression] = {code: _Regression() for code in ADVICE}
-    shared = _SharedRegression()
+    regressions: dict[InView, list[tuple[Array, Array]]] = {code: [] for code in ADVICE}
     for i, view in enumerate(taken):
         used = np.flatnonzero(calibration.used[view])
         j = rows[:, :, i, used]
@@ -188,13 +187,10 @@ def explained_shares(calibration: Calibration, views: Sequence[View]) -> dict[In
         regressors_of: dict[InView, Array] = {"board_bent": bend, "motion": late, "focus_changed": zoom}
         for code, regressors in regressors_of.items():
             z = _columns(regressors)
-            z = z - basis @ (basis.T @ z)
-            fits[code].add(r, z)
-            if code == "board_bent":
-                shared.add(r, z)
-    shares = {code: fit.share for code, fit in fits.items()}
+            regressions[code].append((r, z - basis @ (basis.T @ z)))
+    shares = {code: _share_in_each(views) for code, views in regressions.items()}
     # A board that is bent once and for all needs fewer numbers to explain it.
-    shares["board_bent"] = max(shares["board_bent"], shared.share)
+    shares["board_bent"] = max(shares["board_bent"], _share_in_all(regressions["board_bent"]))
     return shares
 
 
@@ -205,50 +201,31 @@ def _columns(rows: Array) -> Array:
     return out
 
 
-class _Regression:
-    """Least squares in each view separately: sums of squares before and after, and degrees of freedom."""
+def _share_in_each(views: Sequence[tuple[Array, Array]]) -> float:
+    """Adjusted R^2 of least squares in each view separately; 0 if no view has enough points.
 
-    def __init__(self) -> None:
-        self.before = self.after = 0.0
-        self.freedom = self.explained = 0
-
-    def add(self, r: Array, z: Array) -> None:
-        """Add a view: residuals (2n,) and regressors (2n, m), the pose projected out of both."""
-        freedom = len(r) - POSE_SIZE
-        if freedom <= 2 * z.shape[1]:
-            return
+    Residuals (2n,) and regressors (2n, m) of the views have the pose projected out.
+    """
+    before = after = 0.0
+    freedom = explained = 0
+    for r, z in views:
+        left = len(r) - POSE_SIZE
+        if left <= 2 * z.shape[1]:
+            continue
         solved = np.linalg.lstsq(z, r, rcond=1e-6)
-        left = r - z @ solved[0]
-        self.before += float(r @ r)
-        self.after += float(left @ left)
-        self.freedom += freedom
-        self.explained += int(solved[2])
-
-    @property
-    def share(self) -> float:
-        """Adjusted R^2, 0 where nothing was added."""
-        return _adjusted_r_squared(self.before, self.after, self.freedom, self.explained)
+        before += float(r @ r)
+        after += float(np.sum((r - z @ solved[0]) ** 2))
+        freedom += left
+        explained += int(solved[2])
+    return _adjusted_r_squared(before, after, freedom, explained)
 
 
-class _SharedRegression:
-    """Least squares with the same coefficients in all views."""
-
-    def __init__(self) -> None:
-        self.r: list[Array] = []
-        self.z: list[Array] = []
-
-    def add(self, r: Array, z: Array) -> None:
-        """Add a view: residuals (2n,) and regressors (2n, m), the pose projected out of both."""
-        self.r.append(r)
-        self.z.append(z)
-
-    @property
-    def share(self) -> float:
-        """Adjusted R^2."""
-        r, z = np.concatenate(self.r), np.concatenate(self.z)
-        left = r - z @ np.linalg.lstsq(z, r, rcond=1e-6)[0]
-        freedom = len(r) - POSE_SIZE * len(self.r)
-        return _adjusted_r_squared(float(r @ r), float(left @ left), freedom, z.shape[1])
+def _share_in_all(views: Sequence[tuple[Array, Array]]) -> float:
+    """Adjusted R^2 of least squares with the same coefficients in all views, as `_share_in_each`."""
+    r, z = (np.concatenate(part) for part in zip(*views, strict=True))
+    left = r - z @ np.linalg.lstsq(z, r, rcond=1e-6)[0]
+    freedom = len(r) - POSE_SIZE * len(views)
+    return _adjusted_r_squared(float(r @ r), float(left @ left), freedom, z.shape[1])
 
 
 def _adjusted_r_squared(before: float, after: float, freedom: int, explained: int) -> float:

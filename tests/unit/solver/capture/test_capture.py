@@ -1,13 +1,12 @@
 """Rules of a capture: acceptance and refusal of views, convergence."""
 
 import itertools
-from functools import cache
 
 import numpy as np
 import pytest
 
 from calibsolver import Board, Camera, View, models, rotation
-from calibsolver.capture import Capture, Exclusion, exclusions
+from calibsolver.capture import Capture
 from calibsolver.guidance import PoseSelection, TargetPose
 from tests.helpers.marks import thorough
 from tests.helpers.solver import populations, synthetic
@@ -15,8 +14,6 @@ from tests.helpers.solver import populations, synthetic
 BOARD = Board()
 CAMERA = synthetic.rectilinear_cameras()[6]
 SIZE, D = CAMERA.img_size, np.zeros(5)
-WIDTHS = (0.3, 0.5, 0.7, 0.9)
-"""Of a board in the image, as shares of the image's."""
 
 
 @pytest.fixture(scope="module")
@@ -50,9 +47,6 @@ def test_progress_grows_to_one(session: synthetic.Session) -> None:
     assert last.converged
     assert last.uncertainty is not None
     assert last.uncertainty.rms < 0.3
-
-
-def test_three_views_never_converge(session: synthetic.Session) -> None:
     generous = Capture(BOARD, CAMERA.img_size, target_error=50.0)
     assert not generous.estimate(session.views[:3]).converged
     assert generous.estimate(session.views).converged
@@ -95,33 +89,20 @@ def refusals(session: synthetic.Session, target: TargetPose) -> dict[str, View]:
     }
 
 
-@pytest.mark.parametrize(
-    "kind",
-    [
-        "too_few_points",
-        "degenerate",
-        "degenerate far away",
-        "mirrored",
-        "outlier: another board's ids",
-        "outlier: shaken",
-        "outlier: mixed up",
-        "duplicate",
-    ],
-)
-def test_bad_view_is_refused_with_its_reason(
-    session: synthetic.Session, target: TargetPose, kind: str
-) -> None:
+def test_bad_view_is_refused_with_its_reason(session: synthetic.Session, target: TargetPose) -> None:
     c, views = capture(), session.views[:3]
-    decision = c.judge(views, target, refusals(session, target)[kind])
-    assert not decision.accepted
-    expected = kind.split(":")[0].split(" ")[0]
-    assert decision.reason in ({expected, "mirrored"} if "mixed" in kind or "another" in kind else {expected})
-    assert decision.estimate is None
+    for kind, view in refusals(session, target).items():
+        decision = c.judge(views, target, view)
+        expected = kind.split(":")[0].split(" ")[0]
+        mirrored = {"mirrored"} if "mixed" in kind or "another" in kind else set()
+        assert decision.reason in {expected} | mirrored, kind
+        assert not decision.accepted
+        assert decision.estimate is None
     # The session goes on as if nothing had happened.
     assert c.judge(views, target, hold(target)).accepted
 
 
-@pytest.mark.parametrize("focal", [500, 1600, *thorough(1000)])
+@pytest.mark.parametrize("focal", [500, *thorough(1000, 1600)])
 def test_noiseless_copies_do_not_converge(focal: int) -> None:
     # Their residuals are nothing, so by these alone a single pose would seem to tell everything.
     c = capture()
@@ -138,7 +119,7 @@ def test_noiseless_copies_do_not_converge(focal: int) -> None:
     assert views
 
 
-@pytest.mark.parametrize("width", [0.1, *thorough(0.2, 0.6)])
+@pytest.mark.parametrize("width", [0.1, *thorough(0.6)])
 def test_noiseless_first_view_does_not_make_others_outliers(width: float) -> None:
     c, rng = capture(), np.random.default_rng(3)
     target, rvec = c.next_target([], c.estimate([])), np.array([0.3, 0.4, 0.0])
@@ -160,15 +141,12 @@ def test_noiseless_first_view_does_not_make_others_outliers(width: float) -> Non
 
 
 @pytest.mark.parametrize("model", models.NAMES)
-@pytest.mark.parametrize(
-    ("tilt", "widths"),
-    [(0, (0.3, 0.9)), (20, (0.5, 0.7)), *thorough(*((tilt, WIDTHS) for tilt in (0, 2, 5, 10, 20)))],
-)
-def test_first_view_is_never_an_outlier(model: str, tilt: int, widths: tuple[float, ...]) -> None:
+@pytest.mark.parametrize("tilt", [0, *thorough(2, 5, 10, 20)])
+def test_first_view_is_never_an_outlier(model: str, tilt: int) -> None:
     # Facing the camera it tells little, but it is never an outlier for want of a fit.
     c, rng = Capture(BOARD, SIZE, model), np.random.default_rng(tilt)
     target = c.next_target([], c.estimate([]))
-    for focal, width in itertools.product((500, 2000), widths):
+    for focal, width in itertools.product((500, 2000), (0.3, 0.9)):
         camera = Camera("rectilinear", np.array([[focal, 0, 640], [0, focal, 360], [0, 0, 1]]), D, SIZE)
         rvec = np.radians(tilt) * np.array([0.6, 0.8, 0.0])
         place = np.array([0, 0, 9 * focal / (width * 1280)])
@@ -180,7 +158,7 @@ def test_first_view_is_never_an_outlier(model: str, tilt: int, widths: tuple[flo
 def test_mirrored_first_view_is_refused_in_any_pose() -> None:
     c, rng = capture(), np.random.default_rng(4)
     target = c.next_target([], c.estimate([]))
-    for _ in range(20):
+    for _ in range(8):
         rvec = rng.normal(size=3) * [0.6, 0.6, 1.5]
         center = rotation.matrix(rvec) @ BOARD.outline.mean(axis=0)
         view = synthetic.detect(BOARD, CAMERA, rvec, np.array([0, 0, 12.0]) - center, rng)
@@ -189,24 +167,6 @@ def test_mirrored_first_view_is_refused_in_any_pose() -> None:
         assert c.judge([], target, view).reason != "mirrored"
         flipped = View(view.object_points, [1279, 0] + view.image_points * [-1, 1])
         assert c.judge([], target, flipped).reason == "mirrored"
-
-
-@pytest.mark.parametrize("model", models.NAMES)
-def test_hostile_numbers_end_in_refusals(model: str) -> None:
-    c, rng = Capture(BOARD, (1280, 720), model), np.random.default_rng(0)
-    target = c.next_target([], c.estimate([]))
-    p = BOARD.points
-    for q in (
-        rng.uniform(0, 1279, (40, 2)),
-        np.full((40, 2), 100.0),
-        np.repeat(rng.uniform(0, 700, (2, 2)), 20, axis=0),
-        1e300 * rng.normal(size=(40, 2)),
-        1e-300 * rng.normal(size=(40, 2)),
-        100 + 20 * p[:, :2] + 500 * rng.normal(size=(40, 2)),
-    ):
-        decision = c.judge([], target, View(p, q))
-        assert not decision.accepted
-        assert c.estimate([View(p, q)]).converged is False
 
 
 def test_unknown_guidance_raises_value_error() -> None:
@@ -239,51 +199,46 @@ def test_capture_from_record_equals_constructed_capture() -> None:
     assert Capture.from_record({**record, "prior": None}).seed is None
 
 
-def test_exclusions_are_read_from_records_of_views() -> None:
-    reason = {"reason": "outlier", "detail": "Its corners are wrong."}
-    found = exclusions([{"set_aside": None}, {"set_aside": reason}, {"ids": [1, 2]}])
-    assert found == {1: Exclusion("outlier", "Its corners are wrong.")}
+def started(seed: Camera | None) -> synthetic.Session:
+    """Guided capture that starts from a seed, or from none."""
+    rules = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=seed)
+    return synthetic.run(CAMERA, np.random.default_rng(3), views=4, max_views=15, capture=rules)
 
 
-@cache
-def started(focal_widths: float | None) -> synthetic.Session:
-    """Guided capture that starts from a focal length in image widths, or from none."""
-    capture = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=focal_widths and wrong_seed(focal_widths))
-    return synthetic.run(CAMERA, np.random.default_rng(3), views=4, max_views=15, capture=capture)
-
-
-def wrong_seed(focal_widths: float) -> Camera:
+def with_focal_length(factor: float) -> Camera:
     k = CAMERA.intrinsics
-    k[:2] = focal_widths * CAMERA.img_size[0]
+    k[:2] *= factor
     return Camera.from_intrinsics(CAMERA.model, k, CAMERA.img_size)
 
 
-@pytest.mark.parametrize("focal_widths", [0.05, 50.0, *thorough(0.3, 2.0, 4.0)])
-def test_wrong_seed_harms_no_capture(focal_widths: float) -> None:
-    """As many views as without, one more at most, and none refused."""
-    ended: list[int] = []
-    for run in (started(None), started(focal_widths)):
-        assert run.stopped is not None
-        ended.append(run.stopped)
+@pytest.mark.parametrize("factor", [0.6, *thorough(0.3, 1.3, 5.0)])
+def test_wrong_seed_harms_no_capture(factor: float) -> None:
+    """As many views as without, or one more, none refused; and the seed leaves no trace in the result."""
+    seed = with_focal_length(factor)
+    plain, misled = started(None), started(seed)
+    for run in (plain, misled):
         assert run.rms[-1] < 0.6
         assert "outlier" not in run.reasons
-    assert ended[1] <= ended[0] + 1
+    assert misled.stopped is not None
+    assert misled.stopped <= (plain.stopped or 0) + 1
+    without = capture().estimate(misled.views)
+    assert without.calibration is not None
+    assert misled.calibration is not None
+    difference = synthetic.projection_error(without.calibration.camera, misled.calibration.camera)
+    assert difference.max() < 1e-3
     # Views all over the image, near no target.
-    misled = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=wrong_seed(focal_widths))
-    target = misled.next_target([], misled.estimate([]))
+    rules = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=seed)
+    assert rules.camera(None).focal == seed.focal
+    target = rules.next_target([], rules.estimate([]))
     for view in populations.views(CAMERA, np.random.default_rng(0)):
-        assert misled.judge([], target, view).accepted
+        assert rules.judge([], target, view).accepted
 
 
 def test_seed_that_poses_the_first_view_is_kept() -> None:
     view = populations.views(CAMERA, np.random.default_rng(0), count=1)[0]
-    k = CAMERA.intrinsics
     for factor, rejected in ((1.0, False), (1.01, False), (3.0, True)):
-        seed = Camera.from_intrinsics(
-            CAMERA.model, k * [factor, factor, *([1] * (len(k) - 2))], CAMERA.img_size
-        )
-        capture = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=seed)
-        decision = capture.judge([], capture.next_target([], capture.estimate([])), view)
+        rules = Capture(BOARD, CAMERA.img_size, CAMERA.model, seed=with_focal_length(factor))
+        decision = rules.judge([], rules.next_target([], rules.estimate([])), view)
         assert decision.seed_rejected is rejected
 
 
@@ -293,3 +248,9 @@ def test_seed_with_an_unbelievable_focal_length_is_not_used(xi: float) -> None:
     matrix = np.array([[0.12 * 1280, 0, 640], [0, 0.12 * 1280, 360], [0, 0, 1]])
     seed = Camera("omnidirectional", matrix, np.array([xi, 0, 0, 0, 0]), (1280, 720))
     assert Capture(BOARD, (1280, 720), "omnidirectional", seed=seed).seed is None
+
+
+@pytest.mark.parametrize("factor", [0.003, 50.0, np.nan])
+def test_malformed_seed_is_ignored(factor: float) -> None:
+    rules = Capture(BOARD, CAMERA.img_size, seed=with_focal_length(factor))
+    assert rules.camera(None).matrix[0, 0] == pytest.approx(1024)

@@ -11,7 +11,7 @@ from calibsolver import Board, Camera, View, rotation
 from calibsolver.capture import MAX_VIEWS, Capture, Estimate, Exclusion, History
 from calibsolver.guidance import TargetPose
 from tests.helpers.marks import thorough
-from tests.helpers.solver import synthetic
+from tests.helpers.solver import populations, synthetic
 
 BOARD = Board()
 CAMERA = synthetic.rectilinear_cameras()[6]
@@ -19,7 +19,6 @@ SIZE = CAMERA.img_size
 HIDDEN = pytest.mark.xfail(
     strict=True, reason="Eight wrong views hide one another. The capture ends 7 px off, and states 14 px."
 )
-WRONG = ("outlier", "mirrored", "degenerate", "duplicate")
 Hostile = Callable[["Session", View], View]
 
 
@@ -28,13 +27,12 @@ class Session:
     """A capture as the service keeps it: views, exclusions, quarantined views, the open target."""
 
     seed: int = 0
-    seed_camera: Camera | None = None
     views: list[View] = field(default_factory=list)
     quarantined: list[View] = field(default_factory=list)
     reasons: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.rules = Capture(BOARD, SIZE, seed=self.seed_camera)
+        self.rules = Capture(BOARD, SIZE)
         self.history = History()
         self.rng = np.random.default_rng(self.seed)
         self.estimate: Estimate = self.rules.estimate([])
@@ -106,56 +104,48 @@ HOSTILE: dict[str, Hostile] = {
 EXPLAINED = "moving principal point"  # which a turn of the board explains, up to a point
 
 
-@pytest.mark.parametrize(
-    ("good_first", "kind", "seeds", "sent"),
-    [
-        *((0, kind, (3,), 5) for kind in HOSTILE if kind != EXPLAINED),
-        *thorough(*((n, kind, (3,), 10) for n in (0, 2) for kind in HOSTILE if kind != EXPLAINED)),
-        # These sessions take longest; that of seed 7 takes least.
-        (2, EXPLAINED, (7,), 5),
-        *thorough((2, EXPLAINED, (7,), 10), (0, EXPLAINED, (3, 4), 10), (2, EXPLAINED, (3, 4, 5), 10)),
-        pytest.param(0, EXPLAINED, (5,), 10, marks=[pytest.mark.thorough, HIDDEN]),
-    ],
-)
-def test_session_converges_after_hostile_views(
-    kind: str, good_first: int, seeds: tuple[int, ...], sent: int
-) -> None:
-    """At least three of the views sent do not count: on average, if some can be explained."""
-    explained = kind == EXPLAINED
-    not_counted = 0
-    for seed in seeds:
-        session = Session(seed=seed)
-        for _ in range(good_first):
-            assert session.submit(session.honest())
-        taken = 0
-        for _ in range(sent):
-            view = session.honest()
-            if not session.estimate.converged:
-                taken += session.submit(HOSTILE[kind](session, view))
-        if not explained:
-            assert taken == 0
-            assert set(session.reasons) <= set(WRONG)
-        not_counted += len(session.reasons) + len(session.estimate.excluded)
-        assert not session.estimate.converged
-        assert session.finish() < 0.6
-    assert not_counted >= 3 * len(seeds)
-
-
-def test_copies_of_a_view_are_duplicates() -> None:
-    session = Session(seed=1)
+@pytest.mark.parametrize("seed", [3, *thorough(0, 1, 2)])
+def test_session_converges_after_views_that_are_no_boards(seed: int) -> None:
+    session = Session(seed=seed)
+    for kind, sent in HOSTILE.items():
+        for _ in range(2 if kind != EXPLAINED else 0):
+            assert not session.submit(sent(session, session.honest()))
+    assert set(session.reasons) <= {"outlier", "mirrored", "degenerate"}
     view = session.honest()
     assert session.submit(view)
+    del session.reasons[:]
     for _ in range(9):
         copy = View(view.object_points, view.image_points + 0.02 * session.rng.normal(size=(len(view), 2)))
-        session.submit(copy)
-        assert not session.estimate.converged
-    assert len(session.views) == 1
+        assert not session.submit(copy)
     assert session.reasons == ["duplicate"] * 9
+    assert not session.estimate.converged
     assert session.finish() < 0.6
 
 
 @pytest.mark.parametrize(
-    ("focal", "squash"), [(2200.0, 1.0), (450.0, 0.75), *thorough((450.0, 1.0), (2200.0, 0.75))]
+    ("good_first", "seed", "sent"),
+    [
+        (2, 7, 3),
+        *thorough((2, 7, 10), (0, 3, 10), (0, 4, 10), (2, 4, 10)),
+        pytest.param(0, 5, 10, marks=[pytest.mark.thorough, HIDDEN]),
+    ],
+)
+def test_session_converges_after_views_that_can_be_explained(good_first: int, seed: int, sent: int) -> None:
+    session = Session(seed=seed)
+    for _ in range(good_first):
+        assert session.submit(session.honest())
+    for _ in range(sent):
+        view = session.honest()
+        if not session.estimate.converged:
+            session.submit(HOSTILE[EXPLAINED](session, view))
+    not_counted = len(session.reasons) + len(session.estimate.excluded)
+    assert not session.estimate.converged
+    assert session.finish() < 0.6
+    assert not_counted >= 3
+
+
+@pytest.mark.parametrize(
+    ("focal", "squash"), [(2200.0, 1.0), *thorough((450.0, 0.75), (450.0, 1.0), (2200.0, 0.75))]
 )
 def test_wrong_first_view_is_excluded_by_later_views(focal: float, squash: float) -> None:
     """It is another camera's and fits by itself: only the honest views contradict it."""
@@ -180,7 +170,7 @@ def undo_of_the_majority_restores_the_first(session: Session) -> None:
 
 @pytest.mark.parametrize(
     ("seed", "focal"),
-    [(1, 2200.0), *thorough(*sorted({*product((0, 1, 4), (450.0, 600.0, 2200.0))} - {(1, 2200.0)}))],
+    [(1, 2200.0), *thorough(*product((0, 4), (450.0, 600.0, 2200.0)))],
 )
 def test_exactly_the_wrong_views_are_refused_or_excluded(seed: int, focal: float) -> None:
     """Of six views the second and the fourth are another camera's; 1280 x 720, true focal length 942 px."""
@@ -200,7 +190,7 @@ def test_exactly_the_wrong_views_are_refused_or_excluded(seed: int, focal: float
 
 def test_three_views_of_a_changed_camera_are_outvoted() -> None:
     """Three views of another camera come first; four that agree outvote them."""
-    session = Session(seed=7)
+    session = Session(seed=9)
     for _ in range(3):
         session.submit(session.honest(other_camera(620.0)))
     wrong = set(range(len(session.views)))
@@ -209,7 +199,7 @@ def test_three_views_of_a_changed_camera_are_outvoted() -> None:
     assert set(session.estimate.excluded) == wrong
 
 
-def test_undo_refits_the_remaining_views() -> None:
+def test_undo_and_exclusion_refit_the_remaining_views() -> None:
     session = Session(seed=6)
     session.finish()
     for i in range(len(session.views)):
@@ -219,12 +209,24 @@ def test_undo_refits_the_remaining_views() -> None:
         assert left.excluded == {}
         found = session.rules.camera(left)
         assert synthetic.projection_error(CAMERA, found).mean() < 1.5
+    excluded = {1: Exclusion("outlier", "It is.")}
+    estimate = session.rules.estimate(session.views, excluded)
+    assert estimate.excluded == excluded
+    error = estimate.view_errors[1]
+    assert error is not None
+    assert error < 2
 
 
-def test_capture_ends_where_the_error_falls_no_more() -> None:
-    rules = Capture(BOARD, SIZE, target_error=0.001)
+@pytest.mark.parametrize("before", [9, *thorough(0)])
+def test_capture_ends_where_the_error_falls_no_more(before: int) -> None:
     session = Session(seed=7)
-    session.rules = rules
+    session.rules = Capture(BOARD, SIZE, target_error=0.001)
+    if before:
+        session.views = populations.views(CAMERA, np.random.default_rng(0), count=before)
+        session.estimate = session.rules.estimate(session.views)
+        assert session.estimate.uncertainty is not None
+        session.history = History((session.estimate.uncertainty.rms,) * before, (True,) * before)
+        session.target = session.rules.next_target(session.views, session.estimate)
     for _ in range(40):
         if session.estimate.converged:
             break
@@ -235,7 +237,7 @@ def test_capture_ends_where_the_error_falls_no_more() -> None:
     assert session.estimate.advice == ()
 
 
-@pytest.mark.parametrize("before", [9, *thorough(0)])
+@pytest.mark.parametrize("before", [13, *thorough(0)])
 def test_capture_off_the_target_ends_at_max_views_with_advice(before: int) -> None:
     """A user who ignores the outline is refused duplicates only, and the capture ends."""
     session = Session(seed=7)
@@ -259,17 +261,6 @@ def test_capture_off_the_target_ends_at_max_views_with_advice(before: int) -> No
     assert [advice.code for advice in session.estimate.advice] == ["limit_reached"]
     assert session.estimate.uncertainty is not None
     assert 0.001 < session.estimate.uncertainty.rms < 5
-
-
-def test_excluded_view_still_gets_an_error() -> None:
-    exclusion = Exclusion("outlier", "It is.")
-    session = Session(seed=8)
-    session.finish()
-    estimate = session.rules.estimate(session.views, {1: exclusion})
-    assert estimate.excluded == {1: exclusion}
-    error = estimate.view_errors[1]
-    assert error is not None
-    assert error < 2
 
 
 @pytest.mark.parametrize("seed", [0, *thorough(1, 2)])

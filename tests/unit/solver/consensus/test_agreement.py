@@ -5,30 +5,29 @@ from itertools import product
 import numpy as np
 import pytest
 
-from calibsolver import Camera, View, fit
+from calibsolver import Calibration, Camera, View
 from calibsolver.consensus.agreement import compare, difference
+from calibsolver.consensus.fit_memory import fit_once
 from calibsolver.consensus.pooling import Member, Rule, pool
-from tests.helpers.data import corner_views, external_data
-from tests.helpers.marks import corner_sets, thorough
+from tests.helpers.data import available, corner_views, external_data
+from tests.helpers.marks import thorough
 from tests.helpers.solver import attacks, populations, synthetic
 
 
 @pytest.mark.parametrize(
-    ("kind", "totals", "views"),
+    ("kind", "effort"),
     [
-        ("focal", (10,), 5),
-        ("junk", (10,), 1),  # fits of more views take longest
-        *thorough(("focal", (5, 10), 5), ("junk", (5,), 3), ("junk", (10,), 3)),
-        *thorough(("shift", (5, 10), 5), ("each", (5, 10), 5)),
+        ("focal", attacks.Effort(5)),
+        ("focal", attacks.EFFORTS["very poor views"]),
+        *thorough(("junk", attacks.Effort(1)), ("shift", attacks.Effort(5)), ("each", attacks.Effort(5))),
+        *thorough(*product(("focal", "shift"), attacks.EFFORTS.values())),
     ],
 )
-def test_lying_minority_does_not_move_the_consensus(kind: str, totals: tuple[int, ...], views: int) -> None:
-    """By half a pixel over the image, from just beside the truth to 30 % off; no answer is no harm."""
-    rng = np.random.default_rng(5)
-    trials = [attacks.trial(rng, kind, total, effort=attacks.Effort(views)) for total in totals]
-    assert not [(t.total, t.moved) for t in trials if t.wrong]
-    # With six honest ones and more there is an answer all the same.
-    assert all(t.reliable for t in trials if t.total >= 10)
+def test_lying_minority_does_not_move_the_consensus(kind: str, effort: attacks.Effort) -> None:
+    """By half a pixel over the image, from just beside the truth to 30 % off, whatever errors it states."""
+    found = attacks.trial(np.random.default_rng(5), kind, 10, effort=effort)
+    assert not found.wrong, found.moved
+    assert found.reliable  # six are honest
 
 
 @pytest.mark.parametrize("number", [938, *thorough(810)])
@@ -39,22 +38,8 @@ def test_answer_is_not_moved_where_noise_might_excuse_lies(number: int) -> None:
     assert not found.wrong
 
 
-@pytest.mark.parametrize(
-    ("kind", "effort", "totals"),
-    [
-        ("focal", attacks.EFFORTS["very poor views"], (10,)),
-        ("shift", attacks.Effort(30, 0.05), (8,)),
-        *thorough(*product(("focal", "shift"), attacks.EFFORTS.values(), ((5, 10), (10,)))),
-    ],
-)
-def test_attackers_with_very_poor_or_very_many_views_move_no_answer(
-    kind: str, effort: attacks.Effort, totals: tuple[int, ...]
-) -> None:
-    """The errors that their calibrations state, large or small, give them no more influence."""
-    rng = np.random.default_rng(11)
-    trials = [attacks.trial(rng, kind, total, effort=effort) for total in totals]
-    assert not [(t.total, t.moved) for t in trials if t.wrong]
-    assert trials[-1].reliable
+def fitted(member: Member) -> Calibration:
+    return fit_once(member.views, synthetic.IMG_SIZE, "rectilinear")
 
 
 def test_honest_contributors_of_poor_views_weigh_little() -> None:
@@ -72,7 +57,7 @@ def test_honest_contributors_of_poor_views_weigh_little() -> None:
     assert before.reliable
     assert after.reliable
     assert set(after.members) >= {member.id for member in precise}
-    worst = max(difference(camera, fit(m.views, camera.img_size).camera) for m in poor)
+    worst = max(difference(camera, fitted(m).camera) for m in poor)
     assert worst > 2
     assert difference(before.calibration.camera, after.calibration.camera) < worst / 10
 
@@ -92,20 +77,25 @@ def test_consensus_that_states_too_much_is_imprecise() -> None:
 
 
 @external_data
-@pytest.mark.parametrize("draws", [1, *thorough(2)])
-def test_lens_profiles_agree_only_within_a_mode(draws: int) -> None:
-    """Six profiles of two modes whose lens and setting are named; draws of five lenses of one camera."""
-    rng = np.random.default_rng(0)
+@pytest.mark.parametrize(
+    ("lens", "outside"),
+    [("RF16mm F2.8 STM 16.00mm", 1), *thorough(("EF-S10-18mm f/4.5-5.6 IS STM 10.00mm", 0))],
+)
+def test_lens_profiles_agree_within_a_mode(lens: str, outside: int) -> None:
+    """Six profiles whose lens and setting are named; one states a focal length 2.2 % below the others'."""
     profiles = populations.profiles()
-    for lens, outside in (("EF-S10-18mm f/4.5-5.6 IS STM 10.00mm", 0), ("RF16mm F2.8 STM 16.00mm", 1)):
-        found = next(v for mode, v in profiles.items() if mode[2] == lens and mode[3] and len(v) == 6)
-        pooled = pool(populations.members(found, rng), found[0][0].img_size, "fisheye")
-        # One profile of the second states a focal length 2.2 % below the others', which differ by 0.4 %.
-        assert (pooled.reliable, len(pooled.members)) == (True, 6 - outside)
-    lenses = [v for mode, v in profiles.items() if mode[1] == "KOMODO 6K" and mode[2] and mode[4] == "5760"]
-    for _ in range(draws):
-        drawn = [lenses[i][0] for i in rng.choice(len(lenses), 5, replace=False)]
-        assert not pool(populations.members(drawn, rng), drawn[0][0].img_size, "fisheye").reliable
+    found = next(v for mode, v in profiles.items() if mode[2] == lens and mode[3] and len(v) == 6)
+    pooled = pool(populations.members(found, np.random.default_rng(0)), found[0][0].img_size, "fisheye")
+    assert (pooled.reliable, len(pooled.members)) == (True, 6 - outside)
+
+
+@external_data
+def test_profiles_of_five_lenses_do_not_agree() -> None:
+    rng = np.random.default_rng(0)
+    modes = populations.profiles().items()
+    lenses = [v for mode, v in modes if mode[1] == "KOMODO 6K" and mode[2] and mode[4] == "5760"]
+    drawn = [lenses[i][0] for i in rng.choice(len(lenses), 5, replace=False)]
+    assert not pool(populations.members(drawn, rng), drawn[0][0].img_size, "fisheye").reliable
 
 
 def test_groups_do_not_depend_on_order() -> None:
@@ -117,7 +107,7 @@ def test_groups_do_not_depend_on_order() -> None:
     specimens += [Camera.from_intrinsics("rectilinear", k, camera.img_size)] * 2
     members = [Member(str(i), str(i), tuple(populations.views(c, rng))) for i, c in enumerate(specimens)]
     order = rng.permutation(8)
-    c = [fit(m.views, camera.img_size) for m in members]
+    c = [fitted(m) for m in members]
     np.testing.assert_allclose(compare([c[i] for i in order]), compare(c)[np.ix_(order, order)], atol=1e-9)
     groups = pool(members, camera.img_size, "rectilinear").groups
     assert groups == (tuple("012345"), tuple("67"))
@@ -130,12 +120,11 @@ REAL = {"jy_left": "fisheye", "babel_ov_plane": "fisheye"} | dict.fromkeys(
 )
 
 
-@pytest.mark.parametrize("name", corner_sets(REAL))
-@pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
-def test_contributors_of_one_real_camera_agree(name: str, seed: int) -> None:
+@pytest.mark.parametrize("name", ["jy_left", *thorough(*available(sorted(REAL.keys() - {"jy_left"})))])
+def test_contributors_of_one_real_camera_agree(name: str) -> None:
     """Five contributors with three to five views each, drawn at random."""
     views, size = corner_views(name)
-    order = np.random.default_rng(seed).permutation(len(views))
+    order = np.random.default_rng(0).permutation(len(views))
     count = min(8, len(views) * 3 // 20)
     parts = [[views[i] for i in order[a * count : (a + 1) * count]] for a in range(5)]
     members = [Member(str(a), str(a), tuple(part)) for a, part in enumerate(parts)]
@@ -149,13 +138,12 @@ def test_contributors_of_one_real_camera_agree(name: str, seed: int) -> None:
 @pytest.mark.parametrize(
     "pair", [("pv_picam_640", "pv_picam_960"), *thorough((("pv_picam_320", "pv_picam_640"),))]
 )
-@pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
-def test_another_mode_of_a_real_camera_is_kept_out(pair: tuple[str, str], seed: int) -> None:
+def test_another_mode_of_a_real_camera_is_kept_out(pair: tuple[str, str]) -> None:
     """Five contributors of four views, and one whose mode has another field of view by 2 %."""
     views, size = corner_views(pair[0])
     others, other_size = corner_views(pair[1])
     scale = np.array(size) / other_size
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     order, drawn = rng.permutation(len(views)), rng.permutation(len(others))[:4]
     members = [Member(str(a), str(a), tuple(views[i] for i in order[4 * a : 4 * a + 4])) for a in range(5)]
     resized = [View(others[i].object_points, (others[i].image_points + 0.5) * scale - 0.5) for i in drawn]

@@ -60,7 +60,7 @@ def test_names_of_contributors_change_nothing(honest: list[FittedMember]) -> Non
 
 
 @pytest.mark.parametrize(
-    ("lie", "corners"), [(1.005, 40), (1.02, 2401), (1.3, 40), *thorough((1.02, 40), (1.05, 6))]
+    ("lie", "corners"), [(1.02, 2401), (1.3, 40), *thorough((1.005, 40), (1.02, 40), (1.05, 6))]
 )
 def test_liar_however_far_or_dense_pulls_no_harder(lie: float, corners: int) -> None:
     """Five alike and one or two liars: the answer moves by a share of HUBER_WIDTHS."""
@@ -82,35 +82,22 @@ def test_thinned_points_stand_for_all() -> None:
     assert share == pytest.approx(len(view) / MAX_VIEW_POINTS)
 
 
-@pytest.mark.parametrize("lies", [(1.008,), *thorough(((1.008, 0.985),))])
-def test_dense_board_moves_the_answer_no_more_than_others(lies: tuple[float, ...]) -> None:
-    """Specimens 0.3 % apart, five of them, and a liar with 2,401 corners a view."""
-    product = worlds.World(CAMERA, 0.003)
-    rng = np.random.default_rng(4)
-    honest = [worlds.member(f"h{i}", worlds.specimen(product, rng), rng, corners=40) for i in range(5)]
-    before = pool(honest, SIZE, "rectilinear", RULE)
-    assert before.reliable
-    for lie in lies:
-        liar = worlds.member("liar", scaled(lie), rng, corners=2401)
-        after = pool([*honest, liar], SIZE, "rectilinear", RULE)
-        moved = difference(before.calibration.camera, after.calibration.camera)
-        assert moved < MOVED
-        assert after.calibration.uncertainty().rms > 0.8 * before.calibration.uncertainty().rms
-
-
-@pytest.mark.parametrize("number", [0, *thorough(1, 2, 3)])
-def test_liars_in_honest_worlds_move_no_reliable_answer(number: int) -> None:
-    """`make bench DOCS=consensus` has a thousand."""
+@pytest.mark.parametrize(
+    ("number", "corners"), [(4, 2401), *thorough((0, None), (1, None), (2, None), (3, None))]
+)
+def test_liars_in_honest_worlds_move_no_reliable_answer(number: int, corners: int | None) -> None:
+    """However many corners the board of a liar has; `make bench DOCS=consensus` has a thousand worlds."""
     rng = np.random.default_rng((19, number))
     product = worlds.world(rng)
     honest = [worlds.member(f"h{i}", worlds.specimen(product, rng), rng) for i in range(5)]
     before = pool(honest, SIZE, "rectilinear", RULE)
     false = worlds.lie(product.camera, ("focal", "distortion")[number % 2], rng)
-    liars = [worlds.member(f"l{i}", false, rng) for i in range(2)]
+    liars = [worlds.member(f"l{i}", false, rng, corners) for i in range(2)]
     for count in (1, 2):
         after = pool([*honest, *liars[:count]], SIZE, "rectilinear", RULE)
         moved = difference(before.calibration.camera, after.calibration.camera)
         assert moved < MOVED or not after.reliable
+        assert after.calibration.uncertainty().rms > 0.8 * before.calibration.uncertainty().rms
 
 
 def test_contributors_of_two_families_count_by_the_larger() -> None:
@@ -118,7 +105,7 @@ def test_contributors_of_two_families_count_by_the_larger() -> None:
     rng = np.random.default_rng(2)
     families = ("ipv4", "ipv4", "ipv4", "ipv6", "ipv6")
     members = [
-        Member(str(i), str(i), tuple(populations.views(CAMERA, rng)), family)
+        Member(str(i), str(i), tuple(populations.views(CAMERA, rng, count=4)), family)
         for i, family in enumerate(families)
     ]
     found = pool(members, SIZE, "rectilinear", RULE)

@@ -7,6 +7,7 @@ import pytest
 
 from calibsolver import CalibrationError, Camera, View, fit
 from calibsolver.consensus.agreement import compare
+from calibsolver.consensus.fit_memory import fit_once
 from calibsolver.consensus.pooling import Member, Rule, pool
 from tests.helpers.data import corner_views
 from tests.helpers.marks import corner_sets, thorough
@@ -46,6 +47,7 @@ def test_consensus_is_reliable_from_five_members(honest: list[Member]) -> None:
 
 def test_too_few_contributors_are_not_reliable(honest: list[Member]) -> None:
     """However well two contributors with many calibrations agree."""
+    assert np.isnan(pool(honest[:1], SIZE, "rectilinear").spread)
     two = [Member(m.id, f"c{i % 2}", m.views) for i, m in enumerate(honest)]
     assert pool(two, SIZE, "rectilinear").reliable
     found = pool(two, SIZE, "rectilinear", Rule(min_contributors=3))
@@ -53,8 +55,9 @@ def test_too_few_contributors_are_not_reliable(honest: list[Member]) -> None:
 
 
 def test_lying_minority_changes_nothing(honest: list[Member]) -> None:
-    """Three of ten agree with each other on another focal length; one more sends noise."""
-    liars = [member(50 + i, focal=1.15, contributor="mallory") for i in range(3)]
+    """Two of seven agree with each other on another focal length; one more sends noise."""
+    honest = honest[:5]
+    liars = [member(50 + i, focal=1.15, contributor="mallory") for i in range(2)]
     rng = np.random.default_rng(0)
     noise = Member(
         "noise",
@@ -67,14 +70,14 @@ def test_lying_minority_changes_nothing(honest: list[Member]) -> None:
     together = pool([*liars, *honest, noise], SIZE, "rectilinear")
     alone = pool(honest, SIZE, "rectilinear")
     assert together.members == alone.members == tuple(m.id for m in honest)
-    assert (together.total, together.reliable) == (11, True)
+    assert (together.total, together.reliable) == (8, True)
     np.testing.assert_array_equal(together.calibration.camera.intrinsics, alone.calibration.camera.intrinsics)
 
 
 @pytest.mark.parametrize("focal", [1.15, *thorough(1.03, 1.01)])
 def test_returning_contributors_do_not_outvote_others(honest: list[Member], focal: float) -> None:
-    """Nine calibrations of three contributors against one each of five."""
-    returning = [member(90 + i, focal=focal, contributor=f"liar {i % 3}") for i in range(9)]
+    """Six calibrations of three contributors against one each of five."""
+    returning = [member(90 + i, focal=focal, contributor=f"liar {i % 3}") for i in range(6)]
     rule = Rule(min_contributors=3)
     found = pool([*returning, *honest[:5]], SIZE, "rectilinear", rule)
     alone = pool(honest[:5], SIZE, "rectilinear", rule)
@@ -99,10 +102,6 @@ def test_answer_weighs_contributors_equally(honest: list[Member]) -> None:
     assert everybody == pytest.approx(np.mean(focal), rel=5e-4), "where nobody is told apart, all"
 
 
-def test_spread_of_one_member_is_nan(honest: list[Member]) -> None:
-    assert np.isnan(pool(honest[:1], SIZE, "rectilinear").spread)
-
-
 def test_consensus_without_majority_is_not_reliable(honest: list[Member]) -> None:
     """Five agree, and as many agree on something else."""
     others = [member(60 + i, focal=1.2) for i in range(5)]
@@ -111,7 +110,7 @@ def test_consensus_without_majority_is_not_reliable(honest: list[Member]) -> Non
     assert not split.reliable
 
 
-@pytest.mark.parametrize("model", ["fisheye", "omnidirectional", *thorough("rational")])
+@pytest.mark.parametrize("model", ["omnidirectional", *thorough("fisheye", "rational")])
 def test_other_models_pool_the_same_views(model: str) -> None:
     """The rectilinear camera of five sessions, fitted by each of the other models."""
     camera, rng = synthetic.rectilinear_cameras()[6], np.random.default_rng(0)
@@ -154,7 +153,7 @@ def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
     model = MODELS[name]
     parts = [views[i::5] for i in range(5)]
     pooled = pool([Member(str(i), "lab", tuple(part)) for i, part in enumerate(parts)], size, model)
-    shaped = [view for part in parts for view in fit(part, size, model).shaped(part)]
+    shaped = [view for part in parts for view in fit_once(part, size, model).shaped(part)]
     whole, drawn = (fit(each, size, model, board_shape=False) for each in (shaped, views))
     assert pooled.reliable
     assert compare([pooled.calibration, whole])[0, 1] < 0.02
@@ -163,42 +162,18 @@ def test_real_views_in_parts_pool_to_the_whole_fit(name: str) -> None:
     assert pooled.spread < 0.003 * size[0]
 
 
-@pytest.mark.parametrize(("contributors", "every"), [(3, 12), *thorough((3, 6), (1, 6))])
-def test_contributors_with_bent_boards_agree_in_the_shape_of_each(contributors: int, every: int) -> None:
-    """Boards bend by 0.5 % in any direction, six views each: 0.5 px off at most, within what is stated."""
-    for seed, camera in enumerate(synthetic.rectilinear_cameras()[::every]):
-        rng = np.random.default_rng(seed)
-        members = [
-            Member(str(i), str(i), tuple(populations.views(camera, rng, hand=hands.BENT))) for i in range(5)
-        ]
-        found = pool(members, SIZE, "rectilinear", Rule(min_contributors=contributors))
-        error = synthetic.rms_error(camera, found.calibration.camera)
-        assert found.reliable
-        assert error < 0.25
-        assert error < 2 * found.calibration.uncertainty().rms
-        assert found.held_out_error < 0.35, "noise of 0.2 px per coordinate is 0.28"
-
-
-def test_implausible_stretch_is_taken_for_a_lens_or_a_shutter() -> None:
-    """No printer stretches a sheet by 3 %; a sensor may."""
-    k = synthetic.rectilinear_cameras()[6].intrinsics.copy()
-    k[1] *= 1.03
-    camera = Camera.from_intrinsics("rectilinear", k, SIZE)
-    for seed in range(3):
-        views = populations.views(camera, np.random.default_rng(seed))
-        found = fit(views, SIZE, "rectilinear")
-        assert found.board_shape is None or found.board_shape.stretch <= 0.01
-        assert found.camera.matrix[1, 1] == pytest.approx(k[1], rel=0.003)
-
-
-def test_modes_are_separate_groups(honest: list[Member]) -> None:
-    """A field of view 4 % narrower and a stabilised crop are groups of their own; the majority answers."""
-    narrower = [member(70 + i, focal=1.04) for i in range(2)]
-    cropped = [member(80 + i, focal=1.11) for i in range(2)]
-    pooled = pool([*narrower, *honest, *cropped], SIZE, "rectilinear")
-    assert pooled.groups[0] == pooled.members == tuple(m.id for m in honest)
-    assert set(pooled.groups[1:]) == {tuple(m.id for m in narrower), tuple(m.id for m in cropped)}
-    assert pooled.reliable
+def test_contributors_with_bent_boards_agree_in_the_shape_of_each() -> None:
+    """Boards bend by 0.5 % in any direction, six views each: 0.25 px off at most, within what is stated."""
+    camera, rng = synthetic.rectilinear_cameras()[0], np.random.default_rng(0)
+    members = [
+        Member(str(i), str(i), tuple(populations.views(camera, rng, hand=hands.BENT))) for i in range(5)
+    ]
+    found = pool(members, SIZE, "rectilinear", Rule(min_contributors=3))
+    error = synthetic.rms_error(camera, found.calibration.camera)
+    assert found.reliable
+    assert error < 0.25
+    assert error < 2 * found.calibration.uncertainty().rms
+    assert found.held_out_error < 0.35, "noise of 0.2 px per coordinate is 0.28"
 
 
 def test_modes_one_percent_apart_are_separate_groups() -> None:

@@ -25,8 +25,13 @@ SIZE = (1280, 720)
 BOARD = Board((9, 6))
 
 
-def opencv(name: str, flags: int, matrix: np.ndarray | None) -> tuple[float, np.ndarray, np.ndarray]:
+def some_views(name: str) -> tuple[list[View], tuple[int, int]]:
     views, size = corner_views(name)
+    return views[:: 1 + len(views) // 20], size
+
+
+def opencv(name: str, flags: int, matrix: np.ndarray | None) -> tuple[float, np.ndarray, np.ndarray]:
+    views, size = some_views(name)
     objects, pixels = float32(views)
     rms, matrix, distortion, _, _ = cv2.calibrateCamera(
         objects, pixels, size, matrix, None, flags=flags, criteria=CRITERIA
@@ -37,7 +42,7 @@ def opencv(name: str, flags: int, matrix: np.ndarray | None) -> tuple[float, np.
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("name", SETS)
 def test_fixed_parameters_equal_opencv(name: str, case: str) -> None:
-    views, size = corner_views(name)
+    views, size = some_views(name)
     fix, flags = CASES[case]
     square_pixels = np.array([[1000.0, 0, (size[0] - 1) / 2], [0, 1000.0, (size[1] - 1) / 2], [0, 0, 1]])
     rms, matrix, distortion = opencv(name, flags, square_pixels if case == "aspect" else None)
@@ -49,7 +54,7 @@ def test_fixed_parameters_equal_opencv(name: str, case: str) -> None:
 
 @pytest.mark.parametrize("name", SETS)
 def test_focal_lengths_of_a_start_are_held(name: str) -> None:
-    views, size = corner_views(name)
+    views, size = some_views(name)
     free = fit(views, size, robust=False).camera
     start = Camera.from_intrinsics(free.model, free.intrinsics * (1.01, 1.01, *[1] * 7), size)
     flags = cv2.CALIB_FIX_FOCAL_LENGTH | cv2.CALIB_USE_INTRINSIC_GUESS
@@ -63,7 +68,7 @@ def test_focal_lengths_of_a_start_are_held(name: str) -> None:
 
 
 @pytest.mark.parametrize("model", ["rectilinear", "fisheye", "rational", "omnidirectional"])
-@pytest.mark.parametrize("name", corner_sets(["jy_left", "opencv_left"]))
+@pytest.mark.parametrize("name", ["opencv_left", *thorough("jy_left")])
 def test_robust_fit_holds_the_value_and_has_no_variance_there(name: str, model: str) -> None:
     views, size = corner_views(name)
     found = fit(views, size, model, fix={"cx": size[0] / 2 + 3, "aspect": 1.0})
@@ -78,11 +83,11 @@ def test_robust_fit_holds_the_value_and_has_no_variance_there(name: str, model: 
 
 
 def noisy_views(rng: np.random.Generator, sigma: np.ndarray) -> list[View]:
-    """Twelve tilted views; `sigma` px, of each corner."""
+    """Six tilted views; `sigma` px, of each corner."""
     camera = Camera.from_intrinsics("rectilinear", TRUE, SIZE)
     places, out = np.random.default_rng(7), []
     middle = np.array([*BOARD.points[:, :2].mean(axis=0), 0])
-    for _ in range(12):
+    for _ in range(6):
         r = rotation.matrix(np.append(places.uniform(-0.6, 0.6, 2), places.uniform(-0.4, 0.4)))
         t = places.uniform([-3, -2, 10], [3, 2, 14]) - r @ middle
         q = camera.project(BOARD.points @ r.T + t)
@@ -90,18 +95,17 @@ def noisy_views(rng: np.random.Generator, sigma: np.ndarray) -> list[View]:
     return out
 
 
-@pytest.mark.parametrize("count", [40, *thorough(100)])
-def test_covariance_of_fixed_and_weighted_fits_holds_over_simulations(count: int) -> None:
+def test_covariance_of_fixed_and_weighted_fits_holds_over_simulations() -> None:
     """Squared errors in units of the covariance have the mean of chi square: the 6 free parameters."""
     sigma = np.where(np.arange(BOARD.corner_count) % 3 == 0, 1.0, 0.2)
     fixed = {"aspect": TRUE[0] / TRUE[1], "cx": TRUE[2], "k3": TRUE[8]}
     free = [0, 3, 4, 5, 6, 7]
     rng, squares = np.random.default_rng(1), []
-    for _ in range(count):
+    for _ in range(40):
         found = fit(noisy_views(rng, sigma), SIZE, fix=fixed)
         off = (found.camera.intrinsics - TRUE)[free]
         squares.append(off @ np.linalg.solve(found.covariance[np.ix_(free, free)], off))
-    assert np.mean(squares) == pytest.approx(6, abs=3 * np.sqrt(12 / count))
+    assert np.mean(squares) == pytest.approx(6, abs=3 * np.sqrt(12 / 40))
 
 
 def test_weights_count_as_repeated_points() -> None:
@@ -131,16 +135,6 @@ def test_equal_weights_change_nothing_and_unequal_ones_favour_their_view() -> No
     np.testing.assert_array_equal(same.camera.intrinsics, plain.camera.intrinsics)
     heavy = [View(v.object_points, v.image_points, 400.0 if i == 2 else 1.0) for i, v in enumerate(views)]
     assert fit(heavy, size, robust=False).view_errors[2] < 0.95 * plain.view_errors[2]
-
-
-def test_weighted_fits_do_not_depend_on_the_order_of_views() -> None:
-    rng = np.random.default_rng(3)
-    views, size = corner_views("opencv_left")
-    weighted = [View(v.object_points, v.image_points, rng.uniform(0.2, 5, len(v))) for v in views]
-    order = rng.permutation(len(views))
-    shuffled = [weighted[i].subset(rng.permutation(len(weighted[i]))) for i in order]
-    one, other = fit(weighted, size), fit(shuffled, size)
-    np.testing.assert_array_equal(one.camera.intrinsics, other.camera.intrinsics)
 
 
 @pytest.mark.parametrize(

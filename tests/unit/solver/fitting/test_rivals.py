@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calibsolver import Camera, fit
+from calibsolver import Camera
 from calibsolver.camera import pixel_grid
 from calibsolver.fitting.coverage import Coverage, record_covered
 from calibsolver.fitting.rivals import Hull, Rival, Rivals
@@ -11,6 +11,7 @@ from calibsolver.quality.rivals import with_rivals
 from tests.bench.extrapolation import corner_hull, errors
 from tests.helpers.data import corner_views
 from tests.helpers.marks import corner_sets
+from tests.helpers.solver.computed_once import fit_once
 
 GRID = (20, 15)
 
@@ -20,9 +21,9 @@ def test_error_outside_the_hull_is_below_the_stated_maximum(name: str) -> None:
     """Half of the views, against all with the best model: opencv_left 25 px off, the covariance says 2.9."""
     views, size = corner_views(name)
     model = {"opencv_left": "rectilinear", "jy_left": "omnidirectional"}[name]
-    best = fit(views, size, model).camera
+    best = fit_once(views, size, model).camera
     part = views[1::2]
-    plain = fit(part, size, "omnidirectional")
+    plain = fit_once(part, size, "omnidirectional")
     whole, outside = with_rivals(plain, part), ~corner_hull(part, plain)
     error = np.nanmax(errors(best, plain.camera, ~outside)[outside])
     assert error < whole.uncertainty().max
@@ -31,7 +32,7 @@ def test_error_outside_the_hull_is_below_the_stated_maximum(name: str) -> None:
 
 def test_inside_the_hull_nothing_changes() -> None:
     views, size = corner_views("opencv_left")
-    plain = fit(views, size)
+    plain = fit_once(views, size)
     whole = with_rivals(plain, views)
     assert whole.rivals is not None
     assert whole.rivals.rivals
@@ -47,14 +48,14 @@ def test_inside_the_hull_nothing_changes() -> None:
 
 def test_models_that_explain_less_are_no_rivals() -> None:
     views, size = corner_views("jy_left")  # a lens that the rectilinear model cannot follow
-    found = with_rivals(fit(views, size, "omnidirectional"), views)
+    found = with_rivals(fit_once(views, size, "omnidirectional"), views)
     assert found.rivals is not None
     assert "rectilinear" not in {rival.camera.model for rival in found.rivals.rivals}
 
 
 def test_a_turned_camera_is_no_rival() -> None:
     """The same lens, turned: its distance is 0 after the best rotation, but for the principal point."""
-    camera = fit(*corner_views("opencv_left")).camera
+    camera = fit_once(*corner_views("opencv_left")).camera
     w, h = camera.img_size
     hull = Hull.of(np.array([[w / 4, h / 4], [3 * w / 4, h / 4], [3 * w / 4, 3 * h / 4], [w / 4, 3 * h / 4]]))
     certain = np.zeros((9, 9))
@@ -68,5 +69,5 @@ def test_a_turned_camera_is_no_rival() -> None:
 
 def test_uncertainty_states_the_share_of_the_picture_it_stands_for() -> None:
     views, size = corner_views("jy_left")
-    assert fit(views, size, "omnidirectional").uncertainty().coverage == 1
-    assert fit(views, size, "rectilinear").uncertainty().coverage < 1
+    assert fit_once(views, size, "omnidirectional").uncertainty().coverage == 1
+    assert fit_once(views, size, "rectilinear").uncertainty().coverage < 1

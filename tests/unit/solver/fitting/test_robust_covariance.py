@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibsolver import Camera, View, fit
-from calibsolver.fitting.effect_likelihood import EffectLikelihood, trust
+from calibsolver import View, fit
+from calibsolver.fitting.effect_likelihood import EffectLikelihood
 from tests.bench.honesty import ratios_if_true
 from tests.helpers.data import corner_views
 from tests.helpers.marks import thorough
@@ -47,29 +47,21 @@ def test_white_noise_is_hardly_inflated() -> None:
     assert np.median(found) < 1.5
 
 
-def error_ratio(camera: Camera, rng: np.random.Generator, hand: hands.Hand, count: int) -> float:
-    """Error over the image / predicted error, of a capture in some hand."""
-    found = fit(populations.views(camera, rng, 0.2, count, hand), camera.img_size)
-    return synthetic.rms_error(camera, found.camera) / found.uncertainty().rms
-
-
 @pytest.mark.parametrize(
-    ("hand", "most"),
-    [
-        (hands.MOVING_AND_BENT, 6),
-        *thorough((hands.MOVING_AND_BENT, 12), (hands.BENT, 12), (hands.MOVING, 12)),
-    ],
+    ("hand", "counts", "most"),
+    [(hands.MOVING_AND_BENT, (4, 10), 4), (hands.MOVING, (4, 6), 6), *thorough((hands.BENT, (4, 10), 12))],
 )
-def test_errors_in_hands_are_predicted(hand: hands.Hand, most: int) -> None:
+def test_errors_in_hands_are_predicted(hand: hands.Hand, counts: tuple[int, ...], most: int) -> None:
     """The board bends by 0.5 %, the same in all views, or moves at 5 cm/s. Of true bars one in 20 is above 2.
 
     White noise alone predicts half or less of most errors; variances by moments alone leave 6, 19 and 21 %.
     """
     ratios = []
-    for count in (4, 10):
+    for count in counts:
         rng = np.random.default_rng(count)
-        cameras = synthetic.rectilinear_cameras(12, seed=count)[:most]
-        ratios += [error_ratio(camera, rng, hand, count) for camera in cameras]
+        for camera in synthetic.rectilinear_cameras(12, seed=count)[:most]:
+            found = fit(populations.views(camera, rng, 0.2, count, hand), camera.img_size)
+            ratios.append(synthetic.rms_error(camera, found.camera) / found.uncertainty().rms)
     assert 0.5 < np.median(ratios) < 1.3
     assert np.mean(np.array(ratios) > 2) <= 0.05
 
@@ -108,18 +100,6 @@ def test_real_views_are_inflated() -> None:
     assert found.record()["systematic"] == found.inflation
 
 
-@pytest.mark.parametrize("every", [2, *thorough(1)])
-def test_points_that_motion_moves_too_far_for_the_fit_widen_the_error_bars(every: int) -> None:
-    """The fit cuts 2 % of the points: what it leaves shows too little of the motion (17 % above 2)."""
-    ratios = [
-        error_ratio(camera, np.random.default_rng(seed), hands.MOVING, count)
-        for count in (4, 6)
-        for seed, camera in list(enumerate(synthetic.rectilinear_cameras()))[::every]
-    ]
-    assert 0.6 < np.median(ratios) < 1.4
-    assert np.mean(np.array(ratios) > 2) < 0.1
-
-
 def test_wrong_corners_do_not_widen_the_error_bars() -> None:
     """Neither motion nor bend explains corners 5 to 60 px off: they stay out of the variances, too."""
     right = views(8)
@@ -133,11 +113,6 @@ def test_wrong_corners_do_not_widen_the_error_bars() -> None:
     clean, spoiled = fit(right, CAMERA.img_size), fit(wrong, CAMERA.img_size)
     assert all(not used.all() for used in spoiled.used)
     assert spoiled.uncertainty().rms < 1.3 * clean.uncertainty().rms
-
-
-@pytest.mark.parametrize(("share", "weight"), [(0.0, 0.0), (0.5, 0.0), (0.6, 0.5), (2 / 3, 1.0), (1.0, 1.0)])
-def test_likelihood_counts_where_an_effect_explains_more_than_it_leaves(share: float, weight: float) -> None:
-    assert trust(share) == pytest.approx(weight)
 
 
 def test_corners_without_noise_have_error_bars() -> None:

@@ -8,7 +8,6 @@ from calibsolver.guidance import PoseSelection
 from calibsolver.guidance.distorted_region import Box, displacement, find_next_region
 from calibsolver.guidance.overlap import jaccard_index
 from calibsolver.guidance.pose_selection import subdivided_tilt_deg
-from tests.helpers.marks import thorough
 from tests.helpers.solver import peers, synthetic
 
 SIZE = (1280, 720)
@@ -18,16 +17,10 @@ def test_angles_are_subdivided() -> None:
     assert [subdivided_tilt_deg(n) for n in range(4)] == [-35.0, 35.0, -52.5, 52.5]
 
 
-def test_first_two_poses_are_the_published_ones() -> None:
-    guide = PoseSelection(Board(), SIZE)
-    first = guide.next_pose([], None)
+def test_first_pose_is_the_published_one() -> None:
+    first = PoseSelection(Board(), SIZE).next_pose([], None)
     assert np.degrees(np.linalg.norm(first.rvec)) == pytest.approx(50.0, abs=1)
     assert len(first.ids) == 40
-    camera = synthetic.rectilinear_cameras()[6]
-    view = synthetic.detect(Board(), camera, first.rvec, first.tvec, np.random.default_rng(0))
-    second = guide.next_pose([view], None)
-    np.testing.assert_allclose(second.rvec, 0, atol=0.01)
-    assert np.ptp(second.outline[:, 1]) == pytest.approx(720, rel=0.01)
 
 
 @pytest.mark.parametrize("model", models.NAMES)
@@ -39,6 +32,7 @@ def test_second_pose_fills_the_picture_for_every_model(model: str) -> None:
     view = synthetic.detect(Board(), camera, first.rvec, first.tvec, np.random.default_rng(0))
     target = guide.next_pose([view], None)
     assert target.purpose == "to fill the picture"
+    np.testing.assert_allclose(target.rvec, 0, atol=0.01)
     assert 0.75 <= np.ptp(target.outline[:, 0]) / SIZE[0] <= 0.9
 
 
@@ -65,17 +59,6 @@ def test_distortion_vanishes_at_the_axis_of_every_model(model: str) -> None:
     assert (field[near] < 0.01 * radius[near]).all()
 
 
-@pytest.mark.parametrize(
-    ("model", "distortion"),
-    [("rectilinear", [0] * 5), ("rational", [0] * 8), ("omnidirectional", [0] * 5)],
-)
-def test_pinhole_of_every_model_is_not_distorted(model: str, distortion: list[float]) -> None:
-    """A fisheye lens is never one: without coefficients it is equidistant."""
-    matrix = np.array([[900, 0, 640], [0, 910, 360], [0, 0, 1.0]])
-    camera = Camera(model, matrix, np.array(distortion, dtype=float), SIZE)
-    assert displacement(camera, 64, 36).max() < 1e-9
-
-
 def test_most_distorted_region_comes_first_and_once() -> None:
     matrix = np.array([[900, 0, 500], [0, 900, 359.5], [0, 0, 1.0]])
     camera = Camera("rectilinear", matrix, np.array([-0.3, 0.1, 0, 0, 0]), SIZE)
@@ -94,12 +77,11 @@ def test_jaccard_index_of_shifted_squares() -> None:
     assert jaccard_index(square, np.add(square, (600, 0)), SIZE) == 0
 
 
-@pytest.mark.parametrize("every", [6, *thorough(4)])
-def test_published_method_stops_after_seven_to_twelve_views(every: int) -> None:
-    """Published: 9 views, 0.40 px; here every n-th camera, once, at 0.2 px."""
+def test_published_method_stops_after_seven_to_twelve_views() -> None:
+    """Published: 9 views, 0.40 px; here two cameras at 0.2 px."""
     sessions = [
         peers.run_published_method(camera, np.random.default_rng(i))
-        for i, camera in enumerate(synthetic.rectilinear_cameras()[::every])
+        for i, camera in enumerate(synthetic.rectilinear_cameras()[::6])
     ]
     stops = [session.stopped for session in sessions]
     assert None not in stops

@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
-from calibsolver import Board, fit, models, rotation
-from calibsolver.fitting.normal_equations import Poses, fisher_information, linearize, projection_jacobian
+from calibsolver import Board, models, rotation
+from calibsolver.fitting.normal_equations import Poses, linearize, reduced_information
 from calibsolver.fitting.systematic_effects import displacements, row_position
 from calibsolver.guidance.systematic_errors import limited_information, systematic_share
-from tests.bench.real_views import guided
-from tests.helpers.data import corner_views
-from tests.helpers.solver import hands, synthetic
+from tests.helpers.solver import synthetic
 
 CAMERA = synthetic.rectilinear_cameras()[4]
 MODEL, K = models.get(CAMERA.model), CAMERA.intrinsics
@@ -24,9 +22,8 @@ def limited(noise: float, systematic: float) -> np.ndarray:
 
 
 def test_without_systematic_errors_it_is_fisher_information() -> None:
-    _, j = projection_jacobian(MODEL, K, POSES, np.stack([POINTS, POINTS]))
-    plain = fisher_information(j, np.ones((2, POINTS.shape[1])))
-    np.testing.assert_allclose(limited(1.0, 0.0), plain, rtol=1e-6)
+    _, rows = linearize(MODEL, K, POSES, POINTS, 0)
+    np.testing.assert_allclose(limited(1.0, 0.0).sum(axis=0), reduced_information(rows), rtol=1e-6)
 
 
 def test_information_is_limited_the_more_the_lower_the_noise() -> None:
@@ -68,21 +65,3 @@ def test_share_follows_the_inflation() -> None:
     assert systematic_share(1.0) == systematic_share(0.5) == 0.0
     assert systematic_share(4.5) == pytest.approx(1.0)
     assert systematic_share(1e6) == 3.0
-
-
-def test_selection_of_real_views_determines_the_camera() -> None:
-    views, size = corner_views("jy_left")
-    chosen = guided(views, size, "fisheye", 6)
-    assert len(set(chosen)) == 6
-    assert chosen[:3] == guided(views, size, "fisheye", 3)
-    whole = fit(views, size, "fisheye").camera
-    found = fit([views[i] for i in chosen], size, "fisheye").camera
-    assert synthetic.projection_error(whole, found).mean() < 6
-
-
-def test_hand_that_rests_moves_nothing() -> None:
-    rng = np.random.default_rng(0)
-    q = hands.Hand(readout_s=0.02).project(BOARD.points, CAMERA, np.zeros(3), np.array([-4.0, -3, 9]), rng)
-    np.testing.assert_allclose(q, CAMERA.project(BOARD.points + np.array([-4.0, -3, 9])), atol=1e-9)
-    bent = hands.BENT.bend(BOARD, rng)
-    assert np.abs(bent[:, 2]).max() == pytest.approx(0.005 * 9)

@@ -24,12 +24,16 @@ EXPECTED = {
 
 
 @pytest.mark.parametrize(
-    ("name", "most"),
-    [("opencv_left", 10), ("jy_left", 20), *thorough(*((name, 20) for name in available(EXPECTED)))],
+    ("name", "part"),
+    [
+        ("opencv_left", slice(0, None, 2)),
+        ("jy_left", slice(2, None, 4)),
+        *thorough(*((name, slice(0, None, 2)) for name in available(EXPECTED))),
+    ],
 )
-def test_suggested_model_of_real_lenses(name: str, most: int) -> None:
+def test_suggested_model_of_real_lenses(name: str, part: slice) -> None:
     views, size = corner_views(name)
-    choice = suggest_model(views[:: 1 + len(views) // most], size)
+    choice = suggest_model(views[part], size)
     assert choice.model in EXPECTED[name]
     assert set(choice.held_out) == set(models.NAMES)
     least = min(error for error in choice.held_out.values() if error is not None)
@@ -40,16 +44,8 @@ def test_suggested_model_of_real_lenses(name: str, most: int) -> None:
     assert len(choice.reasons) == len(models.NAMES)
 
 
-@pytest.mark.parametrize("seed", [0, *thorough(1)])
-def test_insignificant_improvement_keeps_the_model(seed: int) -> None:
-    """Four views of a lens that every model can follow: the plainest is suggested, whatever the noise."""
-    camera = synthetic.rectilinear_cameras()[9]
-    views = populations.views(camera, np.random.default_rng(seed), count=4)
-    assert suggest_model(views, camera.img_size).model == "rectilinear"
-
-
 def test_wild_corners_do_not_decide() -> None:
-    camera = synthetic.fisheye_cameras()[8]
+    camera = synthetic.fisheye_cameras()[2]
     rng = np.random.default_rng(1)
     views = []
     for view in populations.views(camera, rng, count=3):
@@ -68,7 +64,7 @@ def test_unfittable_views_raise_calibration_error() -> None:
     camera = synthetic.rectilinear_cameras()[4]
     views = [
         View(v.object_points[::4], rng.uniform(0, 700, v.image_points[::4].shape))
-        for v in populations.views(camera, rng, count=2)
+        for v in populations.views(camera, rng, count=1)
     ]
     with pytest.raises(CalibrationError):
         suggest_model(views, camera.img_size)
@@ -82,6 +78,6 @@ def test_models_are_compared_by_a_paired_t_test(count: int, critical: float) -> 
     noise = 0.3 * (noise - noise.mean()) / noise.std(ddof=1)
     for t, as_good in ((1.2, True), (critical - 0.06, True), (critical + 0.06, False)):
         errors = best * np.exp(noise + t * 0.3 / np.sqrt(count))
-        one, other = (HeldOut(float(np.sqrt(np.mean(e**2))), (), e) for e in (errors, best))
+        one, other = (HeldOut(float(np.sqrt(np.mean(e**2))), e) for e in (errors, best))
         assert one.rms > 1.03 * other.rms
         assert not_significantly_worse(one, other) == as_good
