@@ -43,21 +43,3 @@ def test_documented_curl_goes_from_nothing_to_a_calibration() -> None:
         assert used["used"]["lookups"] == 2
         managed = run(f'curl -s $API/tokens/self -H "Authorization: Bearer {made["management_token"]}"')
         assert sum(day["lookups"] for day in managed["use"]["days"]) == 2
-
-
-def test_curl_alone_goes_from_nothing_to_a_calibration() -> None:
-    with Server() as stack, stack.serve() as url:
-        published.publish(stack, *(published.calibration("Known to all", n) for n in range(5)))
-
-        def curl(path: str, body: object, *options: str) -> Any:
-            command = ["curl", "-sS", "--fail", url + path, "-H", "content-type: application/json"]
-            sent = subprocess.run(
-                [*command, *options, "-d", json.dumps(body)], capture_output=True, text=True, check=True
-            )
-            return json.loads(sent.stdout)
-
-        token = curl("/v1/tokens", {"origins": ["http://localhost"]})["token"]
-        camera = {"camera": "Known to all", "platform": published.PLATFORM, "img_size": [1280, 720]}
-        found = curl("/v1/lookup", camera, "-H", f"authorization: Bearer {token}")
-        assert found["reliable"]
-        assert found["camera_matrix"][0][0] == pytest.approx(950, rel=0.02)
