@@ -122,23 +122,6 @@ def test_a_withdrawn_calibration_is_gone(stack: Server, store: Store, said: str,
         assert "Anna" not in json.dumps(answer.json)
 
 
-def test_a_search_goes_on_page_by_page(stack: Server, store: Store) -> None:
-    for number in range(5):
-        label = f"Paged Y{number}00 (2222:00{number:02x})"
-        store.calibrations.publish(calibration(label, number=number))
-        put(store, consensus(camera=label))
-    seen: list[str] = []
-    query = "query=paged&limit=2"
-    while True:
-        page = browse(stack, query).json
-        assert len(page["cameras"]) <= 2
-        seen += [camera["key"] for camera in page["cameras"]]
-        if page["next"] is None:
-            break
-        query = f"query=paged&limit=2&after={quote(page['next'])}"
-    assert len(seen) == len(set(seen)) == 5
-
-
 @pytest.mark.parametrize("query", ["limit=0", "limit=51", "query=c920&after=x", "query=" + "x" * 129])
 def test_malformed_search_is_refused_by_field(stack: Server, query: str) -> None:
     answer = browse(stack, query)

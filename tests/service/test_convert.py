@@ -11,7 +11,6 @@ import pytest
 from calibsolver.formats import reading
 from calibsolver.formats.grid import grid
 from infra.web_build.operations import EXAMPLE_FILE
-from tests.helpers.data import data_dir, external_data
 from tests.helpers.service.client import BRIEF, TOKEN, Answer, Client, Truth
 
 JOBS = False
@@ -106,20 +105,3 @@ def test_exported_corners_come_back(client: Client) -> None:
     assert ended.status == 200, ended.body
     before, after = (each["calibration"]["camera_matrix"][0][0] for each in (state, ended.json))
     assert abs(after / before - 1) < 0.002
-
-
-@external_data
-def test_genuine_files_of_other_programs_are_converted(client: Client) -> None:
-    """Of the real files, those with a camera; a size that a file does not state is given."""
-    files = sorted(p for p in (data_dir() / "imports").iterdir() if p.stat().st_size < 100_000)
-    good, asked = 0, 0
-    for path in files:
-        text = path.read_bytes().decode("utf-8", "replace")
-        answer = convert(client, text, format="opencv-yaml")
-        if answer.status == 422 and answer.json["errors"][0]["field"] == "img_size":
-            asked += 1
-            answer = convert(client, text, format="opencv-yaml", img_size=[1920, 1080])
-        assert answer.status in (200, 422)
-        good += answer.status == 200
-    print(f"{good} of {len(files)} converted, {asked} of them with a size given")
-    assert good >= 0.75 * len(files)

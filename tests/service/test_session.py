@@ -23,15 +23,6 @@ def converged(client: Client) -> Client:
     return client
 
 
-def test_starting_twice_is_starting_once(running: Client) -> None:
-    assert Truth().show(running).json["accepted"]
-    again = running.call("POST", "/v1/session", CAMERA)
-    assert again.status == 201
-    assert len(again.json["views"]) == 1
-    other = running.call("POST", "/v1/session", {**CAMERA, "zoom": 2})
-    assert other.status == 409
-
-
 def test_a_repeat_does_not_bring_an_undone_view_back(running: Client) -> None:
     view = Truth().see(running.pose().json)
     assert running.view(0, *view).json["accepted"]
