@@ -24,6 +24,7 @@ from calibdb.store.rigs import Rigs
 from calibdb.store.sessions import Sessions
 from calibdb.store.storage import storage_of
 from tests.aws.emulator import LocalStack
+from tests.helpers.clock import Clock
 from tests.helpers.service.client import CAMERA, Client, Truth
 from tests.helpers.service.iam import Grant, Needed, Recorder, grants, needs_of_machine, running
 from tests.helpers.service.published import PLATFORM, asked, calibration, held, mode_of, store
@@ -38,16 +39,9 @@ UNASKED = {
 }
 
 
-class Clock:
-    ahead = 0.0
-
-    def __call__(self) -> float:
-        return time.time() + self.ahead
-
-
 @pytest.fixture(scope="module")
 def recorded() -> Iterator[set[tuple[str, Needed]]]:
-    recorder, clock = Recorder(set()), Clock()
+    recorder, clock = Recorder(set()), Clock(time.time())
     # On AWS each function remembers tokens for itself; here they would share one memory.
     instances: dict[tuple[str | None, Settings], Service] = {}
 
@@ -70,7 +64,7 @@ def recorded() -> Iterator[set[tuple[str, Needed]]]:
             use(stack)
             rig = capture_rig(stack)
             manage(stack)
-            clock.ahead += 700  # what was counted in memory is written down
+            clock.now += 700  # what was counted in memory is written down
             use_again(stack)
             assert Client(stack).call("GET", f"/v1/rigs/{rig}/result", token=TOKEN).status == 200
             stack.wait_until_idle(60)

@@ -22,6 +22,7 @@ from calibsolver.capture import Capture
 from calibsolver.fitting.fit import _Fit
 from calibsolver.guidance.projection_uncertainty import ProjectionUncertainty
 from calibsolver.models import Model
+from calibsolver.quality import report, rivals
 from calibsolver.rig.fit import _RigFit
 
 PURE: tuple[tuple[Any, str], ...] = (
@@ -29,9 +30,9 @@ PURE: tuple[tuple[Any, str], ...] = (
     (_RigFit, "run"),
     (ProjectionUncertainty, "choose"),
     (Capture, "judge"),
-    (import_module("calibsolver.quality.rivals"), "with_rivals"),
-    (import_module("calibsolver.quality.report"), "describe"),
-    (import_module("calibdb.compute.rig_course"), "estimate"),
+    (rivals, "with_rivals"),
+    (report, "describe"),
+    (import_module("calibsolver.rig.estimate"), "next_moment"),  # whose package has a function of that name
 )
 
 P = ParamSpec("P")
