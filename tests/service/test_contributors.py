@@ -12,7 +12,7 @@ from calibsolver import Camera
 from calibsolver.consensus import difference
 from infra.server.server import Server
 from tests.helpers.marks import thorough
-from tests.helpers.service.client import BRIEF, CAMERA, EDGE, Answer, Client, Truth
+from tests.helpers.service.client import CAMERA, EDGE, Answer, Client, Truth
 from tests.helpers.service.published import PLATFORM, asked, calibration, mode_of, store, views
 
 TOKENS = ("cdb_a_secret", "cdb_b_secret", "cdb_c_secret")
@@ -108,7 +108,7 @@ def test_three_daily_contributors_do_not_outvote_five(stack: Server, lie: float)
 
 def test_contributor_has_one_vote_a_day_and_none_on_own_calibration(stack: Server) -> None:
     camera, home = "Checked by three", Client(stack, api_token=TOKENS[0], address="198.51.100.7")
-    state = Truth(seed=3).calibrate(home, camera=camera, platform=PLATFORM, **BRIEF)
+    state = Truth(seed=4).calibrate(home, camera=camera, platform=PLATFORM)
     pooled(stack, *store(stack).calibrations.read([state["calibration_id"]]))
     for token in TOKENS:
         own = check(stack, home.address, camera, token=token).json
@@ -126,10 +126,10 @@ def test_contributor_has_one_vote_a_day_and_none_on_own_calibration(stack: Serve
 def test_addresses_of_both_families_count_by_one(stack: Server) -> None:
     """A line of the network has two: a capture and three checks from one home and one telephone."""
     camera, home = "Of one line", Client(stack, api_token=TOKENS[0], address="203.0.113.7")
-    state = Truth(seed=1, fx=1300, fy=1298).calibrate(home, camera=camera, platform=PLATFORM, **BRIEF)
+    state = Truth(seed=4).calibrate(home, camera=camera, platform=PLATFORM)
     pooled(stack, *store(stack).calibrations.read([state["calibration_id"]]))
     for seed, address in enumerate(("2001:db8:aaaa::7", "198.51.100.9", "2001:db8:bbbb::9")):
-        answer = check(stack, address, camera, seed, fx=1300.0).json
+        answer = check(stack, address, camera, seed).json
         assert (answer["fits"], answer["counted"]) == ("fits", True)
     assert answer["votes"] == {"agree": 2, "disagree": 0}
     assert answer["calibration"]["reliable"] is False

@@ -8,6 +8,8 @@ from infra.server.server import DEVELOPMENT_TOKEN, Server
 from tests.bench.captures import drive, main
 from tests.bench.crowd import missing_or_double
 
+JOBS = False
+
 
 def test_acknowledged_views_are_stored_once(tmp_path: Path) -> None:
     with Server(tmp_path / "data") as stack, stack.serve() as url:

@@ -63,7 +63,7 @@ def test_refusals_have_hints(running: Client) -> None:
 
 def test_wrong_first_view_is_set_aside_in_the_state(stack: Server, client: Client) -> None:
     """Of another camera, and right by itself; what is published does not contain it."""
-    client.open(camera="Camera whose first view was another's")
+    client.open(camera="Camera whose first view was another's", target_error=0.6)
     take(client, Truth(fx=450, fy=450, distortion=(0.0,) * 5), 1)
     state = Truth(seed=3).finish(client, 14)
     first, *others = state["views"]

@@ -1,4 +1,4 @@
-"""In whatever order things happen, the table says what the bucket says; `CALIBDB_ROUNDS` times (3)."""
+"""In whatever order things happen, the table says what the bucket says; `CALIBDB_ROUNDS` times (2)."""
 
 import os
 import random
@@ -16,7 +16,7 @@ from tests.helpers.service.index_items import items, remove
 from tests.helpers.service.published import asked, calibration, held, mode_of, store
 from tests.helpers.service.strangers import context
 
-ROUNDS = int(os.environ.get("CALIBDB_ROUNDS", "3"))
+ROUNDS = int(os.environ.get("CALIBDB_ROUNDS", "2"))
 LABELS = "Webcam Z77 (1111:0001)", "Webcam Z77 (1111:0002)", "Webcam Z77", "Integrated Camera (2222:0003)"
 RULES = {"MIN_CALIBRATIONS": "2", "MIN_CONTRIBUTORS": "2", "CONTRIBUTOR_PERIOD": "86400"}
 
@@ -55,7 +55,7 @@ def test_random_history_reindexes_to_the_same_table(tmp_path: Path) -> None:
     done: set[str] = set()
     with Server(environment=RULES) as stack:
         operator = context(stack)
-        for _ in range(ROUNDS):
+        for number in range(ROUNDS):
             for document in rng.choices(documents, k=4):
                 what = rng.choice(("publish", "publish", "withdraw", "restore", "vote"))
                 if what == "publish":
@@ -69,11 +69,10 @@ def test_random_history_reindexes_to_the_same_table(tmp_path: Path) -> None:
                     withdrawal.restore(operator, document.id)
                 operator.store.refit.now(asked(mode_of(with_current_key(document))))
             before = items(stack)
-            reindex(operator)
+            if number == ROUNDS - 1:
+                remove(stack, *before)
+            assert reindex(operator).failed == 0
             assert items(stack) == before
-        remove(stack, *before)
-        assert reindex(operator).failed == 0
-        assert items(stack) == before
         dump(operator, tmp_path / "dump", private=True)
         expected = counted(stack)
     with Server(environment=RULES) as stack:
