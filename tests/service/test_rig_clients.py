@@ -1,9 +1,10 @@
-"""A rig end to end: captured through the API, and read by the JavaScript SDK."""
+"""A rig end to end: captured through the API, and read by the JavaScript SDK and the Python client."""
 
 import cv2
 import numpy as np
 import pytest
 
+from calibdb_client import Client, NotFoundError
 from infra.server.server import Server
 from tests.helpers.node import run_module
 from tests.helpers.service.client import TOKEN
@@ -57,3 +58,14 @@ def test_sdk_reads_the_rig_that_was_captured_and_rectifies_it_as_its_file(rig: R
     )
     for name in ("R1", "R2", "P1", "P2", "Q"):
         assert np.array(found[name]) == pytest.approx(storage.getNode(name).mat(), abs=1e-6), name
+
+
+def test_python_client_reads_the_rig_and_a_file_of_it(rig: RigTruth, url: str) -> None:
+    with Client(url, TOKEN, cache=False) as client:
+        found = client.rig(rig.rig_id)
+        assert found.record == rig.result().json
+        away = found.pose(1)[:3, 3] - rig.motions[1].t
+        assert np.abs(away / found.std(1)[3:]).max() < 4
+        assert client.rig_file(rig.rig_id, "kalibr").content == rig.result("kalibr").body
+        with pytest.raises(NotFoundError, match="no rig"):
+            client.rig("0" * 32)
