@@ -98,6 +98,21 @@ def test_a_miss_says_why_and_computes_nothing(
     assert refused.json["detail"] == answer.json["detail"]
 
 
+def test_a_size_between_two_that_scale(stack: Server) -> None:
+    found = ask(stack, C920, img_size=[960, 540]).json
+    assert (found["exact_size"], found["relation"]) == (False, "scale")
+    assert found["adapted"]["img_size"] == [960, 540]
+    assert found["adapted"]["camera_matrix"][0] == [pytest.approx(712.5), 0.0, pytest.approx(479.5)]
+    assert ask(stack, C920, img_size=[1920, 1080]).json["adapted"] is None
+
+
+def test_a_zoom_between_two(stack: Server) -> None:
+    found = ask(stack, C920, zoom=2.5).json
+    assert (found["zoom"], found["adapted"]["interpolated"]) == (2.5, True)
+    assert found["camera_matrix"][0][0] == pytest.approx(1600.0)
+    assert ask(stack, C920, zoom=2.0).json["adapted"] is None
+
+
 def test_uncomputable_model_is_tried_once(stack: Server, store: Store) -> None:
     """A hostile client cannot make every lookup a computation: what came out is stored, be it nothing."""
     label = "Worthless X2 (1111:0002)"
