@@ -1,15 +1,19 @@
 """Estimates in lookups that miss: always there, never stored, and led by what is stored of the camera."""
 
+import json
 import math
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from calibdb_client.cli import main
 from infra.server.server import Server
 from tests.helpers.service.client import Answer, Client
 from tests.helpers.service.known import C920, LINUX, consensus, fit
 from tests.helpers.service.published import put, store
 from tests.helpers.service.storage_calls import storage_calls
+from tests.unit.client.test_exif import IMG_SIZE, block, jpeg
 
 WINDOWS = "Windows NT 10.0; Win64; x64"
 IPHONE = "iPhone; CPU iPhone OS 17_5 like Mac OS X"
@@ -170,6 +174,20 @@ def test_a_hit_has_the_estimate_without_it_if_asked(stack: Server) -> None:
     assert hit.json["camera_matrix"][0][0] == 1400.0
     assert hit.json["estimate"] == before
     assert calls == ["Query"]
+
+
+@pytest.mark.usefixtures("served")
+def test_command_says_what_is_likely(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    photo = tmp_path / "IMG_1234.jpg"
+    photo.write_bytes(jpeg(block(model="Phone X9")))
+    assert main(["lookup", str(photo), "--no-cache"]) == 1
+    printed = capsys.readouterr().out
+    assert "not calibrated" in printed
+    assert "device" in printed
+    assert main(["lookup", str(photo), "--no-cache", "--json"]) == 1
+    likely = json.loads(capsys.readouterr().out)["estimate"]
+    assert likely["img_size"] == list(IMG_SIZE)
+    assert likely["hfov_deg"] == pytest.approx(67.3, abs=3)
 
 
 def test_a_session_of_an_identified_phone_is_that_phones(stack: Server) -> None:
