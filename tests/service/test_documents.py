@@ -220,6 +220,7 @@ def test_python_of_a_document_runs(
     monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     board = Board(squares=(8, 8), marker_ratio=0.75, dictionary="DICT_4X4_1000")
+    monkeypatch.setattr("calibdb_client.pictures.recognise_board", lambda *_: board)
     write(tmp_path / "photos", board, count=5)
     found = [block for block in blocks(source) if block.language == "python" and block.reason is None]
     assert found

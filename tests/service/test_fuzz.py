@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from infra.server.server import Server
 from tests.helpers.service.client import Client
 
-EXAMPLES = 4 * int(os.environ.get("CASES", "150")) // 20
+EXAMPLES = int(os.environ.get("CASES", "100")) // 10
 FUZZ = settings(
     max_examples=EXAMPLES,
     deadline=None,
@@ -46,7 +46,7 @@ PLACES = st.one_of(
 )
 
 
-@settings(FUZZ, max_examples=EXAMPLES // 2)
+@FUZZ
 @given(
     views=st.lists(
         st.tuples(st.permutations(range(40)), PLACES) | st.tuples(st.just(list(range(40))), QUADS),
