@@ -68,6 +68,13 @@ def pytest_configure() -> None:
         raise pytest.UsageError(f"CALIBDB_DATA names no folder: {EXTERNAL}")
 
 
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish() -> None:
+    """Collect what is left once. pytest does it five times, which other interpreters may need."""
+    gc.collect()
+    gc.freeze()
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtestloop() -> None:
     """Collect garbage from here on, of what tests make."""

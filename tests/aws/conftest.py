@@ -1,11 +1,10 @@
-"""The whole stack emulated in memory, one for each module of tests, and a client of it."""
+"""The whole stack emulated in memory, one for each module of tests."""
 
 from collections.abc import Iterator
 
 import pytest
 
 from tests.aws.emulator import LocalStack
-from tests.helpers.service.client import Client
 from tests.helpers.solver.computed_once import computed_once
 
 
@@ -19,15 +18,3 @@ def results_of_the_solver() -> Iterator[None]:
 def stack() -> Iterator[LocalStack]:
     with LocalStack() as stack:
         yield stack
-
-
-@pytest.fixture
-def client(stack: LocalStack) -> Client:
-    return Client(stack)
-
-
-@pytest.fixture
-def running(client: Client) -> Client:
-    """A client with a session of its own."""
-    assert client.open().status == 201
-    return client

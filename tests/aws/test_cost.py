@@ -9,17 +9,7 @@ import yaml
 from infra.deploy.template import parse
 from tests.bench import edge_month
 from tests.bench.cost import MAX_FIXED_USD, MAX_USD, at_edge, measure, price_of
-from tests.bench.usage import (
-    PRICES,
-    Usage,
-    firewall,
-    fixed_costs,
-    price,
-    price_at_edge,
-    price_preflights,
-    read_units,
-    write_units,
-)
+from tests.bench.usage import PRICES, Usage, firewall, fixed_costs, price, price_at_edge
 from tests.helpers.data import ROOT
 from tests.helpers.service.storage_calls import lasting_tokens
 
@@ -81,19 +71,6 @@ def test_every_price_has_a_source_and_a_date() -> None:
     assert all(re.fullmatch(r"https://aws\.amazon\.com/[\w/-]+/", page) for page in sources)
     named = [name for names in sources.values() for name in names]
     assert sorted(named) == sorted(prices.keys() - {"assumed", "not_in_it"})
-
-
-def test_preflights_are_priced_as_if_the_function_answered_them() -> None:
-    prices = yaml.safe_load(PRICES.read_text())
-    usd = price_preflights(1e6, 0.5, prices)
-    assert 0.05 * 1.2 < usd < 0.05 * 1.5
-
-
-def test_units_as_dynamodb_counts_them() -> None:
-    assert [read_units(n, consistent=False) for n in (0, 4096, 4097)] == [0.5, 0.5, 1.0]
-    assert read_units(4097, consistent=True) == 2.0
-    assert [write_units(n, together=False) for n in (0, 1024, 1025)] == [1, 1, 2]
-    assert write_units(1025, together=True) == 4
 
 
 def test_every_use_has_its_price() -> None:

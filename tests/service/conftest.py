@@ -5,6 +5,7 @@ import ssl
 from collections.abc import Iterator
 
 import pytest
+import typer.main
 
 from calibdb.store import Store
 from infra.server.server import Server
@@ -18,6 +19,14 @@ def certificates() -> Iterator[None]:
     """Certificates of this machine, read once: each HTTP client reads them for 20 ms."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(ssl, "create_default_context", functools.cache(ssl.create_default_context))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def commands() -> Iterator[None]:
+    """The operator's commands, made of their functions once."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(typer.main, "get_command", functools.cache(typer.main.get_command))
         yield
 
 

@@ -7,8 +7,6 @@ import pytest
 
 from calibdb.http.call import Call
 from calibsolver.capture import Capture
-from calibsolver.formats.grid import grid
-from tests.helpers.data import corner_views
 from tests.helpers.service.client import Answer, Client, Truth
 
 JOBS = False
@@ -162,22 +160,3 @@ def counted(judged: list[object]) -> Any:
         return decision
 
     return run
-
-
-@pytest.mark.thorough
-def test_batch_of_a_lens_that_the_model_cannot_express_suggests_another(client: Client) -> None:
-    """The advice follows all views of the batch, as it follows each single view."""
-    views, size = corner_views("jy_left")
-    found = grid(views)
-    board = {"squares": list(found.squares), "dictionary": "DICT_4X4_1000"}
-    client.open(camera="Wide", capture="recorded", img_size=list(size), board=board)
-    sent = [
-        {"ids": list(ids), "points": view.image_points.tolist()}
-        for ids, view in zip(found.ids[:8], views[:8], strict=True)
-    ]
-    answer = send(client, sent).json
-    while len(answer["results"]) < len(sent):
-        sent = sent[len(answer["results"]) :]
-        answer = send(client, sent, len(answer["views"])).json
-    assert answer["suggested_model"] in ("fisheye", "rational", "omnidirectional")
-    assert "model_too_simple" in [advice["code"] for advice in answer["advice"]]

@@ -122,21 +122,14 @@ def test_a_withdrawn_calibration_is_gone(stack: Server, store: Store, said: str,
         assert "Anna" not in json.dumps(answer.json)
 
 
-def test_a_search_goes_on_page_by_page(stack: Server, store: Store) -> None:
-    for number in range(5):
-        label = f"Paged Y{number}00 (2222:00{number:02x})"
+def test_a_search_continues_after_a_page(stack: Server, store: Store) -> None:
+    labels = [f"Paged Y{number}00 (2222:00{number:02x})" for number in range(2)]
+    for number, label in enumerate(labels):
         store.calibrations.publish(calibration(label, number=number))
         put(store, consensus(camera=label))
-    seen: list[str] = []
-    query = "query=paged&limit=2"
-    while True:
-        page = browse(stack, query).json
-        assert len(page["cameras"]) <= 2
-        seen += [camera["key"] for camera in page["cameras"]]
-        if page["next"] is None:
-            break
-        query = f"query=paged&limit=2&after={quote(page['next'])}"
-    assert len(seen) == len(set(seen)) == 5
+    first = browse(stack, "query=paged&limit=1").json
+    rest = browse(stack, f"query=paged&limit=1&after={quote(first['next'])}").json
+    assert sorted(camera["camera"] for camera in first["cameras"] + rest["cameras"]) == labels
 
 
 @pytest.mark.parametrize("query", ["limit=0", "limit=51", "query=c920&after=x", "query=" + "x" * 129])

@@ -243,25 +243,3 @@ def test_check_resolves_the_camera_as_a_lookup(stack: Server) -> None:
     calibrated(stack, "Acme LensCam X200 (1bcf:2c99)", 0)
     assert check(stack, "Acme LensCam X200").json["fits"] == "fits"
     assert check(stack, "Acme LensCam X300").status == 404
-
-
-def test_arbitrary_points_get_an_answer(stack: Server, camera: Callable[[int], str]) -> None:
-    name, rng = camera(1), np.random.default_rng(1)
-    grid = np.stack([100.0 + 100 * (np.arange(40) % 8), 50.0 + 100 * (np.arange(40) // 8)], axis=1)
-    shapes: list[Callable[[int], Any]] = [
-        lambda n: rng.uniform(0, [1279, 719], (n, 2)),
-        lambda n: np.stack([np.linspace(0, 1279, n), np.linspace(0, 719, n)], axis=1),
-        lambda n: np.full((n, 2), 300.0),
-        lambda n: grid[:n],
-        lambda n: grid[:n] * 1e-9,
-        lambda n: grid[:n] + rng.normal(0, 10, (n, 2)),
-    ]
-    client = Client(stack)
-    client.authenticate()
-    for case in range(12):  # each shape twice, each model three times
-        count = int(rng.integers(1, 41))
-        points = shapes[case % len(shapes)](count).tolist()
-        seen = [{"ids": list(range(count)), "points": points}] * (1 + case % 5)
-        model = schema.DISTORTION_MODELS[case % 4]
-        body = {**CAMERA, "camera": name, "views": seen, "distortion_model": model}
-        assert client.call("POST", "/v1/checks", body).status in (200, 422), body

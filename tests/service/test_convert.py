@@ -2,26 +2,18 @@
 
 import base64
 import io
-import json
 import time
 import zipfile
 
 import numpy as np
 import pytest
 
-from calibdb.schema import FORMATS
-from calibsolver import Camera
-from calibsolver.formats import FORMATS as WRITERS
-from calibsolver.formats import ExportSource, mrcal, reading
+from calibsolver.formats import reading
 from calibsolver.formats.grid import grid
 from infra.web_build.operations import EXAMPLE_FILE
-from tests.helpers.data import data_dir, external_data
-from tests.helpers.marks import thorough
 from tests.helpers.service.client import BRIEF, TOKEN, Answer, Client, Truth
 
 JOBS = False
-
-NEED_CORNERS = {"corners-vnl"}
 
 
 def huge_array() -> str:
@@ -47,36 +39,16 @@ def refused(answer: Answer) -> tuple[int, str, str]:
     return answer.status, only["field"], only["detail"]
 
 
-@pytest.mark.parametrize("name", FORMATS)
-def test_file_with_a_camera_alone_is_written_in_every_format(client: Client, name: str) -> None:
-    """All formats but the table of corners, and each says how far its camera is from that of the file."""
-    answer = convert(client, EXAMPLE_FILE, format=name)
-    if name in NEED_CORNERS:
-        status, field, detail = refused(answer)
-        assert (status, field) == (422, "format")
-        assert "keypoints" in detail
-        return
+def test_file_with_a_camera_alone_is_written_unless_the_format_needs_corners(client: Client) -> None:
+    """The file says how far its camera is from that of the file given."""
+    answer = convert(client, EXAMPLE_FILE, format="kalibr")
     assert answer.status == 200, answer.body
-    assert WRITERS[name].suffix in answer.headers["content-disposition"]
-    assert float(answer.headers["x-conversion-error"]) < (640 if name == "gltf" else 64)
+    assert ".yaml" in answer.headers["content-disposition"]
+    assert float(answer.headers["x-conversion-error"]) < 64
     assert float(answer.headers["x-conversion-coverage"]) > 0.9
-
-
-@pytest.mark.parametrize("name", sorted({*FORMATS} - NEED_CORNERS - {"gltf", "dng", "webxr", "lensfun"}))
-def test_converted_file_is_read_again(client: Client, name: str) -> None:
-    """There and back, the camera differs by no more than the file said."""
-    there = convert(client, EXAMPLE_FILE, format=name)
-    binary = there.headers["content-type"] == "application/octet-stream"
-    text = base64.b64encode(there.body).decode() if binary else there.body.decode()
-    back = convert(client, text, encoding="base64" if binary else "text", img_size=[1280, 720])
-    if back.status == 422:  # formats that are written for others, and never read here
-        assert name in ("opensfm", "artoolkit"), back.body
-        return
-    camera = Camera.from_record(json.loads(back.body))
-    original = Camera.from_record(json.loads(convert(client, EXAMPLE_FILE).body))
-    rays = original.unproject(np.array([[640.0, 360.0], [300.0, 200.0], [1000.0, 600.0]]))
-    away = np.abs(camera.project(rays) - original.project(rays)).max()
-    assert away <= float(there.headers["x-conversion-error"]) + 0.01
+    status, field, detail = refused(convert(client, EXAMPLE_FILE, format="corners-vnl"))
+    assert (status, field) == (422, "format")
+    assert "keypoints" in detail
 
 
 def test_what_a_file_does_not_say_is_asked_for(client: Client) -> None:
@@ -94,12 +66,7 @@ def test_what_a_file_does_not_say_is_asked_for(client: Client) -> None:
     ("file", "more"),
     [
         ("", {}),
-        ("hello", {}),
-        ("{", {}),
-        ("[" * 50_000, {}),
-        ("a: " * 30_000, {}),
         ("a: &a [1]\nb: [*a, *a, *a]\n", {}),
-        ("<opencv_storage>" * 3000, {}),
         ("x" * 100_001, {}),
         ("not base64!", {"encoding": "base64"}),
         (base64.b64encode(b"\x80\x04pickle").decode(), {"encoding": "base64"}),
@@ -119,48 +86,22 @@ def test_hostile_and_broken_files_are_refused_in_words(client: Client, file: str
 
 
 def test_corners_alone_are_no_camera(client: Client) -> None:
-    subject = ExportSource(Camera("rectilinear", np.array([[9e2, 0, 640], [0, 9e2, 360], [0, 0, 1]]),
-                                  np.zeros(5), (1280, 720)))  # fmt: skip
-    assert subject.views == ()
     status, field, _ = refused(convert(client, "# filename x y level\nview000.png 10 20 0\n" * 20))
     assert (status, field) == (422, "file")
 
 
-@pytest.mark.parametrize("seed", [0, *thorough(1, 2)])
-@pytest.mark.parametrize("form", ["photonvision", *thorough("mrcal", "corners-vnl")])
-def test_exported_corners_come_back(client: Client, form: str, seed: int) -> None:
-    """Round trips: a capture, a file of its corners, a session of them without a complaint."""
-    state = Truth(seed=3 + seed).calibrate(client, **BRIEF)
+def test_exported_corners_come_back(client: Client) -> None:
+    """Round trip: a capture, a file of its corners, a session of them without a complaint."""
+    state = Truth(seed=3).calibrate(client, **BRIEF)
     where = f"/v1/calibrations/{state['calibration_id']}"
-    content = client.call("GET", where, token=TOKEN, query=f"format={form}").body.decode()
-    if form == "mrcal":
-        content = convert(client, content, format="photonvision").body.decode()
-        form = "photonvision"
-    read = mrcal.read_corners(content, (9, 6)) if form == "corners-vnl" else reading.read(json.loads(content))
-    found = grid(read.views)
+    views = reading.read(client.call("GET", where, token=TOKEN, query="format=photonvision").json).views
+    found = grid(views)
     told = {"kind": "chessboard", "squares": list(found.squares)}
     assert client.open(camera="Again", board=told, capture="recorded").status == 201
-    for index, (ids, view) in enumerate(zip(found.ids, read.views, strict=True)):
+    for index, (ids, view) in enumerate(zip(found.ids, views, strict=True)):
         answer = client.view(index, list(ids), view.image_points.tolist())
         assert answer.json["accepted"], answer.json["reason"]
     ended = client.call("POST", "/v1/session/finish")
     assert ended.status == 200, ended.body
     before, after = (each["calibration"]["camera_matrix"][0][0] for each in (state, ended.json))
     assert abs(after / before - 1) < 0.002
-
-
-@external_data
-def test_genuine_files_of_other_programs_are_converted(client: Client) -> None:
-    """Of the real files, those with a camera; a size that a file does not state is given."""
-    files = sorted(p for p in (data_dir() / "imports").iterdir() if p.stat().st_size < 100_000)
-    good, asked = 0, 0
-    for path in files:
-        text = path.read_bytes().decode("utf-8", "replace")
-        answer = convert(client, text, format="opencv-yaml")
-        if answer.status == 422 and answer.json["errors"][0]["field"] == "img_size":
-            asked += 1
-            answer = convert(client, text, format="opencv-yaml", img_size=[1920, 1080])
-        assert answer.status in (200, 422)
-        good += answer.status == 200
-    print(f"{good} of {len(files)} converted, {asked} of them with a size given")
-    assert good >= 0.75 * len(files)

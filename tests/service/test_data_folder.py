@@ -32,7 +32,7 @@ from tests.helpers.service.published import calibration, publish
 
 ROWS = 120
 #: random damages; all 100 with `DAMAGES=100`
-DAMAGES = int(os.environ.get("DAMAGES", "12"))
+DAMAGES = int(os.environ.get("DAMAGES", "8"))
 LOG = f"{FILE_NAME}-wal"
 
 

@@ -163,10 +163,6 @@ def test_request_that_ran_out_of_time_is_counted(
     assert json.loads(capsys.readouterr().out)["ComputeTimeouts"] == 1
 
 
-def test_request_about_a_rig_has_five_seconds_however_many_cameras() -> None:
-    assert made(29_000, 0.0).with_time_for_a_rig().seconds_left() == pytest.approx(5.2)
-
-
 def test_busy_machine_is_no_fault_of_the_request() -> None:
     reason = ConflictError("too slow")
     assert isinstance(made(0, 1.0).out_of_time(reason), UnavailableError)

@@ -3,6 +3,7 @@
 import base64
 import contextlib
 import io
+import itertools
 import json
 import shutil
 import subprocess
@@ -13,13 +14,14 @@ from typing import Any
 
 import pytest
 
-from calibdb_client import Board
+from calibdb_client import Board, session
 from infra.server.server import Server
+from infra.web_build import recorded_examples
 from infra.web_build.docs.samples import samples
 from infra.web_build.example_calls import SCENARIO, TOKEN, calls, fill_in, learn
 from infra.web_build.openapi import EXAMPLES_PATH
 from infra.web_build.operations import EXAMPLE_CAMERA, OPERATIONS
-from infra.web_build.recorded_examples import CALIBRATIONS, prepare_call
+from infra.web_build.recorded_examples import CALIBRATIONS
 from tests.helpers.board_pictures import write
 from tests.helpers.documents import CODE, SITE, Block, blocks, sources
 from tests.helpers.marks import thorough
@@ -58,7 +60,7 @@ class Site:
         """As `recorded_examples.prepare_call`; what one language finished, the others finish again."""
         known = dict(self.finished.get(name, {}))
         if not known:
-            prepare_call(self.stack, name, known)
+            recorded_examples.prepare_call(self.stack, name, known)
             if name.startswith("finish"):
                 self.finished[name] = known
         values |= known
@@ -66,7 +68,13 @@ class Site:
 
 @pytest.fixture(scope="module")
 def site() -> Iterator[Site]:
-    with Server(environment={"NEW_TOKENS": "100"}) as stack, stack.serve() as url:
+    four = recorded_examples._poses()[:4]  # more only take longer
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        Server(environment={"NEW_TOKENS": "100"}) as stack,
+        stack.serve() as url,
+    ):
+        patch.setattr(recorded_examples, "_poses", lambda: four)
         publish(stack, *(calibration(EXAMPLE_CAMERA, n) for n in range(CALIBRATIONS)))
         assert Client(stack).lookup(camera=EXAMPLE_CAMERA).status == 200
         stack.wait_until_idle(60)  # its label is an alias from here on
@@ -124,16 +132,18 @@ def parted(said: str) -> tuple[int, str]:
     return int(status), body.strip()
 
 
-@pytest.mark.parametrize("language", ["fetch", "python", *thorough("curl")])
-def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, language: str) -> None:
+@pytest.mark.parametrize("languages", ["fetch python", *thorough("fetch", "python", "curl")])
+def test_every_sample_of_the_reference_is_answered_as_it_says(site: Site, languages: str) -> None:
+    """Each call in the next of the languages."""
     expected = {operation.name: min(operation.answers) for operation in OPERATIONS}
     assert set(SCENARIO) == set(expected), "every call has an example"
     values: dict[str, str] = {}
-    with runner(language) as run_sample:
-        for call in calls():
+    with contextlib.ExitStack() as stack:
+        run_sample = {language: stack.enter_context(runner(language)) for language in languages.split()}
+        for call, language in zip(calls(), itertools.cycle(run_sample), strict=False):
             site.prepare_call(call.name, values)
             code = fill_in(samples(call)[language], values).replace(SITE, site.url)
-            status, body = run_sample(code)
+            status, body = run_sample[language](code)
             assert status in (None, expected[call.name]), (call.name, body)
             example = EXAMPLES[call.name]
             if isinstance(example, dict):
@@ -205,10 +215,12 @@ def test_python_of_a_document_runs(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("calibdb_client.open_camera", lambda *_, **__: FakeCamera())
+    monkeypatch.setattr(session, "chosen_model", lambda *_: ("rectilinear", None))
     monkeypatch.setenv("CALIBDB_URL", site.url)
     monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     board = Board(squares=(8, 8), marker_ratio=0.75, dictionary="DICT_4X4_1000")
+    monkeypatch.setattr("calibdb_client.pictures.recognise_board", lambda *_: board)
     write(tmp_path / "photos", board, count=5)
     found = [block for block in blocks(source) if block.language == "python" and block.reason is None]
     assert found

@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 from calibdb.compute.view_checks import examine
-from calibdb.lookup.transfer import relate
-from calibdb.schema import Calibration, CheckRequest, FitRecord
+from calibdb.schema import CheckRequest
 from calibsolver import Board, View, fit
 from calibsolver import Calibration as Fitted
 from calibsolver.arrays import symmetric_inverse
@@ -85,29 +84,3 @@ def test_check_takes_its_own_camera_for_no_more_certain_than_it_is() -> None:
     assert own is not None
     assert own.uncertainty.rms == pytest.approx(few.uncertainty().rms, rel=1e-3)
     assert own.uncertainty.rms > 2 * under_white_noise(few).uncertainty().rms
-
-
-def test_relation_of_sizes_waits_until_error_bars_allow_it(fitted: Fitted) -> None:
-    """Twice the moving hand's error is too much to verify a relation; that of white noise would do."""
-
-    def known(one: Fitted) -> Calibration:
-        return Calibration.of(
-            FitRecord.model_validate(one.record()),
-            id="",
-            camera="",
-            platform="",
-            zoom=0.0,
-            calibration_time=0,
-        )
-
-    def half(one: Calibration) -> Calibration:
-        (fx, _, cx), (_, fy, cy), last = one.camera_matrix
-        matrix = ((fx / 2, 0.0, (cx + 0.5) / 2 - 0.5), (0.0, fy / 2, (cy + 0.5) / 2 - 0.5), last)
-        return one.model_copy(update={"img_size": (640, 360), "camera_matrix": matrix})
-
-    bound = 0.0015 * 640
-    vague, certain = fitted, under_white_noise(fitted)
-    factor = bound / np.sqrt(vague.uncertainty().rms * certain.uncertainty().rms)
-    vague, certain = (replace(c, covariance=c.covariance * factor**2) for c in (vague, certain))
-    assert relate(known(vague), half(known(vague)))[0] is None
-    assert relate(known(certain), half(known(certain)))[0] == "scale"

@@ -7,10 +7,9 @@ from typing import Any
 
 import pytest
 
-from calibdb_client import Client as PythonClient
 from calibdb_client.cli import main
 from infra.server.server import Server
-from tests.helpers.service.client import TOKEN, Answer, Client
+from tests.helpers.service.client import Answer, Client
 from tests.helpers.service.known import C920, LINUX, consensus, fit
 from tests.helpers.service.published import put, store
 from tests.helpers.service.storage_calls import storage_calls
@@ -177,28 +176,18 @@ def test_a_hit_has_the_estimate_without_it_if_asked(stack: Server) -> None:
     assert calls == ["Query"]
 
 
-def test_python_client_and_command_say_what_is_likely(
-    stack: Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with stack.serve() as url, PythonClient(url, TOKEN, cache=False) as client:
-        answer = client.lookup("HD Pro Webcam C920", platform=WINDOWS, size=(1280, 720))
-        assert answer.calibration is None
-        assert answer.estimate is not None
-        assert answer.estimate.basis == "published"
-        assert answer.estimate.interval_90[0] < 66.9 < answer.estimate.interval_90[1]
-        assert answer.estimate.sources
-        monkeypatch.setenv("CALIBDB_URL", url)
-        monkeypatch.setenv("CALIBDB_TOKEN", TOKEN)
-        photo = tmp_path / "IMG_1234.jpg"
-        photo.write_bytes(jpeg(block(model="Phone X9")))
-        assert main(["lookup", str(photo), "--no-cache"]) == 1
-        printed = capsys.readouterr()
-        assert "not calibrated" in printed.out
-        assert "device" in printed.out
-        assert main(["lookup", str(photo), "--no-cache", "--json"]) == 1
-        likely = json.loads(capsys.readouterr().out)["estimate"]
-        assert likely["img_size"] == list(IMG_SIZE)
-        assert likely["hfov_deg"] == pytest.approx(67.3, abs=3)
+@pytest.mark.usefixtures("served")
+def test_command_says_what_is_likely(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    photo = tmp_path / "IMG_1234.jpg"
+    photo.write_bytes(jpeg(block(model="Phone X9")))
+    assert main(["lookup", str(photo), "--no-cache"]) == 1
+    printed = capsys.readouterr().out
+    assert "not calibrated" in printed
+    assert "device" in printed
+    assert main(["lookup", str(photo), "--no-cache", "--json"]) == 1
+    likely = json.loads(capsys.readouterr().out)["estimate"]
+    assert likely["img_size"] == list(IMG_SIZE)
+    assert likely["hfov_deg"] == pytest.approx(67.3, abs=3)
 
 
 def test_a_session_of_an_identified_phone_is_that_phones(stack: Server) -> None:

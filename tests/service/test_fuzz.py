@@ -1,7 +1,6 @@
 """Fuzzing of views: every answer is one that the OpenAPI document promises, and never a 500."""
 
 import os
-from typing import Any
 
 import cv2
 import numpy as np
@@ -11,31 +10,13 @@ from hypothesis import strategies as st
 from infra.server.server import Server
 from tests.helpers.service.client import Client
 
-EXAMPLES = 4 * int(os.environ.get("CASES", "150")) // 20
+EXAMPLES = int(os.environ.get("CASES", "100")) // 10
 FUZZ = settings(
     max_examples=EXAMPLES,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
-SCALARS = (
-    st.none()
-    | st.booleans()
-    | st.integers()
-    | st.floats()
-    | st.text(max_size=20)
-    | st.sampled_from(["rectilinear", "1280x720", "DICT_4X4_50", 0, -1, 1e308])
-)
-JSON = st.recursive(
-    SCALARS,
-    lambda inner: st.lists(inner, max_size=5) | st.dictionaries(st.text(max_size=8), inner, max_size=5),
-    max_leaves=12,
-)
-
-
-def objects(*names: str) -> st.SearchStrategy[dict[str, Any]]:
-    """Objects with some of these members, or members of any name."""
-    return st.dictionaries(st.sampled_from(names) | st.text(max_size=8), JSON, max_size=8)
 
 
 def fine(status: int) -> bool:
@@ -65,7 +46,7 @@ PLACES = st.one_of(
 )
 
 
-@settings(FUZZ, max_examples=EXAMPLES // 2)
+@FUZZ
 @given(
     views=st.lists(
         st.tuples(st.permutations(range(40)), PLACES) | st.tuples(st.just(list(range(40))), QUADS),
@@ -83,20 +64,3 @@ def test_views(stack: Server, views: list[tuple[list[int], list[tuple[float, flo
         index += answer.status == 200 and answer.json["accepted"]
     assert client.call("GET", "/v1/session").status == 200
     assert fine(client.pose().status)
-
-
-@FUZZ
-@given(body=objects("index", "ids", "points"))
-def test_view_of_any_shape(stack: Server, body: dict[str, Any]) -> None:
-    client = Client(stack)
-    client.open()
-    assert fine(client.call("POST", "/v1/session/views", body).status)
-
-
-@FUZZ
-@given(body=st.binary(max_size=200))
-def test_bytes(stack: Server, body: bytes) -> None:
-    client = Client(stack)
-    client.open()
-    for path in ("/v1/session", "/v1/session/views"):
-        assert fine(client.call("POST", path, body or b"\0").status)

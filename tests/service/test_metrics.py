@@ -85,7 +85,8 @@ def test_every_published_metric_is_listed() -> None:
     """`make cost` prices the listed ones."""
     published = set()
     for path in (*ROOT.glob("functions/*/app.py"), *ROOT.glob("layers/service/calibdb/**/*.py")):
-        for node in ast.walk(ast.parse(path.read_text())):
+        text = path.read_text()
+        for node in ast.walk(ast.parse(text)) if "count(" in text else ():
             if isinstance(node, ast.Call) and ast.unparse(node.func) in ("metrics.count", "count"):
                 published |= {word.arg for word in node.keywords if word.arg and word.arg[0].isupper()}
     assert len(published) >= 6

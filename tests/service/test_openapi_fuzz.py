@@ -29,7 +29,7 @@ from tests.helpers.service.rigs import RigTruth
 
 JOBS = False
 
-CASES = int(os.environ.get("CASES", "60"))
+CASES = int(os.environ.get("CASES", "50"))
 MAX_ANSWER_S = 120
 """Seconds to wait for an answer: only a failure takes them, and a busy machine is none."""
 SEED = int(os.environ.get("SEED", "0"))

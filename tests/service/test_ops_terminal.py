@@ -194,23 +194,13 @@ def test_wrong_command_line_exits_with_two(arguments: list[str]) -> None:
     assert ended.value.code == 2
 
 
-@pytest.fixture
-def completed() -> Any:
-    def ask(words: str) -> list[str]:
-        environment = {
-            **os.environ,
-            "_CALIBDB_OPS_COMPLETE": "complete_bash",
-            "COMP_WORDS": words,
-            "COMP_CWORD": str(len(words.split(" ")) - 1),
-        }
-        done = subprocess.run(
-            [ROOT / "infra" / "calibdb-ops"], env=environment, capture_output=True, text=True, check=False
-        )
-        return done.stdout.split()
-
-    return ask
-
-
-def test_shell_completes_commands_and_plans(completed: Any) -> None:
-    assert completed("calibdb-ops cam") == ["camera"]
-    assert completed("calibdb-ops token create --plan pa") == ["page", "partner"]
+def test_shell_completes_plans() -> None:
+    environment = {
+        **os.environ,
+        "_CALIBDB_OPS_COMPLETE": "complete_bash",
+        "COMP_WORDS": "calibdb-ops token create --plan pa",
+        "COMP_CWORD": "4",
+    }
+    command = [ROOT / "infra" / "calibdb-ops"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.stdout.split() == ["page", "partner"]

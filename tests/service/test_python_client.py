@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
-from calibdb_client import AsyncClient, Board, Client, CredentialError, NotFoundError, Recording
+from calibdb_client import AsyncClient, Board, Client, CredentialError, NotFoundError, Recording, session
 from calibdb_client.cli import main
 from calibdb_client.key import CameraKey
 from infra.server.server import Server
@@ -144,11 +144,13 @@ def test_wrong_token_and_absent_service_have_their_statuses(
 
 @pytest.mark.usefixtures("served")
 def test_folder_of_pictures_becomes_a_calibration_of_the_database(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(session, "chosen_model", lambda *_: ("rectilinear", None))
     folder = board_pictures.write(tmp_path / "pictures", Board(), count=5)
     path = tmp_path / "camera.json"
-    assert main(["calibrate", str(folder), "--label", "Drawn camera", "-o", str(path), "--json"]) == 0
+    drawn = ["--squares", "9x6", "--label", "Drawn camera"]
+    assert main(["calibrate", str(folder), *drawn, "-o", str(path), "--json"]) == 0
     told = json.loads(capfd.readouterr().out)
     assert told["img_size"] == list(board_pictures.SIZE)
     assert np.abs(np.array(told["camera_matrix"]) - board_pictures.MATRIX).max() < 5
@@ -160,6 +162,11 @@ def test_folder_of_pictures_becomes_a_calibration_of_the_database(
         assert np.allclose(again.calibration.camera_matrix, stored.camera_matrix)
         assert again.used == 5
         assert stored.save(tmp_path / "ros.yaml", format="ros").error == 0
+        compared = client.check_against(Recording.load(path), stored)
+    assert main(["check", str(path), "--against", told["id"], "--json"]) == 0
+    checked = json.loads(capfd.readouterr().out)
+    assert (checked["fits"], checked["views"], checked["drift"]) == (True, 5, compared.drift)
+    assert compared.drift < 2
 
 
 @pytest.mark.usefixtures("served")

@@ -12,7 +12,6 @@ from tests.helpers.service.client import Client, Truth
 
 JOBS = False
 NAMES = available(["opencv_left", "pv_charuco_480"])
-"""The second: 16 photographs of which a guided capture's rule used nine."""
 
 
 def recorded(client: Client, name: str) -> tuple[tuple[tuple[int, ...], ...], tuple[View, ...]]:
@@ -35,7 +34,7 @@ def offer(client: Client, index: int, ids: tuple[int, ...], view: View) -> dict[
 
 @pytest.mark.parametrize("name", [NAMES[-1], *thorough(*NAMES[:-1])])
 def test_every_real_view_that_agrees_counts(client: Client, name: str) -> None:
-    ids, views = recorded(client, name)
+    ids, views = (each[::2] for each in recorded(client, name))  # all of them only take longer
     taken: list[View] = []
     for i, view in zip(ids, views, strict=True):
         answer = offer(client, len(taken), i, view)

@@ -145,19 +145,6 @@ def test_failed_refit_is_retried(at_rest: Store) -> None:
     assert broken
 
 
-def test_model_of_a_later_version_is_skipped(at_rest: Store, stack: Server) -> None:
-    document = calibration("Asked by a later version", 0)
-    at_rest.calibrations.publish(document)
-    answer = at_rest.refit.now(asked(mode_of(document), "double_sphere", "fisheye"))
-    assert list(answer.models) == ["fisheye"]
-    (known,) = at_rest.consensuses.of(document.camera_key)
-    later = known.model_dump_json().replace('"fisheye"', '"double_sphere"')
-    pk, sk = f"CAMERA#{document.camera_key}", "CONSENSUS#1280x720#0#double_sphere"
-    stack.storage.table.put({"pk": pk, "sk": sk, "document": later})
-    assert Client(stack).lookup(camera="Asked by a later version").status == 307
-    assert list(at_rest.refit.now(asked(mode_of(document))).models) == list(schema.DISTORTION_MODELS)
-
-
 def test_calibrations_of_an_earlier_version_are_pooled(stack: Server, at_rest: Store) -> None:
     """As they were stored before reports and priors were known."""
     documents = [calibration("Of old", n) for n in range(2)]
@@ -171,18 +158,18 @@ def test_calibrations_of_an_earlier_version_are_pooled(stack: Server, at_rest: S
     assert totals_now(at_rest, documents[0]) == {2}
 
 
-def test_withdrawn_calibrations_do_not_count(stack: Server, at_rest: Store) -> None:
-    documents = [calibration("Withdrawn", n) for n in range(3)]
-    mode = mode_of(documents[0])
+def test_withdrawn_calibrations_and_models_of_a_later_version_do_not_count(
+    stack: Server, at_rest: Store
+) -> None:
+    documents = [calibration("Withdrawn", n) for n in range(2)]
     for document in documents:
         at_rest.calibrations.publish(document)
-    assert totals_now(at_rest, documents[0]) == {3}
-    at_rest.calibrations.withdraw(documents[2], "a mirror", 1)
-    assert totals_now(at_rest, documents[0]) == {2}
-    for document in documents[:2]:
-        at_rest.calibrations.withdraw(document, "all of them", 1)
-    assert set(at_rest.refit.now(asked(mode)).models.values()) == {None}
-    assert at_rest.consensuses.of(mode.camera_key) == []
+    request = asked(mode_of(documents[0]), "double_sphere", "rectilinear")
+    for document, total in zip(documents, (1, None), strict=True):
+        at_rest.calibrations.withdraw(document, "a mirror", 1)
+        models = at_rest.refit.now(request).models
+        assert {name: found and found.total for name, found in models.items()} == {"rectilinear": total}
+    assert at_rest.consensuses.of(documents[0].camera_key) == []
     assert Client(stack).lookup(camera="Withdrawn").json["reason"] == "unknown_camera"
 
 

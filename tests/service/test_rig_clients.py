@@ -1,15 +1,10 @@
-"""Rigs end to end: captured through the API, read by the JavaScript SDK and by both Python clients."""
-
-import asyncio
-import io
-import zipfile
-from typing import Any
+"""A rig end to end: captured through the API, and read by the JavaScript SDK and the Python client."""
 
 import cv2
 import numpy as np
 import pytest
 
-from calibdb_client import AsyncClient, Client, NotFoundError, ProblemError, Rig
+from calibdb_client import Client, NotFoundError
 from infra.server.server import Server
 from tests.helpers.node import run_module
 from tests.helpers.service.client import TOKEN
@@ -17,15 +12,6 @@ from tests.helpers.service.rigs import RigTruth
 
 JOBS = False
 MOMENTS = 4
-FILES = {
-    "json": ("json", "{"),
-    "opencv_stereo": ("yml", "%YAML:1.0"),
-    "kalibr": ("yaml", "# translations in squares"),
-    "gltf": ("gltf", "{"),
-    "ros": ("zip", "PK"),
-    "colmap": ("zip", "PK"),
-    "mrcal": ("zip", "PK"),
-}
 READ = """
 import { LookupError, rig } from "./web/sdk/calibdb.js";
 import { rectify } from "./web/sdk/stereo.js";
@@ -74,30 +60,12 @@ def test_sdk_reads_the_rig_that_was_captured_and_rectifies_it_as_its_file(rig: R
         assert np.array(found[name]) == pytest.approx(storage.getNode(name).mat(), abs=1e-6), name
 
 
-async def _read(url: str, identifier: str) -> tuple[Rig, Any]:
-    async with AsyncClient(url, TOKEN, cache=False) as client:
-        return await client.rig(identifier), await client.rig_file(identifier, "kalibr")
-
-
-def test_python_clients_read_the_rig_and_every_file_of_it(rig: RigTruth, url: str) -> None:
+def test_python_client_reads_the_rig_and_a_file_of_it(rig: RigTruth, url: str) -> None:
     with Client(url, TOKEN, cache=False) as client:
         found = client.rig(rig.rig_id)
         assert found.record == rig.result().json
-        assert (found.unit, len(found.calibrations)) == ("squares", 2)
         away = found.pose(1)[:3, 3] - rig.motions[1].t
         assert np.abs(away / found.std(1)[3:]).max() < 4
-        for name, (suffix, begin) in FILES.items():
-            file = client.rig_file(rig.rig_id, name)
-            assert file.filename.endswith(suffix), name
-            assert file.content.startswith(begin.encode()), name
-            if suffix == "zip":
-                assert len(zipfile.ZipFile(io.BytesIO(file.content)).namelist()) == 2, name
+        assert client.rig_file(rig.rig_id, "kalibr").content == rig.result("kalibr").body
         with pytest.raises(NotFoundError, match="no rig"):
             client.rig("0" * 32)
-        with pytest.raises(ProblemError, match="opencv_stereo"):
-            client.rig_file(rig.rig_id, "stl")
-        assert found.export("kalibr").content.startswith(FILES["kalibr"][1].encode())
-        kalibr = client.rig_file(rig.rig_id, "kalibr").content
-    twin, file = asyncio.run(_read(url, rig.rig_id))
-    assert twin.record == found.record
-    assert file.content == kalibr

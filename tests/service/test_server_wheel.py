@@ -13,7 +13,7 @@ import pytest
 
 from calibdb import __version__
 from infra.release import wheels
-from tests.helpers.service.client import BRIEF, Client, Truth
+from tests.helpers.service.client import Client, Truth
 from tests.helpers.service.remote import Remote
 from tests.helpers.stack.processes import install_wheels, without_checkout
 
@@ -72,11 +72,11 @@ def installed(scripts: Path, data: Path) -> Iterator[Remote]:
             process.kill()
 
 
-def test_guided_capture_is_looked_up(installed: Remote) -> None:
+def test_capture_is_guided_and_cameras_are_looked_up(installed: Remote) -> None:
     client = Client(installed)
-    truth = Truth(seed=1)
-    done = truth.calibrate(client, **BRIEF)
-    assert done["calibration_id"]
+    assert client.open().status == 201
+    assert Truth(seed=1).show(client).json["accepted"]
+    assert client.lookup(redirect=False).json["reason"] == "unknown_camera"
 
 
 def test_pages_are_those_of_the_build(installed: Remote) -> None:

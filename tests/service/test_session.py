@@ -1,6 +1,5 @@
 """A session's rules over HTTP: repeats, conflicts, undo, the end, and requests at the same time."""
 
-import json
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
@@ -11,7 +10,6 @@ from calibdb.errors import UnavailableError
 from calibdb.store import Store
 from infra.server.server import Server
 from tests.helpers.service.client import BRIEF, CAMERA, TOKEN, Client, Truth, until
-from tests.helpers.service.index_items import items
 from tests.helpers.service.stores import override_service, with_methods
 
 
@@ -23,15 +21,6 @@ def objects(stack: Server, prefix: str) -> list[str]:
 def converged(client: Client) -> Client:
     Truth().calibrate(client, **BRIEF)
     return client
-
-
-def test_starting_twice_is_starting_once(running: Client) -> None:
-    assert Truth().show(running).json["accepted"]
-    again = running.call("POST", "/v1/session", CAMERA)
-    assert again.status == 201
-    assert len(again.json["views"]) == 1
-    other = running.call("POST", "/v1/session", {**CAMERA, "zoom": 2})
-    assert other.status == 409
 
 
 def test_a_repeat_does_not_bring_an_undone_view_back(running: Client) -> None:
@@ -135,28 +124,3 @@ def test_sessions_started_at_once_are_one(client: Client) -> None:
     with ThreadPoolExecutor(6) as pool:
         answers = list(pool.map(lambda _: client.call("POST", "/v1/session", CAMERA), range(6)))
     assert [answer.status for answer in answers] == [201] * 6
-
-
-@pytest.mark.thorough
-def test_skipped_pose_writes_less_than_50_kb_however_many_views_there_are(stack: Server) -> None:
-    """Objects of the session, and its index item, after views of a dense board."""
-    client, truth = Client(stack), Truth(squares=(50, 49), noise=0.05)
-    board = {"squares": [50, 49], "dictionary": "DICT_6X6_1000", "kind": "chessboard"}
-    assert client.open(camera="Dense", board=board, target_error=0.001).status == 201
-    for index, tilt in enumerate((0.3, -0.3)):
-        pose = client.pose().json
-        assert client.view(index, *truth.see({**pose, "rvec": [tilt, tilt, 0]})).json["accepted"]
-
-    def stored() -> tuple[int, int]:
-        bucket = stack.storage.objects
-        size = sum(len(bucket.get(name) or b"") for name in bucket.names("sessions/"))
-        written = [item for (pk, _), item in items(stack).items() if pk.startswith("SESSION#")]
-        return size, max(len(json.dumps(item)) for item in written)
-
-    before = stored()[0]
-    assert before > 100_000
-    for _ in range(12):
-        assert client.pose("skip=1").status == 200
-    after, item = stored()
-    assert after == before
-    assert item < 50_000

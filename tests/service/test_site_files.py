@@ -19,16 +19,6 @@ def site() -> Iterator[httpx.Client]:
         yield client
 
 
-def test_crawlers_are_served(site: httpx.Client) -> None:
-    robots = site.get("/robots.txt")
-    assert robots.headers["content-type"] == "text/plain; charset=utf-8"
-    (listed,) = (line for line in robots.text.splitlines() if line.startswith("Sitemap: "))
-    pages = site.get(listed.removeprefix("Sitemap: ")).text
-    for path in ("/", "/privacy/", "/de/privacy/", "/uk/terms/", "/data/"):
-        assert f"<loc>{str(site.base_url).rstrip('/')}{path}</loc>" in pages, path
-    assert site.get("/favicon.ico").status_code == 200
-
-
 def test_page_of_what_is_missing_stands_for_pages_alone(site: httpx.Client) -> None:
     for path in ("/absent", "/absent/", "/de/absent/", "/absent.html"):
         page = site.get(path)

@@ -13,7 +13,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from tests.aws.emulator.intrinsics import ACCOUNT, REGION
 from tests.aws.emulator.template import FunctionSpec
 
 _log = logging.getLogger("tests.aws.emulator.functions")
@@ -39,17 +38,6 @@ class Context:
     aws_request_id: str
     deadline: float
     """Monotonic seconds."""
-    function_version: str = "$LATEST"
-
-    @property
-    def invoked_function_arn(self) -> str:
-        """ARN the function was invoked by."""
-        return f"arn:aws:lambda:{REGION}:{ACCOUNT}:function:{self.function_name}"
-
-    @property
-    def log_group_name(self) -> str:
-        """Name of the function's CloudWatch log group."""
-        return f"/aws/lambda/{self.function_name}"
 
     def get_remaining_time_in_millis(self) -> int:
         """Return the milliseconds left until the function's timeout."""

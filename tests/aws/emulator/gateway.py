@@ -10,9 +10,6 @@ from tests.aws.emulator.functions import Function, FunctionError
 from tests.aws.emulator.routes import Routes
 from tests.aws.emulator.template import CorsSpec, Template
 
-# Lambda carries 6 MB in a synchronous invoke; an HTTP API answers 413 to more.
-# Source: AWS Lambda developer guide, "Lambda quotas".
-MAX_BODY_BYTES = 6 * 1024 * 1024
 # An HTTP API's integration timeout, seconds. Source: Amazon API Gateway developer guide, "Quotas for HTTP
 # APIs".
 INTEGRATION_TIMEOUT_S = 30.0
@@ -59,8 +56,6 @@ class Gateway:
         match = self.routes.match(request.method, request.path)
         if match is None:
             return message(404, "Not Found")
-        if len(request.body) > MAX_BODY_BYTES:
-            return message(413, "Request Entity Too Large")
         request_id = self._new_id()
         event = to_event(request, match.key, match.parameters, request_id, self._clock())
         try:

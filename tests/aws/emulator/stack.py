@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import sys
 import time
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,6 +17,10 @@ from starlette.requests import Request as WebRequest
 from starlette.responses import Response as WebResponse
 from starlette.types import Receive, Scope, Send
 
+from calibdb.access.tokens import ApiToken, secret_hash
+from calibdb.service import Service
+from calibdb.settings import Settings
+from calibdb.store import Store
 from infra.server import secrets
 from infra.server.app import ORIGINS
 from infra.server.server import DEVELOPMENT_TOKEN, bind, serving
@@ -28,7 +31,7 @@ from tests.aws.emulator.gateway import INTEGRATION_TIMEOUT_S, Gateway
 from tests.aws.emulator.intercept import intercepting
 from tests.aws.emulator.invokes import Invokes
 from tests.aws.emulator.storage import Storage
-from tests.aws.emulator.template import Template, load
+from tests.aws.emulator.template import load
 
 ROOT = Path(__file__).resolve().parents[3]
 # A few more than can compute at once, for those that wait for the disk. More only make everyone wait longer.
@@ -36,14 +39,12 @@ _THREADS = max(4, 2 * (os.cpu_count() or 1))
 
 
 class LocalStack:
-    """A template's functions, routes and storage while its block lasts. One at a time in a process.
+    """The template's functions, routes and storage while its block lasts. One at a time in a process.
 
     Parameters
     ----------
     environment
         Variables of the functions, over the template's.
-    template
-        By default the repository's.
     retry_pauses
         Seconds before the retries of an asynchronous invocation that failed; see `Invokes`.
     answers_preflights
@@ -58,13 +59,11 @@ class LocalStack:
     def __init__(
         self,
         environment: Mapping[str, str] | None = None,
-        template: Path = ROOT / "template.yaml",
         retry_pauses: Sequence[float] = (1.0, 2.0),
         answers_preflights: bool = False,
     ):
         self._answers_preflights = answers_preflights
         self._environment = environment or {}
-        self._template_path = template
         self._retry_pauses = retry_pauses
         self._stack = ExitStack()
 
@@ -85,7 +84,12 @@ class LocalStack:
         self.url = f"http://127.0.0.1:{self._port}"
         """URL of `serve`, without slash."""
 
-        self.template = self._load()
+        # One user is one contributor, and every capture and check counts.
+        parameters = {
+            "GuidanceUrl": f"{self.url}/calibrate/",
+            "Thresholds": "MIN_CONTRIBUTORS=1,CONTRIBUTOR_PERIOD=0",
+        }
+        self.template = load(ROOT / "template.yaml", parameters)
         own = secrets.generate()
         self.environment = (
             self.template.environment()
@@ -94,11 +98,6 @@ class LocalStack:
             | dict(self._environment)
         )
         stack.enter_context(env.set_variables(self.environment))
-        for layer in map(str, self.template.layers):
-            if layer not in sys.path:
-                sys.path.append(layer)
-        from calibdb.service import Service  # now that the layers are on the path
-
         Service.forget()
         stack.callback(Service.forget)
         self.functions = {name: Function(spec) for name, spec in self.template.functions.items()}
@@ -120,22 +119,7 @@ class LocalStack:
         )
         self._admit_development_token()
 
-    def _load(self) -> Template:
-        # One user is one contributor, and every capture and check counts.
-        parameters = {
-            "GuidanceUrl": f"{self.url}/calibrate/",
-            "Thresholds": "MIN_CONTRIBUTORS=1,CONTRIBUTOR_PERIOD=0",
-        }
-        return load(self._template_path, parameters)
-
     def _admit_development_token(self) -> None:
-        if "TABLE_NAME" not in self.environment:
-            return  # another deployment, which has no tokens
-        # Imported here, because only now the layers are on the path.
-        from calibdb.access.tokens import ApiToken, secret_hash
-        from calibdb.settings import Settings
-        from calibdb.store import Store
-
         _, token_id, secret = DEVELOPMENT_TOKEN.split("_")
         created = int(time.time())
         token = ApiToken(token_id, secret_hash(secret), ORIGINS, plan="development", created=created)

@@ -74,8 +74,6 @@ class Template:
     cors: CorsSpec | None
     tables: tuple[TableSpec, ...]
     buckets: tuple[str, ...]
-    layers: tuple[Path, ...]
-    """Folders of the layers' packages."""
 
     def environment(self) -> dict[str, str]:
         """Merge the variables of all functions.
@@ -126,7 +124,6 @@ def load(path: Path, parameters: Mapping[str, str]) -> Template:
     routes: list[RouteSpec] = []
     tables: list[TableSpec] = []
     buckets: list[str] = []
-    layers: list[Path] = []
     cors: CorsSpec | None = None
     for name, resource in resources.items():
         properties = resource.get("Properties", {})
@@ -138,13 +135,11 @@ def load(path: Path, parameters: Mapping[str, str]) -> Template:
             case "AWS::Serverless::HttpApi":
                 merged = _merge(globals_.get("HttpApi", {}), properties)
                 cors = _cors(resolve(merged.get("CorsConfiguration")))
-            case "AWS::Serverless::LayerVersion":
-                layers.append(root / properties["ContentUri"])
             case "AWS::DynamoDB::Table":
                 tables.append(TableSpec(resolve({"Ref": name}), resolve(properties)))
             case "AWS::S3::Bucket":
                 buckets.append(resolve({"Ref": name}))
-    return Template(functions, tuple(routes), cors, tuple(tables), tuple(buckets), tuple(layers))
+    return Template(functions, tuple(routes), cors, tuple(tables), tuple(buckets))
 
 
 @functools.lru_cache(maxsize=4)

@@ -10,18 +10,8 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 
 
-class MethodOverride:
-    """A part of storage, some of whose methods are others.
-
-    Parameters
-    ----------
-    part
-        Answers whatever is not replaced.
-    methods
-        By the names of what they replace.
-    """
-
-    def __init__(self, part: Any, **methods: Callable[..., Any]) -> None:
+class _Override:
+    def __init__(self, part: Any, methods: dict[str, Callable[..., Any]]) -> None:
         self._part = part
         self.__dict__.update(methods)
 
@@ -30,8 +20,8 @@ class MethodOverride:
 
 
 def with_methods(part: Any, **methods: Callable[..., Any]) -> Any:
-    """Return `part` with these methods in the place of its own, for whatever wants a `part`."""
-    return MethodOverride(part, **methods)
+    """Return a part of storage with these methods in the place of its own."""
+    return _Override(part, methods)
 
 
 @contextmanager

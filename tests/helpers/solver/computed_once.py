@@ -1,14 +1,16 @@
-"""Fits and target poses, each computed once in a process for the same arguments.
+"""Fits, judgements of views and target poses, each computed once in a process for the same arguments.
 
 They are pure functions. Captures of the same simulated camera ask for the same ones again and again, and so
 do conversions of the same calibration. Servers in other processes compute everything.
 """
 
+import copy
 import functools
 import hashlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
+from importlib import import_module
 from types import NoneType
 from typing import Any, ParamSpec, TypeVar
 
@@ -16,12 +18,22 @@ import numpy as np
 import pytest
 
 from calibsolver import deadline, fit
+from calibsolver.capture import Capture
 from calibsolver.fitting.fit import _Fit
 from calibsolver.guidance.projection_uncertainty import ProjectionUncertainty
 from calibsolver.models import Model
+from calibsolver.quality import report, rivals
 from calibsolver.rig.fit import _RigFit
 
-PURE: tuple[tuple[type, str], ...] = ((_Fit, "run"), (_RigFit, "run"), (ProjectionUncertainty, "choose"))
+PURE: tuple[tuple[Any, str], ...] = (
+    (_Fit, "run"),
+    (_RigFit, "run"),
+    (ProjectionUncertainty, "choose"),
+    (Capture, "judge"),
+    (rivals, "with_rivals"),
+    (report, "describe"),
+    (import_module("calibsolver.rig.estimate"), "next_moment"),  # whose package has a function of that name
+)
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -44,13 +56,13 @@ def remembered(function: Callable[P, T]) -> Callable[P, T]:
     @functools.wraps(function)
     def recall(*arguments: P.args, **named: P.kwargs) -> T:
         deadline.check()  # a request without time left gets no result
-        digest = hashlib.blake2b(function.__qualname__.encode())
+        digest = hashlib.blake2b(f"{function.__module__}.{function.__qualname__}".encode())
         _feed(digest.update, (arguments, named))
         key = digest.digest()
         if key not in _results:
             _results[key] = function(*arguments, **named)
         result: T = _results[key]
-        return result
+        return copy.deepcopy(result) if isinstance(result, dict) else result
 
     return recall
 
@@ -74,6 +86,9 @@ def _feed(update: Callable[[bytes], None], value: Any) -> None:
         case list() | tuple():
             for one in value:
                 _feed(update, one)
+        case Capture():
+            _feed(update, (value.board, value.img_size, value.model, value.guidance))
+            _feed(update, (value.target_error, value.seed, value.recorded))
         case ProjectionUncertainty():
             _feed(update, (value.board, value.img_size, value.model, value.seed))
         case _ if is_dataclass(value):

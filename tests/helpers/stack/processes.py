@@ -17,13 +17,6 @@ import httpx
 
 ROOT = Path(__file__).resolve().parents[3]
 
-#: the same under a limit on the size of files; Python lets the write fail instead of ending the process
-LIMITED = """
-import resource, runpy
-resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
-runpy.run_module("infra.server", run_name="__main__")
-"""
-
 
 def without_checkout(environment: Mapping[str, str]) -> dict[str, str]:
     """Environment by which no Python finds this checkout; compiled modules stay where they are."""
@@ -48,15 +41,11 @@ def install_wheels(python: Path, *wheels: Path) -> None:
 class LocalProcess:
     """`python -m infra.server` on a free port, ready when the block begins; killed when it ends.
 
-    `start_seconds` is how long it took to answer its health check. `file_limit`: bytes beyond which no file
-    may grow.
+    `start_seconds` is how long it took to answer its health check.
     """
 
-    def __init__(
-        self, data_dir: Path, environment: Mapping[str, str] | None = None, file_limit: int | None = None
-    ):
+    def __init__(self, data_dir: Path, environment: Mapping[str, str] | None = None):
         self._data_dir = data_dir
-        self._file_limit = file_limit
         self._environment = environment or {}
 
     def __enter__(self) -> Self:
@@ -64,9 +53,7 @@ class LocalProcess:
         self.log = self._data_dir.parent / f"{self._data_dir.name}.log"
         with self.log.open("a") as log:
             self.process = subprocess.Popen(
-                [sys.executable, "-c", LIMITED.format(limit=self._file_limit)]
-                if self._file_limit
-                else [sys.executable, "-m", "infra.server"],
+                [sys.executable, "-m", "infra.server"],
                 cwd=ROOT,
                 env=os.environ
                 | {
