@@ -20,8 +20,8 @@ class Example:
 
     Attributes
     ----------
-    folder, name, heading
-        Folder, which texts are named after, engine, and heading.
+    folder, name, heading, does
+        Folder, which the heading's text is named after; engine; heading; key of the line in the gallery.
     has_virtual
         True if the virtual camera can stand in.
     lines, style
@@ -37,6 +37,7 @@ class Example:
     folder: str
     name: str
     heading: str
+    does: str
     has_virtual: bool
     lines: str
     style: str = ""
@@ -46,7 +47,7 @@ class Example:
 
     @property
     def message(self) -> str:
-        """Key of the heading's text; with `_does`, of the line in the gallery."""
+        """Key of the heading's text."""
         return f"examples.{self.folder}"
 
 
@@ -74,6 +75,7 @@ ENGINES = (
         "three",
         "three.js",
         "three.js over a calibrated camera",
+        "examples.three_does",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/three";
 
@@ -86,6 +88,7 @@ mesh.position.set(x, -y, -z);                      // OpenCV's (x, y, z)""",
         "babylon",
         "Babylon.js",
         "Babylon.js over a calibrated camera",
+        "examples.babylon_does",
         has_virtual=True,
         lines=f"""{_IMPORT}import {{ applyCalibration }} from "calibdb/adapters/babylon";
 
@@ -98,6 +101,7 @@ mesh.position.set(x, -y, z);                       // OpenCV's (x, y, z), in a l
         "aframe",
         "A-Frame",
         "A-Frame over a calibrated camera",
+        "examples.aframe_does",
         has_virtual=True,
         style="vendor/engines/aframe.css",
         lines=f"""{_IMPORT}import {{ registerCalibrated }} from "calibdb/adapters/aframe";
@@ -111,6 +115,7 @@ registerCalibrated(AFRAME);
         "arjs",
         "AR.js",
         "AR.js with your own camera_para.dat",
+        "examples.arjs_does",
         has_virtual=False,
         lead="examples.arjs_lead",
         lines="""import { lookup } from "calibdb";
@@ -130,6 +135,7 @@ context.init(() => applyCalibration(camera, calibration, { viewport }));
         "stereo",
         "Stereo",
         "Depth from a rectified pair",
+        "examples.stereo_does",
         has_virtual=True,
         lines="""import { rectifyPair, rig } from "calibdb";
 
@@ -224,7 +230,7 @@ def _index() -> str:
         adapter = re.search(r"calibdb/adapters/\w+", one.lines)
         heading = f'<strong data-t="{one.message}">{escape(one.heading)}</strong>'
         words = f"<strong>{one.name}</strong> <code>{adapter[0]}</code>" if adapter else heading
-        cards.append(_card(one.folder, words, f"{one.message}_does"))
+        cards.append(_card(one.folder, words, one.does))
     return _document(
         "Examples",
         "examples.index_lead",
