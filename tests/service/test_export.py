@@ -55,7 +55,10 @@ PAGES = {"/result/": "A camera calibration: ", "/de/result/": "Eine Kamerakalibr
 def heads(page: str) -> tuple[list[str], list[str]]:
     """Return the titles and the descriptions of a page."""
     titles = re.findall(r'(?:<title[^>]*>|property="og:title" content=")([^<"]*)', page)
-    described = re.findall(r'(?:name="description"|property="og:description")[^>]*content="([^"]*)"', page)
+    described = [
+        re.search(r' content="([^"]*)"', meta)[1]
+        for meta in re.findall(r'<meta [^>]*\b(?:name="description"|property="og:description")[^>]*>', page)
+    ]
     return titles, described
 
 

@@ -17,7 +17,8 @@ from calibdb.store import Store
 
 _TITLES = re.compile(r'(<title\b[^>]*>|<meta property="og:title" content=")([^"<]*)')
 _DESCRIPTIONS = re.compile(
-    r'(<meta (?:name="description"|property="og:description")(?: [a-z-]+="[^"]*")*? content=")([^"]*)'
+    r'(<meta (?=[^>]*\b(?:name="description"|property="og:description"))'
+    r'(?:[a-z-]+="[^"]*" )*?content=")([^"]*)'
 )
 
 

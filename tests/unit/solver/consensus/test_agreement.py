@@ -19,6 +19,7 @@ from tests.helpers.solver import attacks, populations, synthetic
     [
         ("focal", attacks.Effort(5)),
         ("focal", attacks.EFFORTS["very poor views"]),
+        ("shift", attacks.Effort(30, 0.05)),
         *thorough(("junk", attacks.Effort(1)), ("shift", attacks.Effort(5)), ("each", attacks.Effort(5))),
         *thorough(*product(("focal", "shift"), attacks.EFFORTS.values())),
     ],
