@@ -19,7 +19,7 @@ from calibdb.store.names import with_current_key
 from calibdb.store.ports import Condition, Item
 from calibdb.store.priors import Priors
 from calibdb.store.rigs import Rigs
-from calibdb.store.sessions import Sessions
+from calibdb.store.versions import Sessions
 from calibdb.store.votes import Votes
 from infra.ops import OpsError
 from infra.ops.context import CALIBRATIONS_PREFIX, Key, OpsContext, count_objects

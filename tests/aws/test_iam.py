@@ -21,8 +21,8 @@ from calibdb.settings import Settings
 from calibdb.store import Store
 from calibdb.store.ports import Condition, Item
 from calibdb.store.rigs import Rigs
-from calibdb.store.sessions import Sessions
 from calibdb.store.storage import storage_of
+from calibdb.store.versions import Sessions
 from tests.aws.emulator import LocalStack
 from tests.helpers.clock import Clock
 from tests.helpers.service.client import CAMERA, Client, Truth

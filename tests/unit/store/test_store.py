@@ -17,7 +17,7 @@ from calibdb.schema import (
 )
 from calibdb.store import Objects, Table, Tokens
 from calibdb.store.aws import S3Objects
-from calibdb.store.sessions import Sessions
+from calibdb.store.versions import Sessions
 from tests.helpers.service.stores import with_methods
 
 NOW = 1_700_000_000

@@ -17,9 +17,9 @@ from calibdb.store.quotas import Quotas
 from calibdb.store.refit import Refit
 from calibdb.store.rig_codes import RigCodes
 from calibdb.store.rigs import Rigs
-from calibdb.store.sessions import Sessions
 from calibdb.store.storage import storage_of
 from calibdb.store.tokens import Tokens
+from calibdb.store.versions import Sessions
 from calibdb.store.votes import Votes
 
 

@@ -1,7 +1,7 @@
 """Running documents: immutable objects `<prefix><name>/<version>.json`, and an item that names the latest.
 
-A change of a few small members (`Kind.small`) writes no object: the item has them, next to the version whose
-object has the others.
+A change of a few small members (`Versions.small`) writes no object: the item has them, next to the version
+whose object has the others.
 
 Changes follow optimistic concurrency. A change writes its object first and then moves the index to it, on the
 condition that the index still names the version that the change was made from. A crash leaves an orphaned
@@ -18,6 +18,7 @@ from typing import Generic, TypeVar
 from pydantic import BaseModel
 
 from calibdb.errors import ConflictError, NotFoundError, UnavailableError
+from calibdb.schema import SessionDocument
 from calibdb.store.ports import IF_NOT_EXISTS, Condition, Item, Objects, Table, Value, equals
 
 LIFETIME_S = 24 * 3600  # seconds after its last change; the bucket's rule removes the objects a day later
@@ -281,6 +282,22 @@ class Versions(Generic[Document]):
         return ConflictError(
             f"Other requests keep changing this {self.noun}; send this one again.", kind="overtaken"
         )
+
+
+class Sessions(Versions[SessionDocument]):
+    """Sessions under their names.
+
+    Their views are up to a megabyte, so that another target, or the number of duplicates, is stored in the
+    index item.
+    """
+
+    model = SessionDocument
+    prefix = "sessions/"
+    partition = "SESSION#"
+    noun = "session"
+    missing = "No session was started under this session id."
+    missing_kind = "no-session"
+    small = ("target", "skipped", "duplicates")
 
 
 def _if_version(version: int) -> Condition:
