@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { countsOf } from "../../web/cameras/source.js";
+import { countsOf } from "../../web/landing/counts.js";
 import { BITS } from "../../web/landing/capture-loop.js";
 import { DEFAULT_BOARD, markers } from "../../web/lib/board.js";
 import { markerBits } from "../../web/lib/board-drawing.js";

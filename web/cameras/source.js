@@ -3,8 +3,6 @@ import { askJson } from "../lib/api.js";
 
 /** @import { Member } from "./agreement.js" */
 
-const COUNTED = 50; // cameras of one answer
-
 /**
  * @typedef {import("../sdk/calibdb.js").CalibrationData} Calibration
  *
@@ -89,28 +87,4 @@ export async function estimateOf({ camera, platform }, { img_size, zoom }) {
     body: { camera, platform, img_size, zoom, redirect: false, miss: "ok" },
   });
   return estimate;
-}
-
-/**
- * @typedef {{cameras: number, ready: number, calibrations: number, more: boolean}} Counts ready: cameras that a lookup
- *   answers
- */
-
-/** @returns {Promise<Counts>} of the first cameras of the list; `more`: there are others */
-export async function countCameras() {
-  const { cameras, next } = await askJson("GET", `/cameras?limit=${COUNTED}`);
-  return countsOf(cameras, next !== null);
-}
-
-/** @param {{sizes: {reliable: boolean, calibrations: number}[]}[]} cameras @param {boolean} more @returns {Counts} */
-export function countsOf(cameras, more) {
-  return {
-    cameras: cameras.length,
-    ready: cameras.filter(({ sizes }) => sizes.some(({ reliable }) => reliable)).length,
-    calibrations: cameras.reduce(
-      (sum, { sizes }) => sizes.reduce((own, { calibrations }) => own + calibrations, sum),
-      0,
-    ),
-    more,
-  };
 }

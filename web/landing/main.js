@@ -1,5 +1,4 @@
 // Landing page: the pictures, counts of the database, and a lookup of the visitor's own camera.
-import { countCameras } from "../cameras/source.js";
 import { DEFAULT_BOARD } from "../lib/board.js";
 import { el, liveRegion, make, part } from "../lib/dom.js";
 import { explain } from "../lib/faults.js";
@@ -13,6 +12,7 @@ import { gridLines } from "../lib/result/grid-picture.js";
 import { short } from "../lib/svg.js";
 import { knownCard, unknownCard } from "./answer-card.js";
 import { captureLoop } from "./capture-loop.js";
+import { countCameras } from "./counts.js";
 
 /** @type {[number, number]} */
 const SIZE = [640, 400];

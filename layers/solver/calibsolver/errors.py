@@ -1,9 +1,12 @@
-"""Errors of the solver: a calibration that cannot be believed, and a computation that takes too long."""
+"""Errors of the solver, and how their reasons state figures: words instead of meaningless numbers."""
 
 from contextlib import ContextDecorator
 from types import TracebackType
 
 from numpy.linalg import LinAlgError
+
+MAX_FACTOR = 100.0
+"""Factor from which on a number says nothing more."""
 
 
 class CalibrationError(Exception):
@@ -50,3 +53,13 @@ class DeadlineError(Exception):
 
     def __init__(self) -> None:
         super().__init__("the computation takes longer than the time allotted")
+
+
+def format_px_error(px: float, width: float, digits: int = 1) -> str:
+    """Format an error, px, in an image of some width, px: beyond the width no number says more."""
+    return f"{px:.{digits}f} px off" if px < width else "off by more than the image is wide"
+
+
+def format_factor(factor: float) -> str:
+    """Format a factor as how many times."""
+    return f"{factor:.1f} times" if factor < MAX_FACTOR else "over a hundred times"

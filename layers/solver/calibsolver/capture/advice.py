@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from ..errors import CalibrationError
+from ..errors import CalibrationError, format_factor
 from ..fitting.calibration import Calibration
-from ..phrasing import format_factor
 from ..quality.model_selection import suggest_model
 from ..view import View
 from .consistency import thin

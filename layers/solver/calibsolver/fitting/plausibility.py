@@ -3,8 +3,7 @@
 import numpy as np
 
 from ..arrays import Mask
-from ..errors import CalibrationError
-from ..phrasing import format_factor, format_px_error
+from ..errors import CalibrationError, format_factor, format_px_error
 from .levenberg_marquardt import Problem, State
 
 MAX_RMS_WIDTHS, MAX_INLIER_RMS_WIDTHS = 0.01, 0.005

@@ -8,13 +8,12 @@ import numpy as np
 from .. import models
 from ..arrays import Array, Mask
 from ..camera import Camera
-from ..errors import CalibrationError
+from ..errors import CalibrationError, format_px_error
 from ..fitting import resection
 from ..fitting.fit import fit
 from ..fitting.levenberg_marquardt import Options, Problem
 from ..fitting.observations import Observations
 from ..fitting.plausibility import MAX_SHARE_OUTSIDE_DOMAIN
-from ..phrasing import format_px_error
 from ..view import View
 from .base import Conversion, ExportSource, ModelConstraint
 from .ray_fit import fit_to_rays, free_directions, sampled_rays

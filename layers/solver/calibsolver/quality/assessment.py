@@ -8,11 +8,10 @@ import numpy as np
 
 from ..arrays import Array
 from ..camera import pixel_grid
-from ..errors import undetermined
+from ..errors import format_px_error, undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.coverage import Coverage
 from ..fitting.normal_equations import Poses
-from ..phrasing import format_px_error
 from ..view import View
 
 Level = Literal["good", "fair", "poor"]

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import models
-from ..errors import CalibrationError, undetermined
+from ..errors import CalibrationError, format_px_error, undetermined
 from ..fitting.calibration import Calibration
 from ..fitting.fit import MIN_POINTS, fit
-from ..phrasing import format_px_error
 from ..view import View
 from .cross_validation import HeldOut, held_out
 
