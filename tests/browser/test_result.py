@@ -8,7 +8,7 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
-from playwright.sync_api import BrowserContext, Download, Page, expect
+from playwright.sync_api import BrowserContext, Download, Page, ViewportSize, expect
 
 from calibsolver.formats import FORMAT_NAMES
 from tests.helpers.browser.captures import capture
@@ -130,8 +130,8 @@ def test_error_bars_that_arrive_later_move_no_number(page: Page) -> None:
     answer(page, "**/v1/calibrations/*", result)
     page.goto("/result/")
     page.locator("#waiting a").first.wait_for()
-    between = ({"width": 800, "height": 600},) if THOROUGH else ()
-    for size in (SIZES["desk"], *between, SIZES["hand"]):
+    wider = (SIZES["desk"], ViewportSize(width=800, height=600)) if THOROUGH else ()
+    for size in (*wider, SIZES["hand"]):
         page.set_viewport_size(size)
         (before, nothing), (after, numbers) = page.evaluate(SHOWN_TWICE)
         assert before == after, size
