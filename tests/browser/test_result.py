@@ -25,7 +25,7 @@ FORMAT_KEY = "calibdb.format"  # of what a browser keeps
 COPIED = {"en": "Copied", "de": "Kopiert", "uk": "Скопійовано"}
 MAX_HEIGHTS = {"desk": 1800, "hand": 2800}  # px, of a result whichever tab is open
 #: formats that are saved in `make test`: tests/service/test_export.py has them all
-SAVED = ("calibdb", "opencv-yaml", "ros", "gltf")
+SAVED = ("calibdb", "ros", "gltf")
 KEY = {"camera": "Result Test Camera (1234:0001)", "platform": "X11; Linux x86_64", "img_size": [1280, 720]}
 
 
