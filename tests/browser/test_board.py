@@ -28,11 +28,12 @@ FOUND = page_function("find_drawn_boards")
 
 
 def test_a_board_is_printed_with_words_of_the_page(page: Page) -> None:
+    page.goto("/board/?lang=en")
+    expect(page.locator("#papers a"), "the paper that is usual here").to_contain_text("Letter")
+    page.locator("#more-papers summary").click()
     for language, pictures in (("en", 0), ("de", 0), ("uk", 3)):
-        page.goto(f"/board/?lang={language}")
-        if language == "en":
-            expect(page.locator("#papers a"), "the paper that is usual here").to_contain_text("Letter")
-        page.locator("#more-papers summary").click()
+        page.locator("#language").select_option(language)
+        expect(page.locator("html")).to_have_attribute("lang", language)
         with page.expect_download() as download:
             page.locator(".papers a", has_text="A4").click()
         assert download.value.suggested_filename == "calibdb-board-a4.pdf"
@@ -48,9 +49,11 @@ def test_a_board_is_printed_with_words_of_the_page(page: Page) -> None:
             assert int(mask) > 1000
 
 
-def test_the_board_fills_the_window_where_there_is_no_full_screen(page: Page) -> None:
+def test_the_board_fills_the_window_where_there_is_no_full_screen_until_one_goes_back(page: Page) -> None:
     page.add_init_script("delete Element.prototype.requestFullscreen")  # as on an iPhone
     page.set_viewport_size(SIZES["hand"])
+    before = "/config.json"
+    page.goto(before)
     page.goto("/board/")
     canvas = page.locator("#board")
     page.locator("#full-screen").click()
@@ -59,7 +62,6 @@ def test_the_board_fills_the_window_where_there_is_no_full_screen(page: Page) ->
         "nothing scrolls behind"
     )
     picture(page, "board-filling", ["hand"])
-    page.set_viewport_size(SIZES["hand"])
 
     def is_turned() -> bool:  # to use the whole of an upright phone
         box = canvas.bounding_box()
@@ -69,51 +71,39 @@ def test_the_board_fills_the_window_where_there_is_no_full_screen(page: Page) ->
     until(page, is_turned)
     canvas.click()
     page.locator("#frame:not(.filling)").wait_for()
-    page.locator("#full-screen").click()
-    page.keyboard.press("Escape")
-    page.locator("#frame:not(.filling)").wait_for()
-
-
-def test_back_closes_the_full_screen_and_not_the_page(page: Page) -> None:
-    page.add_init_script("delete Element.prototype.requestFullscreen")
-    page.goto("/privacy/")
-    page.goto("/board/")
     for _ in range(2):
         page.locator("#full-screen").click()
         page.locator("#frame.filling").wait_for()
         page.evaluate("history.back()")
         page.locator("#frame:not(.filling)").wait_for()
-        assert page.url.endswith("/board/")
+        assert page.url.endswith("/board/"), "the full screen is closed and not the page"
     page.locator("#full-screen").click()
     page.locator("#frame.filling").wait_for()
     page.keyboard.press("Escape")
     page.locator("#frame:not(.filling)").wait_for()
     until(page, lambda: page.evaluate("!history.state?.isBoardFull"))
     page.go_back()
-    assert page.url.endswith("/privacy/")
-
-
-def test_a_board_of_ones_own_is_the_same_on_both_pages(page: Page) -> None:
-    page.add_init_script(BLIND_DETECTOR)
-    page.goto("/calibrate/?squares=8x11&marker_ratio=0.75&dictionary=DICT_5X5_100")
-    board = "squares=8x11&marker_ratio=0.75&dictionary=DICT_5X5_100"
-    links = page.locator("a[href*='board/']")
-    addresses = links.evaluate_all("links => links.map((link) => link.href.replace('#phone-camera', ''))")
-    assert len(addresses) >= 4, addresses
-    assert all(there.endswith(f"/board/?{board}") for there in addresses)
-    page.goto(f"/board/?{board}")
-    expect(page.locator("#description")).to_have_text("8 × 11 ChArUco, DICT_5X5_100, markers 0.75")
-    expect(page.locator("#columns")).to_have_value("8")
-    page.goto("/calibrate/?squares=12x12")
-    expect(page.locator("#problem")).to_contain_text("the board needs 72")
-    picture(page, "capture-impossible-board", ["hand"])
-    page.goto("/board/?squares=12x12")
-    page.locator("#problem", has_text="the board needs 72").wait_for()
+    assert page.url.endswith(before)
 
 
 def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
-    page.goto("/board/")
-    page.locator("#board-edit summary").click()
+    asked = "kind=aprilgrid&squares=5x4&dictionary=DICT_APRILTAG_36h11&tag_spacing=0.25"
+    page.goto(f"/board/?{asked}")
+    expect(page.locator("#description")).to_have_text("5 × 4 AprilGrid, DICT_APRILTAG_36h11, gaps 0.25")
+    expect(page.locator("#columns")).to_have_value("5")
+    expect(page.locator("#ratio")).to_be_hidden()
+    page.locator("#columns").fill("6")
+    assert address(page).endswith(f"/board/?{asked.replace('5x4', '6x4')}"), "it stays of its kind"
+    page.locator("#more-papers summary").click()
+    with page.expect_download() as download:
+        page.locator(".papers a", has_text="A4").click()
+    assert b"AprilGrid" in Path(download.value.path()).read_bytes()
+    page.locator("#board-kind").select_option("chessboard")
+    assert address(page).endswith("/board/?kind=chessboard&squares=6x4")
+    expect(page.locator("#use")).to_have_attribute(
+        "href", re.compile(r"/calibrate/\?kind=chessboard&squares=6x4$")
+    )
+    page.locator("#board-kind").select_option("charuco")
     page.locator("#columns").fill("7")
     page.locator("#rows").fill("5")
     page.locator("#dictionary").select_option("DICT_6X6_250")
@@ -133,23 +123,20 @@ def test_any_board_can_be_set_and_goes_along(page: Page) -> None:
     page.locator("#description", has_text="9 × 6").wait_for()
     assert address(page).endswith("/board/")
 
+    page.add_init_script(BLIND_DETECTOR)
+    page.goto(f"/calibrate/?{asked}")
+    back = page.locator("a[href*='board/']").evaluate_all("links => links.map((link) => link.href)")
+    assert len(back) >= 4, back
+    assert all(there.removesuffix("#phone-camera").endswith(f"/board/?{asked}") for there in back)
 
-def test_a_board_of_another_kind_stays_of_its_kind(page: Page) -> None:
-    asked = "kind=aprilgrid&squares=5x4&dictionary=DICT_APRILTAG_36h11&tag_spacing=0.25"
-    page.goto(f"/board/?{asked}")
-    expect(page.locator("#description")).to_have_text("5 × 4 AprilGrid, DICT_APRILTAG_36h11, gaps 0.25")
-    expect(page.locator("#ratio")).to_be_hidden()
-    page.locator("#columns").fill("6")
-    assert address(page).endswith(f"/board/?{asked.replace('5x4', '6x4')}")
-    page.locator("#more-papers summary").click()
-    with page.expect_download() as download:
-        page.locator(".papers a", has_text="A4").click()
-    assert b"AprilGrid" in Path(download.value.path()).read_bytes()
-    page.locator("#board-kind").select_option("chessboard")
-    assert address(page).endswith("/board/?kind=chessboard&squares=6x4")
-    expect(page.locator("#use")).to_have_attribute(
-        "href", re.compile(r"/calibrate/\?kind=chessboard&squares=6x4$")
-    )
+
+def test_an_impossible_board_is_refused_by_both_pages(page: Page) -> None:
+    page.add_init_script(BLIND_DETECTOR)
+    page.goto("/calibrate/?squares=12x12")
+    expect(page.locator("#problem")).to_contain_text("the board needs 72")
+    picture(page, "capture-impossible-board", ["hand"])
+    page.goto("/board/?squares=12x12")
+    page.locator("#problem", has_text="the board needs 72").wait_for()
 
 
 @pytest.mark.parametrize(
@@ -178,18 +165,18 @@ def test_circles_are_drawn_and_the_command_is_named(page: Page, kind: str, flag:
     expect(page.locator("#papers a")).not_to_have_count(0)
     picture(page, f"board-{kind}", ["hand"], full=True)
     page.add_init_script(BLIND_DETECTOR)
-    for path in ("/photos/", "/calibrate/"):
+    for path in ("/photos/", "/calibrate/") if THOROUGH else ():  # and tests/web/boards.test.mjs
         page.goto(f"{path}?kind={kind}&squares=4x11&marker_ratio=0.5")
         expect(page.locator("#problem, #board-problem").filter(has_text=command).first).to_be_visible()
 
 
+@pytest.mark.thorough
 def test_boards_of_every_kind_of_marker_are_found_where_they_are_drawn(page: Page) -> None:
+    """That they are drawn as OpenCV draws them: tests/web/geometry.test.mjs."""
     page.goto("/board/")
     offered = page.locator("#dictionary option").all_text_contents()
     kinds = [name for name in offered if name.endswith("_1000") or "APRILTAG" in name]
     assert len(kinds) == 8
-    if not THOROUGH:
-        kinds = [kinds[0], kinds[-1]]
     corners = [(8 * y + x, 79.5 + 50 * x, 79.5 + 50 * y) for y in range(5) for x in range(8)]
     drawn = page.evaluate(FOUND, kinds)
     assert len(drawn) == len(kinds)
@@ -197,7 +184,8 @@ def test_boards_of_every_kind_of_marker_are_found_where_they_are_drawn(page: Pag
         assert np.abs(np.array(found) - corners).max() < 0.05, name
 
 
-def test_another_device_is_shown_the_way_by_a_qr_code(page: Page) -> None:
+def test_another_device_is_shown_the_way_by_qr_codes(page: Page) -> None:
+    page.add_init_script("delete Element.prototype.requestFullscreen")
     page.goto("/board/?squares=8x5")
     page.locator("#qr path").wait_for(state="attached")
     code = cv2.imdecode(np.frombuffer(page.locator("#qr").screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE)
@@ -213,12 +201,8 @@ def test_another_device_is_shown_the_way_by_a_qr_code(page: Page) -> None:
     until(page, lambda: canvas.evaluate(wide))
     canvas.click()
     page.locator("#frame:not(.filling)").wait_for()
-
-
-def test_a_phone_is_calibrated_with_this_screen(page: Page) -> None:
-    page.add_init_script("delete Element.prototype.requestFullscreen")
-    page.goto("/board/?squares=8x5")
-    for width, height in ((1280, 720), (768, 1024)):
+    # This screen shows a code for a phone that is to be calibrated with it.
+    for width, height in ((1280, 720), *(((768, 1024),) if THOROUGH else ())):
         page.set_viewport_size(ViewportSize(width=width, height=height))
         page.locator("#full-screen-code").click()
         page.locator("#code path").wait_for(state="attached")

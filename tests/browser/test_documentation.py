@@ -17,6 +17,7 @@ from playwright.sync_api import BrowserContext, Page, Route, expect
 from infra.web_build.openapi import EXAMPLES_PATH
 from tests.helpers.browser.captures import capture
 from tests.helpers.browser.elsewhere import serving
+from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.truth import Truth
 from tests.helpers.browser.waiting import address, until
 from tests.helpers.documents import SITE, blocks
@@ -63,9 +64,12 @@ def quickstart(tmp_path: Path, stack: str, token: dict[str, Any]) -> Iterator[st
 
 
 def test_quickstart_ends_with_a_page_that_knows_its_camera(
-    camera_page: Page, quickstart: str, stack: str, api: httpx.Client
+    context: BrowserContext, quickstart: str, stack: str, api: httpx.Client
 ) -> None:
-    page = camera_page
+    page = context.new_page()  # an unknown camera is an error in the console
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.add_init_script(CAMERAS + BLIND_DETECTOR)
     page.goto(quickstart)
     page.get_by_role("button", name="Open the camera").click()
     expect(page.locator("#answer")).to_contain_text("unknown_camera")
@@ -81,6 +85,7 @@ def test_quickstart_ends_with_a_page_that_knows_its_camera(
     answer = json.loads(page.locator("#answer").inner_text())
     assert answer["camera_matrix"] == state["calibration"]["camera_matrix"]
     assert address(page) == quickstart, "the address is clean again"
+    assert errors == []
 
 
 def script(source: str) -> str:

@@ -1,29 +1,26 @@
-"""Header of all pages: language by the address, menus by keyboard and without scripts, code that copies."""
+"""Header of all pages: language by the address, menus by keyboard and without scripts."""
 
 from playwright.sync_api import Page, expect
 
-from tests.helpers.browser.waiting import address, passing
+from tests.helpers.browser.waiting import address
 
 from .conftest import Visitor
 
 
 def test_a_german_visitor_is_led_to_german_and_keeps_query_and_choice(visitor: Visitor) -> None:
     page = visitor(locale="de-DE").new_page()
-    page.goto("/cameras/?query=c920#top")
-    page.locator("h1", has_text="Kameras").first.wait_for()
-    assert address(page).endswith("/de/cameras/?query=c920#top")
-    page.locator("nav summary", has_text="Kalibrieren").click()
-    page.locator("nav a", has_text="Tafel").click()
-    page.wait_for_url("**/de/board/")
+    page.goto("/terms/?query=c920#data")
+    page.locator("h1", has_text="Nutzungsbedingungen").wait_for()
+    assert address(page).endswith("/de/terms/?query=c920#data")
     # English, chosen, stays: here, and wherever an address says no language.
     page.locator("#language").select_option("en")
     page.locator("nav summary", has_text="Calibrate").wait_for()
     assert "/de/" not in address(page)
-    page.goto("/cameras/")
-    page.locator("h1", has_text="Cameras").first.wait_for()
+    page.goto("/privacy/")
+    page.locator("h1", has_text="Privacy").wait_for()
     # A shared address says its language to everybody.
-    page.goto("/uk/cameras/")
-    page.locator("h1", has_text="Камери").first.wait_for()
+    page.goto("/uk/terms/")
+    page.locator("h1", has_text="Умови користування").wait_for()
 
 
 def test_pages_read_and_lead_on_in_their_language_without_scripts(visitor: Visitor) -> None:
@@ -39,7 +36,7 @@ def test_pages_read_and_lead_on_in_their_language_without_scripts(visitor: Visit
 
 def test_the_menu_works_by_keyboard_within_a_small_window(page: Page) -> None:
     page.set_viewport_size({"width": 320, "height": 640})
-    page.goto("/uk/board/")
+    page.goto("/uk/terms/")
     page.keyboard.press("Tab")
     expect(page.locator(".skip")).to_be_focused()
     page.locator(".menu summary").focus()
@@ -55,13 +52,3 @@ def test_the_menu_works_by_keyboard_within_a_small_window(page: Page) -> None:
     expect(links.first).to_be_hidden()
     expect(page.locator(".menu summary")).to_be_focused()
     assert page.evaluate("document.documentElement.scrollWidth") == 320
-
-
-def test_code_is_copied_without_the_button(page: Page) -> None:
-    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    page.goto("/")
-    with passing(page, ".code .copy", "Copied"):
-        page.locator(".code .copy").first.click()
-    copied = page.evaluate("navigator.clipboard.readText()")
-    assert copied == page.locator(".code code").first.inner_text().strip()
-    assert "lookup" in copied

@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Page, Request, expect
 
-from calibsolver import Board, fit
+from calibsolver import Board, View, fit
 from calibsolver.formats import ExportSource, write
 from tests.helpers.browser.pictures import picture
 from tests.helpers.data import corner_views
 from tests.helpers.solver.export_sources import subject
 
+BOARD = Board((10, 7))
 NAME = "LifeCam HD-3000 (045e:0779)"
 SENT = {
     "camera", "platform", "img_size", "zoom", "distortion_model", "board", "capture",
@@ -26,13 +27,19 @@ SENT = {
 
 
 @functools.cache
-def captured(name: str = "opencv_right") -> tuple[ExportSource, tuple[int, int]]:
+def captured() -> tuple[ExportSource, tuple[int, int]]:
     """Keypoints of a real camera's 13 views, and the camera that a fit of all of them gives."""
-    views, size = corner_views(name)
-    board = Board((10, 7))
-    numbered = tuple(board.view(np.arange(len(view)), view.image_points) for view in views)
+    views, size = corner_views("opencv_right")
     fitted = fit(views, size)
-    return ExportSource(fitted.camera, numbered, board, NAME, rms=fitted.avg_reprojection_error), size
+    source = ExportSource(
+        fitted.camera, numbered("opencv_right"), BOARD, NAME, rms=fitted.avg_reprojection_error
+    )
+    return source, size
+
+
+def numbered(name: str) -> tuple[View, ...]:
+    """Views of a set, their corners as the board numbers them."""
+    return tuple(BOARD.view(np.arange(len(view)), view.image_points) for view in corner_views(name)[0])
 
 
 def telling(sent: list[Request]) -> list[str]:
@@ -48,17 +55,6 @@ def give(page: Page, tmp_path: Path, name: str, content: bytes) -> None:
     path = tmp_path / name
     path.write_bytes(content)
     page.locator("#file").set_input_files(path)
-
-
-def test_corners_that_mrcal_packs_are_unpacked(page: Page, tmp_path: Path) -> None:
-    """Every exported format that holds corners comes back: the service unpacks mrcal's."""
-    content = write(captured()[0], "mrcal")
-    page.goto("/import/")
-    give(page, tmp_path, content.filename, content.content)
-    page.locator("#unpack").click()
-    page.locator("#status", has_text="13 views of a board of 10 × 7 squares, 640 × 480 px").wait_for()
-    expect(page.locator("#guess")).to_be_hidden()
-    expect(page.locator("#form")).to_be_visible()
 
 
 @pytest.mark.parametrize("form", [pytest.param("photonvision", marks=pytest.mark.thorough), "corners-vnl"])
@@ -98,22 +94,21 @@ def test_keypoints_become_a_calibration(page: Page, tmp_path: Path, form: str) -
     expect(page.locator("#views .taken").first).to_be_visible()
     page.go_forward()
     expect(page.locator("#verdict")).to_be_visible()
-    picture(page, f"import-{form}-done", full=True)
     for request in sent:
         if request.post_data is not None:
             assert set(json.loads(request.post_data)) <= SENT
 
 
-def test_keypoints_that_determine_too_little_are_not_stored(page: Page, tmp_path: Path) -> None:
+def test_keypoints_that_determine_too_little_are_not_stored_and_a_poor_result_has_its_verdict(
+    page: Page, tmp_path: Path
+) -> None:
+    """A fit of four views of opencv_left expects more than 3 px at 1280 px."""
+    page.goto("/import/")
     calibrate_views(page, tmp_path, 3)
     page.locator("#status", has_text="A calibration needs four views that agree").wait_for()
     expect(page.locator("#status")).to_contain_text("Nothing was stored")
     expect(page.locator("#verdict")).to_have_count(0)
     assert page.locator("#views .taken").count() == 3
-
-
-def test_poor_result_is_shown_with_its_verdict(page: Page, tmp_path: Path) -> None:
-    """A fit of four views of opencv_left expects more than 3 px at 1280 px."""
     calibrate_views(page, tmp_path, 4)
     page.locator("#verdict", has_text="Poor").wait_for()
     expect(page.locator(".errors")).to_contain_text("Where the board was")
@@ -124,17 +119,18 @@ def test_poor_result_is_shown_with_its_verdict(page: Page, tmp_path: Path) -> No
 
 def calibrate_views(page: Page, folder: Path, count: int) -> None:
     """Import the first views of opencv_left, and calibrate."""
-    source = captured("opencv_left")[0]
-    content = write(replace(source, views=source.views[:count]), "photonvision")
-    page.goto("/import/")
+    content = write(replace(captured()[0], views=numbered("opencv_left")[:count]), "photonvision")
     give(page, folder, content.filename, content.content)
     page.locator("#kind").select_option("photographs")
     page.locator("#camera").fill(f"{NAME}, opencv_left")
     page.locator("#start").click()
 
 
-def test_a_file_without_keypoints_is_converted_and_compared(page: Page, tmp_path: Path) -> None:
+def test_a_file_without_keypoints_is_converted_and_compared(context: BrowserContext, tmp_path: Path) -> None:
     """It is opened here; when somebody asks, it is shown, written for other programs, and compared."""
+    page = context.new_page()  # browsers write down the 422 of a file without a size
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
     held = subject("rectilinear")
     sent: list[Request] = []
     page.goto("/import/")
@@ -167,10 +163,7 @@ def test_a_file_without_keypoints_is_converted_and_compared(page: Page, tmp_path
     bodies = [json.loads(request.post_data) for request in sent if request.post_data]
     assert all(set(body) <= {"file", "encoding", "format", "camera", "img_size"} for body in bodies)
 
-
-def test_size_that_a_file_does_not_state_is_asked_for(context: BrowserContext, tmp_path: Path) -> None:
-    page = context.new_page()  # browsers write down every 422
-    page.goto("/import/")
+    # The size that a file does not state is asked for.
     give(page, tmp_path, "k.yaml", b"K: [900, 0, 640, 0, 900, 360, 0, 0, 1]\nD: [0.1, 0, 0, 0, 0]\n")
     page.locator("#open-file").click()
     expect(page.locator("#convert-status")).to_contain_text("Enter their size")
@@ -178,6 +171,15 @@ def test_size_that_a_file_does_not_state_is_asked_for(context: BrowserContext, t
     page.locator("#convert-height").fill("720")
     page.locator("#open-file").click()
     expect(page.locator("#converted-values")).to_contain_text("900.00")
+
+    # Every exported format that holds corners comes back: the service unpacks mrcal's.
+    packed = write(captured()[0], "mrcal")
+    give(page, tmp_path, packed.filename, packed.content)
+    page.locator("#unpack").click()
+    page.locator("#status", has_text="13 views of a board of 10 × 7 squares, 640 × 480 px").wait_for()
+    expect(page.locator("#guess")).to_be_hidden()
+    expect(page.locator("#form")).to_be_visible()
+    assert errors == []
 
 
 def test_what_is_malformed_is_said_and_not_sent(page: Page, tmp_path: Path) -> None:
@@ -198,7 +200,6 @@ def test_what_is_malformed_is_said_and_not_sent(page: Page, tmp_path: Path) -> N
         file.truncate(64_000_001)
     page.locator("#file").set_input_files(large)
     page.locator("#problem", has_text="larger than 64 MB").wait_for()
-    picture(page, "import-large", ["hand"], full=True)
     page.locator("#language").select_option("uk")
     page.locator("#problem", has_text="більший за 64 МБ").wait_for()
     assert telling(sent) == []

@@ -1,20 +1,29 @@
 """The landing page: a lookup answers with a card, the database is counted, pictures move where wanted."""
 
-from playwright.sync_api import Page, expect
+from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.helpers.browser.pictures import SIZES, violations
 from tests.helpers.browser.scenes import CAMERA
 from tests.helpers.browser.specimens import answer, cameras, result
+from tests.helpers.browser.waiting import passing
 
 DRAWN = "document.querySelector('#loop .black').getAttribute('d')"
 
 
-def test_a_lookup_answers_with_a_card_beside_the_counts_of_the_database(page: Page) -> None:
+def test_code_is_copied_and_a_lookup_answers_with_a_card_beside_the_counts_of_the_database(
+    page: Page, context: BrowserContext
+) -> None:
+    context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.add_init_script(CAMERA)
     answer(page, "**/v1/lookup", lambda: result() | {"calibrations": 7, "reliable": True})
     answer(page, "**/v1/cameras?*", cameras)
     page.goto("/")
     assert len(page.locator("main").inner_text().split()) <= 300
+    with passing(page, ".code .copy", "Copied"):
+        page.locator(".code .copy").first.click()
+    copied = page.evaluate("navigator.clipboard.readText()")
+    assert copied == page.locator(".code code").first.inner_text().strip(), "without the button"
+    assert "lookup" in copied
     page.set_viewport_size(SIZES["desk"])
     search = page.get_by_role("searchbox", name="Is your camera in the database?")
     assert (search.bounding_box() or {})["y"] < 850
@@ -31,7 +40,7 @@ def test_a_lookup_answers_with_a_card_beside_the_counts_of_the_database(page: Pa
     page.wait_for_function(f"(before) => {DRAWN} !== before", arg=still)
     search.fill("c920")
     search.press("Enter")
-    page.wait_for_url("**/cameras/?query=c920")
+    page.wait_for_url("**/cameras/?query=c920", wait_until="commit")
 
 
 def test_an_unknown_camera_has_an_estimate_beside_the_way_to_calibrate_it(page: Page) -> None:
