@@ -14,10 +14,13 @@ from tests.helpers.browser.interruptions import (
     views,
     wait_for_views,
 )
-from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.pictures import SIZES, picture
 from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
 from tests.helpers.browser.viewfinder import expect_all_in_reach
-from tests.helpers.browser.waiting import address, hear, listen, until
+from tests.helpers.browser.waiting import address, at_rest, hear, listen, requests_within, until
+from tests.helpers.marks import thorough
+
+from ..conftest import THOROUGH
 
 # One device that is there or not, and what was asked of it. It has neither id nor name until permitted.
 PLUGGED = f"""{CAMERA}
@@ -47,6 +50,7 @@ SENSES = """
   navigator.vibrate = (ms) => window.felt.push(ms);
   speechSynthesis.speak = ({ lang, text }) => window.spoken.push([lang, text]);
 """
+HEADER = "document.querySelector('header.rim').getBoundingClientRect().height"
 HINTS = "[Kk]ante|halten|[Dd]rehen|Nach |heran|weg"  # in German
 PLUG = """(there) => {
   window.there = there;
@@ -54,10 +58,18 @@ PLUG = """(there) => {
 }"""
 
 
-def test_language_sizes_keys_and_popovers_in_the_middle_of_a_capture(page: Page) -> None:
+@pytest.mark.parametrize("seconds", [2, *thorough(60)])
+def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyboard(
+    page: Page, seconds: int
+) -> None:
     page.add_init_script(PATIENT)
     listen(page)
-    page.goto(f"{ENDLESS}&camera=Another+one&lang=en")
+    page.set_viewport_size(SIZES["hand"])
+    page.goto(f"{ENDLESS}&error=4&camera=Another+one&lang=en", wait_until="domcontentloaded")
+    height = page.evaluate(HEADER)
+    page.locator("#instruction:focus").wait_for()
+    page.locator("#sent:visible").wait_for()
+    assert page.evaluate(HEADER) == pytest.approx(height, abs=0.5), "the header keeps its height"
     hear(page, "another", "Expected: Another one.*Open now: calibDB virtual camera")
     hear(page, "said", "Expected: Another one")  # it is read out too
     assert page.evaluate(LIVE) == ["said"], "one voice at a time"
@@ -68,8 +80,10 @@ def test_language_sizes_keys_and_popovers_in_the_middle_of_a_capture(page: Page)
     expect(page.locator("#stop")).to_have_text("Beenden")
     expect(page.locator("#counts")).to_contain_text("Ansicht")
     hear(page, "said", HINTS)
-    page.evaluate(HIDE, True)  # as if nobody saw it, so that no view is the last one
-    for language in ("de", "uk"):  # whose words are longer than English ones
+    with at_rest(page):
+        page.evaluate(HIDE, True)  # as if nobody saw it, so that no view is the last one
+    assert requests_within(page, seconds) == []
+    for language in ("de", "uk") if THOROUGH else ("de",):  # whose words are longer than English ones
         expect_all_in_reach(page, language)
     page.locator("#language").select_option("en")
 
@@ -85,26 +99,57 @@ def test_language_sizes_keys_and_popovers_in_the_middle_of_a_capture(page: Page)
     expect(page.locator("#controls"), "no key ends a capture by accident").to_be_visible()
 
     assert views(page) >= 1
-    page.keyboard.press("u")
+    page.locator("#undo").focus()
+    # At the first view the button is disabled, and the focus goes on; after that it stays.
+    with at_rest(page), page.expect_response(lambda response: response.request.method == "DELETE") as undone:
+        page.keyboard.press("u")
+    assert undone.value.status == 200
     hear(page, "notice", "^The last view was undone.$")
-
+    page.locator("#instruction:focus, #undo:enabled:focus").wait_for()
+    with page.expect_response(lambda response: "skip=1" in response.url) as skipped:
+        page.keyboard.press("N")
+    assert skipped.value.status == 200
+    before = views(page)
     page.evaluate(HIDE, False)
-    wait_for_views(page, 1)
+    hear(page, "notice", "No views were taken while this page was hidden")
+    wait_for_views(page, before + 1)
+
     page.goto("/calibrate/?lang=de")
+    page.locator("#interrupted-text", has_text="gespeichert").wait_for()
+    picture(page, "capture-interrupted", ["hand"])
     page.locator("#go-on", has_text="Fortfahren").click()
     page.locator("#controls:not([hidden])").wait_for()
     expect(page.locator("#stop"), "what is gone on with speaks as who goes on").to_have_text("Beenden")
     assert "/de/calibrate/?" in address(page)
+    page.evaluate(UNPLUG)
+    page.locator("#failed-title:focus").wait_for()
+    page.locator("#other").click()
+    page.locator("#welcome-title:focus").wait_for()
+    page.locator("#forget").click()
+    page.locator("#interrupted").wait_for(state="hidden")
 
 
-def test_the_camera_is_asked_for_the_size_chosen_and_comes_back_by_itself(page: Page) -> None:
+def test_a_camera_is_asked_for_the_size_chosen_its_refusals_are_explained_and_it_comes_back(
+    page: Page,
+) -> None:
     page.add_init_script(PLUGGED + BLIND_DETECTOR)
     listen(page)
     page.goto("/calibrate/")
     page.locator("#settings > summary").click()
     page.locator("#resolution").select_option("1920 × 1080")
     expect(page.locator("#setup")).to_contain_text("1920 × 1080")
-    page.locator("#start").click()
+    refusals = (
+        ("#start", "NotAllowedError", "Camera access is blocked. Click the camera icon in the address bar"),
+        ("#again", "NotReadableError", "Another program is using the camera. Close it, then try again."),
+        ("#again", "NotFoundError", "No camera was found. Plug one in, or try a simulated camera."),
+    )
+    for button, refusal, said in refusals:
+        page.evaluate("(refusal) => { window.refusal = refusal; }", refusal)
+        page.locator(button).click()
+        page.locator("#failure", has_text=said).wait_for()
+        expect(page.locator("#failed-virtual")).to_be_visible(visible=refusal == "NotFoundError")
+    page.evaluate("window.refusal = ''")
+    page.locator("#again").click()
     hear(page, "notice", "The camera delivers 1280 × 720, so this page calibrates that size.")
     asked = page.evaluate("window.asked")
     assert (asked["width"], asked["height"]) == ({"ideal": 1920}, {"ideal": 1080})
@@ -133,31 +178,13 @@ def test_who_is_quicker_than_the_list_of_cameras_gets_the_one_that_was_asked_for
     assert page.evaluate("window.asked.deviceId") == {"exact": "c920"}
 
 
-def test_a_camera_that_is_refused_is_explained_in_one_sentence(page: Page) -> None:
-    page.add_init_script(PLUGGED + BLIND_DETECTOR)
-    page.goto("/calibrate/")
-    refusals = (
-        ("#start", "NotAllowedError", "Camera access is blocked. Click the camera icon in the address bar"),
-        ("#again", "NotReadableError", "Another program is using the camera. Close it, then try again."),
-        ("#again", "NotFoundError", "No camera was found. Plug one in, or try a simulated camera."),
-    )
-    for button, refusal, said in refusals:
-        page.evaluate("(refusal) => { window.refusal = refusal; }", refusal)
-        page.locator(button).click()
-        page.locator("#failure", has_text=said).wait_for()
-        expect(page.locator("#failed-virtual")).to_be_visible(visible=refusal == "NotFoundError")
-    page.evaluate("window.refusal = ''")
-    page.locator("#again").click()
-    page.locator("#controls:not([hidden])").wait_for()
-
-
 def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> None:
     page = context.new_page()
     page.add_init_script(BLIND_DETECTOR)
     page.goto(PRACTICE)
     page.locator("#wanted", has_text="No camera was found. Plug one in, or try").wait_for()
     expect(page.locator("#start-virtual.primary")).to_be_visible()
-    picture(page, "capture-no-camera", ["hand"])
+    picture(page, "capture-no-camera", ["hand"], check=THOROUGH)
     page.locator("#settings > summary").click()
     expect(page.locator("#resolutions")).to_be_visible()
     page.locator("#camera").select_option("virtual")
