@@ -23,7 +23,7 @@ def start(page: Page) -> dict[str, Any]:
     return {name: value for name, value in body.items() if name.startswith("licence")}
 
 
-def test_capture_says_a_licence_only_after_consent(page: Page) -> None:
+def test_consent_gives_a_capture_its_licence_is_taken_back_and_publishes_once(page: Page) -> None:
     page.add_init_script(BLIND_DETECTOR)
     box, note = page.locator("#consent"), page.locator("#consent-note")
     for language, words in NOTES if THOROUGH else NOTES[-1:]:
@@ -42,16 +42,9 @@ def test_capture_says_a_licence_only_after_consent(page: Page) -> None:
     page.evaluate(SHOW_FORM)
     box.uncheck()
     assert page.evaluate("Object.keys(localStorage).filter((key) => key.includes('consent'))") == [], (
-        "as at first"
+        "as at first: the next capture is without a licence"
     )
-    page.goto(PRACTICE)
-    assert start(page) == {}
-
-
-def test_consent_after_the_capture_publishes_once_and_a_refusal_takes_it_back(page: Page) -> None:
-    page.goto("/import/?lang=en")
-    box, note = page.locator("#consent"), page.locator("#consent-note")
-    page.evaluate(SHOW_FORM)
+    # After a capture it publishes once, and a refusal takes it back.
     page.evaluate("""async () => {
       const { publishOnConsent } = await import("/lib/consent.js");
       window.asked = [];

@@ -1,6 +1,7 @@
 """Controls of the capture page, and its messages while a camera does not open."""
 
 import re
+import time
 
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
@@ -14,10 +15,13 @@ from tests.helpers.browser.interruptions import (
     views,
     wait_for_views,
 )
-from tests.helpers.browser.pictures import picture
+from tests.helpers.browser.pictures import SIZES, picture
 from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
 from tests.helpers.browser.viewfinder import expect_all_in_reach
-from tests.helpers.browser.waiting import address, hear, listen, until
+from tests.helpers.browser.waiting import address, at_rest, hear, listen, requests_within, until
+from tests.helpers.marks import thorough
+
+from ..conftest import THOROUGH
 
 # One device that is there or not, and what was asked of it. It has neither id nor name until permitted.
 PLUGGED = f"""{CAMERA}
@@ -34,6 +38,13 @@ PLUGGED = f"""{CAMERA}
     return window.there ? [{{ kind: "videoinput", deviceId, label }}] : [];
   }};
 """
+# A visitor may be quicker than the list of cameras, which is there after `answer()`.
+LISTED_LATE = """
+  const list = navigator.mediaDevices.enumerateDevices;
+  const listed = new Promise((resolve) => window.answer = resolve);
+  navigator.mediaDevices.enumerateDevices = () => listed.then(list);
+  window.permitted = true;
+"""
 # What speaks by itself to who listens to the page.
 LIVE = """() => [
   ...document.querySelectorAll("[aria-live]:not([aria-live=off]), [role=alert], [role=status]"),
@@ -47,6 +58,7 @@ SENSES = """
   navigator.vibrate = (ms) => window.felt.push(ms);
   speechSynthesis.speak = ({ lang, text }) => window.spoken.push([lang, text]);
 """
+HEADER = "document.querySelector('header.rim').getBoundingClientRect().height"
 HINTS = "[Kk]ante|halten|[Dd]rehen|Nach |heran|weg"  # in German
 PLUG = """(there) => {
   window.there = there;
@@ -54,10 +66,19 @@ PLUG = """(there) => {
 }"""
 
 
-def test_language_sizes_keys_and_popovers_in_the_middle_of_a_capture(page: Page) -> None:
+@pytest.mark.parametrize("seconds", [2, *thorough(60)])
+def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyboard(
+    page: Page, seconds: int
+) -> None:
+    sent: list[str] = []
     page.add_init_script(PATIENT)
     listen(page)
-    page.goto(f"{ENDLESS}&camera=Another+one&lang=en")
+    page.set_viewport_size(SIZES["hand"])
+    page.goto(f"{ENDLESS}&error=4&camera=Another+one&lang=en", wait_until="domcontentloaded")
+    height = page.evaluate(HEADER)
+    page.locator("#instruction:focus").wait_for()
+    page.locator("#sent:visible").wait_for()
+    assert page.evaluate(HEADER) == pytest.approx(height, abs=0.5), "the header keeps its height"
     hear(page, "another", "Expected: Another one.*Open now: calibDB virtual camera")
     hear(page, "said", "Expected: Another one")  # it is read out too
     assert page.evaluate(LIVE) == ["said"], "one voice at a time"
@@ -68,8 +89,11 @@ def test_language_sizes_keys_and_popovers_in_the_middle_of_a_capture(page: Page)
     expect(page.locator("#stop")).to_have_text("Beenden")
     expect(page.locator("#counts")).to_contain_text("Ansicht")
     hear(page, "said", HINTS)
-    page.evaluate(HIDE, True)  # as if nobody saw it, so that no view is the last one
-    for language in ("de", "uk"):  # whose words are longer than English ones
+    with at_rest(page):
+        page.evaluate(HIDE, True)  # as if nobody saw it, so that no view is the last one
+    hidden_at = time.monotonic()
+    page.on("request", lambda request: sent.append(request.url) if "/v1/" in request.url else None)
+    for language in ("de", "uk") if THOROUGH else ("de",):  # whose words are longer than English ones
         expect_all_in_reach(page, language)
     page.locator("#language").select_option("en")
 
@@ -84,29 +108,57 @@ def test_language_sizes_keys_and_popovers_in_the_middle_of_a_capture(page: Page)
     page.keyboard.press("Escape")
     expect(page.locator("#controls"), "no key ends a capture by accident").to_be_visible()
 
-    assert views(page) >= 1
-    page.keyboard.press("u")
-    hear(page, "notice", "^The last view was undone.$")
+    assert requests_within(page, max(0.1, seconds - (time.monotonic() - hidden_at))) == []
+    assert sent == []
 
+    assert views(page) >= 1
+    page.locator("#undo").focus()
+    # At the first view the button is disabled, and the focus goes on; after that it stays.
+    with at_rest(page), page.expect_response(lambda response: response.request.method == "DELETE") as undone:
+        page.keyboard.press("u")
+    assert undone.value.status == 200
+    hear(page, "notice", "^The last view was undone.$")
+    page.locator("#instruction:focus, #undo:enabled:focus").wait_for()
+    with page.expect_response(lambda response: "skip=1" in response.url) as skipped:
+        page.keyboard.press("N")
+    assert skipped.value.status == 200
+    before = views(page)
     page.evaluate(HIDE, False)
-    wait_for_views(page, 1)
+    hear(page, "notice", "No views were taken while this page was hidden")
+    wait_for_views(page, before + 1)
+
+    page.add_init_script(BLIND_DETECTOR)  # there are views enough
     page.goto("/calibrate/?lang=de")
+    page.locator("#interrupted-text", has_text="gespeichert").wait_for()
+    picture(page, "capture-interrupted", ["hand"])
     page.locator("#go-on", has_text="Fortfahren").click()
     page.locator("#controls:not([hidden])").wait_for()
     expect(page.locator("#stop"), "what is gone on with speaks as who goes on").to_have_text("Beenden")
     assert "/de/calibrate/?" in address(page)
+    page.evaluate(UNPLUG)
+    page.locator("#failed-title:focus").wait_for()
+    page.locator("#other").click()
+    page.locator("#welcome-title:focus").wait_for()
+    page.locator("#forget").click()
+    page.locator("#interrupted").wait_for(state="hidden")
 
 
-def test_the_camera_is_asked_for_the_size_chosen_and_comes_back_by_itself(page: Page) -> None:
-    page.add_init_script(PLUGGED + BLIND_DETECTOR)
+def test_camera_is_the_one_and_of_the_size_asked_for_comes_back_and_its_refusals_are_explained(
+    page: Page,
+) -> None:
+    page.add_init_script(PLUGGED + LISTED_LATE + BLIND_DETECTOR)
     listen(page)
-    page.goto("/calibrate/")
+    page.goto("/calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)")
     page.locator("#settings > summary").click()
     page.locator("#resolution").select_option("1920 × 1080")
     expect(page.locator("#setup")).to_contain_text("1920 × 1080")
     page.locator("#start").click()
+    expect(page.locator("#camera option"), "nothing is said before it is known").to_have_count(0)
+    expect(page.locator("#wanted")).to_have_text("This page was opened for HD Pro Webcam C920 (046d:082d).")
+    page.evaluate("window.answer()")
     hear(page, "notice", "The camera delivers 1280 × 720, so this page calibrates that size.")
     asked = page.evaluate("window.asked")
+    assert asked["deviceId"] == {"exact": "c920"}
     assert (asked["width"], asked["height"]) == ({"ideal": 1920}, {"ideal": 1080})
     assert asked["resizeMode"] == "none"
     page.evaluate(PLUG, False)
@@ -115,27 +167,7 @@ def test_the_camera_is_asked_for_the_size_chosen_and_comes_back_by_itself(page: 
     page.evaluate(PLUG, True)
     page.locator("#controls:not([hidden])").wait_for()
 
-
-def test_who_is_quicker_than_the_list_of_cameras_gets_the_one_that_was_asked_for(page: Page) -> None:
-    slowly = """
-      const list = navigator.mediaDevices.enumerateDevices;
-      const listed = new Promise((resolve) => window.answer = resolve);
-      navigator.mediaDevices.enumerateDevices = () => listed.then(list);
-      window.permitted = true;
-    """
-    page.add_init_script(PLUGGED + slowly + BLIND_DETECTOR)
-    page.goto("/calibrate/?camera=HD+Pro+Webcam+C920+(046d:082d)")
-    page.locator("#start").click()
-    expect(page.locator("#camera option"), "nothing is said before it is known").to_have_count(0)
-    expect(page.locator("#wanted")).to_have_text("This page was opened for HD Pro Webcam C920 (046d:082d).")
-    page.evaluate("window.answer()")
-    page.locator("#controls:not([hidden])").wait_for()
-    assert page.evaluate("window.asked.deviceId") == {"exact": "c920"}
-
-
-def test_a_camera_that_is_refused_is_explained_in_one_sentence(page: Page) -> None:
-    page.add_init_script(PLUGGED + BLIND_DETECTOR)
-    page.goto("/calibrate/")
+    page.locator("#stop").click()
     refusals = (
         ("#start", "NotAllowedError", "Camera access is blocked. Click the camera icon in the address bar"),
         ("#again", "NotReadableError", "Another program is using the camera. Close it, then try again."),
@@ -157,7 +189,7 @@ def test_who_has_no_camera_is_told_and_may_practise(context: BrowserContext) -> 
     page.goto(PRACTICE)
     page.locator("#wanted", has_text="No camera was found. Plug one in, or try").wait_for()
     expect(page.locator("#start-virtual.primary")).to_be_visible()
-    picture(page, "capture-no-camera", ["hand"])
+    picture(page, "capture-no-camera", ["hand"], check=THOROUGH)
     page.locator("#settings > summary").click()
     expect(page.locator("#resolutions")).to_be_visible()
     page.locator("#camera").select_option("virtual")

@@ -11,6 +11,8 @@ from tests.helpers.browser.scripts import PLAIN, page_function
 from tests.helpers.browser.truth import SMALL
 from tests.helpers.browser.waiting import address, hear, listen
 
+from ..conftest import THOROUGH
+
 
 def capture_page(**more: object) -> str:
     return f"/calibrate/?{SMALL.query(error=0, **more)}"
@@ -19,18 +21,24 @@ def capture_page(**more: object) -> str:
 WATCH = page_function("diagnose")
 
 
+FAULTS: dict[str, dict[str, object]] = {
+    "nothing": {},
+    "blurred": {"fault": "blurred"},
+    "mirrored": {"fault": "mirrored"},
+    "far": {"z": 57},
+    "wrong_board": {"board": {"dictionary": "DICT_6X6_250"}},
+    "legacy": {"board": {"legacy": True}},
+}
+#: known from brightness or stripes, of which `tests/web/diagnosis.test.mjs` has the thresholds
+MORE_FAULTS: dict[str, dict[str, object]] = {
+    "dark": {"fault": "dark"},
+    "bright": {"fault": "bright"},
+    "moire": {"fault": "moire"},
+}
+
+
 def test_each_trouble_is_known_from_the_picture(page: Page) -> None:
-    faults = {
-        "nothing": {},
-        "dark": {"fault": "dark"},
-        "bright": {"fault": "bright"},
-        "blurred": {"fault": "blurred"},
-        "moire": {"fault": "moire"},
-        "mirrored": {"fault": "mirrored"},
-        "far": {"z": 57},
-        "wrong_board": {"board": {"dictionary": "DICT_6X6_250"}},
-        "legacy": {"board": {"legacy": True}},
-    }
+    faults = FAULTS | MORE_FAULTS if THOROUGH else FAULTS
     page.goto(PLAIN)
     said = page.evaluate(WATCH, faults)
     assert said == {name: None if name == "nothing" else name for name in faults}

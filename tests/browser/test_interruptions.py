@@ -27,6 +27,8 @@ from tests.helpers.browser.interruptions import (
 from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.waiting import address, hear, heard, listen, requests_within, until
 
+from ..conftest import THOROUGH
+
 
 @pytest.mark.thorough
 def test_a_turned_device_gets_a_calibration_of_its_own(page: Page) -> None:
@@ -53,8 +55,10 @@ def test_a_turned_device_gets_a_calibration_of_its_own(page: Page) -> None:
     expect(page.locator(".virtual-camera"), "the camera before is let go").to_have_count(1)
 
 
-def test_neither_haste_nor_a_killed_detector_nor_a_lost_camera_loses_views(context: BrowserContext) -> None:
-    page = context.new_page()  # Chromium complains of the frame that died with the worker
+def test_neither_haste_nor_a_killed_detector_nor_a_lost_camera_nor_an_outage_loses_views(
+    context: BrowserContext,
+) -> None:
+    page = context.new_page()  # Chromium complains of the frame that died with the worker, and of an outage
     page.add_init_script(WORKERS)
     begun = sessions(page)
     listen(page)
@@ -65,7 +69,7 @@ def test_neither_haste_nor_a_killed_detector_nor_a_lost_camera_loses_views(conte
     hear(page, "notice", r"^Press again to stop and lose \d views?\.$")
     expect(page.locator("#controls")).to_be_visible()
     page.evaluate(HIDE, True)  # frames that the page does not look at
-    picture(page, "capture-stop", ["hand"])
+    picture(page, "capture-stop", ["hand"], check=THOROUGH)
     page.evaluate(HIDE, False)
 
     page.evaluate(KILL)
@@ -87,33 +91,18 @@ def test_neither_haste_nor_a_killed_detector_nor_a_lost_camera_loses_views(conte
     assert views(page) >= before
     wait_for_views(page, before + 1)
     assert len(begun) == 1
-    stop(page)
-    expect(page.locator("#interrupted"), "what a person ended is not offered again").to_be_hidden()
+    expect_to_continue_without_the_service(page)
+    assert len(begun) == 1
+    expect_to_end_without_the_service(page)
 
 
-def test_waiting_for_the_service_is_said_and_can_be_ended(context: BrowserContext) -> None:
-    page = context.new_page()  # what is refused here complains in the console
-    page.route("**/v1/auth", lambda route: route.abort())
-    listen(page)
-    page.goto(VIRTUAL)
-    hear(page, "opening-text", "connection to calibDB is lost. Trying again")
-    # It is not waited for: the page has targets of its own.
-    page.locator("#away", has_text="No connection").wait_for()
-    page.locator("#undo:enabled").wait_for()
-    stop(page)
-    assert requests_within(page, 2.5) == []
-    expect(page.locator("#welcome")).to_be_visible()
-
-
-def test_without_the_service_the_capture_goes_on_and_survives_a_reload(context: BrowserContext) -> None:
-    page = context.new_page()
-    begun = sessions(page)
-    listen(page)
-    page.goto(ENDLESS)
-    page.locator("#undo:enabled").wait_for()
+def expect_to_continue_without_the_service(page: Page) -> None:
+    """Reload a capture during an outage, and end the outage: views and session are as before."""
     taken = views(page)
     page.route("**/v1/**", lambda route: route.abort())
     page.reload()
+    hear(page, "opening-text", "connection to calibDB is lost. Trying again")
+    # It is not waited for: the page has targets of its own.
     expect(page.locator("#away")).to_contain_text("No connection. Continue")
     target = page.locator("#target[points*=',']")  # until there are enough views
     assert len((target.get_attribute("points") or "").split()) == 4
@@ -137,12 +126,15 @@ def test_without_the_service_the_capture_goes_on_and_survives_a_reload(context: 
     said += heard(page, "instruction")[earlier:]
     assert not [text for text in said if "onnection" in text], said
     expect(page.locator("#counts")).not_to_contain_text("saved here")
-    assert len(begun) == 1
-    page.goto("/calibrate/")
-    page.locator("#interrupted-text", has_text=re.compile("(is|are) saved")).wait_for()
-    picture(page, "capture-interrupted", ["hand"])
-    page.locator("#forget").click()
-    page.locator("#interrupted").wait_for(state="hidden")
+
+
+def expect_to_end_without_the_service(page: Page) -> None:
+    """Stop a capture during an outage: nothing is asked for any more, and nothing is offered again."""
+    page.route("**/v1/**", lambda route: route.abort())
+    page.locator("#away", has_text="No connection").wait_for()
+    stop(page)
+    assert requests_within(page, 2.5) == []
+    expect(page.locator("#interrupted"), "what a person ended is not offered again").to_be_hidden()
 
 
 @pytest.mark.thorough

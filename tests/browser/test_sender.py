@@ -1,5 +1,6 @@
 """The application that sent somebody to calibrate, and the ways to get a board, on the first sheet."""
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from tests.helpers.browser.pictures import picture
@@ -43,7 +44,12 @@ def test_who_sent_the_visitor_is_named_and_is_one_click_away(page: Page) -> None
     with page.expect_download() as paper:  # of a visitor from the United States
         page.locator("#paper").click()
     assert paper.value.suggested_filename == "calibdb-board-letter.pdf"
-    # Results are not handed to everybody, which is said before and not after.
+
+
+@pytest.mark.thorough
+def test_sender_that_gets_no_result_is_told_before_the_capture(page: Page) -> None:
+    page.add_init_script(BLIND_DETECTOR)
+    sender = page.locator("#sender")
     page.goto(f"/calibrate/?{ASKED}&return_to=http://app.example/")
     expect(sender).to_contain_text("this service may not hand the result to app.example")
     expect(page.locator("#go-back")).to_be_hidden()
