@@ -205,7 +205,7 @@ def test_another_detector_begins_anew_and_without_the_service_there_is_no_estima
     page.evaluate("[window.made, window.isSilent] = [0, true]")
     until(page, lambda: page.evaluate("window.made") == 1)
     expect(page.locator("#outermost")).to_contain_text("outermost corner")
-    page.keyboard.press("4")
+    page.get_by_role("button", name="Use the estimate").click()
     expect(page.locator("#outermost")).not_to_contain_text("outermost corner", timeout=30_000)
     expect(page.locator("#stage")).to_have_attribute("data-shown", "matrix")
 
