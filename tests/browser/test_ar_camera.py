@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
-from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.scenes import BLIND_DETECTOR
 from tests.helpers.browser.specimens import answer, result
 from tests.helpers.browser.waiting import until
+from tests.helpers.marks import thorough
 
 from .test_ar import WEBCAM
 
@@ -60,7 +60,6 @@ def test_camera_asked_for_is_opened_though_the_list_is_late_and_again_once_it_is
     assert page.evaluate("window.asked.deviceId") == {"exact": "c920"}
     expect(page.locator("#facts")).to_contain_text("from calibDB")
     expect(page.locator("#move")).to_be_hidden()
-    picture(page, "ar-waiting", ["hand"])
     page.evaluate(PULL)
     page.locator("#failure", has_text="this page continues automatically").wait_for()
     page.evaluate("window.asked = null")
@@ -71,7 +70,7 @@ def test_camera_asked_for_is_opened_though_the_list_is_late_and_again_once_it_is
 
 @pytest.mark.parametrize(
     ("address", "where"),
-    [("/ar/", "#failure"), ("/calibrate/", "#failure"), ("/examples/three/", "#problem")],
+    [("/examples/three/", "#problem"), *thorough(("/ar/", "#failure"), ("/calibrate/", "#failure"))],
 )
 def test_without_a_picture_it_is_said_to_send_none(page: Page, address: str, where: str) -> None:
     page.clock.install()

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import BrowserContext, Page, Response, Route, expect
 
+from tests.helpers.browser.scripts import PLAIN
 from tests.helpers.browser.waiting import at_rest, until
 from tests.helpers.marks import thorough
 
@@ -45,7 +46,7 @@ def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(
 ) -> None:
     context = visitor(base_url=stack.replace("127.0.0.1", HOST), service_workers="allow")
     page = context.new_page()
-    page.goto("/")
+    page.goto("/terms/")
     found = kept(page)
     assert any(each.startswith("/calibrate/main.js?sha256=") for each in found), (
         "also what was not yet visited"
@@ -54,11 +55,10 @@ def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(
     context.set_offline(True)
     page.goto("/board/?squares=8x5")
     page.locator("#description", has_text="8 × 5").wait_for()
-    page.goto("/cameras/")
-    page.locator("#status", has_text="cannot be reached").wait_for()
     page.goto("/docs/quickstart/")
     expect(page.locator("h1")).to_have_text("No connection")
     page.goto("/cameras/")
+    page.locator("#status", has_text="cannot be reached").wait_for()
     context.set_offline(False)
     page.reload()
     page.locator("#status", has_text="cannot be reached").wait_for(state="hidden")
@@ -84,11 +84,11 @@ def test_pages_open_without_a_network_and_a_new_version_takes_over_whole(
     context.route("**/shell.json", lambda route: route.fulfill(json=listed))
     context.route("**/board/board.css", styles)
     # The list is there before its file: nothing of it is taken up.
-    page.goto("/board/")
+    page.goto(PLAIN)
     until(page, lambda: any("kept files stay as they are: board/board.css" in text for text in logged))
     assert sorted(page.evaluate(CACHED_FILES)) == sorted(before)
     deployed = True
-    page.goto("/board/")
+    page.goto(PLAIN)
     found = kept(page, name=digest)
     until(page, lambda: page.evaluate(VERSION) == "newer")
     page.goto("/board/")

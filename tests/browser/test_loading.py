@@ -4,21 +4,25 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, Route, expect
 
 from infra.web_build.site import LANGUAGES, made_files
-from tests.helpers.browser.scenes import BLIND_DETECTOR
+from tests.helpers.browser.scenes import BLIND_DETECTOR, CAMERA
 from tests.helpers.browser.site_pages import UNHEARD
-from tests.helpers.browser.truth import SMALL
 from tests.helpers.browser.waiting import until
 
-VIRTUAL = f"/calibrate/?{SMALL.query(seed=3)}"
 
-
-def test_what_cannot_be_loaded_is_said_in_plain_words(context: BrowserContext) -> None:
+def test_detector_that_cannot_be_loaded_is_said_in_plain_words(context: BrowserContext) -> None:
     page = context.new_page()
     page.route("**/*.wasm", lambda route: route.abort())
-    page.goto(VIRTUAL)
+    page.add_init_script(CAMERA)
+    page.goto("/calibrate/")
+    page.locator("#start").click()
     page.locator(
         "#failure", has_text="The board detector could not be loaded. Check the connection"
     ).wait_for()
+
+
+@pytest.mark.thorough
+def test_settings_that_cannot_be_loaded_are_said_in_plain_words(context: BrowserContext) -> None:
+    page = context.new_page()
     page.route("**/config.json", lambda route: route.abort())
     page.goto("/")
     page.locator("#look").click()
@@ -30,7 +34,6 @@ def test_clicks_that_come_before_the_scripts_count(page: Page) -> None:
     pages = (
         # (page, its module, form to send or button to click, what then is there)
         ("/examples/arjs/", "**/examples/arjs/main.js", "#start", "#problem:not([hidden])"),
-        ("/", "**/landing/main.js", "#look", "#outcome p"),
         (
             "/docs/reference/lookup/",
             "**/docs/*.js",

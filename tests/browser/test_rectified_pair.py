@@ -15,10 +15,12 @@ from tests.helpers.browser.photographs import textured_board
 from tests.helpers.browser.scripts import PLAIN, page_function
 from tests.helpers.rig_vectors import RIGS_PATH
 
+from ..conftest import THOROUGH
 from .test_rectifier import camera, decoded
 
 SIZE = (1280, 720)
 HALF = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]])  # px of a picture to those of its half
+PACKINGS = (None, "beside")  # the stereo example draws two pictures, too
 MIXED = ("fisheye", "rational")
 DRAWN = page_function("draw_pair")
 
@@ -48,7 +50,7 @@ def test_a_pair_of_two_models_is_drawn_as_opencv_would(page: Page) -> None:
     both = np.asarray(cv2.GaussianBlur(textured_board((2 * SIZE[0], SIZE[1])), (0, 0), 3.0), dtype=np.uint8)
     png = base64.b64encode(cv2.imencode(".png", both)[1].tobytes()).decode()
     page.goto(PLAIN)
-    for packing in (None, "beside"):
+    for packing in PACKINGS if THOROUGH else PACKINGS[1:]:
         made = page.evaluate(DRAWN, [pair, png, packing])
         sides = (
             (left, found.r1, both[:, : SIZE[0]]),

@@ -7,7 +7,6 @@ import pytest
 from playwright.sync_api import Page
 
 from tests.helpers.browser.photographs import textured_board
-from tests.helpers.browser.pictures import picture
 from tests.helpers.browser.specimens import answer, camera, result_of_camera
 from tests.helpers.data import EXTERNAL, data_dir, external_data
 from tests.helpers.marks import thorough
@@ -40,4 +39,3 @@ def test_a_picture_is_straightened_on_this_device(page: Page, photograph: Path) 
     page.locator(".compare input").fill("20")
     assert page.locator(".compare").evaluate("stage => stage.style.getPropertyValue('--cut')") == "0.2"
     assert [url for url in sent if not url.startswith("blob:")] == []
-    picture(page, "result-straightened", ["hand"], full=True)

@@ -87,6 +87,7 @@ def test_none_is_left_out() -> None:
     assert len(run) == len(SAMPLES) == 9
 
 
+@pytest.mark.thorough
 def test_two_cameras_of_a_rig_are_two_eyes(page: Page, stack: str) -> None:
     pair = json.loads(RIGS_PATH.read_text())[0]
     still = {"position": 0, "rvec": [0, 0, 0], "tvec": [0, 0, 0], "std": [0] * 6}
@@ -138,7 +139,9 @@ def test_two_cameras_of_a_rig_are_two_eyes(page: Page, stack: str) -> None:
     assert left["p"][0] == pytest.approx(2 * pair["P1"][0][0] * scale / (width / 2), rel=1e-6)
 
 
-def test_the_picture_straightened(page: Page, known: dict[str, Any]) -> None:
+def test_the_picture_straightened_then_a_provider_of_its_own_and_raw_camera_access(
+    page: Page, known: dict[str, Any], stack: str
+) -> None:
     page.goto(PLAIN)
     body = f"""{WAIT}
       const {{ useCamera }} = await import("/webxr/camera.js");
@@ -157,10 +160,7 @@ def test_the_picture_straightened(page: Page, known: dict[str, Any]) -> None:
     """
     assert page.evaluate(script(body)) == known["img_size"]
 
-
-def test_a_provider_of_its_own_and_raw_camera_access(page: Page, known: dict[str, Any], stack: str) -> None:
     page.route("**/my-cameras/rectilinear.json", lambda route: route.fulfill(json=known))
-    page.goto(PLAIN)
     body = f"""
       {sample("/my-cameras/")}
       const session = await navigator.xr.requestSession("inline");

@@ -21,11 +21,11 @@ const application = async (points) => {
 const run = async () => {
   // The page's owner knows of calibDB.
   const { useCamera } = await import("/webxr/camera.js");
-  const { video } = await webcam([1280, 720], label, (context) => {
+  const { video } = await webcam([640, 360], label, (context) => {
     context.fillStyle = "#00ff00";
     for (const [x, y] of marks) {
       context.beginPath();
-      context.arc(x + 0.5, y + 0.5, 12, 0, 7);
+      context.arc(x + 0.5, y + 0.5, 6, 0, 7);
       context.fill();
     }
     context.fillStyle = "#000000";

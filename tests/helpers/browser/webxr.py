@@ -4,10 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-import httpx
 from playwright.sync_api import Page, Route
 
-from . import captures
 from .specimens import result
 from .truth import Truth
 
@@ -35,12 +33,3 @@ def known_camera(page: Page) -> dict[str, Any]:
     page.route("**/known/v1/**", lambda route: route.fulfill(status=404, json={"reason": "unknown_camera"}))
     page.route("**/v1/lookup", fulfil)
     return known
-
-
-def calibrated(api: httpx.Client, model: str = "rectilinear") -> dict[str, Any]:
-    """Answer of a lookup of the camera; the first call calibrates it five times."""
-    wanted = KEY | {"distortion_model": model, "redirect": False}
-    answer = api.post("/lookup", json=wanted)
-    if answer.status_code != 200:
-        captures.calibrated(api, TRUTH, KEY)
-    return captures.agreed(api, KEY, model)
