@@ -200,6 +200,7 @@ def test_what_is_malformed_is_said_and_not_sent(page: Page, tmp_path: Path) -> N
         file.truncate(64_000_001)
     page.locator("#file").set_input_files(large)
     page.locator("#problem", has_text="larger than 64 MB").wait_for()
+    picture(page, "import-large", ["hand"], full=True)
     page.locator("#language").select_option("uk")
     page.locator("#problem", has_text="більший за 64 МБ").wait_for()
     assert telling(sent) == []

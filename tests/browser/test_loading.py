@@ -20,7 +20,6 @@ def test_detector_that_cannot_be_loaded_is_said_in_plain_words(context: BrowserC
     ).wait_for()
 
 
-@pytest.mark.thorough
 def test_settings_that_cannot_be_loaded_are_said_in_plain_words(context: BrowserContext) -> None:
     page = context.new_page()
     page.route("**/config.json", lambda route: route.abort())
