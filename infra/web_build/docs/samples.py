@@ -65,9 +65,10 @@ def python(call: Call) -> str:
     options += [f"headers={{{', '.join(headers)}}},"] if headers else []
     options += [f"params={_python(dict(call.query))},"] if call.query else []
     options += [f"json={_python(call.body)},"] if call.body is not None else []
+    options += ["timeout=30,"]  # s, as long as the service may take; httpx waits for 5 otherwise
     function = f"httpx.{call.method.lower()}"
     where = f'"{SITE}{call.path}"'
-    arguments = "".join(f"\n    {option}" for option in (f"{where},", *options)) + "\n" if options else where
+    arguments = "".join(f"\n    {option}" for option in (f"{where},", *options)) + "\n"
     return f"import httpx\n\nresponse = {function}({arguments})\nprint(response.status_code, response.text)"
 
 
