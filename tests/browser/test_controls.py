@@ -90,7 +90,7 @@ def test_capture_speaks_and_fits_waits_while_it_is_hidden_and_is_led_by_the_keyb
     expect(page.locator("#counts")).to_contain_text("Ansicht")
     hear(page, "said", HINTS)
     with at_rest(page):
-        page.evaluate(HIDE, True)  # as if nobody saw it, so that no view is the last one
+        page.evaluate(HIDE, True)  # as if in the background, so that no view is the last one
     hidden_at = time.monotonic()
     page.on("request", lambda request: sent.append(request.url) if "/v1/" in request.url else None)
     for language in ("de", "uk") if THOROUGH else ("de",):  # whose words are longer than English ones

@@ -248,7 +248,7 @@ def test_a_known_camera_goes_back_to_the_application_over_https_or_on_this_machi
     address = link.get_attribute("href") or ""
     assert address.startswith("http://127.0.0.1:9/app?scene=2#calibration=c%7E1280x720")
     summary = page.locator("#summary")
-    expect(summary, "nobody is asked to wait for five").to_have_text(
+    expect(summary, "the page does not ask to wait for five").to_have_text(
         "6 calibrations agree on this. Any web page can look this camera up."
     )
     page.goto("/result/?id=c&return_to=http://plain.example/")

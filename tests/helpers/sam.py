@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 
 @cache
 def complete() -> dict[str, Any]:
-    """The template with everything that packaging puts into it; nobody may change it."""
+    """The template with everything that packaging puts into it; callers must not change it."""
     return package.complete_template()
 
 

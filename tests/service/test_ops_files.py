@@ -223,7 +223,7 @@ def test_contradictory_rows_seed_nothing(
         client = Client(stack)
         asked = {"camera": "A One camera", "platform": "photograph", "distortion_model": "fisheye"}
         assert client.lookup(**asked, redirect=False).json["reason"] == "unknown_camera", (
-            "a guess is no answer"
+            "a guess does not count as an answer"
         )
         assert client.call("GET", "/v1/cameras", token=client.api_token).json["cameras"] == []
     assert main(["reindex"]) == 0

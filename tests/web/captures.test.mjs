@@ -123,7 +123,7 @@ test("a network that is back is used at once", async (t) => {
   );
 });
 
-test("a session that took the place of an expired one during an outage is told of", async (t) => {
+test("a session that took the place of an expired one during an outage is reported", async (t) => {
   const { events, browser } = away(t, [0], 1);
   browser.dispatchEvent(new Event("online"));
   await settle();
@@ -202,7 +202,7 @@ test("an application under development gets a practice result, any other only if
   assert.equal(isPracticeReturned("/ar/", null), false, "a page of this site is no application under development");
 });
 
-test("what a camera still needs is told for the size that was asked for", () => {
+test("what a camera still needs is stated for the requested size", () => {
   const size = (img_size, agreeing, reliable = false) => ({
     img_size,
     calibrations: agreeing,

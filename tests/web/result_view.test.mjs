@@ -191,7 +191,7 @@ test("results go back over HTTPS, to the visitor's own machine, and to origins t
   );
 });
 
-test("what is systematic is told with what to do about it", () => {
+test("systematic errors are reported with a remedy", () => {
   const verdict = { level: "fair", reasons: [{ code: "uncertain", text: "" }] };
   const told = (cause, model = null) =>
     reasonTexts({ verdict, systematic: { inflation: 5, cause, text: "", model } }, [], calibration).at(-1);

@@ -583,7 +583,7 @@ test("while every function fails, a known camera has its answer, and another cam
   await assert.rejects(lookup(KEY, forbidden.options), { status: 403, message: "The API token is not valid." });
 });
 
-test("an edge that fails, or answers with something else, is no obstacle", async () => {
+test("an edge that fails, or answers with something else, does not block a lookup", async () => {
   const failures = [
     () => {
       throw new TypeError("CORS");
@@ -686,7 +686,7 @@ test("a camera that came with the application needs no token and no network", as
   assert.equal((await lookup(pixel, { bundle, cache: null })).calibration.camera_matrix[0][0], 1500);
 });
 
-test("what it does not know is asked of the service, or leads to the guidance page where nobody is asked", async () => {
+test("what it does not know is asked of the service, or leads to the guidance page without a request", async () => {
   const stranger = { ...BUNDLED, camera: "toString" };
   const { calibration, guidanceUrl, reason } = await lookup(stranger, {
     bundle,

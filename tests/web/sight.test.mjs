@@ -219,7 +219,7 @@ test("a board that may go on beyond the picture's edge is said to be cut off", (
   );
 });
 
-test("the upper rows of the expected board are no other board, and what is not plain is no chessboard", () => {
+test("the upper rows of the expected board are no other board, and what is not plain is not a chessboard", () => {
   assert.equal(after(DEFAULT_BOARD, charuco(DEFAULT_BOARD, {}, 4), charuco(DEFAULT_BOARD, {}, 4)), null);
   const marked = { ...nothing, chessboard: { ...lattice([6, 4]), isPlain: false } };
   assert.equal(after(DEFAULT_BOARD, marked, marked), null);

@@ -129,7 +129,7 @@ test("the first corner is the marker's own upper left, in the picture turned bac
   assert.ok(Math.hypot(u - quad[0][0] + 0.5, v - quad[0][1] + 0.5) < 0.5);
 });
 
-test("what has no dark frame, or no contrast, is no marker", () => {
+test("what has no dark frame, or no contrast, is not a marker", () => {
   const { image, quad } = drawn("DICT_4X4_1000", 7);
   assert.deepEqual(readMarkers({ ...image, data: image.data.map((value) => 255 - value) }, [quad]), []);
   assert.deepEqual(readMarkers({ ...image, data: image.data.map((value) => 100 + value / 20) }, [quad]), []);

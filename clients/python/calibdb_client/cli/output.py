@@ -13,7 +13,7 @@ from typing import Any
 from ..files import ExportedFile, write_whole
 
 LINES_EVERY_S = 5.0
-"""Time between two lines of progress, where there is no terminal."""
+"""Time between two lines of progress without a terminal."""
 
 
 class Output:

@@ -105,7 +105,7 @@ TEXT_READERS: Sequence[tuple[Callable[[str], object], Callable[[str, ReaderOptio
     (plain_text.is_assignments, _of_values(plain_text.assignments)),
     (plain_text.numbers_alone, _of_values(plain_text.numbers_alone)),
 )
-"""What recognises a text that is neither JSON nor YAML, and its reader; the first that does reads it."""
+"""Recognisers of texts other than JSON and YAML, each with its reader; the first that matches reads."""
 READERS: Mapping[str, Callable[[Any, ReaderOptions], ImportedFile]] = {
     "values": read,
     "text": read_text,

@@ -68,7 +68,7 @@ def test_few_calibrations_of_the_name_do_not_outvote_the_usb_id() -> None:
         **index,
         NAMED.key: CameraRecords([few], (CHROME.key, OTHER.key), well_known=(CHROME.key, OTHER.key)),
     }
-    assert resolve(two) == (NAMED.key, few, 1), "which of the two it is nobody can say"
+    assert resolve(two) == (NAMED.key, few, 1), "ambiguous between the two"
 
 
 def test_name_with_contradictory_calibrations_finds_nothing() -> None:
