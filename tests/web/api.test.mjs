@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { createServer } from "node:http";
 import { test } from "node:test";
-import { reach } from "../../web/lib/network.js";
+import { isOffline, reach } from "../../web/lib/network.js";
 import { Api, ApiError, OfflineError } from "../../web/lib/api.js";
 import { CaptureSession, isUnavailable } from "../../web/lib/session.js";
 import { viewCount } from "../../web/calibrate/state.js";
@@ -264,6 +264,17 @@ test("a view not yet sent is taken back without the service", async () => {
   capture.store(view(1));
   assert.equal(await capture.undo(), null);
   assert.deepEqual([calls.length, capture.waiting], [0, 0]);
+});
+
+test("a module that did not arrive is a lost network, other mistakes of a page are not", () => {
+  for (const message of [
+    "Failed to fetch dynamically imported module: http://localhost/lib/camera.js", // Chromium
+    "error loading dynamically imported module: http://localhost/lib/camera.js", // Firefox
+    "Importing a module script failed.", // WebKit
+  ])
+    assert.ok(isOffline(new TypeError(message)), message);
+  assert.ok(isOffline(new OfflineError()));
+  assert.ok(!isOffline(new TypeError("undefined is not a function")));
 });
 
 test("nothing more is asked once the run has ended", async () => {

@@ -27,7 +27,7 @@ import {
 import { initial, reduce } from "./reducer.js";
 import { captureKey, plainNotice } from "./state.js";
 import { render, renderChoice } from "./render.js";
-import { OfflineError } from "../lib/network.js";
+import { isOffline } from "../lib/network.js";
 import * as statusText from "./status-text.js";
 
 /**
@@ -287,7 +287,7 @@ function failureOf(error) {
   // Until the captures are loaded, no request can have failed.
   const fault = deviceFault(error) ?? loaded?.serviceFault(error);
   if (fault) return fault;
-  if (error instanceof OfflineError) return { code: "offline", detail };
+  if (isOffline(error)) return { code: "offline", detail };
   console.error(error);
   return { code: "unforeseen", detail };
 }

@@ -1,7 +1,7 @@
 // Messages for errors, in the language of the page, which a person can act on.
 import { ApiError } from "./api.js";
 import { hasMessage, t } from "./i18n.js";
-import { OfflineError } from "./network.js";
+import { isOffline } from "./network.js";
 import { LookupError } from "../sdk/request.js";
 import { SettingsError } from "./settings.js";
 
@@ -10,7 +10,7 @@ import { SettingsError } from "./settings.js";
  * @returns {string}
  */
 export function explain(error) {
-  if (error instanceof OfflineError || (error instanceof LookupError && error.status === 0)) return t("faults.offline");
+  if (isOffline(error) || (error instanceof LookupError && error.status === 0)) return t("faults.offline");
   if (error instanceof SettingsError) return t("faults.settings");
   if (error instanceof ApiError) return service(error.status, error.kind, error.message);
   if (error instanceof LookupError) return service(error.status, "", error.message);

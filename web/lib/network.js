@@ -13,6 +13,13 @@ export class OfflineError extends Error {
   }
 }
 
+/** What Chromium, Firefox and WebKit call a module that did not arrive. */
+const MODULE_MISSING = /dynamically imported module|Importing a module script failed/;
+
+/** True if a request, or a module that a page loads when it needs it, did not arrive. @param {unknown} error */
+export const isOffline = (error) =>
+  error instanceof OfflineError || (error instanceof TypeError && MODULE_MISSING.test(error.message));
+
 /**
  * `fetch`, whose rejections a person can read, and which does not wait for ever.
  * @param {RequestInfo | URL} address
