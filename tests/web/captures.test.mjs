@@ -30,7 +30,8 @@ function serve(t) {
 }
 
 for (const room of [true, false]) {
-  test(`a capture continues with the other views, ${room ? "saved here" : "also if nothing can be saved"}`, async (t) => {
+  const where = room ? "saved here" : "also if nothing can be saved";
+  test(`a capture continues with the other views, ${where}`, async (t) => {
     const sent = serve(t);
     const saved = new Map();
     const unsaved = [];

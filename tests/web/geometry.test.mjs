@@ -23,7 +23,8 @@ const python = fileURLToPath(new URL("../../.venv/bin/python", import.meta.url))
 const MARGIN = 21; // px
 
 /**
- * ChArUco boards as cv2 draws them with the corners that cv2 names, and boards as the solver draws them: by one process.
+ * ChArUco boards as cv2 draws them with the corners that cv2 names, and boards as the solver draws them, by one
+ * process.
  * @param {[string, any, number][]} boards name, board, scale
  * @param {any[]} others
  */

@@ -28,6 +28,9 @@ export function keepHere(t) {
   return kept;
 }
 
-/** An answer of the service. @param {number} status @param {object | null} body @param {Record<string, string>} headers */
+/**
+ * An answer of the service.
+ * @param {number} status @param {object | null} body @param {Record<string, string>} headers
+ */
 export const json = (status, body, headers = {}) =>
   new Response(body && JSON.stringify(body), { status, headers: { "content-type": "application/json", ...headers } });

@@ -1,4 +1,5 @@
-// Rigs in the SDK: read, turned into poses, views and rectified pairs. On the GPU: tests/browser/test_rectified_pair.py.
+// Rigs in the SDK: read, turned into poses, views and rectified pairs.
+// On the GPU: tests/browser/test_rectified_pair.py.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";

@@ -1,5 +1,5 @@
 // A block of code: its colours, and a button that copies it. Blocks of a page's source have one from the start
-// (header.js); a block that is made later gets its own by `addCopyButton(pre)`, before or after it is put into the page.
+// (header.js); a block that is made later gets its own by `addCopyButton(pre)`, before or after the page has it.
 import { onLanguage, t } from "./i18n.js";
 
 const SHOWN_MS = 2000;
@@ -55,12 +55,15 @@ export async function copy(text) {
   }
 }
 
-const PARTS =
-  /(?<string>"[^"\n]*"|(?<!\w)'[^'\n]*'|`[^`\n]*`)|(?<comment>(?<=^|\s)(?:\/\/|#)\s.*)|\b(?<keyword>import|from|as|const|let|await|async|new|function|return|if|else|for|in|of|def|with|true|false|null|None|True|False)\b/gm;
+const STRING = /(?<string>"[^"\n]*"|(?<!\w)'[^'\n]*'|`[^`\n]*`)/.source;
+const COMMENT = /(?<comment>(?<=^|\s)(?:\/\/|#)\s.*)/.source;
+const KEYWORDS =
+  "import from as const let await async new function return if else for in of def with true false null None True False";
+const PARTS = new RegExp(`${STRING}|${COMMENT}|\\b(?<keyword>${KEYWORDS.replaceAll(" ", "|")})\\b`, "gm");
 
 /**
- * Colours strings, comments and keywords of JavaScript, Python and JSON, as the browser's highlights: no element is made
- * for a word.
+ * Colours strings, comments and keywords of JavaScript, Python and JSON, as the browser's highlights: no element is
+ * made for a word.
  * @param {HTMLElement} code
  */
 function highlightCode(code) {
