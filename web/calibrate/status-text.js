@@ -158,7 +158,7 @@ export function wanted({ wanted: { camera, img_size }, ui: { cameras } }, isSent
 }
 
 /** Name of a lens type. @param {string} model */
-export const lensName = (model) => (hasMessage(`capture.lens_${model}`) ? t(`capture.lens_${model}`) : model);
+const lensName = (model) => (hasMessage(`capture.lens_${model}`) ? t(`capture.lens_${model}`) : model);
 
 /**
  * Says that another camera was opened, until a view was taken after it was read; again if that view is undone.

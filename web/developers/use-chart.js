@@ -17,7 +17,7 @@ const GAP = 0.25; // of a bar's place
 const NAMED = 6; // bars from one that has a name to the next
 
 /** @param {TokenUse} use @param {Period} period @returns {{name: string, counts: Counts}[]} oldest first */
-export function seriesOf(use, period) {
+function seriesOf(use, period) {
   return period === "hours"
     ? use.hours.map(({ hour, ...counts }) => ({
         name: timeOf(`${hour}:00Z`, { weekday: "short", hour: "2-digit", minute: "2-digit" }),

@@ -231,7 +231,7 @@ export function pageUrl(page) {
  * @param {Language} language
  * @returns {URL}
  */
-export function inLanguage(address, language) {
+function inLanguage(address, language) {
   const there = new URL(address);
   if (!there.pathname.startsWith(ROOT)) return there;
   there.pathname = ROOT + there.pathname.slice(ROOT.length).replace(PREFIX, language === "en" ? "" : `${language}/`);
@@ -242,7 +242,7 @@ export function inLanguage(address, language) {
 }
 
 /** The language that the address asks for in its query. */
-export function languageInQuery() {
+function languageInQuery() {
   return globalThis.location ? new URLSearchParams(location.search).get("lang") : null;
 }
 

@@ -15,7 +15,7 @@ import { refineCorner } from "./subpixel.js";
  */
 
 /** The longest dictionary of each family, those that people use first. */
-export const FAMILIES = [
+const FAMILIES = [
   "DICT_4X4_1000",
   "DICT_5X5_1000",
   "DICT_6X6_1000",

@@ -4,7 +4,7 @@ import { encode } from "../vendor/uqr/uqr.js";
 const QUIET = 4; // modules of white around it, as ISO/IEC 18004 asks
 
 /** @param {string} address @returns {{size: number, path: string}} side in modules; the black ones as an SVG path */
-export function qrPath(address) {
+function qrPath(address) {
   const { data, size } = encode(address, { ecc: "M", border: QUIET });
   const path = data.flatMap((row, y) => row.flatMap((black, x) => (black ? [`M${x} ${y}h1v1h-1z`] : []))).join("");
   return { size, path };

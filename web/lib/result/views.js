@@ -23,7 +23,7 @@ export const listViews = (indices) =>
   );
 
 /** Views that are worth taking again. @param {Report} report @returns {number[]} indices */
-export const viewsToRetake = ({ views }) =>
+const viewsToRetake = ({ views }) =>
   views.filter((view) => ["left_out", "stands_out"].includes(viewIssue(view, views) ?? "")).map(({ index }) => index);
 
 /**
