@@ -13,7 +13,7 @@ export class OfflineError extends Error {
   }
 }
 
-/** What Chromium, Firefox and WebKit call a module that did not arrive. */
+/** Message of a module that did not arrive, in Chromium, Firefox and WebKit. */
 const MODULE_MISSING = /dynamically imported module|Importing a module script failed/;
 
 /** True if a request, or a module that a page loads when it needs it, did not arrive. @param {unknown} error */
