@@ -6,7 +6,7 @@ import { advice, difference, jaccard } from "../../web/lib/capture/target.js";
 import { projectionOf } from "../../web/lib/virtual/lens.js";
 import { perturbPose, seededRandom, transformPoint } from "../../web/lib/pose.js";
 import { BoardWatch } from "../../web/lib/capture/board-watch.js";
-import { troubleOf } from "../../web/lib/capture/sight.js";
+import { BLIND, doubt, observeFrame, troubleOf } from "../../web/lib/capture/sight.js";
 
 const at = (x) => ({ ids: [0, 1, 2, 3, 4], points: [0, 1, 2, 3, 4].map((i) => [x + 50 * i, 100]) });
 
@@ -238,6 +238,18 @@ test("a mirrored picture is trouble of its own, be the board the expected one", 
     "legacy",
   );
   assert.equal(troubleOf({ ...found, mirrored: false, board: CHESSBOARD }, DEFAULT_BOARD), "wrong_board");
+});
+
+test("a board that is blurred or far away is not taken for another one", () => {
+  const seen = { share: 0, median: 110, high: 220, overexposed: 0, sharpness: 0.15, square: 0, moire: null };
+  const other = after(DEFAULT_BOARD, chessboard([10, 7]), chessboard([10, 7]));
+  const trouble = (markers, metrics) => {
+    const frame = { ids: [], points: [], markers, size: [640, 360], metrics: { ...seen, ...metrics } };
+    return doubt(observeFrame(BLIND, frame, 1000, DEFAULT_BOARD), other, DEFAULT_BOARD, 1000).diagnosis.trouble;
+  };
+  assert.equal(trouble(0, {}), "wrong_board");
+  assert.equal(trouble(0, { sharpness: 0.061 }), null);
+  assert.equal(trouble(4, { square: 12 }), null);
 });
 
 test("looks are due where the board has not been seen for a while, and not one after the other", () => {

@@ -24,7 +24,7 @@ import { isSameBoard } from "../board.js";
  * @property {string | null} suspected what the last frames look like
  * @property {number} since ms, when it was first suspected
  * @property {number} blindSince ms, since when no corner has been seen; infinite while some are
- * @property {boolean} tiny markers are seen in the last frame, and their squares are too small to be measured
+ * @property {boolean} illegible the last frame is blurred, or shows markers whose squares are too small to be measured
  * @property {string | null} other trouble that another board or a mirrored picture is; it stands until corners are seen
  * @property {number} seenAt ms, when the frame before was seen
  * @property {{time: number, speed: number}[]} speeds px/s at 1280 px image width, of the last frames with a board
@@ -36,7 +36,7 @@ export const HEALTHY = {
   suspected: null,
   since: 0,
   blindSince: Infinity,
-  tiny: false,
+  illegible: false,
   other: null,
   seenAt: -Infinity,
   speeds: [],
@@ -105,8 +105,8 @@ export function observeFrame(before, detection, time, board, lenience = 1) {
 }
 
 /**
- * Another board, or a mirrored picture, is reported at once: several detections agree on it. A board that is too far
- * away to be read may look like any other.
+ * Another board, or a mirrored picture, is reported at once: several detections agree on it. A board that is blurred, or
+ * too far away to be read, may look like any other.
  * @template {Target} T
  * @param {Sight<T>} sight @param {Recognised | null} suggestion what is there
  *   instead of the board
@@ -114,7 +114,7 @@ export function observeFrame(before, detection, time, board, lenience = 1) {
  * @returns {Sight<T>}
  */
 export function doubt(sight, suggestion, board, time) {
-  if (!suggestion || sight.corners.ids.length > 0 || sight.diagnosis.tiny) return sight;
+  if (!suggestion || sight.corners.ids.length > 0 || sight.diagnosis.illegible) return sight;
   const trouble = troubleOf(suggestion, board);
   return {
     ...sight,
@@ -210,7 +210,7 @@ export function diagnose(before, detection, motion, time) {
     since,
     blindSince,
     speeds,
-    tiny: isTiny(detection),
+    illegible: isTiny(detection) || isBlurred(detection),
     other,
     seenAt: time,
   };
@@ -227,6 +227,9 @@ const stillSaid = (before, suspected) => (suspected === null ? null : before.tro
 const isTiny = ({ markers, metrics }) =>
   markers > 0 && metrics !== undefined && metrics.square > 0 && metrics.square < SMALL;
 
+/** @param {Pick<Detection, "metrics">} detection */
+const isBlurred = ({ metrics }) => typeof metrics?.sharpness === "number" && metrics.sharpness < BLURRED;
+
 /**
  * @param {Detection} detection @param {number} blind ms without a corner @param {string | null} other
  * @param {Diagnosis["speeds"]} speeds
@@ -240,11 +243,11 @@ function suspect({ ids, markers, metrics }, blind, other, speeds) {
     if (isTiny({ markers, metrics })) return "far";
     if (metrics.high < 2 * DARK && metrics.median < DARK) return "dark";
     if (metrics.overexposed > BURNT) return "bright";
-    return metrics.sharpness !== null && metrics.sharpness < BLURRED ? "blurred" : null;
+    return isBlurred({ metrics }) ? "blurred" : null;
   }
   if (metrics.square > 0 && metrics.square < SMALL) return "far";
   if (speeds.length >= MIN_SPEEDS && median(speeds.map(({ speed }) => speed)) > FAST) return "moving";
-  if (metrics.share < WHOLE && metrics.sharpness !== null && metrics.sharpness < BLURRED) return "blurred";
+  if (metrics.share < WHOLE && isBlurred({ metrics })) return "blurred";
   return metrics.moire !== null && metrics.moire > STRIPES ? "moire" : null;
 }
 
