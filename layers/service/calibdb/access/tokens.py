@@ -31,24 +31,23 @@ _SALT = "calibdb.session"
 
 @dataclass(frozen=True)
 class ApiToken:
-    """Facts about an API token, never its secret."""
+    """Facts about an API token, never its secret: `tokens/<id>.json`. Times are unix seconds."""
 
     id: str
     secret_sha256: str
     origins: tuple[str, ...] = ()  # empty: any origin
     plan: str = "free"
     created: int = 0
-    # The secret before it was exchanged, and the unix time until which it still opens.
-    former_sha256: str | None = None
-    former_until: int = 0
+    former_sha256: str | None = None  # of the secret before it was exchanged,
+    former_until: int = 0  # which opens until then
     earlier: tuple[tuple[str, int], ...] = ()  # secrets before that one, newest first, with the same times
-    # Of a token that its user created:
     pending: tuple[str, ...] = ()  # origins that are claimed and not proved
-    management_sha256: str | None = None
+    management_sha256: str | None = None  # None, as the name: an operator issued it
     name: str = ""
-    expires: int | None = None  # unix seconds; unless it is used before
+    expires: int | None = None  # unless it is used before
     revoked: int | None = None
     version: int = field(default=0, compare=False)  # grows by one with each change
+    layout: Literal[1] = 1  # of the stored document
 
     @property
     def is_restricted(self) -> bool:

@@ -11,12 +11,7 @@ from calibdb.schema.calibration import (
 )
 from calibdb.schema.cameras import (
     CameraDetail,
-    CameraEntry,
     CameraList,
-    CameraMember,
-    CameraMode,
-    CameraSize,
-    CamerasRequest,
 )
 from calibdb.schema.checks import CheckAnswer, CheckRequest, CheckView, ComparisonAnswer, GivenCalibration
 from calibdb.schema.conversion import ConvertRequest
@@ -29,7 +24,6 @@ from calibdb.schema.documents import (
     PriorDocument,
     SessionDocument,
     ShapeDocument,
-    TokenDocument,
     ViewDocument,
     VoteDocument,
     Votes,

@@ -230,23 +230,3 @@ class PriorDocument(Open):
     fit: FitRecord
     source: str
     measured: int  # how many calibrations of that source it stands for
-
-
-class TokenDocument(Open):
-    """API token: `tokens/<id>.json`. Its secrets are not in it. Times are unix seconds."""
-
-    layout: Literal[1] = 1
-    id: str
-    secret_sha256: str
-    origins: tuple[str, ...] = ()
-    plan: str = "free"
-    created: int = 0
-    former_sha256: str | None = None
-    former_until: int = 0
-    earlier: tuple[tuple[str, int], ...] = ()
-    pending: tuple[str, ...] = ()
-    management_sha256: str | None = None
-    name: str = ""
-    expires: int | None = None
-    version: int = 0
-    revoked: int | None = None

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Literal, Protocol, TypeVar
+from typing import Any, Literal, Protocol, TypeVar
 
 from pydantic import BaseModel
 
 Document = TypeVar("Document", bound=BaseModel)
 Value = str | int | list[str]
-Item = dict[str, Value]
+Item = dict[str, Any]
+"""Attributes by name, each a `Value`."""
 JobName = Literal["refit", "verify", "dump"]
 
 READERS = 8  # threads that read objects at a time
@@ -33,7 +35,7 @@ class Comparison:
         if self.relation in ("absent", "present"):
             return (stored is None) == (self.relation == "absent")
         if self.relation == "=":
-            return stored == self.value
+            return bool(stored == self.value)
         if not isinstance(stored, int) or not isinstance(self.value, int):
             return False
         return stored < self.value if self.relation == "<" else stored <= self.value
@@ -129,23 +131,20 @@ class Table(Protocol):
         ...
 
     def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
-        """Yield the keys of all items whose `pk` begins with `pk_prefix`. For operators."""
+        """Yield the keys of all items whose `pk` begins with `pk_prefix`: a scan, for operators."""
         ...
 
 
 class Objects(Protocol):
-    """Immutable objects under names."""
+    """Objects under names. Reads raise DeniedReadError."""
 
     def get(self, name: str) -> bytes | None:
-        """Return the object's content, None if there is none; raises DeniedReadError."""
+        """Return the object's content, None if there is none."""
         version = self.get_version(name)
         return None if version is None else version[0]
 
     def get_version(self, name: str) -> tuple[bytes, str] | None:
-        """Return the object's content and the tag of this version, None if there is none.
-
-        Raises DeniedReadError.
-        """
+        """Return the object's content and the tag of this version, None if there is none."""
         ...
 
     def replace(self, name: str, content: bytes, tag: str) -> bool:
@@ -173,12 +172,29 @@ class Objects(Protocol):
         ...
 
 
+def encoded(document: BaseModel) -> bytes:
+    """Return a document as the content of its object."""
+    return document.model_dump_json().encode()
+
+
+def read(objects: Objects, name: str, model: type[Document]) -> Document | None:
+    """Read one document, None if there is none."""
+    content = objects.get(name)
+    return None if content is None else model.model_validate_json(content)
+
+
+def read_together(objects: Objects, names: Sequence[str]) -> list[bytes | None]:
+    """Read objects at the same time; return their contents in order."""
+    with ThreadPoolExecutor(READERS) as readers:
+        return list(readers.map(objects.get, names))
+
+
 def read_all(objects: Objects, prefix: str, model: type[Document]) -> Iterator[Document]:
     """Yield the documents below a prefix. For operators, and to rebuild the index."""
     for name in objects.names(prefix):
-        content = objects.get(name)
-        if content is not None:
-            yield model.model_validate_json(content)
+        document = read(objects, name, model)
+        if document is not None:
+            yield document
 
 
 class Jobs(Protocol):

@@ -1,8 +1,7 @@
 """Join codes of rigs, and how many wrong ones a source has sent.
 
-`RIGCODE#<keyed hash of the code>` names the rig until the code expires; `GUESS#<source>/WINDOW#<number>`
-counts. A guess is counted before it is looked at, so that many at once cannot exceed the limit, and taken
-back where it was right.
+`RIGCODE#<keyed hash of the code>` names the rig until the code expires. `GUESS#<source>/WINDOW#<number>`
+counts guesses: each before it is checked, so that many at once cannot exceed the limit.
 """
 
 from __future__ import annotations
@@ -29,23 +28,23 @@ class RigCodes:
         )
 
     def find(self, digest: str, now: int) -> str | None:
-        """Return the rig of a code, None if it leads to none, or no more."""
+        """Return the rig of a code, None if there is none or the code has expired."""
         item = self._table.get(_pk(digest), _SK)
-        return str(item["rig"]) if item and int(str(item["until"])) > now else None
+        return str(item["rig"]) if item and item["until"] > now else None
 
     def remove(self, digest: str) -> None:
         """Let a code lead nowhere."""
         self._table.delete(_pk(digest), _SK)
 
     def count_guess(self, source: str, now: int) -> bool:
-        """Count a code that may be a guess; False, and nothing counted, where there were too many."""
+        """Count a code that may be a guess; False, and nothing counted, if there were too many."""
         number = now // GUESS_WINDOW_S
         ttl = (number + 2) * GUESS_WINDOW_S
         counted = self._table.add(*_guesses(source, number), _COUNTER, 1, limit=MAX_GUESSES, ttl=ttl)
         return counted is not None
 
     def uncount_guess(self, source: str, now: int) -> None:
-        """Take a guess back that was none."""
+        """Take back a guess that was right."""
         self._table.add(*_guesses(source, now // GUESS_WINDOW_S), _COUNTER, -1)
 
 

@@ -1,7 +1,7 @@
 """Rigs: running ones under optimistic concurrency (`Versions`), what was computed of them, and finished ones.
 
 `rigs/<id>/<version>.json` is a running rig, `rigs/<id>/state/<digest>.json` fit and target that follow from
-the views of that digest, `rig_calibrations/<id>.json` a finished rig, for good.
+the views of that digest, `rig_calibrations/<id>.json` a finished rig.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Mapping
 
 from calibdb.schema import RigCalibrationDocument, RigDocument, RigEstimateDocument
-from calibdb.store.ports import Value, read_all
+from calibdb.store.ports import Value, encoded, read, read_all
 from calibdb.store.versions import Versions
 
 RIG_CALIBRATIONS_PREFIX = "rig_calibrations/"
@@ -39,21 +39,21 @@ class Rigs(Versions[RigDocument]):
 
     def estimate(self, rig_id: str, digest: str) -> RigEstimateDocument | None:
         """Return the fit and target computed from the views of this digest, None if there is none yet."""
-        content = self._objects.get(f"{_states(rig_id)}{digest}.json")
-        return None if content is None else RigEstimateDocument.model_validate_json(content)
+        return read(self._objects, f"{_states(rig_id)}{digest}.json", RigEstimateDocument)
 
     def keep_estimate(self, rig_id: str, digest: str, estimate: RigEstimateDocument) -> None:
-        """Keep a fit and target; of two who computed it at once, the first counts."""
-        self._objects.create(f"{_states(rig_id)}{digest}.json", estimate.model_dump_json().encode())
+        """Keep a fit and target; of two computed at once, the first counts."""
+        self._objects.create(f"{_states(rig_id)}{digest}.json", encoded(estimate))
 
     def publish(self, document: RigCalibrationDocument) -> None:
-        """Store a finished rig; done twice, it is done once."""
-        self._objects.create(rig_calibration_object(document.id), document.model_dump_json().encode())
+        """Store a finished rig; idempotent."""
+        self._objects.create(rig_calibration_object(document.id), encoded(document))
 
     def calibration(self, rig_id: str) -> RigCalibrationDocument | None:
         """Return a finished rig, None if there is none of this id."""
-        content = self._objects.get(rig_calibration_object(rig_id)) if is_rig_id(rig_id) else None
-        return None if content is None else RigCalibrationDocument.model_validate_json(content)
+        if not is_rig_id(rig_id):
+            return None
+        return read(self._objects, rig_calibration_object(rig_id), RigCalibrationDocument)
 
     def calibrations(self) -> Iterator[RigCalibrationDocument]:
         """Yield every finished rig. For operators."""

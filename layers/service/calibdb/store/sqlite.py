@@ -1,8 +1,7 @@
 """The ports in one SQLite file, `calibdb.sqlite`; objects above 1 MB are files next to it.
 
-The file is in WAL mode with `synchronous=FULL`: a write returns after its transaction is on disk. Several
-processes may use the file at the same time, each thread with a connection of its own. Each row has a
-checksum, since SQLite would not notice a damaged page. Without a folder everything is in memory.
+A write returns after its transaction is on disk. Several processes may use the file at the same time. Each
+row has a checksum, since SQLite would not notice a damaged page.
 """
 
 from __future__ import annotations
@@ -28,7 +27,10 @@ SCHEMA_VERSION = 1
 MAX_INLINE_BYTES = 1_000_000  # of an object's content that is in the database itself
 _BUSY_TIMEOUT_S = 10.0
 _MAX_PAUSE_S = 60.0  # before a job runs again
-_RANGE = "SELECT item FROM items WHERE pk = ? AND sk >= ? AND sk < ? AND (ttl IS NULL OR ttl > ?) ORDER BY sk"
+_RANGE = (
+    "SELECT item FROM items WHERE pk = ? AND sk >= ? AND sk < ? AND sk > ? AND (ttl IS NULL OR ttl > ?) "
+    "ORDER BY sk"
+)
 _PAGE_SIZE = 500  # rows that a listing reads at a time
 _SCHEMA = """
 CREATE TABLE items (pk TEXT, sk TEXT, item TEXT NOT NULL, ttl INTEGER, checksum INTEGER NOT NULL,
@@ -48,7 +50,7 @@ class SchemaError(Exception):
 
 @contextmanager
 def available() -> Iterator[None]:
-    """Turn a failure of SQLite or of the file system into UnavailableError: the caller may retry."""
+    """Turn a failure of SQLite or of the file system into UnavailableError."""
     try:
         yield
     except (sqlite3.Error, OSError) as error:
@@ -58,17 +60,13 @@ def available() -> Iterator[None]:
 class Database:
     """The SQLite file in `folder`; None: in memory. `clock`: unix seconds.
 
-    Raises
-    ------
-    SchemaError
-        If this version cannot read the file.
-    sqlite3.Error, OSError
-        If the file cannot be opened.
+    Raises SchemaError, or sqlite3.Error or OSError if the file cannot be opened.
     """
 
     def __init__(self, folder: Path | None, clock: Callable[[], float] = time.time) -> None:
         self.folder = folder
         self.clock = clock
+        self._path = ":memory:" if folder is None else folder / FILE_NAME
         self._local = threading.local()
         self._opened: list[sqlite3.Connection] = []
         self._idle: list[sqlite3.Connection] = []
@@ -80,7 +78,7 @@ class Database:
             version = connection.execute("PRAGMA user_version").fetchone()[0]
             if version > SCHEMA_VERSION:
                 raise SchemaError(
-                    f"{self.path} was written by a newer version of calibDB (schema {version}, this version "
+                    f"{self._path} was written by a newer version of calibDB (schema {version}, this version "
                     f"reads up to {SCHEMA_VERSION}): install that version"
                 )
             if version == 0:
@@ -88,17 +86,9 @@ class Database:
                     connection.execute(statement)
                 connection.execute(f"PRAGMA user_version={SCHEMA_VERSION}")
 
-    @property
-    def path(self) -> Path | None:
-        """Path of the file; None in memory."""
-        return None if self.folder is None else self.folder / FILE_NAME
-
     @contextmanager
     def reading(self) -> Iterator[sqlite3.Connection]:
-        """Yield a connection for reads: the one that this thread already uses, or an idle one.
-
-        Threads that live for one request share connections. The file is open once per concurrent reader.
-        """
+        """Yield a connection for reads: the one that this thread already uses, or an idle one."""
         if self._memory is not None:
             with self._writing:
                 yield self._memory
@@ -125,11 +115,6 @@ class Database:
             connection.execute("BEGIN IMMEDIATE")
             try:
                 yield connection
-            except BaseException:
-                if connection.in_transaction:
-                    connection.execute("ROLLBACK")
-                raise
-            try:
                 connection.execute("COMMIT")
             except BaseException:
                 if connection.in_transaction:
@@ -167,10 +152,7 @@ class Database:
 
     def _connect(self) -> sqlite3.Connection:
         connection = sqlite3.connect(
-            ":memory:" if self.folder is None else self.folder / FILE_NAME,
-            timeout=_BUSY_TIMEOUT_S,
-            isolation_level=None,
-            check_same_thread=False,
+            self._path, timeout=_BUSY_TIMEOUT_S, isolation_level=None, check_same_thread=False
         )
         self._opened.append(connection)
         connection.execute("PRAGMA journal_mode=WAL")
@@ -190,12 +172,15 @@ class SqliteTable(Table):
             return self._get(connection, pk, sk)
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
-        with available(), self._database.writing() as connection:
-            return self._put(connection, [item], condition)
+        return self.put_transaction([item], condition)
 
-    def put_transaction(self, items: Sequence[Item], condition: Condition) -> bool:
+    def put_transaction(self, items: Sequence[Item], condition: Condition | None) -> bool:
         with available(), self._database.writing() as connection:
-            return self._put(connection, items, condition)
+            first = items[0]
+            if not self._allows(connection, str(first["pk"]), str(first["sk"]), condition):
+                return False
+            _write_items(connection, items)
+            return True
 
     def add(
         self, pk: str, sk: str, name: str, amount: int, *, limit: int | None = None, ttl: int | None = None
@@ -208,22 +193,18 @@ class SqliteTable(Table):
             item[name] = total
             if ttl is not None:
                 item["ttl"] = ttl
-            self._put(connection, [item], None)
+            _write_items(connection, [item])
             return total
 
     def remove(self, pk: str, sk: str, name: str) -> None:
-        with available():
-            item = self.get(pk, sk)
-            if item is None or name not in item:
-                return
-            with self._database.writing() as connection:
-                item = self._get(connection, pk, sk)
-                if item is not None and item.pop(name, None) is not None:
-                    self._put(connection, [item], None)
+        with available(), self._database.writing() as connection:
+            item = self._get(connection, pk, sk)
+            if item is not None and item.pop(name, None) is not None:
+                _write_items(connection, [item])
 
     def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
         with available(), self._database.writing() as connection:
-            if condition is not None and not condition.holds(self._get(connection, pk, sk)):
+            if not self._allows(connection, pk, sk, condition):
                 return False
             connection.execute("DELETE FROM items WHERE pk = ? AND sk = ?", (pk, sk))
             return True
@@ -237,21 +218,12 @@ class SqliteTable(Table):
         limit: int | None = None,
         consistent: bool = False,  # noqa: ARG002
     ) -> list[Item]:
-        with available(), self._database.reading() as connection:
-            rows = connection.execute(
-                _RANGE + (" DESC LIMIT ?" if newest_first else " LIMIT ?"),
-                (pk, prefix, _after(prefix), self._database.clock(), -1 if limit is None else limit),
-            ).fetchall()
-        return [json.loads(text) for (text,) in rows]
+        order = " DESC LIMIT ?" if newest_first else " LIMIT ?"
+        return self._range(pk, prefix, "", order, -1 if limit is None else limit)
 
     def page(self, pk: str, prefix: str, limit: int, after: str | None) -> tuple[list[Item], bool]:
-        with available(), self._database.reading() as connection:
-            rows = connection.execute(
-                "SELECT item FROM items WHERE pk = ? AND sk >= ? AND sk < ? AND sk > ? "
-                "AND (ttl IS NULL OR ttl > ?) ORDER BY sk LIMIT ?",
-                (pk, prefix, _after(prefix), after or "", self._database.clock(), limit + 1),
-            ).fetchall()
-        return [json.loads(text) for (text,) in rows[:limit]], len(rows) > limit
+        items = self._range(pk, prefix, after or "", " LIMIT ?", limit + 1)
+        return items[:limit], len(items) > limit
 
     def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
         pk, sk = pk_prefix, ""
@@ -274,21 +246,25 @@ class SqliteTable(Table):
         ).fetchone()
         return None if row is None else json.loads(row[0])
 
-    def _put(
-        self, connection: sqlite3.Connection, items: Sequence[Item], condition: Condition | None
-    ) -> bool:
-        if condition is not None:
-            stored = self._get(connection, str(items[0]["pk"]), str(items[0]["sk"]))
-            if not condition.holds(stored):
-                return False
-        rows = []
-        for item in items:
-            text = json.dumps(item, ensure_ascii=False, separators=(",", ":"))
-            key = str(item["pk"]), str(item["sk"])
-            ttl = item.get("ttl")
-            rows.append((*key, text, ttl, item_checksum(*key, text, ttl if isinstance(ttl, int) else None)))
-        connection.executemany("INSERT OR REPLACE INTO items VALUES (?, ?, ?, ?, ?)", rows)
-        return True
+    def _range(self, pk: str, prefix: str, after: str, order: str, limit: int) -> list[Item]:
+        with available(), self._database.reading() as connection:
+            rows = connection.execute(
+                _RANGE + order, (pk, prefix, _after(prefix), after, self._database.clock(), limit)
+            ).fetchall()
+        return [json.loads(text) for (text,) in rows]
+
+    def _allows(self, connection: sqlite3.Connection, pk: str, sk: str, condition: Condition | None) -> bool:
+        return condition is None or condition.holds(self._get(connection, pk, sk))
+
+
+def _write_items(connection: sqlite3.Connection, items: Sequence[Item]) -> None:
+    for item in items:
+        text = json.dumps(item, ensure_ascii=False, separators=(",", ":"))
+        pk, sk, ttl = str(item["pk"]), str(item["sk"]), item.get("ttl")
+        checksum = item_checksum(pk, sk, text, ttl if isinstance(ttl, int) else None)
+        connection.execute(
+            "INSERT OR REPLACE INTO items VALUES (?, ?, ?, ?, ?)", (pk, sk, text, ttl, checksum)
+        )
 
 
 class SqliteObjects(Objects):
@@ -342,11 +318,11 @@ class SqliteObjects(Objects):
                     "ORDER BY name LIMIT ?",
                     (self._bucket, prefix, _after(prefix), after, _PAGE_SIZE),
                 ).fetchall()
-            for (name,) in rows:
-                yield name
-            if len(rows) < _PAGE_SIZE:
+            names = [name for (name,) in rows]
+            yield from names
+            if len(names) < _PAGE_SIZE:
                 return
-            after = rows[-1][0]
+            after = names[-1]
 
     def headers(self, name: str) -> tuple[str, str | None]:
         """Return media type and `Cache-Control` of an object that exists."""
@@ -367,6 +343,7 @@ class SqliteObjects(Objects):
     ) -> bool:
         tag = hashlib.sha256(content).hexdigest()
         inline = self._database.folder is None or len(content) <= MAX_INLINE_BYTES
+        written = int(self._database.clock())
         with available():
             with self._database.writing() as connection:
                 before = self._tag(name)
@@ -380,27 +357,28 @@ class SqliteObjects(Objects):
                         self._bucket,
                         name,
                         tag,
-                        int(self._database.clock()),
+                        written,
                         media_type,
                         cache_control,
                         content if inline else None,
                     ),
                 )
-            self._remove_files({before} - {tag, None})
+            if before != tag:
+                self._remove_files([before])
         return True
 
     def purge_all_versions(self, names: Iterable[str]) -> int:
         """Delete the objects; return their number. There are no earlier versions."""
-        tags = set()
+        tags = []
         count = 0
-        with available(), self._database.writing() as connection:
-            for name in names:
-                tags.add(self._tag(name))
-                count += connection.execute(
-                    "DELETE FROM objects WHERE bucket = ? AND name = ?", (self._bucket, name)
-                ).rowcount
         with available():
-            self._remove_files(tags - {None})
+            with self._database.writing() as connection:
+                for name in names:
+                    tags.append(self._tag(name))
+                    count += connection.execute(
+                        "DELETE FROM objects WHERE bucket = ? AND name = ?", (self._bucket, name)
+                    ).rowcount
+            self._remove_files(tags)
         return count
 
     def _tag(self, name: str) -> str | None:
@@ -439,15 +417,7 @@ class Job:
 
 
 class SqliteJobs(Jobs):
-    """`Jobs` in SQLite. Jobs that fail every time stay, with their error.
-
-    Parameters
-    ----------
-    database
-        Database with the queue.
-    run
-        Runs a job and returns its result.
-    """
+    """`Jobs` in SQLite. Jobs that fail every time stay, with their error."""
 
     def __init__(self, database: Database, run: Callable[[JobName, bytes], bytes | None]) -> None:
         self._database = database
@@ -520,10 +490,7 @@ class SqliteJobs(Jobs):
 
 
 def backup(source: Path, target: Path) -> None:
-    """Copy the data folder `source`, which may be in use, to the new folder `target`.
-
-    SQLite copies the database as it was at one moment. Files of objects never change.
-    """
+    """Copy the data folder `source`, which may be in use, to the new folder `target`."""
     target.mkdir(parents=True)
     (target / FOLDER_NAME).mkdir()
     with (
@@ -548,7 +515,6 @@ def item_checksum(pk: str, sk: str, item: str, ttl: int | None) -> int:
 
 
 def _after(prefix: str) -> str:
-    """Return a text that sorts after all texts with this prefix."""
     return prefix + "\U0010ffff"
 
 

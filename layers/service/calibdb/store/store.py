@@ -45,7 +45,7 @@ class Store:
 
     @classmethod
     def of(cls, settings: Settings) -> Store:
-        """Return the stores of the storage that `settings` names. Clients are made when first used."""
+        """Return the stores of a function with these settings."""
         return cls.over(storage_of(settings))
 
     @classmethod

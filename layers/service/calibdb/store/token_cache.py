@@ -1,9 +1,8 @@
 """TTL cache of API tokens, which also counts their lookups without a write for each.
 
 A lookup that hits is one Query. So its token is cached for half a minute, and lookups are counted in memory
-and flushed when the token is read again: once for some hundred lookups, or after some minutes. A
-function does not run after its answer, and one that is ended loses what it had not written: the count is a
-little low, in favour of the users.
+and flushed when the token is read again: once for some hundred lookups, or after some minutes. A function
+that is ended loses what it had not written.
 """
 
 from __future__ import annotations
@@ -16,7 +15,6 @@ from calibdb.access.plans import (
     HOUR_S,
     NETWORK_SHARES,
     PLANS,
-    Kind,
     Plan,
     RateLimit,
     plan,
@@ -41,23 +39,23 @@ _MAX_SOURCES = 4096  # of one token and hour
 class _Entry:
     token: ApiToken
     read_again: float  # unix seconds
-    flushed: float  # unix seconds at which lookups were last written down
+    flushed: float  # unix seconds
     refused_until: float = 0.0  # unix seconds; until then a wrong secret does not read the token again
-    pending: dict[int, int] = field(default_factory=dict)  # lookups since then, by hour
-    next_flush: float = 0.0  # unix seconds; after a failure, of the next attempt to write them down
+    pending: dict[int, int] = field(default_factory=dict)  # lookups since `flushed`, by hour
+    next_flush: float = 0.0  # unix seconds, after a failure
     hour: int = 0
-    used: int = 0  # lookups of this hour by all instances, as last written down
+    used: int = 0  # lookups of this hour by all instances, as last flushed
     used_up: bool = False  # in this hour
     sources: dict[int, int] = field(default_factory=dict)  # lookups of this hour by source
     reading: threading.Lock = field(default_factory=threading.Lock)
 
     def is_full(self, now: float, plans: Mapping[str, Plan]) -> bool:
-        """True if there is enough to write down."""
+        """True if there are enough lookups to flush."""
         lookups = sum(self.pending.values())
         return lookups >= _lookups_per_flush(plan(self.token.plan, plans)) and now >= self.next_flush
 
     def is_due(self, now: float, plans: Mapping[str, Plan]) -> bool:
-        """True if lookups are to be written down now: enough of them, old ones, or of an earlier hour."""
+        """True if lookups must be flushed: enough of them, old ones, or of an earlier hour."""
         if not self.pending or now < self.next_flush:
             return False
         is_old = now - self.flushed >= FLUSH_INTERVAL_S or min(self.pending) < int(now // HOUR_S)
@@ -65,20 +63,9 @@ class _Entry:
 
 
 class TokenCache:
-    """Tokens that one instance of a function read lately. Safe from many threads at once.
+    """Tokens that one instance of a function read lately. Thread-safe.
 
-    Parameters
-    ----------
-    tokens, quotas
-        Stores of tokens and of their use.
-    clock
-        Unix time, seconds.
-    ttl_s
-        Seconds for which a token is remembered.
-    plans
-        By the names that tokens bear.
-    in_background
-        Lookups and first uses are written down by `write_pending`, which a server calls every second.
+    `in_background`: lookups and first uses are stored by `write_pending`, which a server calls every second.
     """
 
     def __init__(
@@ -107,24 +94,23 @@ class TokenCache:
         A remembered token that `accepts` refuses, since its secret is another one, is read again: it may have
         been rotated. While that does not help, it is read once in `REFUSAL_TTL_S`.
         """
-        with self._lock:
-            entry = self._known.get(token_id)
-            if entry is not None and self._is_current(entry, accepts):
-                return entry.token
+        entry = self._known.get(token_id)
         if entry is None:
             return self._read(token_id, accepts)
+        if token := self._current(token_id, accepts):
+            return token
         with entry.reading:  # of many waiting threads only the first reads
-            with self._lock:
-                entry = self._known.get(token_id)
-                if entry is not None and self._is_current(entry, accepts):
-                    return entry.token
-            return self._read(token_id, accepts)
+            return self._current(token_id, accepts) or self._read(token_id, accepts)
 
-    def _is_current(self, entry: _Entry, accepts: Callable[[ApiToken], bool]) -> bool:
+    def _current(self, token_id: str, accepts: Callable[[ApiToken], bool]) -> ApiToken | None:
         now = self._clock()
-        if now >= entry.read_again or (not self._in_background and entry.is_full(now, self._plans)):
-            return False
-        return now < entry.refused_until or accepts(entry.token)
+        with self._lock:
+            entry = self._known.get(token_id)
+            if entry is None or now >= entry.read_again:
+                return None
+            if not self._in_background and entry.is_full(now, self._plans):
+                return None
+            return entry.token if now < entry.refused_until or accepts(entry.token) else None
 
     def _read(self, token_id: str, accepts: Callable[[ApiToken], bool]) -> ApiToken | None:
         now, token = self._clock(), self._tokens.get(token_id)
@@ -146,7 +132,7 @@ class TokenCache:
         return token
 
     def keep(self, token: ApiToken) -> None:
-        """Have a token not expire that is used for the first time."""
+        """Note the first use of a token, so that it does not expire."""
         with self._lock:
             entry = self._known.get(token.id)
         if token.expires is None or (entry is not None and entry.token.expires is None):
@@ -165,10 +151,7 @@ class TokenCache:
                 entry.token = replace(entry.token, expires=None)
 
     def count_lookup(self, token: ApiToken, source: str, network: str | None = None) -> tuple[RateLimit, ...]:
-        """Count a lookup from `source` on the line `network`, and return what is left.
-
-        Raises TooManyError if the hour's are used up.
-        """
+        """Count a lookup from `source` on the line `network`; raises TooManyError if they are used up."""
         allowed = plan(token.plan, self._plans)
         together, each = allowed.together.lookups, allowed.each.lookups
         if together is None:
@@ -191,7 +174,7 @@ class TokenCache:
                 each is not None
                 and any(entry.sources.get(who, 0) >= share * each for who, share in shares.items())
             ):
-                limits = _limits("lookups", now, (each, 0), (together, left_together))
+                limits = _limits(now, (each, 0), (together, left_together))
                 raise TooManyError(retry_after(now), headers=rate_limit_headers(limits))
             if len(entry.sources) + len(shares) > _MAX_SOURCES:
                 entry.sources.clear()
@@ -200,12 +183,10 @@ class TokenCache:
             entry.pending[hour] = entry.pending.get(hour, 0) + 1
         if allowed.counts_each_lookup and not self._in_background:
             self._flush(entry, now)
-        return _limits(
-            "lookups", now, (each, 0 if each is None else each - own - 1), (together, left_together - 1)
-        )
+        return _limits(now, (each, 0 if each is None else each - own - 1), (together, left_together - 1))
 
     def write_pending(self) -> None:
-        """Write down all lookups and first uses that were counted since the last time."""
+        """Store all lookups and first uses that were counted since the last time."""
         with self._lock:
             entries = list(self._known.values())
             used_first = list(self._used_first)
@@ -241,15 +222,13 @@ class TokenCache:
 
 
 def retry_after(now: float) -> int:
-    """Return the seconds until the next hour begins, when everything may be used again."""
+    """Return the seconds until the next hour begins."""
     return HOUR_S - int(now) % HOUR_S
 
 
-def _limits(
-    kind: Kind, now: float, each: tuple[int | None, int], together: tuple[int | None, int]
-) -> tuple[RateLimit, ...]:
+def _limits(now: float, each: tuple[int | None, int], together: tuple[int, int]) -> tuple[RateLimit, ...]:
     """Return the limits of one user and of all: pairs of a quota, None without a bound, and what is left."""
-    named = ((f"{kind}-each", *each), (kind, *together))
+    named = (("lookups-each", *each), ("lookups", *together))
     return tuple(
         RateLimit(name, limit, left, retry_after(now)) for name, limit, left in named if limit is not None
     )
