@@ -14,7 +14,6 @@ from calibdb.schema.cameras import (
     CameraList,
 )
 from calibdb.schema.checks import CheckAnswer, CheckRequest, CheckView, ComparisonAnswer, GivenCalibration
-from calibdb.schema.conversion import ConvertRequest
 from calibdb.schema.documents import (
     CalibrationDocument,
     ConsensusDocument,
@@ -29,7 +28,7 @@ from calibdb.schema.documents import (
     Votes,
 )
 from calibdb.schema.estimate import Estimate
-from calibdb.schema.export import FORMATS, ExportQuery
+from calibdb.schema.export import FORMATS, ConvertRequest, ExportQuery
 from calibdb.schema.fields import DISTORTION_MODELS
 from calibdb.schema.health import DeepHealth, HealthProblem
 from calibdb.schema.lookup import LookupRequest, Miss, NoCalibration, UnknownCamera

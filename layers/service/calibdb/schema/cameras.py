@@ -1,4 +1,4 @@
-"""The database as it is browsed: what cameras there are, and what is known of one."""
+"""Search for cameras, and the details of one."""
 
 from __future__ import annotations
 

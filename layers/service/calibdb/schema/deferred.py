@@ -1,4 +1,4 @@
-"""Models that are built when they are first used: a process uses few of them, a Lambda function fewer."""
+"""Models that are built at their first use: a Lambda function uses few of them."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict
 
 building = threading.RLock()
-"""Held by the thread that builds a model; a model is built with those of its fields."""
+"""Lock of the thread that builds a model, with those of its fields."""
 
 
 class Deferred(BaseModel):
-    """A model whose validator is built at its first use, by one thread at a time; pydantic has no lock."""
+    """Model whose validator is built at its first use, by one thread at a time: pydantic has no lock."""
 
     model_config = ConfigDict(defer_build=True)
 
@@ -25,7 +25,7 @@ class Deferred(BaseModel):
         _parent_namespace_depth: int = 2,
         _types_namespace: Any = None,
     ) -> bool | None:
-        """Build validator and serializer as pydantic does; threads that ask meanwhile wait."""
+        """Build validator and serializer as pydantic does."""
         with building:
             return super().model_rebuild(
                 force=force,

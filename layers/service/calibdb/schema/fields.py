@@ -1,10 +1,10 @@
-"""The types of single fields, with their bounds, and bases of models."""
+"""Types of fields, with their bounds, and bases of models."""
 
 from __future__ import annotations
 
 import math
 import unicodedata
-from typing import Annotated, Literal, Protocol, TypeVar, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
     AfterValidator,
@@ -27,24 +27,24 @@ MIN_IMAGE_SIDE_PX, MAX_IMAGE_SIDE_PX = 16, 16384
 MAX_PIXELS = 2**26  # an overlay is drawn at the size of the image
 MAX_ASPECT = 8  # sides of an image: no camera's is a strip
 MAX_INDEX = 100_000
-MAX_LABEL = 256  # characters of a label that can be seen
+MAX_LABEL = 256  # visible characters
 IPV6_SOURCE = "v6-"  # beginning of a contributor's source that is an IPv6 site
 
 
 class Strict(Deferred):
-    """A request that refuses unknown members, so that misspelt options are reported."""
+    """Request that refuses unknown members, so that misspelt options are reported."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
 
 
 class Open(Deferred):
-    """An answer or a stored document: fields that a later version added are passed over."""
+    """Response or stored document: fields that a later version added are ignored."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
 
 def is_none(value: object) -> bool:
-    """True if a member that older records and clients do not know is absent: it is left out."""
+    """True if a member is None, which older records and clients do not know: it is left out."""
     return value is None
 
 
@@ -56,7 +56,7 @@ def _finite(value: JsonValue) -> JsonValue:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-# What another room says, kept as it is. JSON has no infinity: it is unknown, here as when it is written.
+# JSON has no infinity: it is unknown.
 Members = Annotated[dict[str, JsonValue], AfterValidator(_finite)]
 
 
@@ -64,17 +64,16 @@ def _canonical(zoom: float) -> float:
     return round(zoom, 6) + 0.0  # + 0.0 turns -0.0 into 0.0: equal zooms are written alike
 
 
-# A board before a running camera; or views that are all there already: of photographs, a video, a file.
 CaptureKind = Literal["live", "recorded"]
 
-# The names, and the order of the coefficients, are the API's. `calibsolver.models` has one file for each.
+# The names, and the order of the coefficients, are the API's.
 DistortionModel = Literal["rectilinear", "fisheye", "rational", "omnidirectional"]
 DISTORTION_MODELS: tuple[str, ...] = get_args(DistortionModel)
 Guidance = Literal["projection-uncertainty", "pose-selection"]
 
 
 def _in_one_line(text: object) -> object:
-    if isinstance(text, str) and len(text) > MAX_TEXT_LENGTH:  # before every character of it is looked at
+    if isinstance(text, str) and len(text) > MAX_TEXT_LENGTH:  # before each character is examined
         raise PydanticCustomError(
             "string_too_long", "String should have at most {most} characters", {"most": MAX_LABEL}
         )
@@ -82,12 +81,11 @@ def _in_one_line(text: object) -> object:
 
 
 def _one_spelling(text: str) -> str:
-    """Return `text` in one line, each letter composed, so that equal labels are written alike."""
     return unicodedata.normalize("NFC", visible(text))
 
 
 def label_text(text: str) -> str:
-    """Return foreign text, such as a name in a file, as a label; empty if nothing of it can be seen."""
+    """Return foreign text, such as a name in a file, as a label; empty if none of it is visible."""
     return _one_spelling(text)[:MAX_LABEL].strip()
 
 
@@ -122,7 +120,7 @@ Side = Annotated[int, Field(strict=True, ge=MIN_IMAGE_SIDE_PX, le=MAX_IMAGE_SIDE
 
 
 def camera_like(size: tuple[int, int]) -> tuple[int, int]:
-    """Return the size of an image; raises PydanticCustomError for one that no camera takes."""
+    """Return the size of an image; raises PydanticCustomError if no camera has it."""
     if size[0] * size[1] > MAX_PIXELS:
         raise PydanticCustomError(
             "too_many_pixels", "the image has too many pixels; {most} are allowed", {"most": MAX_PIXELS}
@@ -191,23 +189,8 @@ DEVICE_TEXT = (
 )
 
 
-class Named(Protocol):
-    """Request that names a platform, and perhaps a device."""
-
-    @property
-    def platform(self) -> str:
-        """Platform of the camera."""
-
-    @property
-    def device(self) -> str | None:
-        """Model identifier."""
-
-
-NamedRequest = TypeVar("NamedRequest", bound=Named)
-
-
-def join_device(request: NamedRequest) -> NamedRequest:
-    """Make the device that a request names a part of its platform; a validator of the whole model."""
+def join_device(request: Any) -> Any:
+    """Make the `device` of a request a part of its `platform`; a validator of the whole model."""
     if request.device is not None:
         joined = with_device(request.platform, request.device)
         if len(joined) <= MAX_LABEL:
@@ -216,7 +199,7 @@ def join_device(request: NamedRequest) -> NamedRequest:
 
 
 class StreamRequest(Strict):
-    """A request about one stream of a camera and the model of its lens."""
+    """Request about one stream of a camera and the model of its lens."""
 
     camera: Label = Field(description="`MediaStreamTrack.label`")
     platform: Label = Field(description="The parenthesised part of the user agent.")
