@@ -1,4 +1,4 @@
-"""Facts about a token and its use, as its owner is shown them."""
+"""Facts about a token and its use, for its owner."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from calibdb.schema.managed_token import (
 )
 from calibdb.schema.origins import proof_content, proof_url
 
-HOURS, DAYS = 48, 30  # of use that are shown
+HOURS, DAYS = 48, 30  # of use
 _DAY_S = 24 * HOUR_S
 _FAILURE_DETAILS: dict[ProofFailure, str] = {
     "name": "The domain name has no address.",
@@ -38,7 +38,7 @@ _FAILURE_DETAILS: dict[ProofFailure, str] = {
 def facts(
     token: ApiToken, allowed: Plan, now: int, failures: Mapping[str, ProofFailure] | None = None
 ) -> TokenFacts:
-    """Describe a token; `failures`: why origins could not be verified just now."""
+    """Describe a token; `failures`: why origins could not be verified, by origin."""
     verified = (OriginState(origin=origin, state="verified") for origin in token.origins)
     pending = (_pending(token, origin, (failures or {}).get(origin)) for origin in token.pending)
     expiries = [until for _, until in former_secrets(token) if until > now]
@@ -70,7 +70,7 @@ def _pending(token: ApiToken, origin: str, failure: ProofFailure | None) -> Orig
 
 
 def use_summary(counts: Mapping[str, Mapping[str, int]], now: int) -> TokenUse:
-    """Sum up counters by hour (`2026-11-22T16`, UTC): the last 48 hours, and the last 30 days."""
+    """Sum counters by hour (`2026-11-22T16`, UTC) over the last 48 hours and 30 days."""
     hours = [_text("%Y-%m-%dT%H", now - back * HOUR_S) for back in reversed(range(HOURS))]
     days = [_text("%Y-%m-%d", now - back * _DAY_S) for back in reversed(range(DAYS))]
     by_day: dict[str, dict[str, int]] = {day: dict.fromkeys(KINDS, 0) for day in days}
