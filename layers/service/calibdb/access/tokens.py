@@ -73,7 +73,7 @@ def parse(text: str, kind: Literal["cdb", "cdbm"] = "cdb") -> tuple[str, str] | 
 
 
 def secret_hash(secret: str) -> str:
-    """Return the SHA-256 of a secret, in hex: it has at least 128 random bits, so dictionaries do not help."""
+    """Return the SHA-256 of a secret, in hex. It has 128 random bits, so dictionaries do not help."""
     return hashlib.sha256(secret.encode()).hexdigest()
 
 

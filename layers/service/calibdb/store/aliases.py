@@ -12,7 +12,7 @@ import time
 import unicodedata
 from dataclasses import dataclass
 
-from calibdb.store.ports import IF_NOT_EXISTS, Item, Table
+from calibdb.store.ports import IF_NOT_EXISTS, Item, ItemStore
 
 MAX_OF_CAMERA = 200
 MAX_OF_SOURCE = 20  # per day
@@ -46,11 +46,8 @@ class Alias:
         return self.expires >= now + ALIAS_EXPIRY_S - ALIAS_RENEWAL_S
 
 
-class Aliases:
+class Aliases(ItemStore):
     """Store of aliases."""
-
-    def __init__(self, table: Table) -> None:
-        self._table = table
 
     def get(self, digest: str) -> Alias | None:
         """Return the alias of this name, None if there is none."""

@@ -32,7 +32,7 @@ from calibdb.store.keys import (
     with_tombstones,
 )
 from calibdb.store.names import Names, with_current_key
-from calibdb.store.ports import Item, Objects, Table, absent, encoded, read_together
+from calibdb.store.ports import DocumentStore, Item, Objects, Table, absent, encoded, read_together
 
 MAX_PER_SOURCE = 3  # calibrations of one source that enter a consensus
 Withdrawal = Literal["wrong", "abuse", "privacy", "other"]
@@ -57,12 +57,11 @@ class CountedCalibration:
         return self.camera, self.platform
 
 
-class Calibrations:
+class Calibrations(DocumentStore):
     """Calibrations under their ids."""
 
     def __init__(self, table: Table, objects: Objects) -> None:
-        self._table = table
-        self._objects = objects
+        super().__init__(table, objects)
         self._catalogue = Names(table)
 
     def get(self, calibration_id: str) -> CalibrationDocument | None:

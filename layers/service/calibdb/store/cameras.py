@@ -15,7 +15,7 @@ from calibdb.schema import ConsensusDocument, GroupsDocument
 from calibdb.schema.cameras import CameraMember
 from calibdb.store.keys import StreamMode, calibrations_prefix, camera_pk, parse_consensus_id
 from calibdb.store.names import ALL, SAME_AS
-from calibdb.store.ports import IF_EXISTS, IF_NOT_EXISTS, Item, Table, equals
+from calibdb.store.ports import IF_EXISTS, IF_NOT_EXISTS, Item, ItemStore, equals
 
 MIN_RIVAL_SHARE = 1 / 3  # contributors of an id / of the best known one of its name, from which it rivals it
 
@@ -60,11 +60,8 @@ class CameraRecords:
         return self.well_known or self.same_as
 
 
-class Cameras:
+class Cameras(ItemStore):
     """The cameras of the database: by their keys, and by the words of their names."""
-
-    def __init__(self, table: Table) -> None:
-        self._table = table
 
     def known(self, camera_key: str) -> CameraRecords:
         """Return all that is known under a key: one Query."""
@@ -123,15 +120,12 @@ class Cameras:
         return [member for member in members if member is not None], names
 
 
-class Consensuses:
+class Consensuses(ItemStore):
     """The consensuses of cameras: index items that contain what lookups return.
 
     A computation reads the stored consensus first and its inputs after it. It writes on condition that the
     stored one is still the same. So an older result never replaces a newer one, however long either took.
     """
-
-    def __init__(self, table: Table) -> None:
-        self._table = table
 
     def of(self, camera_key: str) -> list[ConsensusDocument]:
         """Return all of a camera, at every size and zoom and for every model: one Query."""

@@ -7,18 +7,15 @@ holder began. A lease only saves work: correctness comes from the conditional wr
 from __future__ import annotations
 
 from calibdb.store.keys import StreamMode
-from calibdb.store.ports import IF_NOT_EXISTS, Item, Table, below, equals
+from calibdb.store.ports import IF_NOT_EXISTS, Item, ItemStore, below, equals
 
 _SK = "META"
 _MAX_ATTEMPTS = 8  # to learn who holds it, while others let go of it and take it
 _EXPIRED_S = 3600  # seconds after which what a crash left behind is removed
 
 
-class Leases:
+class Leases(ItemStore):
     """One computation at a time for each mode."""
-
-    def __init__(self, table: Table) -> None:
-        self._table = table
 
     def take(self, mode: StreamMode, me: str, now: int, until: int, name: str = _SK) -> bool:
         """Begin to compute; False if another does, which is then asked to repeat it.

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 
-from calibdb.store.ports import Table
+from calibdb.store.ports import ItemStore
 
 USB = "usb#"
 WEEKS = 13  # that are counted: 90 days, about
@@ -17,11 +17,8 @@ _WEEK_S = 7 * 86_400
 _CAMERA = "CAMERA#"
 
 
-class MissCounts:
+class MissCounts(ItemStore):
     """Counters of lookups that found nothing reliable."""
-
-    def __init__(self, table: Table) -> None:
-        self._table = table
 
     def add(self, counts: Mapping[str, int], now: int) -> None:
         """Add to the counters of this week."""

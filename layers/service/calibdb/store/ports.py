@@ -172,6 +172,21 @@ class Objects(Protocol):
         ...
 
 
+class ItemStore:
+    """Store of items."""
+
+    def __init__(self, table: Table) -> None:
+        self._table = table
+
+
+class DocumentStore(ItemStore):
+    """Store of documents: objects, and the items that find them."""
+
+    def __init__(self, table: Table, objects: Objects) -> None:
+        super().__init__(table)
+        self._objects = objects
+
+
 def encoded(document: BaseModel) -> bytes:
     """Return a document as the content of its object."""
     return document.model_dump_json().encode()

@@ -7,17 +7,13 @@ from collections.abc import Iterator
 from calibdb.schema import FitRecord, PriorDocument
 from calibdb.schema.fields import size_text, zoom_text
 from calibdb.store.keys import camera_pk
-from calibdb.store.ports import Objects, Table, encoded, read_all
+from calibdb.store.ports import DocumentStore, encoded, read_all
 
 _PRIORS_PREFIX = "priors/"
 
 
-class Priors:
+class Priors(DocumentStore):
     """First guesses, by camera, size, zoom and model."""
-
-    def __init__(self, table: Table, objects: Objects) -> None:
-        self._table = table
-        self._objects = objects
 
     def find(self, camera_key: str, img_size: tuple[int, int], zoom: float, model: str) -> FitRecord | None:
         """Return the guess, None if there is none: one read."""

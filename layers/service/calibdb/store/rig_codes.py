@@ -6,7 +6,7 @@ counts guesses: each before it is checked, so that many at once cannot exceed th
 
 from __future__ import annotations
 
-from calibdb.store.ports import Table
+from calibdb.store.ports import ItemStore
 
 GUESS_WINDOW_S = 900
 MAX_GUESSES = 10
@@ -15,11 +15,8 @@ _SK = "META"
 _COUNTER = "guesses"
 
 
-class RigCodes:
+class RigCodes(ItemStore):
     """Join codes by their keyed hashes."""
-
-    def __init__(self, table: Table) -> None:
-        self._table = table
 
     def put(self, digest: str, rig_id: str, until: int) -> None:
         """Let a code lead to a rig until a unix time."""

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from calibdb.errors import UnavailableError
 from calibdb.store.ports import Condition, Item, JobName, Jobs, Objects, Table
@@ -60,7 +61,7 @@ def available() -> Iterator[None]:
 class Database:
     """The SQLite file in `folder`; None: in memory. `clock`: unix seconds.
 
-    Raises SchemaError, or sqlite3.Error or OSError if the file cannot be opened.
+    Raises SchemaError, or sqlite3.Error or OSError if the file cannot be opened. Methods: UnavailableError.
     """
 
     def __init__(self, folder: Path | None, clock: Callable[[], float] = time.time) -> None:
@@ -69,12 +70,14 @@ class Database:
         self._path = ":memory:" if folder is None else folder / FILE_NAME
         self._local = threading.local()
         self._opened: list[sqlite3.Connection] = []
-        self._idle: list[sqlite3.Connection] = []
         self._writing = threading.RLock()
-        self._memory = self._connect() if folder is None else None
+        connection = self._connect()
+        self._idle = [connection]
+        self._memory = connection if folder is None else None
         if folder is not None:
             (folder / FOLDER_NAME).mkdir(exist_ok=True)
-        with self.writing() as connection:
+        connection.execute("BEGIN IMMEDIATE")
+        with connection:
             version = connection.execute("PRAGMA user_version").fetchone()[0]
             if version > SCHEMA_VERSION:
                 raise SchemaError(
@@ -89,42 +92,47 @@ class Database:
     @contextmanager
     def reading(self) -> Iterator[sqlite3.Connection]:
         """Yield a connection for reads: the one that this thread already uses, or an idle one."""
-        if self._memory is not None:
-            with self._writing:
-                yield self._memory
-            return
         connection: sqlite3.Connection | None = getattr(self._local, "connection", None)
-        if connection is not None:
-            yield connection
-            return
-        try:
-            connection = self._idle.pop()
-        except IndexError:
-            connection = self._connect()
-        self._local.connection = connection
-        try:
-            yield connection
-        finally:
-            self._local.connection = None
-            self._idle.append(connection)
+        with available():
+            if self._memory is not None:
+                with self._writing:
+                    yield self._memory
+                return
+            if connection is not None:
+                yield connection
+                return
+            try:
+                connection = self._idle.pop()
+            except IndexError:
+                connection = self._connect()
+            self._local.connection = connection
+            try:
+                yield connection
+            finally:
+                self._local.connection = None
+                self._idle.append(connection)
 
     @contextmanager
     def writing(self) -> Iterator[sqlite3.Connection]:
         """Yield a connection in a transaction, committed at the end of the block."""
         with self._writing, self.reading() as connection:
             connection.execute("BEGIN IMMEDIATE")
-            try:
+            with connection:
                 yield connection
-                connection.execute("COMMIT")
-            except BaseException:
-                if connection.in_transaction:
-                    connection.execute("ROLLBACK")
-                raise
+
+    def rows(self, query: str, *values: object) -> list[Any]:
+        """Return the rows of a query."""
+        with self.reading() as connection:
+            return connection.execute(query, values).fetchall()
+
+    def change(self, statement: str, *values: object) -> list[Any]:
+        """Run a statement in a transaction of its own; return the rows that it returns."""
+        with self.writing() as connection:
+            return connection.execute(statement, values).fetchall()
 
     def checkpoint(self) -> None:
         """Copy the log into the file, as far as readers allow."""
-        with self.reading() as connection:
-            connection.execute("PRAGMA wal_checkpoint(PASSIVE)")
+        self.rows("PRAGMA wal_checkpoint(PASSIVE)")
 
     def sweep(self, lifetimes: Mapping[tuple[str, str], float]) -> int:
         """Delete what has expired; return the number of rows.
@@ -135,13 +143,11 @@ class Database:
         with self.writing() as connection:
             removed = connection.execute("DELETE FROM items WHERE ttl <= ?", (now,)).rowcount
         for (bucket, prefix), lifetime in lifetimes.items():
-            with self.reading() as connection:
-                names = connection.execute(
-                    "SELECT name FROM objects WHERE bucket = ? AND name >= ? AND name < ? AND written < ?",
-                    (bucket, prefix, _after(prefix), now - lifetime),
-                ).fetchall()
-            SqliteObjects(self, bucket).delete([name for (name,) in names])
-            removed += len(names)
+            expired = self.rows(
+                "SELECT name FROM objects WHERE bucket = ? AND name >= ? AND name < ? AND written < ?",
+                *(bucket, prefix, _after(prefix), now - lifetime),
+            )
+            removed += SqliteObjects(self, bucket).purge_all_versions(name for (name,) in expired)
         return removed
 
     def close(self) -> None:
@@ -168,43 +174,46 @@ class SqliteTable(Table):
         self._database = database
 
     def get(self, pk: str, sk: str, *, consistent: bool = True) -> Item | None:  # noqa: ARG002
-        with available(), self._database.reading() as connection:
-            return self._get(connection, pk, sk)
+        rows = self._database.rows(
+            "SELECT item FROM items WHERE pk = ? AND sk = ? AND (ttl IS NULL OR ttl > ?)",
+            *(pk, sk, self._database.clock()),
+        )
+        return json.loads(rows[0][0]) if rows else None
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
         return self.put_transaction([item], condition)
 
     def put_transaction(self, items: Sequence[Item], condition: Condition | None) -> bool:
-        with available(), self._database.writing() as connection:
-            first = items[0]
-            if not self._allows(connection, str(first["pk"]), str(first["sk"]), condition):
+        with self._database.writing() as connection:
+            if not self._allows(items[0]["pk"], items[0]["sk"], condition):
                 return False
-            _write_items(connection, items)
+            for item in items:
+                _write_item(connection, item)
             return True
 
     def add(
         self, pk: str, sk: str, name: str, amount: int, *, limit: int | None = None, ttl: int | None = None
     ) -> int | None:
-        with available(), self._database.writing() as connection:
-            item = self._get(connection, pk, sk) or {"pk": pk, "sk": sk}
-            total = int(str(item.get(name, 0))) + amount
+        with self._database.writing() as connection:
+            item = self.get(pk, sk) or {"pk": pk, "sk": sk}
+            total: int = item.get(name, 0) + amount
             if limit is not None and total > limit:
                 return None
             item[name] = total
             if ttl is not None:
                 item["ttl"] = ttl
-            _write_items(connection, [item])
+            _write_item(connection, item)
             return total
 
     def remove(self, pk: str, sk: str, name: str) -> None:
-        with available(), self._database.writing() as connection:
-            item = self._get(connection, pk, sk)
+        with self._database.writing() as connection:
+            item = self.get(pk, sk)
             if item is not None and item.pop(name, None) is not None:
-                _write_items(connection, [item])
+                _write_item(connection, item)
 
     def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
-        with available(), self._database.writing() as connection:
-            if not self._allows(connection, pk, sk, condition):
+        with self._database.writing() as connection:
+            if not self._allows(pk, sk, condition):
                 return False
             connection.execute("DELETE FROM items WHERE pk = ? AND sk = ?", (pk, sk))
             return True
@@ -228,43 +237,29 @@ class SqliteTable(Table):
     def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
         pk, sk = pk_prefix, ""
         while True:
-            with available(), self._database.reading() as connection:
-                rows = connection.execute(
-                    "SELECT pk, sk FROM items WHERE (pk, sk) > (?, ?) AND pk < ? "
-                    "AND (ttl IS NULL OR ttl > ?) ORDER BY pk, sk LIMIT ?",
-                    (pk, sk, _after(pk_prefix), self._database.clock(), _PAGE_SIZE),
-                ).fetchall()
+            rows = self._database.rows(
+                "SELECT pk, sk FROM items WHERE (pk, sk) > (?, ?) AND pk < ? "
+                "AND (ttl IS NULL OR ttl > ?) ORDER BY pk, sk LIMIT ?",
+                *(pk, sk, _after(pk_prefix), self._database.clock(), _PAGE_SIZE),
+            )
             yield from rows
             if len(rows) < _PAGE_SIZE:
                 return
             pk, sk = rows[-1]
 
-    def _get(self, connection: sqlite3.Connection, pk: str, sk: str) -> Item | None:
-        row = connection.execute(
-            "SELECT item FROM items WHERE pk = ? AND sk = ? AND (ttl IS NULL OR ttl > ?)",
-            (pk, sk, self._database.clock()),
-        ).fetchone()
-        return None if row is None else json.loads(row[0])
-
     def _range(self, pk: str, prefix: str, after: str, order: str, limit: int) -> list[Item]:
-        with available(), self._database.reading() as connection:
-            rows = connection.execute(
-                _RANGE + order, (pk, prefix, _after(prefix), after, self._database.clock(), limit)
-            ).fetchall()
-        return [json.loads(text) for (text,) in rows]
+        bounds = pk, prefix, _after(prefix), after, self._database.clock()
+        return [json.loads(text) for (text,) in self._database.rows(_RANGE + order, *bounds, limit)]
 
-    def _allows(self, connection: sqlite3.Connection, pk: str, sk: str, condition: Condition | None) -> bool:
-        return condition is None or condition.holds(self._get(connection, pk, sk))
+    def _allows(self, pk: str, sk: str, condition: Condition | None) -> bool:
+        return condition is None or condition.holds(self.get(pk, sk))
 
 
-def _write_items(connection: sqlite3.Connection, items: Sequence[Item]) -> None:
-    for item in items:
-        text = json.dumps(item, ensure_ascii=False, separators=(",", ":"))
-        pk, sk, ttl = str(item["pk"]), str(item["sk"]), item.get("ttl")
-        checksum = item_checksum(pk, sk, text, ttl if isinstance(ttl, int) else None)
-        connection.execute(
-            "INSERT OR REPLACE INTO items VALUES (?, ?, ?, ?, ?)", (pk, sk, text, ttl, checksum)
-        )
+def _write_item(connection: sqlite3.Connection, item: Item) -> None:
+    text = json.dumps(item, ensure_ascii=False, separators=(",", ":"))
+    pk, sk, ttl = item["pk"], item["sk"], item.get("ttl")
+    checksum = item_checksum(pk, sk, text, ttl)
+    connection.execute("INSERT OR REPLACE INTO items VALUES (?, ?, ?, ?, ?)", (pk, sk, text, ttl, checksum))
 
 
 class SqliteObjects(Objects):
@@ -275,17 +270,14 @@ class SqliteObjects(Objects):
         self._bucket = bucket
 
     def get_version(self, name: str) -> tuple[bytes, str] | None:
-        with available():
-            while True:
-                with self._database.reading() as connection:
-                    row = connection.execute(
-                        "SELECT content, tag FROM objects WHERE bucket = ? AND name = ?", (self._bucket, name)
-                    ).fetchone()
-                if row is None:
-                    return None
-                content, tag = row
-                if content is not None:
-                    return content, tag
+        while True:
+            row = self._row("content, tag", name)
+            if row is None:
+                return None
+            content, tag = row
+            if content is not None:
+                return content, tag
+            with available():
                 try:
                     return self._file(tag).read_bytes(), tag
                 except FileNotFoundError:  # replaced or deleted between the two reads
@@ -312,25 +304,19 @@ class SqliteObjects(Objects):
 
     def names(self, prefix: str, after: str = "") -> Iterator[str]:
         while True:
-            with available(), self._database.reading() as connection:
-                rows = connection.execute(
-                    "SELECT name FROM objects WHERE bucket = ? AND name >= ? AND name < ? AND name > ? "
-                    "ORDER BY name LIMIT ?",
-                    (self._bucket, prefix, _after(prefix), after, _PAGE_SIZE),
-                ).fetchall()
-            names = [name for (name,) in rows]
-            yield from names
-            if len(names) < _PAGE_SIZE:
+            rows = self._database.rows(
+                "SELECT name FROM objects WHERE bucket = ? AND name >= ? AND name < ? AND name > ? "
+                "ORDER BY name LIMIT ?",
+                *(self._bucket, prefix, _after(prefix), after, _PAGE_SIZE),
+            )
+            for (after,) in rows:
+                yield after
+            if len(rows) < _PAGE_SIZE:
                 return
-            after = names[-1]
 
     def headers(self, name: str) -> tuple[str, str | None]:
         """Return media type and `Cache-Control` of an object that exists."""
-        with available(), self._database.reading() as connection:
-            media_type, cache_control = connection.execute(
-                "SELECT media_type, cache_control FROM objects WHERE bucket = ? AND name = ?",
-                (self._bucket, name),
-            ).fetchone()
+        media_type, cache_control = self._row("media_type, cache_control", name)
         return media_type, cache_control
 
     def _write(
@@ -344,65 +330,55 @@ class SqliteObjects(Objects):
         tag = hashlib.sha256(content).hexdigest()
         inline = self._database.folder is None or len(content) <= MAX_INLINE_BYTES
         written = int(self._database.clock())
-        with available():
-            with self._database.writing() as connection:
-                before = self._tag(name)
-                if not allowed(before):
-                    return False
-                if not inline:  # within the transaction: no other writer removes the file
-                    _write_file(self._file(tag), content)
-                connection.execute(
-                    "INSERT OR REPLACE INTO objects VALUES (?, ?, ?, ?, ?, ?, ?)",
-                    (
-                        self._bucket,
-                        name,
-                        tag,
-                        written,
-                        media_type,
-                        cache_control,
-                        content if inline else None,
-                    ),
-                )
-            if before != tag:
-                self._remove_files([before])
+        with self._database.writing() as connection:
+            before = self._tag(name)
+            if not allowed(before):
+                return False
+            if not inline:  # within the transaction: no other writer removes the file
+                _write_file(self._file(tag), content)
+            row = name, tag, written, media_type, cache_control, content if inline else None
+            connection.execute(
+                "INSERT OR REPLACE INTO objects VALUES (?, ?, ?, ?, ?, ?, ?)", (self._bucket, *row)
+            )
+        if before not in (tag, None):
+            self._remove_files([before])
         return True
 
     def purge_all_versions(self, names: Iterable[str]) -> int:
         """Delete the objects; return their number. There are no earlier versions."""
         tags = []
-        count = 0
-        with available():
-            with self._database.writing() as connection:
-                for name in names:
-                    tags.append(self._tag(name))
-                    count += connection.execute(
+        with self._database.writing() as connection:
+            for name in names:
+                if tag := self._tag(name):
+                    tags.append(tag)
+                    connection.execute(
                         "DELETE FROM objects WHERE bucket = ? AND name = ?", (self._bucket, name)
-                    ).rowcount
-            self._remove_files(tags)
-        return count
+                    )
+        self._remove_files(tags)
+        return len(tags)
+
+    def _row(self, columns: str, name: str) -> Any:
+        query = f"SELECT {columns} FROM objects WHERE bucket = ? AND name = ?"  # noqa: S608
+        rows = self._database.rows(query, self._bucket, name)
+        return rows[0] if rows else None
 
     def _tag(self, name: str) -> str | None:
-        with self._database.reading() as connection:
-            row = connection.execute(
-                "SELECT tag FROM objects WHERE bucket = ? AND name = ?", (self._bucket, name)
-            ).fetchone()
-        return None if row is None else row[0]
+        row = self._row("tag", name)
+        return row[0] if row else None
 
     def _file(self, tag: str) -> Path:
         assert self._database.folder is not None  # noqa: S101 - in memory everything is inline
         return self._database.folder / FOLDER_NAME / tag
 
-    def _remove_files(self, tags: Iterable[str | None]) -> None:
+    def _remove_files(self, tags: Iterable[str]) -> None:
         """Remove the files of these tags that no object has any more."""
         if self._database.folder is None:
             return
-        for tag in filter(None, tags):
-            file = self._file(tag)
+        for file in map(self._file, tags):
             if not file.exists():
                 continue
-            with self._database.writing() as connection:  # no other writer may begin to use it
-                used = connection.execute("SELECT 1 FROM objects WHERE tag = ?", (tag,)).fetchone()
-                if used is None:
+            with self._database.writing():  # no other writer may begin to use it
+                if not self._database.rows("SELECT 1 FROM objects WHERE tag = ?", file.name):
                     file.unlink(missing_ok=True)
 
 
@@ -426,11 +402,9 @@ class SqliteJobs(Jobs):
         """Set when a job was queued in this process."""
 
     def later(self, job: JobName, payload: bytes) -> None:
-        with available(), self._database.writing() as connection:
-            connection.execute(
-                "INSERT INTO jobs (name, payload, due) VALUES (?, ?, ?)",
-                (job, payload, self._database.clock()),
-            )
+        self._database.change(
+            "INSERT INTO jobs (name, payload, due) VALUES (?, ?, ?)", job, payload, self._database.clock()
+        )
         self.queued.set()
 
     def now(self, job: JobName, payload: bytes) -> bytes | None:
@@ -441,52 +415,43 @@ class SqliteJobs(Jobs):
         now = self._database.clock()
         # A job that is due much later was queued before the clock was set back.
         due, times = "error IS NULL AND (due <= ? OR due > ?)", (now, now + _MAX_PAUSE_S)
-        with self._database.reading() as connection:
-            if connection.execute(f"SELECT 1 FROM jobs WHERE {due}", times).fetchone() is None:  # noqa: S608
-                return None
-        with self._database.writing() as connection:
-            row = connection.execute(
-                "UPDATE jobs SET leased = ?, attempts = attempts + 1 WHERE id = "  # noqa: S608
-                f"(SELECT MIN(id) FROM jobs WHERE {due}) "
-                "AND NOT EXISTS (SELECT 1 FROM jobs WHERE leased > ? AND leased <= ?) "
-                "RETURNING id, name, payload, attempts",
-                (now + lease_s, *times, now, now + lease_s),
-            ).fetchone()
-        return None if row is None else Job(*row)
+        if not self._database.rows(f"SELECT 1 FROM jobs WHERE {due}", *times):  # noqa: S608
+            return None
+        rows = self._database.change(
+            "UPDATE jobs SET leased = ?, attempts = attempts + 1 WHERE id = "  # noqa: S608
+            f"(SELECT MIN(id) FROM jobs WHERE {due}) "
+            "AND NOT EXISTS (SELECT 1 FROM jobs WHERE leased > ? AND leased <= ?) "
+            "RETURNING id, name, payload, attempts",
+            *(now + lease_s, *times, now, now + lease_s),
+        )
+        return Job(*rows[0]) if rows else None
 
     def finish(self, job: Job) -> None:
         """Delete a job that succeeded."""
-        with self._database.writing() as connection:
-            connection.execute("DELETE FROM jobs WHERE id = ?", (job.id,))
+        self._database.change("DELETE FROM jobs WHERE id = ?", job.id)
 
     def retry(self, job: Job, pause_s: float) -> None:
         """Release a job that failed, to run again after `pause_s`."""
-        with self._database.writing() as connection:
-            connection.execute(
-                "UPDATE jobs SET leased = 0, due = ? WHERE id = ?", (self._database.clock() + pause_s, job.id)
-            )
+        due = self._database.clock() + pause_s
+        self._database.change("UPDATE jobs SET leased = 0, due = ? WHERE id = ?", due, job.id)
 
     def fail(self, job: Job, error: str) -> None:
         """Keep a job that failed every time."""
-        with self._database.writing() as connection:
-            connection.execute("UPDATE jobs SET leased = 0, error = ? WHERE id = ?", (error, job.id))
+        self._database.change("UPDATE jobs SET leased = 0, error = ? WHERE id = ?", error, job.id)
 
     def release_all(self) -> None:
         """Release every lease: the process that had them is gone."""
-        with self._database.writing() as connection:
-            connection.execute("UPDATE jobs SET leased = 0 WHERE leased > 0")
+        self._database.change("UPDATE jobs SET leased = 0 WHERE leased > 0")
 
     def unfinished(self) -> int:
         """Count the jobs that are queued, running, or waiting for a retry."""
-        with self._database.reading() as connection:
-            return int(connection.execute("SELECT COUNT(*) FROM jobs WHERE error IS NULL").fetchone()[0])
+        return len(self._database.rows("SELECT 1 FROM jobs WHERE error IS NULL"))
 
     def failures(self) -> list[tuple[str, bytes, str]]:
         """Return name, payload and error of the jobs that failed every time."""
-        with self._database.reading() as connection:
-            return connection.execute(
-                "SELECT name, payload, error FROM jobs WHERE error IS NOT NULL ORDER BY id"
-            ).fetchall()
+        return self._database.rows(
+            "SELECT name, payload, error FROM jobs WHERE error IS NOT NULL ORDER BY id"
+        )
 
 
 def backup(source: Path, target: Path) -> None:

@@ -15,7 +15,7 @@ from pydantic import TypeAdapter
 
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import UnavailableError
-from calibdb.store.ports import IF_NOT_EXISTS, Item, Objects, Table, at_most
+from calibdb.store.ports import IF_NOT_EXISTS, DocumentStore, Item, at_most
 
 PREFIX = "tokens/"
 _TOMBSTONE_S = 86_400  # s for which a revoked token's item keeps writers away that were overtaken
@@ -23,12 +23,8 @@ _ORPHANED_S = 7 * 86_400  # s after its end from which an unused trial token is 
 _MAX_ATTEMPTS = 8  # to replace an object that others replace, too
 
 
-class Tokens:
+class Tokens(DocumentStore):
     """Store of issued API tokens."""
-
-    def __init__(self, table: Table, objects: Objects) -> None:
-        self._table = table
-        self._objects = objects
 
     def get(self, token_id: str) -> ApiToken | None:
         """Return the token, None if there is none (any more)."""

@@ -18,7 +18,7 @@ from pydantic import BaseModel
 
 from calibdb.errors import ConflictError, NotFoundError, UnavailableError
 from calibdb.schema import SessionDocument
-from calibdb.store.ports import IF_NOT_EXISTS, Item, Objects, Table, Value, encoded, equals
+from calibdb.store.ports import IF_NOT_EXISTS, DocumentStore, Item, Value, encoded, equals
 
 LIFETIME_S = 24 * 3600  # seconds after its last change; the bucket's rule removes the objects a day later
 _MAX_UPDATE_ATTEMPTS = 5  # of a change that others keep overtaking
@@ -48,7 +48,7 @@ class Head:
         return str(self.facts.get("small", ""))
 
 
-class Versions(Generic[Document]):
+class Versions(DocumentStore, Generic[Document]):
     """Documents of one kind under their names.
 
     Attributes
@@ -70,10 +70,6 @@ class Versions(Generic[Document]):
     missing: str
     missing_kind: str
     small: tuple[str, ...] = ()
-
-    def __init__(self, table: Table, objects: Objects) -> None:
-        self._table = table
-        self._objects = objects
 
     def facts(self, document: Document) -> Mapping[str, Value]:  # noqa: ARG002
         """Attributes of the item besides the version, which follow from the document."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from calibdb.errors import DeniedReadError
 from calibdb.schema import VoteDocument
 from calibdb.store.keys import StreamMode, vote_object
-from calibdb.store.ports import Item, Objects, Table, encoded, read, read_all, read_together
+from calibdb.store.ports import DocumentStore, Item, encoded, read, read_all, read_together
 
 MAX_VOTES = 50  # the newest; more could only repeat them
 _MAX_VOTES_READ = 1_000  # of a mode that are looked through for them
@@ -24,12 +24,8 @@ class IndexedVote:
     object: str  # its name in the bucket, which keeps the key that the camera had then
 
 
-class Votes:
+class Votes(DocumentStore):
     """Store of votes on a camera's consensus at one size and zoom."""
-
-    def __init__(self, table: Table, objects: Objects) -> None:
-        self._table = table
-        self._objects = objects
 
     def cast(self, document: VoteDocument) -> VoteDocument:
         """Store the vote, and return it as it is stored: the first one cast under its id."""
