@@ -83,7 +83,7 @@ def test_source_counts_three_times_at_most(table: Table, objects: Objects) -> No
     found = calibrations.newest(mode(once), 200, day)
     assert [c.source for c in found] == ["one place"] * 3 + ["elsewhere"]
     assert [c.id for c in found[:3]] == [d.id for d in busy[:-4:-1]], "the newest"
-    assert len(calibrations.newest(mode(once), 200)) == 9, "where nobody is told apart everything counts"
+    assert len(calibrations.newest(mode(once), 200)) == 9, "without a period everything counts"
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,6 @@ def test_source_counts_three_times_at_most(table: Table, objects: Objects) -> No
 def test_calibration_that_is_no_evidence_does_not_count(
     table: Table, objects: Objects, changes: dict[str, object]
 ) -> None:
-    """The error that it states where its board was decides."""
     calibrations = Calibrations(table, objects)
     wide = {"img_size": (1280, 720), "target_error": 100.0}
     inside = VAGUE.model_copy(update={"inside": 2.99, "covered": 0.4})
@@ -107,11 +106,10 @@ def test_calibration_that_is_no_evidence_does_not_count(
     calibrations.index(other)
     place = mode(evidence)
     assert [c.id for c in calibrations.newest(place, 200, 86_400)] == [evidence.id]
-    assert len(calibrations.newest(place, 200)) == 2, "on a machine of one's own it does"
+    assert len(calibrations.newest(place, 200)) == 2
 
 
 def of_fit(changes: dict[str, object]) -> dict[str, FitRecord]:
-    """Fits of a calibration whose rectilinear one has other figures."""
     return {"rectilinear": fit().model_copy(update=changes)}
 
 
@@ -134,7 +132,6 @@ def behind(basis: str) -> GroupsDocument:
 
 
 def test_an_older_consensus_never_replaces_a_newer(table: Table) -> None:
-    """Two read what is stored; whoever writes second is told that it was overtaken."""
     consensuses = Consensuses(table)
     assert consensuses.put(rests_on("a"), behind("a"), None)
     assert not consensuses.put(rests_on("b"), behind("b"), None)
@@ -210,11 +207,10 @@ def test_daily_voter_displaces_no_other_vote(table: Table, objects: Objects) -> 
     found = votes.newest(mode, one_per_source=True)
     assert [cast.source for cast in found] == ["daily", "second", "first"]
     assert found[0].id == max(names)
-    assert len(votes.newest(mode, one_per_source=False)) == 50, "where all are one, each session has its vote"
+    assert len(votes.newest(mode, one_per_source=False)) == 50
 
 
 def test_votes_follow_their_camera_to_another_key(table: Table, objects: Objects) -> None:
-    """The rules of the keys change; what was voted under the earlier key is found under today's."""
     votes = Votes(table, objects)
     label, platform = "HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64"
     earlier = {"camera_key": "c1-earlier-0123456789ab", "camera": label, "platform": platform}

@@ -44,7 +44,6 @@ def test_invented_page_token_is_refused(after: str) -> None:
 
 
 def items(table: Table) -> dict[tuple[str, str], Item | None]:
-    """All items of cameras, calibrations and names."""
     return {key: table.get(*key) for key in table.keys("C")}
 
 

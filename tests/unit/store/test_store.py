@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
+from unittest.mock import Mock
 
 import boto3
 import pytest
@@ -11,10 +12,7 @@ from botocore.exceptions import ClientError
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import ConflictError, NotFoundError, UnavailableError
 from calibdb.rules import session_rules
-from calibdb.schema import (
-    SessionDocument,
-    SessionRequest,
-)
+from calibdb.schema import SessionDocument, SessionRequest
 from calibdb.store import Objects, Table, Tokens
 from calibdb.store.aws import S3Objects
 from calibdb.store.versions import Sessions
@@ -22,6 +20,7 @@ from tests.helpers.service.stores import with_methods
 
 NOW = 1_700_000_000
 SID = "6553f1000123456789abcdef"
+Change = Callable[[SessionDocument], tuple[SessionDocument, int]]
 REGION = "eu-central-1"
 REQUEST = SessionRequest(camera="Camera", platform="Linux", img_size=(1280, 720))
 
@@ -36,7 +35,6 @@ def begin(version: int) -> SessionDocument:
 
 
 def opened(document: SessionDocument) -> tuple[SessionDocument, int]:
-    """A change: one index further. Answers the index."""
     changed = document.model_copy(update={"next_index": document.next_index + 1})
     return changed, changed.next_index
 
@@ -45,9 +43,7 @@ def versions(objects: Objects) -> list[str]:
     return sorted(name.rpartition("/")[2] for name in objects.names(f"sessions/{SID}/"))
 
 
-def aimed(n: int) -> Callable[[SessionDocument], tuple[SessionDocument, int]]:
-    """A change: another target, and the one before not wanted."""
-
+def aimed(n: int) -> Change:
     def change(document: SessionDocument) -> tuple[SessionDocument, int]:
         return session_rules.with_target(session_rules.without_target(document), {"n": n}), n
 
@@ -76,24 +72,19 @@ def test_another_target_writes_no_object(sessions: Sessions, objects: Objects, t
 
 def test_of_a_target_and_a_view_at_once_neither_is_lost(sessions: Sessions) -> None:
     sessions.start(SID, NOW, begin)
-    raced = []
 
-    def slow(document: SessionDocument) -> tuple[SessionDocument, int]:
-        if not raced:
-            raced.append(1)
-            sessions.update(SID, NOW, opened)
-        return aimed(7)(document)
+    def race(change: Change, other: Change) -> None:
+        others = [other]
 
-    sessions.update(SID, NOW, slow)
-    raced.clear()
+        def slow(document: SessionDocument) -> tuple[SessionDocument, int]:
+            if others:
+                sessions.update(SID, NOW, others.pop())
+            return change(document)
 
-    def slower(document: SessionDocument) -> tuple[SessionDocument, int]:
-        if not raced:
-            raced.append(1)
-            sessions.update(SID, NOW, aimed(8))
-        return opened(document)
+        sessions.update(SID, NOW, slow)
 
-    assert sessions.update(SID, NOW, slower) == 2
+    race(aimed(7), opened)
+    race(opened, aimed(8))
     document = sessions.get(SID)
     assert (document.target, document.next_index) == ({"n": 8}, 2)
 
@@ -116,7 +107,6 @@ def test_session_that_is_deleted_during_a_read_is_missing(
 
 
 def test_orphaned_version_is_skipped(sessions: Sessions, objects: Objects) -> None:
-    """The process died between object and index: what it wrote counts for nothing and blocks nothing."""
     sessions.start(SID, NOW, begin)
     orphan = begin(1).model_copy(update={"next_index": 77})
     assert objects.create(f"sessions/{SID}/2.json", orphan.model_dump_json().encode())
@@ -200,22 +190,17 @@ def test_purged_object_leaves_no_version(aws: None) -> None:  # noqa: ARG001
     assert "DeleteMarkers" not in left
 
 
-class Undecided:
-    """S3 while another writes the same name, so and so many times; what then is found."""
-
-    def __init__(self, times: int, code: str | None) -> None:
-        self._codes = [*["ConditionalRequestConflict"] * times, code]
-
-    def put_object(self, **_: object) -> None:
-        if code := self._codes.pop(0):
-            raise ClientError({"Error": {"Code": code}}, "PutObject")
+def create_amid(*codes: str) -> bool:
+    """Create an object while S3 refuses with these codes, one for each attempt."""
+    refusals = [ClientError({"Error": {"Code": code}}, "PutObject") for code in codes]
+    client = Mock(put_object=Mock(side_effect=[*refusals, None]))
+    return S3Objects(lambda: client, "bucket").create("name", b"")
 
 
-@pytest.mark.parametrize(("code", "written"), [(None, True), ("PreconditionFailed", False)])
-def test_conflicting_object_write_is_retried(code: str | None, written: bool) -> None:
-    """The other may still fail; then nobody would have written what both were told is there."""
-    client: Any = Undecided(3, code)
-    assert S3Objects(lambda: client, "bucket").create("name", b"") is written
-    busy: Any = Undecided(99, None)
+def test_conflicting_object_write_is_retried() -> None:
+    """The other write may still fail: then neither would have written what both were told is there."""
+    undecided = ["ConditionalRequestConflict"] * 3
+    assert create_amid(*undecided) is True
+    assert create_amid(*undecided, "PreconditionFailed") is False
     with pytest.raises(UnavailableError):
-        S3Objects(lambda: busy, "bucket").create("name", b"")
+        create_amid(*undecided * 9)

@@ -35,8 +35,6 @@ class Tokens:
 
 
 class Quotas:
-    """Counters in a dictionary; every change of one is noted."""
-
     def __init__(self) -> None:
         self.counts: dict[tuple[Any, ...], int] = {}
         self.writes: list[int] = []
@@ -82,19 +80,24 @@ def memory(tokens: Tokens, quotas: Quotas, clock: Clock) -> TokenCache:
 
 @pytest.fixture
 def service(tokens: Tokens, quotas: Quotas, clock: Clock) -> Service:
+    return service_with(PLANS_WITH_SMALL, tokens, quotas, clock)
+
+
+def service_with(plans: dict[str, Plan], tokens: Tokens, quotas: Quotas, clock: Clock) -> Service:
     settings = Settings.from_environment(ENVIRONMENT)
     store = replace(Store.of(settings), tokens=cast(Any, tokens), quotas=cast(Any, quotas))
-    return Service.build(settings, store, clock, plans=PLANS_WITH_SMALL)
+    return Service.build(settings, store, clock, plans=plans)
 
 
-def look_up(memory: TokenCache, source: str = "a") -> None:
-    token = memory.get("t")
-    assert token is not None
-    memory.count_lookup(token, source)
+def look_up(memory: TokenCache, times: int = 1, source: str = "a") -> None:
+    for _ in range(times):
+        token = memory.get("t")
+        assert token is not None
+        memory.count_lookup(token, source)
 
 
 def refusal(memory: TokenCache, clock: Clock, seconds: int) -> TooManyError:
-    """Look up `seconds` times until it is refused, at most 1000 times."""
+    """Look up every `seconds` until it is refused."""
     for _ in range(1000):
         try:
             look_up(memory)
@@ -105,8 +108,7 @@ def refusal(memory: TokenCache, clock: Clock, seconds: int) -> TooManyError:
 
 
 def test_most_lookups_neither_read_nor_write(memory: TokenCache, tokens: Tokens, quotas: Quotas) -> None:
-    for _ in range(10 * LOOKUPS_PER_FLUSH):
-        look_up(memory)
+    look_up(memory, 10 * LOOKUPS_PER_FLUSH)
     assert quotas.writes == [LOOKUPS_PER_FLUSH] * 9  # the tenth waits for the next lookup
     assert tokens.reads == 10
 
@@ -115,8 +117,7 @@ def test_lookups_of_a_server_are_written_only_when_it_asks(
     tokens: Tokens, quotas: Quotas, clock: Clock
 ) -> None:
     memory = TokenCache(tokens, cast(Any, quotas), clock, plans=PLANS_WITH_SMALL, in_background=True)
-    for _ in range(4 * LOOKUPS_PER_FLUSH):
-        look_up(memory)
+    look_up(memory, 4 * LOOKUPS_PER_FLUSH)
     assert (quotas.writes, tokens.reads) == ([], 1)
     memory.write_pending()
     memory.write_pending()
@@ -143,19 +144,17 @@ def test_an_hour_is_used_up_for_all_and_the_next_begins_anew(
 
 
 def test_one_source_cannot_exhaust_the_shared_quota(memory: TokenCache, quotas: Quotas) -> None:
-    for _ in range(6_000):
-        look_up(memory, "greedy")
+    look_up(memory, 6_000, "greedy")
     for _ in range(6_000):
         with pytest.raises(TooManyError):
-            look_up(memory, "greedy")
-    look_up(memory, "modest")
+            look_up(memory, source="greedy")
+    look_up(memory, source="modest")
     assert sum(quotas.writes) <= 6_000
 
 
 def test_failed_count_refuses_no_lookup(memory: TokenCache, quotas: Quotas, clock: Clock) -> None:
     quotas.down = True
-    for _ in range(LOOKUPS_PER_FLUSH + 5):
-        look_up(memory)
+    look_up(memory, LOOKUPS_PER_FLUSH + 5)
     assert quotas.failed == 1  # and not once for each lookup from there on
     quotas.down = False
     clock.now += int(TOKEN_TTL_S)
@@ -167,11 +166,9 @@ def test_lookups_are_charged_to_the_hour_in_which_they_came(
     memory: TokenCache, quotas: Quotas, clock: Clock
 ) -> None:
     hour = clock.now // 3600
-    for _ in range(7):
-        look_up(memory)
+    look_up(memory, 7)
     clock.now += 3600
-    for _ in range(3):
-        look_up(memory)
+    look_up(memory, 3)
     assert quotas.counts == {("t", "lookups", hour, ""): 7}
     clock.now += 3600
     look_up(memory)
@@ -185,8 +182,7 @@ def test_failed_count_of_an_earlier_hour_is_repeated_for_that_hour(
     look_up(memory)
     clock.now += 3600
     quotas.down = True
-    for _ in range(5):
-        look_up(memory)
+    look_up(memory, 5)
     assert quotas.failed == 1
     quotas.down = False
     clock.now += int(TOKEN_TTL_S)
@@ -244,8 +240,7 @@ def test_a_larger_plan_helps_within_a_minute(
 
 def test_an_unlimited_plan_counts_nothing(memory: TokenCache, tokens: Tokens, quotas: Quotas) -> None:
     tokens.known["t"] = replace(TOKEN, plan="development")
-    for _ in range(3 * LOOKUPS_PER_FLUSH):
-        look_up(memory)
+    look_up(memory, 3 * LOOKUPS_PER_FLUSH)
     assert (quotas.writes, tokens.reads) == ([], 1)
 
 
@@ -285,15 +280,11 @@ def test_one_ipv6_line_has_the_share_of_three_users(
     tokens: Tokens, quotas: Quotas, clock: Clock, kind: str, each: int
 ) -> None:
     wide = Plan(Allowance(1_000, 1_000, 10_000, 1_000), Allowance(sessions=2, views=2, lookups=5, poses=2))
-    settings = Settings.from_environment(ENVIRONMENT)
-    store = replace(Store.of(settings), tokens=cast(Any, tokens), quotas=cast(Any, quotas))
-    service = Service.build(settings, store, clock, plans={"small": wide, "free": wide})
+    service = service_with({"small": wide, "free": wide}, tokens, quotas, clock)
     subnets = [f"2001:db8:1:{n:x}::{host}" for n in range(256) for host in range(1, each + 1)]
     got = granted(service, kind, subnets)
     assert sum(got) == 3 * each
     assert got == sorted(got, reverse=True)
-    # one subnet is one user, and its hosts are no more
     assert sum(granted(service, kind, [f"2001:db8:2:0::{n:x}" for n in range(1, 100)])) == each
-    # of IPv4 every address is a user, and another line is another
     assert all(granted(service, kind, [f"192.0.2.{n}" for n in range(50)]))
     assert all(granted(service, kind, [f"2001:db8:{n:x}::1" for n in range(3, 50)]))

@@ -42,7 +42,7 @@ def test_first_use_in_two_threads_builds_the_model_once(monkeypatch: pytest.Monk
         nonlocal builds
         builds += 1
         if builds == 1:
-            for _ in range(2):  # both threads have come as far as this
+            for _ in range(2):
                 assert lock.asked.acquire(timeout=60)
         else:
             lock.asked.release()
