@@ -24,7 +24,7 @@ def cameras(table: Table) -> Cameras:
     return Cameras(table)
 
 
-@pytest.mark.parametrize("label", ["\U00020000" * 256, "\ufdfa" * 256, "a" * 256])
+@pytest.mark.parametrize("label", ["\U00020000" * 256, "\ufdfa" * 256])
 def test_overlong_name_is_found_by_its_beginning(
     calibrations: Calibrations, cameras: Cameras, label: str
 ) -> None:
@@ -50,7 +50,6 @@ def items(table: Table) -> dict[tuple[str, str], Item | None]:
 def test_the_index_made_anew_has_the_same_names(
     calibrations: Calibrations, table: Table, objects: Objects
 ) -> None:
-    """Byte for byte, whatever was published first."""
     documents = [
         calibration(),
         calibration("HD Pro Webcam C920", MAC, number=1),

@@ -106,10 +106,8 @@ def test_query_returns_a_range_in_the_order_of_utf_8(table: Table) -> None:
     assert keys(table.query("P", "B#1")) == ["B#1", "B#10"]
     assert keys(table.query("P", "B#", newest_first=True, limit=3, consistent=True)) == names[8:5:-1]
     assert keys(table.query("P", "B#", limit=99)) == names[1:9]
-    first, more = table.page("P", "B#", 3, None)
-    assert (keys(first), more) == (names[1:4], True)
-    rest, more = table.page("P", "B#", 9, names[3])
-    assert (keys(rest), more) == (names[4:9], False)
+    assert keys(table.query("P", "B#", limit=3)) == names[1:4]
+    assert keys(table.query("P", "B#", limit=9, after=names[3])) == names[4:9]
     assert sorted(table.keys("P")) == sorted([("P2", "B#1"), *(("P", name) for name in names)])
     assert list(table.keys("P2")) == [("P2", "B#1")]
     assert list(table.keys("Q")) == []

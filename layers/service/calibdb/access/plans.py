@@ -75,7 +75,7 @@ def _times(allowance: Allowance, factor: int) -> Allowance:
 
 
 def plan(name: str, plans: Mapping[str, Plan] = PLANS) -> Plan:
-    """Return the plan, or `free` if it no longer exists."""
+    """Plan, or `free` if it no longer exists."""
     return plans.get(name, plans["free"])
 
 
@@ -90,7 +90,7 @@ class RateLimit:
 
 
 def rate_limit_headers(limits: Sequence[RateLimit]) -> dict[str, str]:
-    """Return the two headers of a response; none if nothing is limited.
+    """Two headers of a response; none if nothing is limited.
 
     Source: IETF draft-ietf-httpapi-ratelimit-headers-10. `q`: quota, `w`: window, s; `r`: remaining quota,
     `t`: s until it is restored.

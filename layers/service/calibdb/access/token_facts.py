@@ -55,7 +55,7 @@ def facts(
 
 
 def hourly_limits(allowed: Plan) -> HourlyLimits:
-    """Return the limits of a plan as in responses."""
+    """Limits of a plan as in responses."""
     return HourlyLimits.model_validate(allowed, from_attributes=True)
 
 

@@ -34,11 +34,13 @@ class ApiToken:
     origins: tuple[str, ...] = ()  # empty: any origin
     plan: str = "free"
     created: int = 0
-    former_sha256: str | None = None  # of the secret before it was exchanged,
-    former_until: int = 0  # which opens until then
-    earlier: tuple[tuple[str, int], ...] = ()  # secrets before that one, newest first, with the same times
+    former_sha256: str | None = None  # of the previous secret
+    former_until: int = 0  # the previous secret opens until then
+    earlier: tuple[
+        tuple[str, int], ...
+    ] = ()  # secrets before that one, newest first, and until when they open
     pending: tuple[str, ...] = ()  # origins that are claimed and not proved
-    management_sha256: str | None = None  # None, as the name: an operator issued it
+    management_sha256: str | None = None  # None: an operator issued the token
     name: str = ""
     expires: int | None = None  # unless it is used before
     revoked: int | None = None
@@ -73,7 +75,7 @@ def parse(text: str, kind: Literal["cdb", "cdbm"] = "cdb") -> tuple[str, str] | 
 
 
 def secret_hash(secret: str) -> str:
-    """Return the SHA-256 of a secret, in hex. It has 128 random bits, so dictionaries do not help."""
+    """SHA-256 of a secret, in hex. It has 128 random bits, so dictionaries do not help."""
     return hashlib.sha256(secret.encode()).hexdigest()
 
 
@@ -85,14 +87,14 @@ def matches(token: ApiToken, secret: str, now: float = 0.0) -> bool:
 
 
 def former_secrets(token: ApiToken) -> tuple[tuple[str, int], ...]:
-    """Return the hashes of earlier secrets, newest first, and until when (unix time) they open."""
+    """Hashes of earlier secrets, newest first, and until when (unix time) they open."""
     if token.former_sha256 is None:
         return ()
     return ((token.former_sha256, token.former_until), *token.earlier)
 
 
 def with_secret(token: ApiToken, sha256: str, now: int, grace_s: int) -> ApiToken:
-    """Return the token with another secret; every earlier one opens for `grace_s` more at most."""
+    """Token with another secret; every earlier one opens for `grace_s` more at most."""
     if token.secret_sha256 == sha256:  # repeated, since the first response of storage got lost
         return token
     earlier = [(one, min(until, now + grace_s)) for one, until in former_secrets(token)]
@@ -153,7 +155,7 @@ class SessionIds:
         )
 
     def issue(self, ticket: Ticket) -> tuple[str, int]:
-        """Return the session id of `ticket` and the unix time at which it expires."""
+        """Session id of `ticket` and the unix time at which it expires."""
         content = {"s": ticket.sid, "t": ticket.token}
         if ticket.origin is not None:
             content["o"] = ticket.origin
@@ -162,7 +164,7 @@ class SessionIds:
         return (signed if isinstance(signed, str) else signed.decode()), expires_at
 
     def sid_of(self, session_id: str) -> str | None:
-        """Return the session of a session id, expired or not; None of a forged one."""
+        """Session of a session id, expired or not; None of a forged one."""
         try:
             content, _ = self._serializer.loads(session_id[:_MAX_SESSION_ID_LENGTH], return_timestamp=True)
         except BadData:
@@ -170,7 +172,7 @@ class SessionIds:
         return str(content["s"])
 
     def verify(self, session_id: str, origin: str | None) -> Ticket:
-        """Return the claims of a session id; raises ForbiddenError if it is forged, expired or foreign."""
+        """Claims of a session id; raises ForbiddenError if it is forged, expired or foreign."""
         try:
             content, signed = self._serializer.loads(
                 session_id[:_MAX_SESSION_ID_LENGTH], return_timestamp=True
@@ -186,7 +188,7 @@ class SessionIds:
 
 
 def contributor(secret: str, address: str, token_id: str) -> str:
-    """Return the keyed hash of a contributor: address and token.
+    """Keyed hash of a contributor: address and token.
 
     Only the first 64 bits of an IPv6 address count: a household chooses the rest (RFC 4291, 2.5.4).
     """
@@ -194,7 +196,7 @@ def contributor(secret: str, address: str, token_id: str) -> str:
 
 
 def source(secret: str, address: str) -> str:
-    """Return the keyed hash of where a contributor is, by which they are counted: anyone can create tokens.
+    """Keyed hash of where a contributor is, by which they are counted: anyone can create tokens.
 
     Only the first 48 bits of an IPv6 address count, the most that one site is given (RFC 6177, 2). The hash
     of an IPv6 site begins with `IPV6_SOURCE`: one line often has an address of either family, and must not
@@ -205,7 +207,7 @@ def source(secret: str, address: str) -> str:
 
 
 def network(secret: str, address: str, token_id: str) -> str | None:
-    """Return the keyed hash of an IPv6 line, the first 48 bits, and a token; None of an IPv4 address.
+    """Keyed hash of an IPv6 line, the first 48 bits, and a token; None of an IPv4 address.
 
     A home commonly has 56 bits, which are 256 contributors.
     """
@@ -231,14 +233,14 @@ def _site(address: str, bits: int = 64) -> str:
 
 
 def with_origins(token: ApiToken, origins: tuple[str, ...]) -> ApiToken:
-    """Return the token with these origins; those of the machine itself need no proof."""
+    """Token with these origins; those of the machine itself need no proof."""
     verified = tuple(o for o in origins if is_loopback(o) or o in token.origins)
     pending = tuple(o for o in origins if o not in verified)
     return _with_plan(replace(token, origins=verified, pending=pending))
 
 
 def with_proved(token: ApiToken, proved: set[str]) -> ApiToken:
-    """Return the token with the pending origins that were proved as verified."""
+    """Token with the pending origins that were proved as verified."""
     now_verified = tuple(origin for origin in token.pending if origin in proved)
     left = tuple(origin for origin in token.pending if origin not in proved)
     return _with_plan(replace(token, origins=(*token.origins, *now_verified), pending=left))

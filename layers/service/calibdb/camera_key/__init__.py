@@ -83,7 +83,7 @@ def identify(label: str, platform: str) -> Identity:
 
 
 def camera_key(label: str, platform: str) -> str:
-    """Return the key of the camera that a browser reports, such as `c4-hd-pro-webcam-c920-0123456789ab`."""
+    """Key of the camera that a browser reports, such as `c4-hd-pro-webcam-c920-0123456789ab`."""
     return identify(label, platform).key
 
 

@@ -19,7 +19,7 @@ _BLANK = frozenset("\u115f\u1160\u2800\u3164\uffa0")
 
 
 def visible(text: str) -> str:
-    """Return the first `MAX_TEXT_LENGTH` characters of `text` in one line, without invisible ones."""
+    """First `MAX_TEXT_LENGTH` characters of `text` in one line, without invisible ones."""
     text = _ZERO_WIDTH.sub("", text[:MAX_TEXT_LENGTH])
     shown = "".join(" " if c in _BLANK or unicodedata.category(c) in _INVISIBLE else c for c in text)
     return " ".join(shown.split())

@@ -104,7 +104,7 @@ def _plain(text: str) -> str:
 
 
 def _english_camera(text: str) -> str:
-    """Return the name of an iPhone or iPad with "camera" last."""
+    """Name of an iPhone or iPad with "camera" last."""
     device = _APPLE_WORDS.findall(text)
     words = [word for word in device if word not in CAMERA_WORDS]
     words = ["desk view" if word == "schreibtischansicht" else word for word in words]
@@ -118,7 +118,7 @@ _LONG_NUMBER = re.compile(r"\d{5}")
 
 
 def public_mode_name(text: str) -> str:
-    """Return the public name of a camera's mode, such as `stabilisation on`; empty if it is refused."""
+    """Public name of a camera's mode, such as `stabilisation on`; empty if it is refused."""
     name = unicodedata.normalize("NFC", visible(text))
     while (shorter := without_owner(without_telephone(without_path(name)))) != name:
         name = shorter

@@ -38,7 +38,7 @@ _STRIPPED = re.compile(r"^(?:logitech|logi|microsoft)\b[ ,.:-]*")
 
 
 def words(name: str) -> list[str]:
-    """Return the words of a name (lower case): letters and digits of any script."""
+    """Words of a name (lower case): letters and digits of any script."""
     return [word[:_MAX_WORD_LENGTH] for word in _NAME_WORD.findall(name)]
 
 

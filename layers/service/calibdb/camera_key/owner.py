@@ -50,17 +50,17 @@ _SHORT_TAIL = re.compile(
 
 
 def without_path(name: str) -> str:
-    """Return a camera's name without folders, which may contain a user's name, and without URLs."""
+    """Camera's name without folders, which may contain a user's name, and without URLs."""
     return " ".join(_URL.sub(" ", _FOLDERS.sub(" ", name)).split())
 
 
 def without_telephone(name: str) -> str:
-    """Return a camera's name without telephone numbers."""
+    """Camera's name without telephone numbers."""
     return " ".join(_TELEPHONE.sub(" ", name).split())
 
 
 def without_owner(name: str) -> str:
-    """Return a camera's name without names of persons and computers, and addresses."""
+    """Camera's name without names of persons and computers, and addresses."""
     # Until nothing is left to cut: one rule may expose what another cuts.
     while (shorter := _cut(name)) != name:
         name = shorter

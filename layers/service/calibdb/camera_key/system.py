@@ -103,7 +103,7 @@ def public_platform(platform: str) -> str:
 
 
 def with_device(platform: str, device: str) -> str:
-    """Return the platform with a device's model identifier, which Apple's browsers do not report."""
+    """Platform with a device's model identifier, which Apple's browsers do not report."""
     match = _USER_AGENT.match(platform)
     said = match[1] if match else platform
     parts = [part.strip().casefold() for part in said.split(";")]
@@ -111,7 +111,7 @@ def with_device(platform: str, device: str) -> str:
 
 
 def system_of(platform: str) -> System:
-    """Return the system that `platform` names."""
+    """System that `platform` names."""
     text = unicodedata.normalize("NFKC", public_platform(platform)).casefold()
     family = _family(text)
     if family:

@@ -40,13 +40,13 @@ def is_practice(name: str) -> bool:
 
 
 def spelling_of(posing: str, label: str) -> str:
-    """Return the program's name as `label` spells it."""
+    """Program's name as `label` spells it."""
     match = re.search(_PROGRAMS[posing], label, re.IGNORECASE)
     return match[0].strip("()") if match else posing
 
 
 def program(text: str) -> str | None:
-    """Return the program behind a label (lower case), None if it is a camera."""
+    """Program behind a label (lower case), None if it is a camera."""
     if text.startswith(_OURS):
         return None
     return next((name for name, pattern in _PATTERNS if pattern.search(text)), None)

@@ -102,7 +102,7 @@ def build_bundle(source: Source, names: Mapping[str, set[Name]], max_cameras: in
 
 
 def names_of(label: str, platform: str) -> set[Name]:
-    """Return a public label with and without its USB id."""
+    """Public label with and without its USB id."""
     public = public_label(label)
     return {(public, platform), (public.rpartition(" (")[0] or public, platform)}
 

@@ -15,17 +15,17 @@ Document = TypeVar("Document", bound=GivenDocument)
 
 
 def aliases(key: str) -> Alias:
-    """Return the names of contributors in one dump: hashes under a key that is then deleted."""
+    """Names of contributors in one dump: hashes under a key that is then deleted."""
     return lambda contributor: hmac.new(key.encode(), contributor.encode(), hashlib.sha256).hexdigest()
 
 
 def public_copy(document: Document, alias: Alias) -> Document | None:
-    """Return the public copy of a document; None if it was given without a licence."""
+    """Public copy of a document; None if it was given without a licence."""
     return None if document.licence is None else unnamed_copy(document, alias)
 
 
 def unnamed_copy(document: Document, alias: Alias) -> Document:
-    """Return a document without names of people, labels by today's rules."""
+    """Document without names of people, labels by today's rules."""
     return document.model_copy(
         update={
             "camera": public_label(document.camera),

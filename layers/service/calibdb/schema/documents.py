@@ -138,7 +138,7 @@ class CalibrationDocument(GivenDocument, CaptureDocument):
     solver: str
 
     def answer(self) -> Calibration:
-        """Return the calibration of the session's own model, as the API returns it."""
+        """Calibration of the session's own model, as the API returns it."""
         return Calibration.of(
             self.fits[self.distortion_model],
             id=self.id,

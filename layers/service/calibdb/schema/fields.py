@@ -120,7 +120,7 @@ Side = Annotated[int, Field(strict=True, ge=MIN_IMAGE_SIDE_PX, le=MAX_IMAGE_SIDE
 
 
 def camera_like(size: tuple[int, int]) -> tuple[int, int]:
-    """Return the size of an image; raises PydanticCustomError if no camera has it."""
+    """Size of an image; raises PydanticCustomError if no camera has it."""
     if size[0] * size[1] > MAX_PIXELS:
         raise PydanticCustomError(
             "too_many_pixels", "the image has too many pixels; {most} are allowed", {"most": MAX_PIXELS}
@@ -174,7 +174,7 @@ def size_text(img_size: tuple[int, int]) -> str:
 
 
 def zoom_text(zoom: float) -> str:
-    """Return the shortest writing to six decimals: `0`, `1.5`."""
+    """Shortest writing to six decimals: `0`, `1.5`."""
     return f"{zoom:.6f}".rstrip("0").rstrip(".")
 
 

@@ -48,7 +48,7 @@ def is_loopback(origin: str) -> bool:
 
 
 def proof_host(origin: str) -> str | None:
-    """Return the public domain name of an HTTPS origin without port, which can be proved; None of others."""
+    """Public domain name of an HTTPS origin without port, which can be proved; None of others."""
     match = _DOMAIN.fullmatch(origin[: MAX_ORIGIN_LENGTH + 1])
     if match is None or len(match[1]) > _MAX_NAME_LENGTH or f".{match[1]}".endswith(_PRIVATE_SUFFIXES):
         return None
@@ -56,7 +56,7 @@ def proof_host(origin: str) -> str | None:
 
 
 def requirement(origin: str) -> str | None:
-    """Return the requirement that an origin does not meet; None if a token may have it."""
+    """Requirement that an origin does not meet; None if a token may have it."""
     if is_loopback(origin) or proof_host(origin) is not None:
         return None
     if origin != origin.lower():
@@ -70,17 +70,17 @@ def requirement(origin: str) -> str | None:
 
 
 def portless(origin: str) -> str:
-    """Return an origin without its port, if the port is as a browser writes it."""
+    """Origin without its port, if the port is as a browser writes it."""
     host, colon, port = origin.rpartition(":")
     is_port = colon and port.isascii() and port.isdigit() and len(port) <= len(str(_MAX_PORT))
     return host if is_port and 1 <= int(port) <= _MAX_PORT and port[0] != "0" else origin
 
 
 def proof_url(origin: str) -> str:
-    """Return the address of the proof of `origin`."""
+    """Address of the proof of `origin`."""
     return origin + PROOF_PATH
 
 
 def proof_content(token_id: str) -> str:
-    """Return the line that the proof must contain."""
+    """Line that the proof must contain."""
     return f"calibdb-site-verification={token_id}"

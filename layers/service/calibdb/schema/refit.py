@@ -47,7 +47,7 @@ class RefitRequest(Open):
 
     @classmethod
     def of_views(cls, camera: str, request: LookupRequest) -> RefitRequest:
-        """Return the request for the group of calibrations that fits the views of a lookup."""
+        """Request for the group of calibrations that fits the views of a lookup."""
         views = (ViewDocument(index=n, ids=v.ids, points=v.points) for n, v in enumerate(request.views))
         return cls(
             camera=camera,

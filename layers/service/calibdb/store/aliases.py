@@ -50,7 +50,7 @@ class Aliases(ItemStore):
     """Store of aliases."""
 
     def get(self, digest: str) -> Alias | None:
-        """Return the alias of this name, None if there is none."""
+        """Alias of this name."""
         item = self._table.get(_pk(digest), _SK, consistent=False)
         return None if item is None else Alias(item["label"], item["platform"], item["ttl"])
 

@@ -21,7 +21,7 @@ from calibdb.store.ports import Condition, Item, JobName, Jobs, Objects, Table, 
 
 if TYPE_CHECKING:
     from mypy_boto3_dynamodb import DynamoDBClient
-    from mypy_boto3_dynamodb.type_defs import AttributeValueTypeDef, QueryOutputTypeDef
+    from mypy_boto3_dynamodb.type_defs import AttributeValueTypeDef
     from mypy_boto3_lambda import LambdaClient
     from mypy_boto3_s3 import S3Client
     from mypy_boto3_s3.type_defs import ObjectIdentifierTypeDef
@@ -48,25 +48,25 @@ _making = threading.Lock()  # a session is not safe to make clients with in seve
 
 @functools.cache
 def dynamodb(region: str) -> DynamoDBClient:
-    """Return the client of the index."""
+    """Client of the index."""
     return cast("DynamoDBClient", _make("dynamodb", region, _STORAGE))
 
 
 @functools.cache
 def s3(region: str) -> S3Client:
-    """Return the client of the bucket."""
+    """Client of the bucket."""
     return cast("S3Client", _make("s3", region, _STORAGE))
 
 
 @functools.cache
 def lambda_(region: str) -> LambdaClient:
-    """Return the client that asks other functions."""
+    """Client that asks other functions."""
     return cast("LambdaClient", _make("lambda", region, _INVOKE))
 
 
 @functools.cache
 def ssm(region: str) -> Any:
-    """Return the client of the parameter store."""
+    """Client of the parameter store."""
     return _make("ssm", region, _SECRETS)
 
 
@@ -170,23 +170,28 @@ class DynamoTable(Table):
         newest_first: bool = False,
         limit: int | None = None,
         consistent: bool = False,
+        after: str | None = None,
     ) -> list[Item]:
         items: list[Item] = []
-        options: dict[str, Any] = {"ScanIndexForward": not newest_first, "ConsistentRead": consistent}
+        request: dict[str, Any] = {
+            "TableName": self._name,
+            "KeyConditionExpression": "pk = :pk AND begins_with(sk, :prefix)",
+            "ExpressionAttributeValues": {":pk": {"S": pk}, ":prefix": {"S": prefix}},
+            "ScanIndexForward": not newest_first,
+            "ConsistentRead": consistent,
+        }
+        if after is not None:
+            request["ExclusiveStartKey"] = _key(pk, after)
         while limit is None or len(items) < limit:
             if limit is not None:
-                options["Limit"] = limit - len(items)
-            page = self._query(pk, prefix, **options)
+                request["Limit"] = limit - len(items)
+            with available():
+                page = self._client().query(**request)
             items += map(_decode, page["Items"])
             if "LastEvaluatedKey" not in page:
                 break
-            options["ExclusiveStartKey"] = page["LastEvaluatedKey"]
+            request["ExclusiveStartKey"] = page["LastEvaluatedKey"]
         return items
-
-    def page(self, pk: str, prefix: str, limit: int, after: str | None) -> tuple[list[Item], bool]:
-        start = {} if after is None else {"ExclusiveStartKey": _key(pk, after)}
-        response = self._query(pk, prefix, Limit=limit, **start)
-        return [_decode(item) for item in response["Items"]], "LastEvaluatedKey" in response
 
     def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
         pages = self._client().get_paginator("scan")
@@ -197,15 +202,6 @@ class DynamoTable(Table):
                 for item in page["Items"]:
                     if item["pk"]["S"].startswith(pk_prefix):
                         yield item["pk"]["S"], item["sk"]["S"]
-
-    def _query(self, pk: str, prefix: str, **options: Any) -> QueryOutputTypeDef:
-        with available():
-            return self._client().query(
-                TableName=self._name,
-                KeyConditionExpression="pk = :pk AND begins_with(sk, :prefix)",
-                ExpressionAttributeValues={":pk": {"S": pk}, ":prefix": {"S": prefix}},
-                **options,
-            )
 
 
 def _attempt(write: Callable[..., Any], **request: Any) -> Any:

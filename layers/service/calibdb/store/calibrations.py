@@ -26,9 +26,7 @@ from calibdb.store.keys import (
     WITHDRAWN,
     StreamMode,
     calibration_object,
-    calibrations_prefix,
     camera_pk,
-    parse_calibration_sk,
     with_tombstones,
 )
 from calibdb.store.names import Names, with_current_key
@@ -65,7 +63,7 @@ class Calibrations(DocumentStore):
         self._catalogue = Names(table)
 
     def get(self, calibration_id: str) -> CalibrationDocument | None:
-        """Return the calibration, None if there is none that this version can read."""
+        """Calibration, None if there is none that this version can read."""
         name = calibration_object(calibration_id)
         content = self._objects.get(name) if name else None
         return _document(content) if content is not None else None
@@ -93,7 +91,7 @@ class Calibrations(DocumentStore):
         self._change(calibration_id, lambda document: {} if document.licence else given.consent)
 
     def remove_mode_name(self, calibration_id: str) -> bool:
-        """Remove the name that a contributor gave to the mode; False if there is none. For operators."""
+        """Remove the name that a contributor gave to the mode; False if there is none."""
         return self._change(
             calibration_id, lambda document: {"mode_name": None} if document.mode_name else {}
         )
@@ -130,7 +128,7 @@ class Calibrations(DocumentStore):
         return created
 
     def unindex(self, document: CalibrationDocument) -> None:
-        """Remove the index item of a calibration that is to be removed. For operators."""
+        """Remove the index item of a calibration that is to be removed."""
         item = _item(document)
         self._table.delete(item["pk"], item["sk"])
 
@@ -142,11 +140,12 @@ class Calibrations(DocumentStore):
         in a period, and of each source the newest `MAX_PER_SOURCE`.
         """
         counted: list[CountedCalibration] = []
-        prefix = calibrations_prefix(mode.img_size, mode.zoom)
         # Mostly all of them count. If not, many that do not count must not hide one that does.
         for items_limit in (limit + limit // 4, _MAX_CALIBRATIONS):
             # Ids sort by the day on which the session was started.
-            items = self._table.query(mode.pk, prefix, newest_first=True, limit=items_limit, consistent=True)
+            items = self._table.query(
+                mode.pk, mode.calibrations, newest_first=True, limit=items_limit, consistent=True
+            )
             items.sort(key=lambda item: (item["time"], item["sk"]), reverse=True)
             counted = _select_counted(items, period)[:limit]
             if len(counted) == limit or len(items) < items_limit:
@@ -154,16 +153,16 @@ class Calibrations(DocumentStore):
         return counted
 
     def modes(self, camera_key: str) -> list[StreamMode]:
-        """Return the sizes and zooms at which the camera was calibrated."""
+        """Sizes and zooms at which the camera was calibrated."""
         modes = {mode for mode, _ in self._places(camera_key)}
         return sorted(modes, key=lambda mode: (mode.img_size, mode.zoom))
 
     def names(self, camera_key: str) -> set[tuple[str, str]]:
-        """Return the labels and platforms of the camera's calibrations that were not withdrawn."""
+        """Labels and platforms of the camera's calibrations that were not withdrawn."""
         return {(item["camera"], item["platform"]) for item in self._not_withdrawn(camera_key)}
 
     def licence(self, camera_key: str) -> str | None:
-        """Return the licence under which every calibration of the camera was given; None of one without."""
+        """Licence under which every calibration of the camera was given; None of one without."""
         licences = {item.get("licence") for item in self._not_withdrawn(camera_key)}
         return licences.pop() if len(licences) == 1 else None
 
@@ -173,12 +172,15 @@ class Calibrations(DocumentStore):
 
     def _places(self, camera_key: str) -> list[tuple[StreamMode, str]]:
         """Return mode and id of every calibration of the camera that was not withdrawn."""
-        items = self._not_withdrawn(camera_key, consistent=True)
-        parsed = (parse_calibration_sk(item["sk"]) for item in items)
-        return [(StreamMode(camera_key, place[0], place[1]), place[2]) for place in parsed if place]
+        places = []
+        for item in self._not_withdrawn(camera_key, consistent=True):
+            _, size, zoom, calibration_id = item["sk"].split("#")
+            width, height = map(int, size.split("x"))
+            places.append((StreamMode(camera_key, (width, height), float(zoom)), calibration_id))
+        return places
 
     def read(self, ids: Sequence[str]) -> list[CalibrationDocument]:
-        """Return the calibrations with these ids in their order, without those of a later version.
+        """Calibrations with these ids in their order, without those of a later version.
 
         Raises DeniedReadError if one that the index names is not there.
         """
@@ -247,9 +249,10 @@ def _item(document: CalibrationDocument) -> Item:
     item: Item = {"licence": document.licence} if document.licence else {}
     if document.mode_name:
         item["mode_name"] = document.mode_name
+    mode = StreamMode(document.camera_key, document.img_size, document.zoom)
     return item | {
-        "pk": camera_pk(document.camera_key),
-        "sk": calibrations_prefix(document.img_size, document.zoom) + document.id,
+        "pk": mode.pk,
+        "sk": mode.calibrations + document.id,
         "camera": document.camera,
         "contributor": document.contributor,
         "fit": shown,

@@ -13,7 +13,7 @@ from pydantic_core import from_json
 from calibdb.camera_key import PATTERN
 from calibdb.schema import ConsensusDocument, GroupsDocument
 from calibdb.schema.cameras import CameraMember
-from calibdb.store.keys import StreamMode, calibrations_prefix, camera_pk, parse_consensus_id
+from calibdb.store.keys import StreamMode, camera_pk, parse_consensus_id
 from calibdb.store.names import ALL, SAME_AS
 from calibdb.store.ports import IF_EXISTS, IF_NOT_EXISTS, Item, ItemStore, equals
 
@@ -89,7 +89,7 @@ class Cameras(ItemStore):
         return written
 
     def name(self, camera_key: str) -> str | None:
-        """Return the normalised label of a camera, None if none is known under this key."""
+        """Normalised label of a camera, None if none is known under this key."""
         item = self._table.get(ALL, camera_key, consistent=False)
         return str(item["name"]) if item else None
 
@@ -99,19 +99,18 @@ class Cameras(ItemStore):
         Also the next `after`. An empty word finds all.
         """
         # A prefix may not be empty; that of every key is its version's letter.
-        items, more = self._table.page(ALL + word[:1], word or "c", limit, after)
-        names = {_own_id(item): item["name"] for item in items}
-        return list(names.items()), items[-1]["sk"] if more and items else None
+        items = self._table.query(ALL + word[:1], word or "c", limit=limit + 1, after=after)
+        names = {_own_id(item): item["name"] for item in items[:limit]}
+        return list(names.items()), items[limit - 1]["sk"] if len(items) > limit else None
 
     def members(
         self, mode: StreamMode, group: frozenset[str], limit: int
     ) -> tuple[list[CameraMember], dict[str, tuple[str, str]]]:
-        """Return the newest calibrations at a size and zoom that count; `group`: those that agree.
+        """Newest calibrations at a size and zoom that count; `group`: those that agree.
 
         Also, by id, the contributors and names of those whose contributors named the mode.
         """
-        prefix = calibrations_prefix(mode.img_size, mode.zoom)
-        items = self._table.query(mode.pk, prefix, newest_first=True, limit=limit)
+        items = self._table.query(mode.pk, mode.calibrations, newest_first=True, limit=limit)
         counted = [item for item in items if "withdrawn" not in item and item["native"] != 0]
         names = {
             _own_id(item): (item["source"], item["mode_name"]) for item in counted if "mode_name" in item
@@ -136,7 +135,7 @@ class Consensuses(ItemStore):
         return _documents(self._table.query(mode.pk, f"CONSENSUS#{mode.text}#", consistent=True))
 
     def get(self, consensus_id: str) -> ConsensusDocument | None:
-        """Return the consensus with this id, None if there is none."""
+        """Consensus with this id."""
         place = parse_consensus_id(consensus_id)
         item = self._table.get(*place, consistent=False) if place else None
         return _document(item) if item else None
@@ -178,7 +177,7 @@ class Consensuses(ItemStore):
 
 
 def _keys(document: ConsensusDocument) -> tuple[str, str, str]:
-    """Return the partition of a consensus, its `sk`, and that of its groups."""
+    """Partition of a consensus, its `sk`, and that of its groups."""
     mode = StreamMode(document.camera_key, document.img_size, document.zoom)
     place = f"{mode.text}#{document.distortion_model}"
     return mode.pk, f"CONSENSUS#{place}", f"GROUPS#{place}"

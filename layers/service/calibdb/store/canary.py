@@ -15,7 +15,7 @@ def store_canary_run(table: Table, run: CanaryRun) -> None:
 
 
 def last_canary_run(table: Table, now: int) -> CanaryRun | None:
-    """Return the last run; None if there was none lately."""
+    """Last run; None if there was none lately."""
     item = table.get(_PK, _SK)
     run = None if item is None else CanaryRun.model_validate_json(item["run"])
     return run if run is not None and now < run.at + EXPIRY_S else None

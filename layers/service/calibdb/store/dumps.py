@@ -28,11 +28,11 @@ class Dumps:
         self._public = site
 
     def latest(self) -> Dump | None:
-        """Return the newest dump, None if none was written yet."""
+        """Newest dump, None if none was written yet."""
         return read(self._public, LATEST, Dump)
 
     def statistics(self) -> Statistics | None:
-        """Return the figures of the newest dump, None if there are none yet."""
+        """Figures of the newest dump, None if there are none yet."""
         return read(self._public, STATISTICS, Statistics)
 
     def write(self, name: str, content: bytes, media_type: str = JSON) -> None:
@@ -40,15 +40,15 @@ class Dumps:
         self._public.put(name, content, media_type, CACHE_CONTROL[media_type])
 
     def names(self) -> list[str]:
-        """List the names of all public objects. For operators."""
+        """List the names of all public objects."""
         return list(self._public.names(FOLDER))
 
     def purge(self, names: list[str]) -> int:
-        """Remove public objects with every version. For operators."""
+        """Remove public objects with every version."""
         return self._public.purge_all_versions(names)
 
     def draft(self) -> tuple[DumpDraft, str] | None:
-        """Return the draft and the tag of its version, None if no dump is being written."""
+        """Draft and the tag of its version, None if no dump is being written."""
         version = self._keypoints.get_version(_DRAFT)
         return None if version is None else (DumpDraft.model_validate_json(version[0]), version[1])
 
@@ -72,5 +72,5 @@ class Dumps:
         return self._keypoints.names(prefix, after)
 
     def read(self, name: str) -> bytes | None:
-        """Return a stored document, None if it is gone."""
+        """Stored document, None if it is gone."""
         return self._keypoints.get(name)

@@ -12,7 +12,6 @@ from calibdb.schema.fields import size_text, zoom_text
 WITHDRAWN = ".withdrawn.json"  # what the name of a tombstone ends with
 
 _CONSENSUS_ID = re.compile(r"(c[0-9]{1,3}-[a-z0-9-]{1,40}-[0-9a-f]{12})~([0-9]+)x([0-9]+)~([0-9.]+)~([a-z]+)")
-_CALIBRATION_SK = re.compile(r"CALIBRATION#([0-9]+)x([0-9]+)#([0-9.]+)#([0-9a-z-]+)")
 _CALIBRATION_ID = re.compile(r"(c[0-9]{1,3}-[a-z0-9-]{1,40}-[0-9a-f]{12})-[0-9a-f]{20}")
 
 
@@ -34,25 +33,19 @@ class StreamMode:
         """`1280x720#0`, as it is written in every `sk`."""
         return f"{size_text(self.img_size)}#{zoom_text(self.zoom)}"
 
+    @property
+    def calibrations(self) -> str:
+        """Prefix of the `sk` of its calibrations."""
+        return f"CALIBRATION#{self.text}#"
+
 
 def camera_pk(camera_key: str) -> str:
-    """Return the partition of a camera."""
+    """Partition of a camera."""
     return f"CAMERA#{camera_key}"
 
 
-def calibrations_prefix(img_size: tuple[int, int], zoom: float) -> str:
-    """Prefix of the `sk` of every calibration at this size and zoom."""
-    return f"CALIBRATION#{size_text(img_size)}#{zoom_text(zoom)}#"
-
-
-def parse_calibration_sk(sk: str) -> tuple[tuple[int, int], float, str] | None:
-    """Parse size, zoom and id of a calibration, None if it is another `sk`."""
-    match = _CALIBRATION_SK.fullmatch(sk)
-    return ((int(match[1]), int(match[2])), float(match[3]), match[4]) if match else None
-
-
 def consensus_id(camera_key: str, img_size: tuple[int, int], zoom: float, model: str) -> str:
-    """Return the public id of a consensus."""
+    """Public id of a consensus."""
     return f"{camera_key}~{size_text(img_size)}~{zoom_text(zoom)}~{model}"
 
 
@@ -65,7 +58,7 @@ def parse_consensus_id(text: str) -> tuple[str, str] | None:
 
 
 def calibration_object(calibration_id: str) -> str | None:
-    """Return the object's name of a calibration, None if it is another id."""
+    """Object's name of a calibration, None if it is another id."""
     match = _CALIBRATION_ID.fullmatch(calibration_id)
     return f"calibrations/{match[1]}/{calibration_id}.json" if match else None
 
@@ -78,7 +71,7 @@ def parse_calibration_object(name: str) -> tuple[str, str] | None:
 
 
 def tombstone_object(calibration_id: str) -> str | None:
-    """Return the object's name of the tombstone of a withdrawn calibration, None if it is another id."""
+    """Object's name of the tombstone of a withdrawn calibration, None if it is another id."""
     name = calibration_object(calibration_id)
     return name and name.removesuffix(".json") + WITHDRAWN
 
@@ -101,5 +94,5 @@ def with_tombstones(names: Iterable[str]) -> Iterator[tuple[str, str, bool]]:
 
 
 def vote_object(camera_key: str, vote_id: str) -> str:
-    """Return the object's name of a vote."""
+    """Object's name of a vote."""
     return f"votes/{camera_key}/{vote_id}.json"

@@ -28,7 +28,7 @@ class CreatedToken:
     management: str
 
     def answer(self, facts: TokenFacts) -> TokenCreated:
-        """Return the facts of the token with its secrets."""
+        """Facts of the token with its secrets."""
         token_id = self.token.id
         secrets = f"cdb_{token_id}_{self.secret}", f"cdbm_{token_id}_{self.management}"
         return TokenCreated(**dict(facts), token=secrets[0], management_token=secrets[1])
@@ -99,7 +99,7 @@ def rotate(store: Store, token: ApiToken, secret: str, now: int, grace_s: int) -
 
 
 def require_living(token: ApiToken, now: int) -> ApiToken:
-    """Return the token; raises ForbiddenError if it is revoked or has expired."""
+    """Token; raises ForbiddenError if it is revoked or has expired."""
     if token.revoked is not None:
         raise _revoked()
     if token.is_expired(now):

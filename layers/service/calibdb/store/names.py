@@ -80,7 +80,7 @@ class Names:
 
 
 def with_current_key(document: CalibrationDocument) -> CalibrationDocument:
-    """Return the calibration with key and public label by today's rules."""
+    """Calibration with key and public label by today's rules."""
     key = document.current_key
     if key == document.camera_key:
         return document

@@ -56,22 +56,22 @@ class Condition:
 
 
 def absent(name: str) -> Condition:
-    """Return the condition that the item, or its attribute `name`, does not exist."""
+    """Condition that the item, or its attribute `name`, does not exist."""
     return Condition(((Comparison(name, "absent"),),))
 
 
 def equals(**values: Value) -> Condition:
-    """Return the condition that these attributes have these values."""
+    """Condition that these attributes have these values."""
     return Condition((tuple(Comparison(name, "=", value) for name, value in values.items()),))
 
 
 def below(name: str, value: int) -> Condition:
-    """Return the condition that the attribute is less than `value`."""
+    """Condition that the attribute is less than `value`."""
     return Condition(((Comparison(name, "<", value),),))
 
 
 def at_most(name: str, value: int) -> Condition:
-    """Return the condition that the attribute is at most `value`."""
+    """Condition that the attribute is at most `value`."""
     return Condition(((Comparison(name, "<=", value),),))
 
 
@@ -83,7 +83,7 @@ class Table(Protocol):
     """Reads and conditional writes of single items under `pk` and `sk`. Numbers are integers."""
 
     def get(self, pk: str, sk: str, *, consistent: bool = True) -> Item | None:
-        """Return the item, None if there is none."""
+        """Item."""
         ...
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
@@ -122,12 +122,9 @@ class Table(Protocol):
         newest_first: bool = False,
         limit: int | None = None,
         consistent: bool = False,
+        after: str | None = None,
     ) -> list[Item]:
-        """Return the items of `pk` whose `sk` begins with `prefix`, by `sk` ascending or descending."""
-        ...
-
-    def page(self, pk: str, prefix: str, limit: int, after: str | None) -> tuple[list[Item], bool]:
-        """Return at most `limit` items after the `sk` `after`, as `query` does, and whether more follow."""
+        """Items of `pk` whose `sk` begins with `prefix`, by `sk`; `after`: those that follow this `sk`."""
         ...
 
     def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
@@ -139,12 +136,12 @@ class Objects(Protocol):
     """Objects under names. Reads raise DeniedReadError."""
 
     def get(self, name: str) -> bytes | None:
-        """Return the object's content, None if there is none."""
+        """Object's content."""
         version = self.get_version(name)
         return None if version is None else version[0]
 
     def get_version(self, name: str) -> tuple[bytes, str] | None:
-        """Return the object's content and the tag of this version, None if there is none."""
+        """Object's content and the tag of this version."""
         ...
 
     def replace(self, name: str, content: bytes, tag: str) -> bool:
@@ -160,7 +157,7 @@ class Objects(Protocol):
         ...
 
     def purge_all_versions(self, names: Iterable[str]) -> int:
-        """Remove the objects with every stored version; return the number of versions. For operators."""
+        """Remove the objects with every stored version; return the number of versions."""
         ...
 
     def delete(self, names: Sequence[str]) -> None:
@@ -188,12 +185,12 @@ class DocumentStore(ItemStore):
 
 
 def encoded(document: BaseModel) -> bytes:
-    """Return a document as the content of its object."""
+    """Document as the content of its object."""
     return document.model_dump_json().encode()
 
 
 def read(objects: Objects, name: str, model: type[Document]) -> Document | None:
-    """Read one document, None if there is none."""
+    """Read one document."""
     content = objects.get(name)
     return None if content is None else model.model_validate_json(content)
 

@@ -16,7 +16,7 @@ class Priors(DocumentStore):
     """First guesses, by camera, size, zoom and model."""
 
     def find(self, camera_key: str, img_size: tuple[int, int], zoom: float, model: str) -> FitRecord | None:
-        """Return the guess, None if there is none: one read."""
+        """Guess, None if there is none: one read."""
         item = self._table.get(camera_pk(camera_key), _sk(img_size, zoom, model), consistent=False)
         return FitRecord.model_validate_json(item["fit"]) if item else None
 

@@ -47,17 +47,17 @@ class Quotas:
         first = self._start()
         for shard in ((first + n) % SHARDS for n in range(SHARDS)):
             part = limit // SHARDS + (shard < limit % SHARDS)
-            used = self._add(token_id, kind, now, 1, part, "", shard)
+            used = self._add(token_id, kind, now, 1, part, shard=shard)
             if used is not None:
                 return min(limit, used * SHARDS)
         return None
 
     def add(self, token_id: str, kind: plans.Counter, now: int, amount: int) -> int:
         """Count what has happened already; return the count."""
-        return self._add(token_id, kind, now, amount, None, "") or 0
+        return self._add(token_id, kind, now, amount, None) or 0
 
     def use(self, token_id: str, now: int) -> Mapping[str, Mapping[str, int]]:
-        """Return the counts of a token by hour (`2026-11-22T16`, UTC) for the last 30 days."""
+        """Counts of a token by hour (`2026-11-22T16`, UTC) for the last 30 days."""
         oldest = hour_text(now - USE_DAYS * _DAY_S)
         hours: defaultdict[str, Counter[str]] = defaultdict(Counter)
         for shard in range(SHARDS):
@@ -68,7 +68,7 @@ class Quotas:
         return dict(sorted(hours.items()))
 
     def used(self, token_id: str, now: int, contributor: str = "") -> Mapping[str, int]:
-        """Return the counts of this hour, the token's or a contributor's."""
+        """Counts of this hour, the token's or a contributor's."""
         shards = [_shard(contributor)] if contributor else range(SHARDS)
         total: Counter[str] = Counter()
         for shard in shards:
@@ -86,7 +86,7 @@ class Quotas:
         return True
 
     def issued(self) -> Iterator[tuple[str, int]]:
-        """Yield days and numbers of tokens that people made for themselves. For operators."""
+        """Yield days and numbers of tokens that people made for themselves."""
         for item in self._table.query(_ISSUED_TO_ALL, "DAY#"):
             yield item["sk"].removeprefix("DAY#"), item["tokens"]
 
@@ -97,12 +97,12 @@ class Quotas:
         now: int,
         amount: int,
         limit: int | None,
-        contributor: str,
-        shard: int = 0,
+        contributor: str = "",
+        shard: int | None = None,
     ) -> int | None:
         expiry_s = _SHARE_EXPIRY_S if contributor else _USE_EXPIRY_S
         return self._table.add(
-            _pk(token_id, _shard(contributor) if contributor else shard),
+            _pk(token_id, _shard(contributor) if shard is None else shard),
             _sk(now, contributor),
             kind,
             amount,
@@ -112,7 +112,7 @@ class Quotas:
 
 
 def hour_text(now: int) -> str:
-    """Return the hour of a unix time: `2026-11-22T16`, UTC."""
+    """Hour of a unix time: `2026-11-22T16`, UTC."""
     return time.strftime("%Y-%m-%dT%H", time.gmtime(now))
 
 

@@ -25,7 +25,7 @@ class RigCodes(ItemStore):
         )
 
     def find(self, digest: str, now: int) -> str | None:
-        """Return the rig of a code, None if there is none or the code has expired."""
+        """Rig of a code, None if there is none or the code has expired."""
         item = self._table.get(_pk(digest), _SK)
         return str(item["rig"]) if item and item["until"] > now else None
 

@@ -38,7 +38,7 @@ class Rigs(Versions[RigDocument]):
         return there
 
     def estimate(self, rig_id: str, digest: str) -> RigEstimateDocument | None:
-        """Return the fit and target computed from the views of this digest, None if there is none yet."""
+        """Fit and target computed from the views of this digest, None if there is none yet."""
         return read(self._objects, f"{_states(rig_id)}{digest}.json", RigEstimateDocument)
 
     def keep_estimate(self, rig_id: str, digest: str, estimate: RigEstimateDocument) -> None:
@@ -50,13 +50,13 @@ class Rigs(Versions[RigDocument]):
         self._objects.create(rig_calibration_object(document.id), encoded(document))
 
     def calibration(self, rig_id: str) -> RigCalibrationDocument | None:
-        """Return a finished rig, None if there is none of this id."""
+        """Finished rig, None if there is none of this id."""
         if not is_rig_id(rig_id):
             return None
         return read(self._objects, rig_calibration_object(rig_id), RigCalibrationDocument)
 
     def calibrations(self) -> Iterator[RigCalibrationDocument]:
-        """Yield every finished rig. For operators."""
+        """Yield every finished rig."""
         return read_all(self._objects, RIG_CALIBRATIONS_PREFIX, RigCalibrationDocument)
 
 
@@ -66,7 +66,7 @@ def is_rig_id(text: str) -> bool:
 
 
 def rig_calibration_object(rig_id: str) -> str:
-    """Return the object's name of a finished rig."""
+    """Object's name of a finished rig."""
     return f"{RIG_CALIBRATIONS_PREFIX}{rig_id}.json"
 
 

@@ -64,7 +64,7 @@ def create(store: Store, lead: Lead, request: RigRequest, code: str, secret: str
 
 
 def named(store: Store, wanted: RigJoin, source: str, secret: str, now: int) -> str:
-    """Return the id of the rig that a code or an id names; wrong codes are counted by source.
+    """Id of the rig that a code or an id names; wrong codes are counted by source.
 
     Raises InvalidError or TooManyError.
     """

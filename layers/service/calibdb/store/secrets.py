@@ -79,7 +79,7 @@ class Secrets:
 
 
 def with_secrets(environment: Mapping[str, str]) -> tuple[Mapping[str, str], float]:
-    """Return the environment with the secrets under its SECRETS_PATH, and until when (`time.monotonic`)."""
+    """Environment with the secrets under its SECRETS_PATH, and until when (`time.monotonic`)."""
     path = environment.get("SECRETS_PATH")
     if not path:
         return environment, math.inf

@@ -121,7 +121,7 @@ class Database:
                 yield connection
 
     def rows(self, query: str, *values: object) -> list[Any]:
-        """Return the rows of a query."""
+        """Rows of a query."""
         with self.reading() as connection:
             return connection.execute(query, values).fetchall()
 
@@ -226,13 +226,12 @@ class SqliteTable(Table):
         newest_first: bool = False,
         limit: int | None = None,
         consistent: bool = False,  # noqa: ARG002
+        after: str | None = None,
     ) -> list[Item]:
+        bounds = pk, prefix, _after(prefix), after or "", self._database.clock()
         order = " DESC LIMIT ?" if newest_first else " LIMIT ?"
-        return self._range(pk, prefix, "", order, -1 if limit is None else limit)
-
-    def page(self, pk: str, prefix: str, limit: int, after: str | None) -> tuple[list[Item], bool]:
-        items = self._range(pk, prefix, after or "", " LIMIT ?", limit + 1)
-        return items[:limit], len(items) > limit
+        rows = self._database.rows(_RANGE + order, *bounds, -1 if limit is None else limit)
+        return [json.loads(text) for (text,) in rows]
 
     def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
         pk, sk = pk_prefix, ""
@@ -246,10 +245,6 @@ class SqliteTable(Table):
             if len(rows) < _PAGE_SIZE:
                 return
             pk, sk = rows[-1]
-
-    def _range(self, pk: str, prefix: str, after: str, order: str, limit: int) -> list[Item]:
-        bounds = pk, prefix, _after(prefix), after, self._database.clock()
-        return [json.loads(text) for (text,) in self._database.rows(_RANGE + order, *bounds, limit)]
 
     def _allows(self, pk: str, sk: str, condition: Condition | None) -> bool:
         return condition is None or condition.holds(self.get(pk, sk))

@@ -45,12 +45,12 @@ class Store:
 
     @classmethod
     def of(cls, settings: Settings) -> Store:
-        """Return the stores of a function with these settings."""
+        """Stores of a function with these settings."""
         return cls.over(storage_of(settings))
 
     @classmethod
     def over(cls, storage: Storage) -> Store:
-        """Return the stores of a storage."""
+        """Stores of a storage."""
         table, objects = storage.table, storage.objects
         return cls(
             tokens=Tokens(table, objects),

@@ -45,7 +45,6 @@ class _Entry:
     next_flush: float = 0.0  # unix seconds, after a failure
     hour: int = 0
     used: int = 0  # lookups of this hour by all instances, as last flushed
-    used_up: bool = False  # in this hour
     sources: dict[int, int] = field(default_factory=dict)  # lookups of this hour by source
     reading: threading.Lock = field(default_factory=threading.Lock)
 
@@ -89,7 +88,7 @@ class TokenCache:
         self._lock = threading.Lock()
 
     def get(self, token_id: str, accepts: Callable[[ApiToken], bool] = lambda _: True) -> ApiToken | None:
-        """Return the token as it was at most half a minute ago, None if there is none (any more).
+        """Token as it was at most half a minute ago.
 
         A remembered token that `accepts` refuses, since its secret is another one, is read again: it may have
         been rotated. While that does not help, it is read once in `REFUSAL_TTL_S`.
@@ -123,8 +122,6 @@ class TokenCache:
                 if len(self._known) >= _MAX_TOKENS:
                     self._known.clear()
                 entry = self._known[token_id] = _Entry(token, now, flushed=now)
-            if entry.token.plan != token.plan:
-                entry.used_up = False
             entry.token, entry.read_again = token, now + self._ttl_s
             entry.refused_until = 0.0 if accepts(token) else now + REFUSAL_TTL_S
         if not self._in_background:
@@ -162,14 +159,14 @@ class TokenCache:
             if entry is None:  # it was one of too many
                 return ()
             if entry.hour != int(now // HOUR_S):
-                entry.hour, entry.used, entry.used_up = int(now // HOUR_S), 0, False
+                entry.hour, entry.used = int(now // HOUR_S), 0
                 entry.sources.clear()
             # Hashes differ from process to process: no address is kept.
             shares = {hash(source): 1} | ({} if network is None else {hash((network,)): NETWORK_SHARES})
             own = entry.sources.get(hash(source), 0)
             hour = entry.hour
-            left_together = 0 if entry.used_up else together - entry.used - entry.pending.get(hour, 0)
-            is_used_up = entry.used_up or (self._in_background and left_together <= 0)
+            left_together = together - entry.used - entry.pending.get(hour, 0)
+            is_used_up = (left_together if self._in_background else together - entry.used) <= 0
             if is_used_up or (
                 each is not None
                 and any(entry.sources.get(who, 0) >= share * each for who, share in shares.items())
@@ -203,7 +200,7 @@ class TokenCache:
             if not (is_due if self._in_background else entry.is_due(now, self._plans)):
                 return
             pending, entry.pending, entry.flushed = entry.pending, {}, now
-        limit, hour = plan(entry.token.plan, self._plans).together.lookups, int(now // HOUR_S)
+        hour = int(now // HOUR_S)
         while pending:
             past, lookups = pending.popitem()
             try:
@@ -218,16 +215,15 @@ class TokenCache:
             if past == hour:
                 with self._lock:
                     entry.hour, entry.used = hour, used
-                    entry.used_up = limit is not None and used >= limit
 
 
 def retry_after(now: float) -> int:
-    """Return the seconds until the next hour begins."""
+    """Seconds until the next hour begins."""
     return HOUR_S - int(now) % HOUR_S
 
 
 def _limits(now: float, each: tuple[int | None, int], together: tuple[int, int]) -> tuple[RateLimit, ...]:
-    """Return the limits of one user and of all: pairs of a quota, None without a bound, and what is left."""
+    """Limits of one user and of all: pairs of a quota, None without a bound, and what is left."""
     named = (("lookups-each", *each), ("lookups", *together))
     return tuple(
         RateLimit(name, limit, left, retry_after(now)) for name, limit, left in named if limit is not None

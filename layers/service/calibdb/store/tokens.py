@@ -27,7 +27,7 @@ class Tokens(DocumentStore):
     """Store of issued API tokens."""
 
     def get(self, token_id: str) -> ApiToken | None:
-        """Return the token, None if there is none (any more)."""
+        """Token."""
         item = self._item(token_id)
         return _token(token_id, item) if item and "revoked" not in item else None
 
@@ -43,7 +43,7 @@ class Tokens(DocumentStore):
         return True
 
     def read(self, token_id: str) -> ApiToken | None:
-        """Return the token as the bucket has it, also if revoked, and update the index.
+        """Read the token from the bucket, also if revoked, and update the index.
 
         Its `expires` follows the index, where the first use is noted.
         """
@@ -85,7 +85,7 @@ class Tokens(DocumentStore):
         raise UnavailableError("Other requests keep changing this token; send this one again.")
 
     def change(self, token: ApiToken) -> None:
-        """Store the token in the place of the one with its id, if there is one. For operators."""
+        """Store the token in the place of the one with its id, if there is one."""
         if self.update(token.id, lambda _: token) is None:
             self._objects.put(_name(token.id), _content(token))
             self.index(token)
@@ -103,11 +103,11 @@ class Tokens(DocumentStore):
         self._table.put(_to_item(token), IF_NOT_EXISTS | at_most("version", token.version))
 
     def all(self) -> Iterator[ApiToken]:
-        """Yield every token in the bucket that was not revoked. For operators."""
+        """Yield every token in the bucket that was not revoked."""
         return (token for token in self._documents() if token.revoked is None)
 
     def ids(self) -> Iterator[str]:
-        """Yield the ids of all tokens ever issued, including revoked ones. For operators."""
+        """Yield the ids of all tokens ever issued, including revoked ones."""
         for name in self._objects.names(PREFIX):
             yield name.removeprefix(PREFIX).removesuffix(".json")
 
@@ -152,7 +152,7 @@ class Tokens(DocumentStore):
         return orphans
 
     def remove(self, token_ids: Iterable[str]) -> int:
-        """Remove tokens for good, every version of them; return how many. For operators."""
+        """Remove tokens for good, every version of them; return how many."""
         ids = list(token_ids)
         for token_id in ids:
             self._table.delete(_pk(token_id), "META")

@@ -76,16 +76,16 @@ class Versions(DocumentStore, Generic[Document]):
         return {}
 
     def find(self, name: str) -> Document | None:
-        """Return the document as it stands, None if there was none or it was forgotten."""
+        """Document as it stands, None if there was none or it was forgotten."""
         version = self.find_version(name)
         return version[0] if version else None
 
     def get(self, name: str) -> Document:
-        """Return the document as it stands; raises NotFoundError."""
+        """Document as it stands; raises NotFoundError."""
         return self.get_version(name)[0]
 
     def find_version(self, name: str) -> tuple[Document, int] | None:
-        """Return the document as it stands and its version; None as `find`."""
+        """Document as it stands and its version; None as `find`."""
         for _ in range(_MAX_UPDATE_ATTEMPTS):
             head = self.head(name)
             if head is None or head.forgotten:
@@ -97,14 +97,14 @@ class Versions(DocumentStore, Generic[Document]):
         raise UnavailableError(f"The {self.noun} could not be read.")
 
     def get_version(self, name: str) -> tuple[Document, int]:
-        """Return the document as it stands and its version; raises NotFoundError."""
+        """Document as it stands and its version; raises NotFoundError."""
         version = self.find_version(name)
         if version is None:
             raise NotFoundError(self.missing, kind=self.missing_kind)
         return version
 
     def head(self, name: str) -> Head | None:
-        """Return the index entry, None if the document never was."""
+        """Index entry, None if the document never was."""
         item = self._table.get(self._pk(name), _SK)
         return None if item is None else Head(item["version"], "forgotten" in item, item)
 
@@ -176,7 +176,7 @@ class Versions(DocumentStore, Generic[Document]):
                 yield self._parse(content, head.small)
 
     def index(self, now: int) -> int:
-        """Index every document in the bucket that the index lacks; return their number. For operators."""
+        """Index every document in the bucket that the index lacks; return their number."""
         added = 0
         for name, version in self._versions().items():
             content = None if self.head(name) else self._objects.get(self._object(name, version))

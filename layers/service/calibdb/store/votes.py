@@ -51,7 +51,7 @@ class Votes(DocumentStore):
         )
 
     def newest(self, mode: StreamMode, *, one_per_source: bool) -> list[IndexedVote]:
-        """Return the votes on a mode, newest first.
+        """Votes on a mode, newest first.
 
         `one_per_source`: only the newest of each source, so that daily voters do not displace others.
         """

@@ -162,19 +162,6 @@ def test_failed_count_refuses_no_lookup(memory: TokenCache, quotas: Quotas, cloc
     assert quotas.writes == [LOOKUPS_PER_FLUSH + 5]
 
 
-def test_lookups_are_charged_to_the_hour_in_which_they_came(
-    memory: TokenCache, quotas: Quotas, clock: Clock
-) -> None:
-    hour = clock.now // 3600
-    look_up(memory, 7)
-    clock.now += 3600
-    look_up(memory, 3)
-    assert quotas.counts == {("t", "lookups", hour, ""): 7}
-    clock.now += 3600
-    look_up(memory)
-    assert quotas.counts == {("t", "lookups", hour, ""): 7, ("t", "lookups", hour + 1, ""): 3}
-
-
 def test_failed_count_of_an_earlier_hour_is_repeated_for_that_hour(
     memory: TokenCache, quotas: Quotas, clock: Clock
 ) -> None:
