@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Mapping
 
 from calibdb.access.plans import HOUR_S, KINDS, Plan
@@ -73,15 +74,13 @@ def use_summary(counts: Mapping[str, Mapping[str, int]], now: int) -> TokenUse:
     """Sum counters by hour (`2026-11-22T16`, UTC) over the last 48 hours and 30 days."""
     hours = [_text("%Y-%m-%dT%H", now - back * HOUR_S) for back in reversed(range(HOURS))]
     days = [_text("%Y-%m-%d", now - back * _DAY_S) for back in reversed(range(DAYS))]
-    by_day: dict[str, dict[str, int]] = {day: dict.fromkeys(KINDS, 0) for day in days}
+    by_day: dict[str, Counter[str]] = {day: Counter() for day in days}
     for hour, used in counts.items():
-        day = by_day.get(hour[:10])
-        if day is not None:
-            for kind in KINDS:
-                day[kind] += used.get(kind, 0)
+        if hour[:10] in by_day:
+            by_day[hour[:10]].update(used)
     return TokenUse(
         hours=tuple(HourOfUse(hour=hour, **_by_kind(counts.get(hour, {}))) for hour in hours),
-        days=tuple(DayOfUse(day=day, **by_day[day]) for day in days),
+        days=tuple(DayOfUse(day=day, **_by_kind(used)) for day, used in by_day.items()),
     )
 
 

@@ -17,7 +17,7 @@ from calibdb.camera_key import public_label
 from calibdb.camera_key.system import system_of
 from calibdb.lookup.camera_match import LookupQuery, choose, resolve, unanswerable_reason
 from calibdb.lookup.transfer import build_answer
-from calibdb.schema import Calibration, ConsensusDocument, Uncertainty
+from calibdb.schema import ConsensusDocument
 from calibdb.schema.fields import ImgSize
 from calibdb.store import CameraRecords
 
@@ -149,19 +149,16 @@ def _rows(consensuses: Sequence[ConsensusDocument]) -> Iterator[list[Any]]:
             carried = _intrinsics(answer.adapted.camera_matrix) if answer.adapted else []
             if carried or answer.relation != exact.relation:
                 at[f"{size[0]}x{size[1]}"] = [answer.relation, *carried]
-        yield _row(c.calibration, exact.relation, at)
-
-
-def _row(c: Calibration, relation: str | None, at: dict[str, Any]) -> list[Any]:
-    values = {
-        **dict(c),
-        "intrinsics": _intrinsics(c.camera_matrix),
-        "distortion_coefficients": _round_significant(c.distortion_coefficients),
-        "uncertainty": _uncertainty(c.uncertainty),
-        "relation": relation,
-        "at": at,
-    }
-    return [values[column] for column in COLUMNS]
+        u = c.calibration.uncertainty
+        values = {
+            **dict(c.calibration),
+            "intrinsics": _intrinsics(c.calibration.camera_matrix),
+            "distortion_coefficients": _round_significant(c.calibration.distortion_coefficients),
+            "uncertainty": _round_significant((u.rms, u.max, u.inside, u.covered)),
+            "relation": exact.relation,
+            "at": at,
+        }
+        yield [values[column] for column in COLUMNS]
 
 
 def _camera(consensuses: Sequence[ConsensusDocument], licence: str | None) -> dict[str, Any]:
@@ -177,18 +174,13 @@ def _json(value: object) -> bytes:
     return json.dumps(value, ensure_ascii=False, separators=(",", ":")).encode()
 
 
-def _intrinsics(matrix: Sequence[Sequence[float]]) -> list[float]:
+def _intrinsics(matrix: Sequence[Sequence[float]]) -> list[float | None]:
     (fx, _, cx), (_, fy, cy), _ = matrix
     return _round_significant((fx, fy, cx, cy))
 
 
-def _uncertainty(u: Uncertainty) -> list[float | None]:
-    inside = [None if v is None else _round_significant((v,))[0] for v in (u.inside, u.covered)]
-    return [*_round_significant((u.rms, u.max)), *inside]
-
-
-def _round_significant(values: Sequence[float]) -> list[float]:
-    return [float(f"{value:.{_SIGNIFICANT_DIGITS}g}") for value in values]
+def _round_significant(values: Sequence[float | None]) -> list[float | None]:
+    return [None if value is None else float(f"{value:.{_SIGNIFICANT_DIGITS}g}") for value in values]
 
 
 def rank(reliable: Sequence[ConsensusDocument]) -> tuple[int, int]:

@@ -125,10 +125,11 @@ class WeeklyDump:
 
     def _documents(self, prefix: str, after: str) -> Iterator[tuple[str, bytes | None, bool]]:
         """Yield name, content and withdrawal of stored documents in order."""
-        sources = with_tombstones(self.dumps.sources(prefix, after))
+        documents = self.dumps.documents
+        sources = with_tombstones(documents.names(prefix, after))
         with ThreadPoolExecutor(READERS) as readers:
             while batch := list(itertools.islice(sources, _MAX_BATCH_DOCUMENTS)):
-                contents = readers.map(self.dumps.read, [source for _, source, _ in batch])
+                contents = readers.map(documents.get, [source for _, source, _ in batch])
                 for (last, _, withdrawn), content in zip(batch, contents, strict=True):
                     yield last, content, withdrawn
 

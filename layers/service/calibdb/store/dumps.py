@@ -5,8 +5,6 @@ The draft is in the private bucket, since it has the key by which contributors a
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from calibdb.schema.dump import Dump, DumpDraft, Statistics
 from calibdb.store.ports import Objects, encoded, read
 
@@ -23,8 +21,8 @@ _DRAFT = f"{FOLDER}draft.json"
 class Dumps:
     """Store of the public dumps of one deployment: copies of private objects in the bucket of the site."""
 
-    def __init__(self, keypoints: Objects, site: Objects) -> None:
-        self._keypoints = keypoints
+    def __init__(self, documents: Objects, site: Objects) -> None:
+        self.documents = documents
         self._public = site
 
     def latest(self) -> Dump | None:
@@ -49,28 +47,20 @@ class Dumps:
 
     def draft(self) -> tuple[DumpDraft, str] | None:
         """Draft and the tag of its version, None if no dump is being written."""
-        version = self._keypoints.get_version(_DRAFT)
+        version = self.documents.get_version(_DRAFT)
         return None if version is None else (DumpDraft.model_validate_json(version[0]), version[1])
 
     def begin(self, draft: DumpDraft) -> bool:
         """Store the draft of a new dump; False if another is being written."""
-        return self._keypoints.create(_DRAFT, encoded(draft))
+        return self.documents.create(_DRAFT, encoded(draft))
 
     def advance(self, draft: DumpDraft, tag: str) -> str | None:
         """Store the draft over its version `tag`; return its new tag, None if another writer was faster."""
-        if not self._keypoints.replace(_DRAFT, encoded(draft), tag):
+        if not self.documents.replace(_DRAFT, encoded(draft), tag):
             return None
-        version = self._keypoints.get_version(_DRAFT)
+        version = self.documents.get_version(_DRAFT)
         return None if version is None else version[1]
 
     def end(self) -> None:
         """Delete the draft, and with it the key."""
-        self._keypoints.delete([_DRAFT])
-
-    def sources(self, prefix: str, after: str) -> Iterator[str]:
-        """Yield the names of stored documents under `prefix` after `after`, in order."""
-        return self._keypoints.names(prefix, after)
-
-    def read(self, name: str) -> bytes | None:
-        """Stored document, None if it is gone."""
-        return self._keypoints.get(name)
+        self.documents.delete([_DRAFT])

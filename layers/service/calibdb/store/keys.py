@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -81,16 +80,17 @@ def with_tombstones(names: Iterable[str]) -> Iterator[tuple[str, str, bool]]:
 
     A tombstone sorts directly after what it is of.
     """
-    following = itertools.chain(names, [""])
-    name = next(following)
-    while name:
-        other = next(following)
-        if name.endswith(WITHDRAWN):  # of a document that is gone, or was before this part
-            name = other
-            continue
-        withdrawn = other == name.removesuffix(".json") + WITHDRAWN
-        yield (other if withdrawn else name), name, withdrawn
-        name = next(following) if withdrawn else other
+    document = ""
+    for name in names:
+        if not name.endswith(WITHDRAWN):
+            if document:
+                yield document, document, False
+            document = name
+        elif name == document.removesuffix(".json") + WITHDRAWN:
+            yield name, document, True
+            document = ""
+    if document:
+        yield document, document, False
 
 
 def vote_object(camera_key: str, vote_id: str) -> str:

@@ -8,6 +8,7 @@ that is ended loses what it had not written.
 from __future__ import annotations
 
 import threading
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -41,11 +42,11 @@ class _Entry:
     read_again: float  # unix seconds
     flushed: float  # unix seconds
     refused_until: float = 0.0  # unix seconds; until then a wrong secret does not read the token again
-    pending: dict[int, int] = field(default_factory=dict)  # lookups since `flushed`, by hour
+    pending: Counter[int] = field(default_factory=Counter)  # lookups since `flushed`, by hour
     next_flush: float = 0.0  # unix seconds, after a failure
     hour: int = 0
     used: int = 0  # lookups of this hour by all instances, as last flushed
-    sources: dict[int, int] = field(default_factory=dict)  # lookups of this hour by source
+    sources: Counter[int] = field(default_factory=Counter)  # lookups of this hour
     reading: threading.Lock = field(default_factory=threading.Lock)
 
     def is_full(self, now: float, plans: Mapping[str, Plan]) -> bool:
@@ -130,21 +131,21 @@ class TokenCache:
 
     def keep(self, token: ApiToken) -> None:
         """Note the first use of a token, so that it does not expire."""
+        if token.expires is None:
+            return
         with self._lock:
             entry = self._known.get(token.id)
-        if token.expires is None or (entry is not None and entry.token.expires is None):
-            return
-        if self._in_background:
-            with self._lock:
+            if entry is not None and entry.token.expires is None:
+                return
+            if self._in_background:
                 self._used_first.add(token.id)
-        else:
+        if not self._in_background:
             try:
                 self._tokens.keep(token.id)
             except UnavailableError:  # no reason to refuse; the next use notes it
                 return
-        with self._lock:
-            entry = self._known.get(token.id)
-            if entry is not None:
+        if entry is not None:
+            with self._lock:
                 entry.token = replace(entry.token, expires=None)
 
     def count_lookup(self, token: ApiToken, source: str, network: str | None = None) -> tuple[RateLimit, ...]:
@@ -163,21 +164,18 @@ class TokenCache:
                 entry.sources.clear()
             # Hashes differ from process to process: no address is kept.
             shares = {hash(source): 1} | ({} if network is None else {hash((network,)): NETWORK_SHARES})
-            own = entry.sources.get(hash(source), 0)
-            hour = entry.hour
-            left_together = together - entry.used - entry.pending.get(hour, 0)
+            own = entry.sources[hash(source)]
+            left_together = together - entry.used - entry.pending[entry.hour]
             is_used_up = (left_together if self._in_background else together - entry.used) <= 0
             if is_used_up or (
-                each is not None
-                and any(entry.sources.get(who, 0) >= share * each for who, share in shares.items())
+                each is not None and any(entry.sources[who] >= share * each for who, share in shares.items())
             ):
                 limits = _limits(now, (each, 0), (together, left_together))
                 raise TooManyError(retry_after(now), headers=rate_limit_headers(limits))
             if len(entry.sources) + len(shares) > _MAX_SOURCES:
                 entry.sources.clear()
-            for who in shares:
-                entry.sources[who] = entry.sources.get(who, 0) + 1
-            entry.pending[hour] = entry.pending.get(hour, 0) + 1
+            entry.sources.update(shares.keys())
+            entry.pending[entry.hour] += 1
         if allowed.counts_each_lookup and not self._in_background:
             self._flush(entry, now)
         return _limits(now, (each, 0 if each is None else each - own - 1), (together, left_together - 1))
@@ -199,7 +197,7 @@ class TokenCache:
             is_due = entry.pending and now >= entry.next_flush
             if not (is_due if self._in_background else entry.is_due(now, self._plans)):
                 return
-            pending, entry.pending, entry.flushed = entry.pending, {}, now
+            pending, entry.pending, entry.flushed = entry.pending, Counter(), now
         hour = int(now // HOUR_S)
         while pending:
             past, lookups = pending.popitem()
@@ -208,8 +206,7 @@ class TokenCache:
             except UnavailableError:  # no reason to refuse a lookup
                 pending[past] = lookups
                 with self._lock:
-                    for each, count in pending.items():
-                        entry.pending[each] = entry.pending.get(each, 0) + count
+                    entry.pending.update(pending)
                     entry.next_flush = now + self._ttl_s
                 return
             if past == hour:
