@@ -42,10 +42,8 @@ def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, obje
     documents = [calibrated(n * 86_400) for n in range(12)]
     for document in documents:
         calibrations.publish(document)
-    calibrations.publish(
-        documents[0].model_copy(update={"img_size": (128, 72), "id": documents[0].id[:-4] + "ffff"})
-    )
-    calibrations.publish(documents[0].model_copy(update={"zoom": 0.5, "id": documents[0].id[:-4] + "eeee"}))
+    for other in ({"img_size": (128, 72), "id": documents[0].id[:-4] + "ffff"}, {"zoom": 0.5}):
+        calibrations.index(documents[0].model_copy(update=other))
     found = [counted.id for counted in calibrations.newest(mode(documents[0]), 5)]
     assert found == [document.id for document in documents[:-6:-1]]
     assert calibrations.read(found) == documents[:-6:-1]
@@ -153,13 +151,13 @@ def test_lease_coalesces_concurrent_requests(table: Table) -> None:
     assert not leases.take(place, "second", NOW, NOW + 30)
     assert not leases.take(place, "third", NOW, NOW + 30)
     assert leases.take(StreamMode("k", (640, 360), 0.0), "third", NOW, NOW + 30)
-    assert not leases.release(place, "first"), "the others wait for one round more"
+    assert not leases.release(place, "first"), "the others wait for another round"
     leases.again(place, "first", NOW + 30)
     assert leases.release(place, "first")
     assert leases.take(place, "second", NOW, NOW + 30)
-    assert leases.take(place, "second", NOW + 1, NOW + 31), "a second attempt of the same goes on"
+    assert leases.take(place, "second", NOW + 1, NOW + 31), "a second attempt of the same request"
     assert not leases.take(place, "third", NOW + 31, NOW + 61)
-    assert leases.take(place, "third", NOW + 32, NOW + 62), "whoever holds it is long dead"
+    assert leases.take(place, "third", NOW + 32, NOW + 62), "the lease has expired"
     assert leases.release(place, "second"), "it was not theirs any more"
     leases.abandon(place, "second")
     assert not leases.take(place, "first", NOW + 32, NOW + 62)
@@ -189,10 +187,7 @@ def test_first_vote_of_an_id_counts(table: Table, objects: Objects) -> None:
     assert votes.cast(VOTE.model_copy(update={"time": NOW + 9})) == VOTE
     assert votes.cast(later) == later
     found = votes.newest(StreamMode(VOTE.camera_key, (1280, 720), 0.0), one_per_source=False)
-    assert [(cast.id, cast.source, cast.time) for cast in found] == [
-        (later.id, "somebody", NOW + 256),
-        (VOTE.id, "somebody", NOW),
-    ]
+    assert [(cast.source, cast.time) for cast in found] == [("somebody", NOW + 256), ("somebody", NOW)]
     assert votes.read(found) == [later, VOTE]
     assert list(votes.all()) == [VOTE, later]
 

@@ -27,7 +27,10 @@ REQUEST = SessionRequest(camera="Camera", platform="Linux", img_size=(1280, 720)
 
 @pytest.fixture
 def sessions(table: Table, objects: Objects) -> Sessions:
-    return Sessions(table, objects)
+    """Sessions, of which one was started."""
+    sessions = Sessions(table, objects)
+    sessions.start(SID, NOW, begin)
+    return sessions
 
 
 def begin(version: int) -> SessionDocument:
@@ -51,7 +54,6 @@ def aimed(n: int) -> Change:
 
 
 def test_another_target_writes_no_object(sessions: Sessions, objects: Objects, table: Table) -> None:
-    sessions.start(SID, NOW, begin)
     for n in range(12):
         assert sessions.update(SID, NOW, aimed(n)) == n
     document = sessions.get(SID)
@@ -71,8 +73,6 @@ def test_another_target_writes_no_object(sessions: Sessions, objects: Objects, t
 
 
 def test_of_a_target_and_a_view_at_once_neither_is_lost(sessions: Sessions) -> None:
-    sessions.start(SID, NOW, begin)
-
     def race(change: Change, other: Change) -> None:
         others = [other]
 
@@ -93,7 +93,6 @@ def test_session_that_is_deleted_during_a_read_is_missing(
     sessions: Sessions, objects: Objects, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Not denied: the roles may list `sessions/`, so S3 says 404 of the object that is gone."""
-    sessions.start(SID, NOW, begin)
     get = objects.get
 
     def late(name: str) -> bytes | None:
@@ -107,7 +106,6 @@ def test_session_that_is_deleted_during_a_read_is_missing(
 
 
 def test_orphaned_version_is_skipped(sessions: Sessions, objects: Objects) -> None:
-    sessions.start(SID, NOW, begin)
     orphan = begin(1).model_copy(update={"next_index": 77})
     assert objects.create(f"sessions/{SID}/2.json", orphan.model_dump_json().encode())
     assert sessions.get(SID).next_index == 0
@@ -117,8 +115,6 @@ def test_orphaned_version_is_skipped(sessions: Sessions, objects: Objects) -> No
 
 
 def test_contended_change_gives_up(sessions: Sessions) -> None:
-    sessions.start(SID, NOW, begin)
-
     def change(document: SessionDocument) -> tuple[SessionDocument, int]:
         sessions.update(SID, NOW, opened)
         return opened(document)
@@ -140,8 +136,6 @@ def test_write_with_a_lost_response_is_done(table: Table, objects: Objects) -> N
 
 
 def test_concurrent_change_does_not_revive_a_forgotten_session(sessions: Sessions) -> None:
-    sessions.start(SID, NOW, begin)
-
     def change(document: SessionDocument) -> tuple[SessionDocument, int]:
         sessions.forget(SID, NOW)
         return opened(document)

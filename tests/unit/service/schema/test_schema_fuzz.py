@@ -2,7 +2,6 @@
 
 import importlib
 import json
-import math
 import os
 import pkgutil
 import re
@@ -125,19 +124,8 @@ def holds(model: type[BaseModel], content: str | bytes) -> bool:
     except ValidationError:
         return False
     written = found.model_dump_json(by_alias=True)
-    assert finite(json.loads(written)), written
+    json.dumps(json.loads(written), allow_nan=False)
     assert model.model_validate_json(written) == found
-    return True
-
-
-def finite(value: Any) -> bool:
-    match value:
-        case dict():
-            return all(map(finite, value.values()))
-        case list():
-            return all(map(finite, value))
-        case float():
-            return math.isfinite(value)
     return True
 
 
