@@ -61,7 +61,6 @@ class Figures:
         return statistics
 
     def _count_known(self) -> tuple[int, list[str]]:
-        """Count the cameras with a reliable calibration; select those with the most contributors."""
         count, after = 0, None
         popular: list[tuple[Any, str]] = []
         with ThreadPoolExecutor(READERS) as readers:

@@ -80,7 +80,6 @@ class WeeklyDump:
         return DumpDraft(name=name, started=now, key=self.random_hex(32))
 
     def _write_part(self, draft: DumpDraft) -> DumpDraft | None:
-        """Write the next part; return the draft after it, None if the dump is complete."""
         if draft.complete:
             return None
         alias = aliases(draft.key)
@@ -124,7 +123,6 @@ class WeeklyDump:
         return DumpFile(name=name, kind=draft.kind, count=count, size=len(content), sha256=digest)
 
     def _documents(self, prefix: str, after: str) -> Iterator[tuple[str, bytes | None, bool]]:
-        """Yield name, content and withdrawal of stored documents in order."""
         documents = self.dumps.documents
         sources = with_tombstones(documents.names(prefix, after))
         with ThreadPoolExecutor(READERS) as readers:
@@ -169,10 +167,7 @@ def _count(tally: Tally, document: GivenDocument, alias: Alias, *, given: bool) 
 
 
 def _parse(kind: DumpedKind, content: bytes | None) -> GivenDocument | None:
-    """Parse a stored document; None if it is gone, or of a later version."""
-    if content is None:
-        return None
     try:
-        return _MODELS[kind].model_validate_json(content)
-    except ValidationError:
+        return None if content is None else _MODELS[kind].model_validate_json(content)
+    except ValidationError:  # of a later version
         return None

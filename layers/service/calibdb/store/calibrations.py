@@ -171,7 +171,6 @@ class Calibrations(DocumentStore):
         return [item for item in items if "withdrawn" not in item]
 
     def _places(self, camera_key: str) -> list[tuple[StreamMode, str]]:
-        """Return mode and id of every calibration of the camera that was not withdrawn."""
         places = []
         for item in self._not_withdrawn(camera_key, consistent=True):
             _, size, zoom, calibration_id = item["sk"].split("#")

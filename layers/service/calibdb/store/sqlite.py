@@ -366,7 +366,6 @@ class SqliteObjects(Objects):
         return self._database.folder / FOLDER_NAME / tag
 
     def _remove_files(self, tags: Iterable[str]) -> None:
-        """Remove the files of these tags that no object has any more."""
         if self._database.folder is None:
             return
         for file in map(self._file, tags):

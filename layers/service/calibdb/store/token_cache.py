@@ -50,12 +50,10 @@ class _Entry:
     reading: threading.Lock = field(default_factory=threading.Lock)
 
     def is_full(self, now: float, plans: Mapping[str, Plan]) -> bool:
-        """True if there are enough lookups to flush."""
         lookups = sum(self.pending.values())
         return lookups >= _lookups_per_flush(plan(self.token.plan, plans)) and now >= self.next_flush
 
     def is_due(self, now: float, plans: Mapping[str, Plan]) -> bool:
-        """True if lookups must be flushed: enough of them, old ones, or of an earlier hour."""
         if not self.pending or now < self.next_flush:
             return False
         is_old = now - self.flushed >= FLUSH_INTERVAL_S or min(self.pending) < int(now // HOUR_S)

@@ -31,7 +31,7 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class Head:
-    """Index entry: the latest version, whether the document was forgotten, and all attributes of the item."""
+    """Index entry of a document; `facts`: all attributes of the item."""
 
     version: int
     forgotten: bool
@@ -49,27 +49,15 @@ class Head:
 
 
 class Versions(DocumentStore, Generic[Document]):
-    """Documents of one kind under their names.
-
-    Attributes
-    ----------
-    prefix, partition
-        Prefixes of the names of objects, and of the partitions of items.
-    noun
-        The word for one, in messages.
-    missing, missing_kind
-        The problem if there is none.
-    small
-        Members that change without the others, and then are stored in the item.
-    """
+    """Documents of one kind under their names."""
 
     model: type[Document]
-    prefix: str
-    partition: str
-    noun: str
-    missing: str
+    prefix: str  # of the names of objects
+    partition: str  # prefix of the partitions of items
+    noun: str  # in messages
+    missing: str  # detail of the problem if there is none
     missing_kind: str
-    small: tuple[str, ...] = ()
+    small: tuple[str, ...] = ()  # members that change without the others, and then are stored in the item
 
     def facts(self, document: Document) -> Mapping[str, Value]:  # noqa: ARG002
         """Attributes of the item besides the version, which follow from the document."""
@@ -165,10 +153,7 @@ class Versions(DocumentStore, Generic[Document]):
         raise self._too_much_contention()
 
     def all(self) -> Iterator[Document]:
-        """Yield every document that is not forgotten, as it stands. For operators.
-
-        If the index does not name one, its highest version counts: a failed writer removes its own.
-        """
+        """Yield every document that is not forgotten, in its highest version if it is not indexed."""
         for name, version in self._versions().items():
             head = self.head(name) or Head(version, forgotten=False, facts={})
             content = None if head.forgotten else self._objects.get(self._object(name, head.content))
