@@ -37,8 +37,8 @@ class Figures:
     calibrations: Calibrations
     min_contributors: int  # that must agree on a public value
 
-    def write(self, draft: DumpDraft) -> Statistics:
-        """Write the figures of a complete dump, and return them."""
+    def write(self, draft: DumpDraft) -> None:
+        """Write the figures of a complete dump."""
         count, popular = self._count_known()
         tally = draft.tally
         snapshot = Snapshot(
@@ -58,7 +58,6 @@ class Figures:
             bundle=self._bundle(popular, draft.started),
         )
         self.dumps.write(STATISTICS, statistics.model_dump_json(indent=1).encode())
-        return statistics
 
     def _count_known(self) -> tuple[int, list[str]]:
         count, after = 0, None

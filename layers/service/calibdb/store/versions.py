@@ -170,12 +170,10 @@ class Versions(DocumentStore, Generic[Document]):
                 added += self._table.put({**self._item(name, version, now), **facts}, IF_NOT_EXISTS)
         return added
 
-    def purge(self, name: str) -> int:
-        """Remove all that is stored of the document, for good; return how many objects those were."""
-        names = list(self._objects.names(f"{self.prefix}{name}/"))
-        removed = self._objects.purge_all_versions(names)
+    def purge(self, name: str) -> None:
+        """Remove all that is stored of the document, for good."""
+        self._objects.purge_all_versions(list(self._objects.names(f"{self.prefix}{name}/")))
         self._table.delete(self._pk(name), _SK)
-        return removed
 
     def _versions(self) -> dict[str, int]:
         highest: dict[str, int] = {}
