@@ -23,12 +23,16 @@ NOW = 1_700_000_000
 VAGUE = Uncertainty(rms=3.01, max=9.0)
 
 
+@pytest.fixture
+def votes(table: Table, objects: Objects) -> Votes:
+    return Votes(table, objects)
+
+
 def mode(document: CalibrationDocument) -> StreamMode:
     return StreamMode(document.camera_key, document.img_size, document.zoom)
 
 
-def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> None:
-    calibrations = Calibrations(table, objects)
+def test_publishing_twice_is_publishing_once(calibrations: Calibrations) -> None:
     document = calibrated(0)
     calibrations.publish(document)
     calibrations.publish(document.model_copy(update={"time": NOW + 9}))
@@ -37,8 +41,7 @@ def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> 
     assert list(calibrations.all()) == [document]
 
 
-def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, objects: Objects) -> None:
-    calibrations = Calibrations(table, objects)
+def test_the_newest_come_first_and_only_of_this_size_and_zoom(calibrations: Calibrations) -> None:
     documents = [calibrated(n * 86_400) for n in range(12)]
     for document in documents:
         calibrations.publish(document)
@@ -55,8 +58,7 @@ def calibrated(n: int, contributor: str = "", **changes: object) -> CalibrationD
     return made.model_copy(update={"contributor": contributor or made.contributor, **changes})
 
 
-def test_uncounted_calibrations_are_skipped(table: Table, objects: Objects) -> None:
-    calibrations = Calibrations(table, objects)
+def test_uncounted_calibrations_are_skipped(calibrations: Calibrations) -> None:
     cropped = Track(resizeMode="crop-and-scale")
     documents = [calibrated(0), calibrated(1, track=cropped), calibrated(2), calibrated(3)]
     for document in documents:
@@ -71,8 +73,8 @@ def test_uncounted_calibrations_are_skipped(table: Table, objects: Objects) -> N
     assert calibrations.modes(place.camera_key) == [place]
 
 
-def test_source_counts_three_times_at_most(table: Table, objects: Objects) -> None:
-    calibrations, day = Calibrations(table, objects), 86_400
+def test_source_counts_three_times_at_most(calibrations: Calibrations) -> None:
+    day = 86_400
     once = calibrated(0, "honest", source="elsewhere")
     calibrations.index(once)
     busy = [calibrated(n, f"token {n}", source="one place", time=NOW + n * day) for n in range(1, 9)]
@@ -93,9 +95,8 @@ def test_source_counts_three_times_at_most(table: Table, objects: Objects) -> No
     ids=["3 px off where its board was", "of its own views"],
 )
 def test_calibration_that_is_no_evidence_does_not_count(
-    table: Table, objects: Objects, changes: dict[str, object]
+    calibrations: Calibrations, changes: dict[str, object]
 ) -> None:
-    calibrations = Calibrations(table, objects)
     wide = {"img_size": (1280, 720), "target_error": 100.0}
     inside = VAGUE.model_copy(update={"inside": 2.99, "covered": 0.4})
     evidence = calibrated(0, **wide, fits=of_fit({"uncertainty": inside}))
@@ -180,8 +181,7 @@ VOTE = VoteDocument(
 )
 
 
-def test_first_vote_of_an_id_counts(table: Table, objects: Objects) -> None:
-    votes = Votes(table, objects)
+def test_first_vote_of_an_id_counts(votes: Votes) -> None:
     later = VOTE.model_copy(update={"id": "6553f200aaaaaaaaaaaa", "time": NOW + 256})
     assert votes.cast(VOTE) == VOTE
     assert votes.cast(VOTE.model_copy(update={"time": NOW + 9})) == VOTE
@@ -192,8 +192,7 @@ def test_first_vote_of_an_id_counts(table: Table, objects: Objects) -> None:
     assert list(votes.all()) == [VOTE, later]
 
 
-def test_daily_voter_displaces_no_other_vote(table: Table, objects: Objects) -> None:
-    votes = Votes(table, objects)
+def test_daily_voter_displaces_no_other_vote(votes: Votes) -> None:
     names = {f"6553f1{day:014x}": "daily" for day in range(120)}
     names |= {"6553f00000000000000a": "first", "6553f00000000000000b": "second"}
     for name, source in names.items():
@@ -205,8 +204,7 @@ def test_daily_voter_displaces_no_other_vote(table: Table, objects: Objects) -> 
     assert len(votes.newest(mode, one_per_source=False)) == 50
 
 
-def test_votes_follow_their_camera_to_another_key(table: Table, objects: Objects) -> None:
-    votes = Votes(table, objects)
+def test_votes_follow_their_camera_to_another_key(votes: Votes) -> None:
     label, platform = "HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64"
     earlier = {"camera_key": "c1-earlier-0123456789ab", "camera": label, "platform": platform}
     vote = VOTE.model_copy(update=earlier)

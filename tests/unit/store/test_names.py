@@ -15,11 +15,6 @@ NAMED = identify("HD Pro Webcam C920", MAC)
 
 
 @pytest.fixture
-def calibrations(table: Table, objects: Objects) -> Calibrations:
-    return Calibrations(table, objects)
-
-
-@pytest.fixture
 def cameras(table: Table) -> Cameras:
     return Cameras(table)
 

@@ -36,9 +36,7 @@ class ApiToken:
     created: int = 0
     former_sha256: str | None = None  # of the previous secret
     former_until: int = 0  # the previous secret opens until then
-    earlier: tuple[
-        tuple[str, int], ...
-    ] = ()  # secrets before that one, newest first, and until when they open
+    earlier: tuple[tuple[str, int], ...] = ()  # secrets before that one, newest first, with the same times
     pending: tuple[str, ...] = ()  # origins that are claimed and not proved
     management_sha256: str | None = None  # None: an operator issued the token
     name: str = ""
@@ -83,7 +81,7 @@ def matches(token: ApiToken, secret: str, now: float = 0.0) -> bool:
     """True if `secret` is the token's at unix time `now`, in constant time."""
     sent = secret_hash(secret)
     digests = [token.secret_sha256, *(previous for previous, until in former_secrets(token) if now < until)]
-    return sum(hmac.compare_digest(one, sent) for one in digests) > 0
+    return sum(hmac.compare_digest(one, sent) for one in digests) > 0  # compares all of them
 
 
 def former_secrets(token: ApiToken) -> tuple[tuple[str, int], ...]:

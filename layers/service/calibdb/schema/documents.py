@@ -36,9 +36,7 @@ class ViewDocument(Open):
     set_aside: SetAside | None = None
     on_target: bool | None = Field(None, exclude_if=is_none)  # held at its target
     stated: float | None = Field(None, exclude_if=is_none)  # px, expected rms error after it
-    moment: str | None = Field(
-        None, exclude_if=is_none
-    )  # of a rig: the pose of the board that cameras shared
+    moment: str | None = Field(None, exclude_if=is_none)  # of a rig
 
 
 class EstimateDocument(Open):

@@ -224,9 +224,7 @@ def _documents(items: Iterable[Item]) -> list[ConsensusDocument]:
 def _document(item: Item) -> ConsensusDocument | None:
     try:
         return _parsed(item["document"])
-    except (
-        ValidationError
-    ):  # of a later version that is being rolled out, whose models this one does not know
+    except ValidationError:  # of a later version, whose models this one does not know
         _log.warning("%s of %s is not of this version", item["sk"], item["pk"])
         return None
 

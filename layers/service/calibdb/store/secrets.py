@@ -64,9 +64,8 @@ class Secrets:
         from calibdb.store.aws import available
 
         names = [f"{self._path}/{name}" for name in NAMES]
-        for attempt in range(
-            1 if self._known else MAX_ATTEMPTS
-        ):  # known values are used rather than waited for
+        # Known values are used rather than waited for.
+        for attempt in range(1 if self._known else MAX_ATTEMPTS):
             if attempt:
                 self._sleep(self._uniform(0, min(_MAX_PAUSE_S, _FIRST_PAUSE_S * 2**attempt)))
             try:
