@@ -7,10 +7,10 @@ from typing import Annotated
 from pydantic import BeforeValidator, ConfigDict, Field
 
 from calibdb.schema.calibration import Calibration
-from calibdb.schema.deferred import Deferred
 from calibdb.schema.fields import (
     CalibrationName,
     CameraLabel,
+    Deferred,
     DistortionModel,
     ImgSize,
     Open,

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import threading
 import unicodedata
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
     AfterValidator,
+    BaseModel,
     BeforeValidator,
     ConfigDict,
     Field,
@@ -20,7 +22,6 @@ from pydantic_core import PydanticCustomError
 from calibdb.camera_key.characters import MAX_TEXT_LENGTH, visible
 from calibdb.camera_key.label import MAX_MODE_NAME, public_mode_name
 from calibdb.camera_key.system import with_device
-from calibdb.schema.deferred import Deferred
 
 MAX_CORNERS = 49 * 49  # of the largest board
 MIN_IMAGE_SIDE_PX, MAX_IMAGE_SIDE_PX = 16, 16384
@@ -29,6 +30,34 @@ MAX_ASPECT = 8  # sides of an image: no camera's is a strip
 MAX_INDEX = 100_000
 MAX_LABEL = 256  # visible characters
 IPV6_SOURCE = "v6-"  # beginning of a contributor's source that is an IPv6 site
+
+
+building = threading.RLock()
+"""Lock of the thread that builds a model, with those of its fields."""
+
+
+class Deferred(BaseModel):
+    """Model whose validator is built at its first use, by one thread at a time: pydantic has no lock."""
+
+    model_config = ConfigDict(defer_build=True)
+
+    @classmethod
+    def model_rebuild(
+        cls,
+        *,
+        force: bool = False,
+        raise_errors: bool = True,
+        _parent_namespace_depth: int = 2,
+        _types_namespace: Any = None,
+    ) -> bool | None:
+        """Build validator and serializer as pydantic does."""
+        with building:
+            return super().model_rebuild(
+                force=force,
+                raise_errors=raise_errors,
+                _parent_namespace_depth=_parent_namespace_depth + 1,  # this method's own frame
+                _types_namespace=_types_namespace,
+            )
 
 
 class Strict(Deferred):

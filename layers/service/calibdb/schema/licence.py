@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
-from calibdb.schema.deferred import Deferred
+from calibdb.schema.fields import Deferred
 
 Licence = Literal["CC0-1.0"]  # SPDX identifier
 

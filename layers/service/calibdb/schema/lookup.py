@@ -9,10 +9,10 @@ from urllib.parse import urlencode
 from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field, model_validator
 
 from calibdb.schema.board import Board, DescribedBoard
-from calibdb.schema.deferred import Deferred
 from calibdb.schema.estimate import Estimate
 from calibdb.schema.fields import (
     DEVICE_TEXT,
+    Deferred,
     Detail,
     DeviceModel,
     ImgSize,

@@ -15,8 +15,7 @@ from calibdb.schema import (
 )
 from calibdb.schema.membership import RigJoin
 from calibdb.schema.rig_documents import CodeDocument
-from calibdb.store.rig_codes import GUESS_WINDOW_S, MAX_GUESSES
-from calibdb.store.rigs import is_rig_id
+from calibdb.store.rigs import GUESS_WINDOW_S, MAX_GUESSES, is_rig_id
 from calibdb.store.store import Store
 
 

@@ -15,8 +15,7 @@ from calibdb.store.priors import Priors
 from calibdb.store.proofs import Proofs
 from calibdb.store.quotas import Quotas
 from calibdb.store.refit import Refit
-from calibdb.store.rig_codes import RigCodes
-from calibdb.store.rigs import Rigs
+from calibdb.store.rigs import RigCodes, Rigs
 from calibdb.store.storage import storage_of
 from calibdb.store.tokens import Tokens
 from calibdb.store.versions import Sessions
