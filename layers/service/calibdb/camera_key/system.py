@@ -29,23 +29,15 @@ _DEVICE = re.compile(
     r"(?: build/[\w.-]{1,40})?",
     re.IGNORECASE,
 )
-_SHOWN = {
-    "ios": "iOS",
-    "android": "Android",
-    "chromeos": "ChromeOS",
-    "windows": "Windows",
-    "macos": "macOS",
-    "linux": "Linux",
-}
 _USER_AGENT = re.compile(r"^Mozilla/[0-9.]+ \(([^)]*)\)")
+# By what is shown. The first match counts: Android also calls itself Linux, and iOS "like Mac OS X".
 _SYSTEMS = (
-    # The first match counts: Android also calls itself Linux, and iOS "like Mac OS X".
-    ("ios", re.compile(r"\b(?:(?:iphone|ipad|ipod)(?:[0-9]{1,2},[0-9]{1,2})?|ios)\b")),
-    ("android", re.compile(r"\bandroid\b")),
-    ("chromeos", re.compile(r"\b(?:cros|chrome ?os|chromium ?os)\b")),
-    ("windows", re.compile(r"\bwindows\b")),
-    ("macos", re.compile(r"\b(?:macintosh|mac ?os|macos)\b")),
-    ("linux", re.compile(r"\b(?:linux|x11|[a-z]*bsd)\b")),
+    ("iOS", re.compile(r"\b(?:(?:iphone|ipad|ipod)(?:[0-9]{1,2},[0-9]{1,2})?|ios)\b")),
+    ("Android", re.compile(r"\bandroid\b")),
+    ("ChromeOS", re.compile(r"\b(?:cros|chrome ?os|chromium ?os)\b")),
+    ("Windows", re.compile(r"\bwindows\b")),
+    ("macOS", re.compile(r"\b(?:macintosh|mac ?os|macos)\b")),
+    ("Linux", re.compile(r"\b(?:linux|x11|[a-z]*bsd)\b")),
 )
 # Parts of Android's user agents that are not a device: reduced ones call every device "K".
 _NO_DEVICE = re.compile(
@@ -88,14 +80,14 @@ def public_platform(platform: str) -> str:
     text = visible(platform.replace('"', " "))
     match = _USER_AGENT.match(text)
     parts = [part.strip() for part in (match[1] if match else text).split(";")]
-    android = any(_family(part) == "android" for part in parts)
+    android = any(_family(part) == "Android" for part in parts)
     public_parts: list[str] = []
     for part in parts:
         family = _family(part)
         if _KNOWN.fullmatch(part):
             public_parts.append(part)
         elif family:
-            public_parts.append(_SHOWN[family])
+            public_parts.append(family)
         elif android and _DEVICE.fullmatch(part) and without_owner(without_telephone(part)) == part:
             public_parts.append(part)
             android = False  # it has one model
@@ -113,7 +105,7 @@ def with_device(platform: str, device: str) -> str:
 def system_of(platform: str) -> System:
     """System that `platform` names."""
     text = unicodedata.normalize("NFKC", public_platform(platform)).casefold()
-    family = _family(text)
+    family = (_family(text) or "").lower()
     if family:
         return System(family, _model(family, text))
     return System(text if text in FILES else "other")
