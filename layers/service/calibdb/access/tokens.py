@@ -227,7 +227,7 @@ def _site(address: str, bits: int = 64) -> str:
         return str(parsed)
     if parsed.ipv4_mapped is not None:
         return str(parsed.ipv4_mapped)
-    return str(ipaddress.ip_network((int(parsed) >> 128 - bits << 128 - bits, bits)))
+    return str(ipaddress.ip_network((int(parsed), bits), strict=False))
 
 
 def with_origins(token: ApiToken, origins: tuple[str, ...]) -> ApiToken:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal, get_args
 
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator
-from pydantic_core import PydanticCustomError
+from pydantic_core import PydanticCustomError, PydanticKnownError
 
 from calibdb.schema.fields import MAX_CORNERS, Strict, Whole
 
@@ -38,9 +38,7 @@ DEFAULT_TAG_SPACING = 0.3
 def _enough_squares(value: int, info: ValidationInfo) -> int:
     least = MIN_SQUARES[info.data.get("kind", "charuco")]  # absent if it was refused itself
     if value < least:
-        raise PydanticCustomError(
-            "greater_than_equal", "Input should be greater than or equal to {ge}", {"ge": least}
-        )
+        raise PydanticKnownError("greater_than_equal", {"ge": least})
     return value
 
 

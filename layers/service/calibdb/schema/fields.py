@@ -17,7 +17,7 @@ from pydantic import (
     StringConstraints,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
+from pydantic_core import PydanticCustomError, PydanticKnownError
 
 from calibdb.camera_key.characters import MAX_TEXT_LENGTH, visible
 from calibdb.camera_key.label import MAX_MODE_NAME, public_mode_name
@@ -103,9 +103,7 @@ Guidance = Literal["projection-uncertainty", "pose-selection"]
 
 def _in_one_line(text: object) -> object:
     if isinstance(text, str) and len(text) > MAX_TEXT_LENGTH:  # before each character is examined
-        raise PydanticCustomError(
-            "string_too_long", "String should have at most {most} characters", {"most": MAX_LABEL}
-        )
+        raise PydanticKnownError("string_too_long", {"max_length": MAX_LABEL})
     return _one_spelling(text) if isinstance(text, str) else text
 
 

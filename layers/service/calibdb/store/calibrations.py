@@ -30,13 +30,13 @@ from calibdb.store.keys import (
     with_tombstones,
 )
 from calibdb.store.names import Names, with_current_key
-from calibdb.store.ports import DocumentStore, Item, Objects, Table, absent, encoded, read_together
+from calibdb.store.ports import DocumentStore, Item, Objects, Table, compared, encoded, read_together
 
 MAX_PER_SOURCE = 3  # calibrations of one source that enter a consensus
 Withdrawal = Literal["wrong", "abuse", "privacy", "other"]
 WITHDRAWALS: tuple[Withdrawal, ...] = get_args(Withdrawal)
 _MAX_CALIBRATIONS = 2_000  # of a mode that are looked through for those that count
-_NOT_WITHDRAWN = absent("withdrawn")
+_NOT_WITHDRAWN = compared("withdrawn", "absent")
 
 
 @dataclass(frozen=True)

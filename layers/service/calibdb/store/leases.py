@@ -7,7 +7,7 @@ holder began. A lease only saves work: correctness comes from the conditional wr
 from __future__ import annotations
 
 from calibdb.store.keys import StreamMode
-from calibdb.store.ports import IF_NOT_EXISTS, Item, ItemStore, below, equals
+from calibdb.store.ports import IF_NOT_EXISTS, Item, ItemStore, compared, equals
 
 _SK = "META"
 _MAX_ATTEMPTS = 8  # to learn who holds it, while others let go of it and take it
@@ -24,7 +24,7 @@ class Leases(ItemStore):
         `until`: unix seconds at which the computation has surely ended. `name`: of one of several
         computations of the mode.
         """
-        free = IF_NOT_EXISTS | equals(holder=me) | below("until", now)
+        free = IF_NOT_EXISTS | equals(holder=me) | compared("until", "<", now)
         for _ in range(_MAX_ATTEMPTS):
             if self._table.put(_item(mode, me, until, asked=0, name=name), free):
                 return True

@@ -13,6 +13,7 @@ Document = TypeVar("Document", bound=BaseModel)
 Value = str | int | list[str]
 Item = dict[str, Any]
 """Attributes by name, each a `Value`."""
+Relation = Literal["absent", "present", "=", "<", "<="]
 JobName = Literal["refit", "verify", "dump"]
 
 READERS = 8  # threads that read objects at a time
@@ -26,7 +27,7 @@ class Comparison:
     """
 
     name: str
-    relation: Literal["absent", "present", "=", "<", "<="]
+    relation: Relation
     value: Value = ""
 
     def holds(self, item: Item | None) -> bool:
@@ -55,9 +56,9 @@ class Condition:
         return any(all(each.holds(item) for each in together) for together in self.alternatives)
 
 
-def absent(name: str) -> Condition:
-    """Condition that the item, or its attribute `name`, does not exist."""
-    return Condition(((Comparison(name, "absent"),),))
+def compared(name: str, relation: Relation, value: Value = "") -> Condition:
+    """Condition on one attribute."""
+    return Condition(((Comparison(name, relation, value),),))
 
 
 def equals(**values: Value) -> Condition:
@@ -65,18 +66,8 @@ def equals(**values: Value) -> Condition:
     return Condition((tuple(Comparison(name, "=", value) for name, value in values.items()),))
 
 
-def below(name: str, value: int) -> Condition:
-    """Condition that the attribute is less than `value`."""
-    return Condition(((Comparison(name, "<", value),),))
-
-
-def at_most(name: str, value: int) -> Condition:
-    """Condition that the attribute is at most `value`."""
-    return Condition(((Comparison(name, "<=", value),),))
-
-
-IF_NOT_EXISTS = absent("pk")
-IF_EXISTS = Condition(((Comparison("pk", "present"),),))
+IF_NOT_EXISTS = compared("pk", "absent")
+IF_EXISTS = compared("pk", "present")
 
 
 class Table(Protocol):

@@ -43,18 +43,18 @@ class Quotas:
         is an estimate: that of one part, times their number.
         """
         if contributor or limit < MIN_SHARDED_LIMIT:
-            return self._add(token_id, kind, now, 1, limit, contributor)
+            return self._add(token_id, kind, now, limit, contributor)
         first = self._start()
         for shard in ((first + n) % SHARDS for n in range(SHARDS)):
             part = limit // SHARDS + (shard < limit % SHARDS)
-            used = self._add(token_id, kind, now, 1, part, shard=shard)
+            used = self._add(token_id, kind, now, part, shard=shard)
             if used is not None:
                 return min(limit, used * SHARDS)
         return None
 
     def add(self, token_id: str, kind: plans.Counter, now: int, amount: int) -> int:
         """Count what has happened already; return the count."""
-        return self._add(token_id, kind, now, amount, None) or 0
+        return self._add(token_id, kind, now, None, amount=amount) or 0
 
     def use(self, token_id: str, now: int) -> Mapping[str, Mapping[str, int]]:
         """Counts of a token by hour (`2026-11-22T16`, UTC) for the last 30 days."""
@@ -95,10 +95,10 @@ class Quotas:
         token_id: str,
         kind: plans.Counter,
         now: int,
-        amount: int,
         limit: int | None,
         contributor: str = "",
         shard: int | None = None,
+        amount: int = 1,
     ) -> int | None:
         expiry_s = _SHARE_EXPIRY_S if contributor else _USE_EXPIRY_S
         return self._table.add(

@@ -15,7 +15,7 @@ from pydantic import TypeAdapter
 
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import UnavailableError
-from calibdb.store.ports import IF_NOT_EXISTS, DocumentStore, Item, at_most
+from calibdb.store.ports import IF_NOT_EXISTS, DocumentStore, Item, compared
 
 PREFIX = "tokens/"
 _TOMBSTONE_S = 86_400  # s for which a revoked token's item keeps writers away that were overtaken
@@ -100,7 +100,7 @@ class Tokens(DocumentStore):
 
     def index(self, token: ApiToken) -> None:
         """Write the index item, unless it is of a later version."""
-        self._table.put(_to_item(token), IF_NOT_EXISTS | at_most("version", token.version))
+        self._table.put(_to_item(token), IF_NOT_EXISTS | compared("version", "<=", token.version))
 
     def all(self) -> Iterator[ApiToken]:
         """Yield every token in the bucket that was not revoked."""
