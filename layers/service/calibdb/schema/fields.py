@@ -42,22 +42,11 @@ class Deferred(BaseModel):
     model_config = ConfigDict(defer_build=True)
 
     @classmethod
-    def model_rebuild(
-        cls,
-        *,
-        force: bool = False,
-        raise_errors: bool = True,
-        _parent_namespace_depth: int = 2,
-        _types_namespace: Any = None,
-    ) -> bool | None:
+    def model_rebuild(cls, *, _parent_namespace_depth: int = 2, **options: Any) -> bool | None:
         """Build validator and serializer as pydantic does."""
+        depth = _parent_namespace_depth + 1  # this method's own frame
         with building:
-            return super().model_rebuild(
-                force=force,
-                raise_errors=raise_errors,
-                _parent_namespace_depth=_parent_namespace_depth + 1,  # this method's own frame
-                _types_namespace=_types_namespace,
-            )
+            return super().model_rebuild(_parent_namespace_depth=depth, **options)
 
 
 class Strict(Deferred):
