@@ -11,7 +11,6 @@ import hashlib
 import io
 import itertools
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -24,7 +23,7 @@ from calibdb.schema.documents import GivenDocument
 from calibdb.schema.dump import Dump, DumpDraft, DumpedKind, DumpFile, Tally
 from calibdb.store.dumps import FOLDER, GZIP, LATEST, Dumps
 from calibdb.store.keys import with_tombstones
-from calibdb.store.ports import READERS
+from calibdb.store.ports import read_together
 
 PERIOD_S = 6 * 86_400  # from one dump to the next at least: a little less than the week of the schedule
 MAX_PART_BYTES = 32 * 2**20  # of documents, before compression
@@ -125,11 +124,10 @@ class WeeklyDump:
     def _documents(self, prefix: str, after: str) -> Iterator[tuple[str, bytes | None, bool]]:
         documents = self.dumps.documents
         sources = with_tombstones(documents.names(prefix, after))
-        with ThreadPoolExecutor(READERS) as readers:
-            while batch := list(itertools.islice(sources, _MAX_BATCH_DOCUMENTS)):
-                contents = readers.map(documents.get, [source for _, source, _ in batch])
-                for (last, _, withdrawn), content in zip(batch, contents, strict=True):
-                    yield last, content, withdrawn
+        while batch := list(itertools.islice(sources, _MAX_BATCH_DOCUMENTS)):
+            contents = read_together(documents, [source for _, source, _ in batch])
+            for (last, _, withdrawn), content in zip(batch, contents, strict=True):
+                yield last, content, withdrawn
 
     def _publish(self, draft: DumpDraft) -> Dump:
         counts = draft.tally.given.model_copy(
