@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from pydantic import BaseModel
@@ -31,21 +31,13 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class Head:
-    """Index entry of a document; `facts`: all attributes of the item."""
+    """Index entry of a document."""
 
     version: int
-    forgotten: bool
-    facts: Item
-
-    @property
-    def content(self) -> int:
-        """Version whose object has the document, except for the members in `small`."""
-        return int(self.facts.get("content", self.version))
-
-    @property
-    def small(self) -> str:
-        """Members that changed since, as JSON; empty if none did."""
-        return str(self.facts.get("small", ""))
+    content: int  # version whose object has the document, except for the members in `small`
+    forgotten: bool = False
+    small: str = ""  # members that changed since, as JSON
+    facts: Item = field(default_factory=dict)  # all attributes of the item
 
 
 class Versions(DocumentStore, Generic[Document]):
@@ -94,7 +86,11 @@ class Versions(DocumentStore, Generic[Document]):
     def head(self, name: str) -> Head | None:
         """Index entry, None if the document never was."""
         item = self._table.get(self._pk(name), _SK)
-        return None if item is None else Head(item["version"], "forgotten" in item, item)
+        if item is None:
+            return None
+        version: int = item["version"]
+        content = item.get("content", version)
+        return Head(version, content, "forgotten" in item, item.get("small", ""), item)
 
     def start(self, name: str, now: int, make: Callable[[int], Document]) -> tuple[Document, bool]:
         """Return the running document and False; or store `make(first version)`, and return it and True."""
@@ -155,7 +151,7 @@ class Versions(DocumentStore, Generic[Document]):
     def all(self) -> Iterator[Document]:
         """Yield every document that is not forgotten, in its highest version if it is not indexed."""
         for name, version in self._versions().items():
-            head = self.head(name) or Head(version, forgotten=False, facts={})
+            head = self.head(name) or Head(version, version)
             content = None if head.forgotten else self._objects.get(self._object(name, head.content))
             if content is not None:
                 yield self._parse(content, head.small)
