@@ -95,21 +95,21 @@ class Figures:
             if len(result) == MAX_WANTED:
                 break
             usb_id = camera.removeprefix(USB) if camera.startswith(USB) else None
-            entry = self._unknown_product(usb_id) if usb_id else self._unknown_camera(camera)
+            entry = self._unknown_product(usb_id, count) if usb_id else self._unknown_camera(camera, count)
             if entry is not None:
-                result.append(entry.model_copy(update={"asked": count}))
+                result.append(entry)
         return result
 
-    def _unknown_camera(self, key: str) -> WantedCamera | None:
+    def _unknown_camera(self, key: str, asked: int) -> WantedCamera | None:
         """Name a camera as most contributors do; None if it is known by now, or has no public name."""
         consensuses = self.cameras.known(key).consensuses
         if any(c.reliable for c in consensuses) or not is_listed(consensuses, max(2, self.min_contributors)):
             return None
         name = display_name("", consensuses)[0]
         total = max((c.total for c in consensuses), default=0)
-        return WantedCamera(key=key, camera=name, asked=0, calibrations=total)
+        return WantedCamera(key=key, camera=name, asked=asked, calibrations=total)
 
-    def _unknown_product(self, usb_id: str) -> WantedCamera | None:
+    def _unknown_product(self, usb_id: str, asked: int) -> WantedCamera | None:
         """Name a USB id by its vendor; None if that is unknown, or a camera with this id is calibrated."""
         vendor = vendor_of(usb_id)
         if vendor is None:
@@ -119,4 +119,4 @@ class Figures:
             consensuses = self.cameras.known(key).consensuses
             if any(c.calibration and usb_id in c.calibration.camera for c in consensuses):
                 return None  # it is counted under its key
-        return WantedCamera(key=None, camera=f"{vendor} ({usb_id})", asked=0, calibrations=0)
+        return WantedCamera(key=None, camera=f"{vendor} ({usb_id})", asked=asked, calibrations=0)

@@ -74,9 +74,9 @@ def look_for_proofs(store: Store, token: ApiToken, now: int) -> tuple[ApiToken, 
         return store.proofs.fetch(token.id, origin, now)
 
     with ThreadPoolExecutor(_VERIFIERS) as verifiers:
-        answers = dict(zip(token.pending, verifiers.map(look_for, token.pending), strict=True))
-    failures = {origin: one.failure for origin, one in answers.items() if one.failure is not None}
-    proved = set(answers) - set(failures)
+        answers = zip(token.pending, verifiers.map(look_for, token.pending), strict=True)
+        failures = {origin: one.failure for origin, one in answers if one.failure is not None}
+    proved = set(token.pending) - set(failures)
     if not proved:
         return token, failures
     return _update(store, token, lambda known: with_proved(known, proved)), failures

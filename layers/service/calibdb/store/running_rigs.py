@@ -101,10 +101,10 @@ def forget(store: Store, rig_id: str, leader: str, now: int) -> None:
         rig_rules.require_open(document)
         for code in document.codes:
             store.rig_codes.remove(code.digest)
-        for member in document.members:
-            session = store.sessions.find(member.session) if member else None
+        for member in filter(None, document.members):
+            session = store.sessions.find(member.session)
             # A session that left may be a camera of another rig by now.
-            if member is not None and session is not None and session.rig and session.rig.id == rig_id:
+            if session is not None and session.rig and session.rig.id == rig_id:
                 store.sessions.forget(member.session, now)
     if not store.rigs.forget(rig_id, now):
         raise NotFoundError("There is no rig with this id.", kind="no-rig")
