@@ -19,7 +19,6 @@ OPERATIONS: Mapping[str, Mapping[str, str]] = {
         "remove": "UpdateItem",
         "delete": "DeleteItem",
         "query": "Query",
-        "page": "Query",
     },
     "objects": {
         "get": "GetObject",

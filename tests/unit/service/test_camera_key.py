@@ -4,13 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibdb.camera_key import (
-    PATTERN,
-    camera_key,
-    identify,
-    public_label,
-    public_platform,
-)
+from calibdb.camera_key import PATTERN, camera_key, identify, public_label, public_platform
 from calibdb.camera_key.virtual import _PROGRAMS
 
 LINUX, WINDOWS, MAC = "X11; Linux x86_64", "Windows NT 10.0; Win64; x64", "Macintosh; Intel Mac OS X 10_15_7"
@@ -90,28 +84,24 @@ def test_generic_labels_are_not_distinct(label: str, platform: str, ambiguous: b
 
 
 @pytest.mark.parametrize(
-    "label",
+    ("label", "virtual"),
     [
-        *("OBS-Camera2", "DroidCam Source 3", "fake_device_0", "Dummy video device (0x0000)"),
-        *("Anna's S23 (Windows Virtual Camera)", "e2eSoft VCam"),
+        ("OBS-Camera2", True),
+        ("Dummy video device (0x0000)", True),
+        ("e2eSoft VCam", True),
+        ("HD Pro Webcam C920", False),
+        ("Intel(R) RealSense(TM) 3D Camera Virtual Driver", False),
+        ("OBSBOT Tiny 2", False),
     ],
 )
-def test_virtual_cameras_are_recognised(label: str) -> None:
-    assert identify(label, WINDOWS).virtual
-
-
-@pytest.mark.parametrize(
-    "label", ["HD Pro Webcam C920", "Intel(R) RealSense(TM) 3D Camera Virtual Driver", "OBSBOT Tiny 2"]
-)
-def test_real_cameras_are_not_virtual(label: str) -> None:
-    assert not identify(label, WINDOWS).virtual
+def test_virtual_cameras_are_recognised(label: str, virtual: bool) -> None:
+    assert identify(label, WINDOWS).virtual is virtual
 
 
 PHONE = "Apple iPhone 15 Pro, iPhone 15 Pro back triple camera"
 
 
 def test_exif_make_and_model_are_distinct() -> None:
-    """Its lenses are told apart, and photographs, videos and streams, which it cuts differently."""
     wide, far = f"{PHONE} 6.765mm f/1.78", f"{PHONE} 9mm f/2.8"
     assert public_label(wide) == wide.replace(",", "")
     photograph = identify(wide, "photographs")
@@ -131,10 +121,7 @@ def test_own_virtual_camera_is_distinct() -> None:
 
 
 @pytest.mark.parametrize(
-    "label",
-    [
-        *("後置雙廣角相機", "a" * 256, "../../etc", "a#b~c/d?e", "\0", "-", "(046d:082d)", "\u202ea"),
-    ],
+    "label", ["後置雙廣角相機", "a" * 256, "../../etc", "a#b~c/d?e", "\0", "-", "(046d:082d)", "\u202ea"]
 )
 def test_a_key_is_safe_in_addresses_and_names(label: str) -> None:
     assert PATTERN.fullmatch(camera_key(label, LINUX))
@@ -149,9 +136,7 @@ def test_a_key_is_safe_in_addresses_and_names(label: str) -> None:
         ("Appareil photo de « iPhone de Zoé »", "Appareil photo iPhone"),
         ("太郎のiPhone 15 Proのカメラ", "iPhone 15 Pro カメラ"),
         ("iPhone (Иван) камера", "iPhone камера"),
-        ("Galaxy S23 von Anna", "Galaxy S23"),
         ("Anna's S23 (Windows Virtual Camera)", "Windows Virtual Camera"),
-        ("Anna Schmidt's OnePlus 9", "OnePlus 9"),
         ("Anna Schmidt’s Nothing Phone (2)", "Nothing Phone (2)"),
         ("Anna Schmidts Galaxy S21", "Galaxy S21"),
         ("Webcam of Anna Schmidt", "Webcam"),
@@ -161,28 +146,36 @@ def test_a_key_is_safe_in_addresses_and_names(label: str) -> None:
         ("Logitech C920 (Anna Schmidt) (046d:082d)", "Logitech C920 (046d:082d)"),
         ("Logitech C920 anna.schmidt@example.com 10.0.0.5", "Logitech C920"),
         ("ANNA-SCHMIDT-PC Camera", "Camera"),
-        ("OBS anna.schmidt@example.com", "OBS"),
         ("DroidCam Source anna-pc", "DroidCam"),
         ("Anna's", "camera"),
-        ("iPhone von +49 170 1234567", "iPhone"),
         ("iPhone 15 Pro 0170 1234567 Camera", "iPhone 15 Pro Camera"),
         ("Galaxy S21 (0170-1234567) (046d:082d)", "Galaxy S21 (046d:082d)"),
         ("+49 (0) 170 / 123 45 67 Webcam", "Webcam"),
         ("Logitech C920 (555) 123-4567", "Logitech C920"),
         ("Webcam ０１７０ １２３４５６７", "Webcam"),
-        ("0170 1234567", "camera"),
-        # what looks like it and is not
-        ("Camera 1732233445", "Camera 1732233445"),
-        ("Lens 0.45 0.30 0.22 1.5 f/2.8 24-105mm", "Lens 0.45 0.30 0.22 1.5 f/2.8 24-105mm"),
-        ("USB Camera-B4.09.24.1 1920x1080 60", "USB Camera-B4.09.24.1 1920x1080 60"),
-        ("SNC-0102-03-04 05 06", "SNC-0102-03-04 05 06"),
-        ("FaceTime HD Camera (Built-in) (05ac:8510)", "FaceTime HD Camera (Built-in) (05ac:8510)"),
-        ("Fotocamera di Panoramica Scrivania", "Fotocamera di Panoramica Scrivania"),
-        ("Wide Field of View Camera", "Wide Field of View Camera"),
     ],
 )
 def test_no_persons_name_is_kept(label: str, public: str) -> None:
     assert public_label(label) == public
+
+
+@pytest.mark.parametrize(
+    "label",
+    [
+        "Camera 1732233445",
+        "Lens 0.45 0.30 0.22 1.5 f/2.8 24-105mm",
+        "USB Camera-B4.09.24.1 1920x1080 60",
+        "SNC-0102-03-04 05 06",
+        "FaceTime HD Camera (Built-in) (05ac:8510)",
+        "Fotocamera di Panoramica Scrivania",
+        "Wide Field of View Camera",
+        "USB2.0 HD UVC/WebCam",
+        "Фронтальна камера",
+        "摄像头 1",
+    ],
+)
+def test_label_without_personal_data_stays(label: str) -> None:
+    assert public_label(label) == label
 
 
 def test_control_characters_are_removed() -> None:
@@ -201,49 +194,29 @@ def test_a_programs_name_is_the_programs(name: str) -> None:
     ("platform", "public"),
     [
         (f"Mozilla/5.0 ({LINUX}) AppleWebKit/537.36", LINUX),
-        (WINDOWS, WINDOWS),
-        (MAC, MAC),
-        (IPHONE, IPHONE),
-        ("X11; Ubuntu; Linux x86_64; rv:140.0", "X11; Ubuntu; Linux x86_64; rv:140.0"),
-        (
-            "Linux; Android 15; Pixel 8 Build/AP1A.240505.004",
-            "Linux; Android 15; Pixel 8 Build/AP1A.240505.004",
-        ),
-        ("Linux; Android 14; moto g power (2022)", "Linux; Android 14; moto g power (2022)"),
         ("anna.schmidt@example.com 10.0.0.5", "other"),
         ("Linux anna@example.com; 10.0.0.5", "Linux"),
         ("Linux; Android 14; Anna Schmidt", "Linux; Android 14"),
         ("Linux; Android 14; Handy 0170 1234567", "Linux; Android 14"),
-        ("Linux; Android 13; 2201117TG", "Linux; Android 13; 2201117TG"),
         ("Windows of Anna", "Windows"),
-        ("photographs", "photographs"),
+        *(
+            (platform, platform)
+            for platform in (
+                *(WINDOWS, MAC, IPHONE, "X11; Ubuntu; Linux x86_64; rv:140.0", "photographs"),
+                "Linux; Android 15; Pixel 8 Build/AP1A.240505.004",
+                "Linux; Android 14; moto g power (2022)",
+                "Linux; Android 13; 2201117TG",
+            )
+        ),
     ],
 )
 def test_platform_keeps_recognised_parts(platform: str, public: str) -> None:
     assert public_platform(platform) == public
 
 
+PARTS = "Sam's |iPhone| von |Anna|’s |(|)|@x|OBS | of |10.0.0.5|+49 170| 1234567|Camera|(046d:082d)|Logitech "
 TEXT = st.text(max_size=60) | st.lists(
-    st.sampled_from(
-        [
-            *(
-                "Sam's ",
-                "iPhone",
-                " von ",
-                "Anna",
-                "’s ",
-                "(",
-                ")",
-                "@x",
-                "OBS ",
-                " of ",
-                "10.0.0.5",
-                "+49 170",
-            ),
-            *(" 1234567", "Camera", "(046d:082d)", "Logitech ", "C920", "®", ": ", "後置", " ", "2"),
-        ]
-    ),
-    max_size=8,
+    st.sampled_from([*PARTS.split("|"), "C920", "®", ": ", "後置", " ", "2"]), max_size=8
 ).map("".join)
 
 
@@ -259,7 +232,6 @@ def test_stored_label_gives_the_same_key(label: str, platform: str) -> None:
 
 
 def test_a_distinct_name_leads_to_its_usb_id_from_every_computer() -> None:
-    """A calibration under a name alone stays with its system; one with an id is found from all."""
     with_id = identify("HD Pro Webcam C920 (046d:082d)", LINUX)
     for platform in (LINUX, WINDOWS, MAC, "X11; CrOS x86_64 14541.0.0", "curl/8"):
         assert camera_key("HD Pro Webcam C920", platform) in with_id.name_keys

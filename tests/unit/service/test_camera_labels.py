@@ -4,10 +4,7 @@ import itertools
 
 import pytest
 
-from calibdb.camera_key import (
-    Identity,
-    identify,
-)
+from calibdb.camera_key import Identity, identify
 from tests.helpers.service import labels
 from tests.helpers.service.labels import LabelRow
 

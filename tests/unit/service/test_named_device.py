@@ -11,7 +11,6 @@ IPHONE = "iPhone; CPU iPhone OS 17_5 like Mac OS X"
 
 
 def test_identified_iphones_are_told_apart() -> None:
-    """A named model makes Apple's generic labels one camera each; without it they stay ambiguous."""
     plain = identify("Back Camera", IPHONE)
     assert plain.ambiguous
     named = [identify("Back Camera", f"{IPHONE}; {model}") for model in ("iPhone14,5", "iPhone17,3")]
@@ -44,7 +43,6 @@ def test_device_of_a_tablet_that_poses_as_a_computer() -> None:
 
 
 def test_device_is_spelled_as_the_platform_is() -> None:
-    """A request that is written and read again names the device once."""
     request = LookupRequest.model_validate(
         {"camera": "0", "platform": "0", "img_size": [16, 16], "device": "0\U0002f800"}
     )

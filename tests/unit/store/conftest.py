@@ -10,7 +10,7 @@ from contextlib import contextmanager
 import boto3
 import pytest
 
-from calibdb.store import Objects, Table
+from calibdb.store import Calibrations, Objects, Table
 from calibdb.store.aws import DynamoTable, S3Objects
 from calibdb.store.sqlite import Database, SqliteObjects, SqliteTable
 from tests.helpers.aws import account
@@ -84,3 +84,8 @@ def objects(adapter: str, database: Database) -> Objects:
         return SqliteObjects(database, "bucket")
     client = boto3.client("s3", REGION)
     return S3Objects(lambda: client, "bucket")
+
+
+@pytest.fixture
+def calibrations(table: Table, objects: Objects) -> Calibrations:
+    return Calibrations(table, objects)

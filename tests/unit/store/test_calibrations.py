@@ -23,12 +23,16 @@ NOW = 1_700_000_000
 VAGUE = Uncertainty(rms=3.01, max=9.0)
 
 
+@pytest.fixture
+def votes(table: Table, objects: Objects) -> Votes:
+    return Votes(table, objects)
+
+
 def mode(document: CalibrationDocument) -> StreamMode:
     return StreamMode(document.camera_key, document.img_size, document.zoom)
 
 
-def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> None:
-    calibrations = Calibrations(table, objects)
+def test_publishing_twice_is_publishing_once(calibrations: Calibrations) -> None:
     document = calibrated(0)
     calibrations.publish(document)
     calibrations.publish(document.model_copy(update={"time": NOW + 9}))
@@ -37,15 +41,12 @@ def test_publishing_twice_is_publishing_once(table: Table, objects: Objects) -> 
     assert list(calibrations.all()) == [document]
 
 
-def test_the_newest_come_first_and_only_of_this_size_and_zoom(table: Table, objects: Objects) -> None:
-    calibrations = Calibrations(table, objects)
+def test_the_newest_come_first_and_only_of_this_size_and_zoom(calibrations: Calibrations) -> None:
     documents = [calibrated(n * 86_400) for n in range(12)]
     for document in documents:
         calibrations.publish(document)
-    calibrations.publish(
-        documents[0].model_copy(update={"img_size": (128, 72), "id": documents[0].id[:-4] + "ffff"})
-    )
-    calibrations.publish(documents[0].model_copy(update={"zoom": 0.5, "id": documents[0].id[:-4] + "eeee"}))
+    for other in ({"img_size": (128, 72), "id": documents[0].id[:-4] + "ffff"}, {"zoom": 0.5}):
+        calibrations.index(documents[0].model_copy(update=other))
     found = [counted.id for counted in calibrations.newest(mode(documents[0]), 5)]
     assert found == [document.id for document in documents[:-6:-1]]
     assert calibrations.read(found) == documents[:-6:-1]
@@ -57,8 +58,7 @@ def calibrated(n: int, contributor: str = "", **changes: object) -> CalibrationD
     return made.model_copy(update={"contributor": contributor or made.contributor, **changes})
 
 
-def test_uncounted_calibrations_are_skipped(table: Table, objects: Objects) -> None:
-    calibrations = Calibrations(table, objects)
+def test_uncounted_calibrations_are_skipped(calibrations: Calibrations) -> None:
     cropped = Track(resizeMode="crop-and-scale")
     documents = [calibrated(0), calibrated(1, track=cropped), calibrated(2), calibrated(3)]
     for document in documents:
@@ -73,8 +73,8 @@ def test_uncounted_calibrations_are_skipped(table: Table, objects: Objects) -> N
     assert calibrations.modes(place.camera_key) == [place]
 
 
-def test_source_counts_three_times_at_most(table: Table, objects: Objects) -> None:
-    calibrations, day = Calibrations(table, objects), 86_400
+def test_source_counts_three_times_at_most(calibrations: Calibrations) -> None:
+    day = 86_400
     once = calibrated(0, "honest", source="elsewhere")
     calibrations.index(once)
     busy = [calibrated(n, f"token {n}", source="one place", time=NOW + n * day) for n in range(1, 9)]
@@ -83,7 +83,7 @@ def test_source_counts_three_times_at_most(table: Table, objects: Objects) -> No
     found = calibrations.newest(mode(once), 200, day)
     assert [c.source for c in found] == ["one place"] * 3 + ["elsewhere"]
     assert [c.id for c in found[:3]] == [d.id for d in busy[:-4:-1]], "the newest"
-    assert len(calibrations.newest(mode(once), 200)) == 9, "where nobody is told apart everything counts"
+    assert len(calibrations.newest(mode(once), 200)) == 9, "without a period everything counts"
 
 
 @pytest.mark.parametrize(
@@ -95,10 +95,8 @@ def test_source_counts_three_times_at_most(table: Table, objects: Objects) -> No
     ids=["3 px off where its board was", "of its own views"],
 )
 def test_calibration_that_is_no_evidence_does_not_count(
-    table: Table, objects: Objects, changes: dict[str, object]
+    calibrations: Calibrations, changes: dict[str, object]
 ) -> None:
-    """The error that it states where its board was decides."""
-    calibrations = Calibrations(table, objects)
     wide = {"img_size": (1280, 720), "target_error": 100.0}
     inside = VAGUE.model_copy(update={"inside": 2.99, "covered": 0.4})
     evidence = calibrated(0, **wide, fits=of_fit({"uncertainty": inside}))
@@ -107,11 +105,10 @@ def test_calibration_that_is_no_evidence_does_not_count(
     calibrations.index(other)
     place = mode(evidence)
     assert [c.id for c in calibrations.newest(place, 200, 86_400)] == [evidence.id]
-    assert len(calibrations.newest(place, 200)) == 2, "on a machine of one's own it does"
+    assert len(calibrations.newest(place, 200)) == 2
 
 
 def of_fit(changes: dict[str, object]) -> dict[str, FitRecord]:
-    """Fits of a calibration whose rectilinear one has other figures."""
     return {"rectilinear": fit().model_copy(update=changes)}
 
 
@@ -134,7 +131,6 @@ def behind(basis: str) -> GroupsDocument:
 
 
 def test_an_older_consensus_never_replaces_a_newer(table: Table) -> None:
-    """Two read what is stored; whoever writes second is told that it was overtaken."""
     consensuses = Consensuses(table)
     assert consensuses.put(rests_on("a"), behind("a"), None)
     assert not consensuses.put(rests_on("b"), behind("b"), None)
@@ -156,13 +152,13 @@ def test_lease_coalesces_concurrent_requests(table: Table) -> None:
     assert not leases.take(place, "second", NOW, NOW + 30)
     assert not leases.take(place, "third", NOW, NOW + 30)
     assert leases.take(StreamMode("k", (640, 360), 0.0), "third", NOW, NOW + 30)
-    assert not leases.release(place, "first"), "the others wait for one round more"
+    assert not leases.release(place, "first"), "the others wait for another round"
     leases.again(place, "first", NOW + 30)
     assert leases.release(place, "first")
     assert leases.take(place, "second", NOW, NOW + 30)
-    assert leases.take(place, "second", NOW + 1, NOW + 31), "a second attempt of the same goes on"
+    assert leases.take(place, "second", NOW + 1, NOW + 31), "a second attempt of the same request"
     assert not leases.take(place, "third", NOW + 31, NOW + 61)
-    assert leases.take(place, "third", NOW + 32, NOW + 62), "whoever holds it is long dead"
+    assert leases.take(place, "third", NOW + 32, NOW + 62), "the lease has expired"
     assert leases.release(place, "second"), "it was not theirs any more"
     leases.abandon(place, "second")
     assert not leases.take(place, "first", NOW + 32, NOW + 62)
@@ -185,23 +181,18 @@ VOTE = VoteDocument(
 )
 
 
-def test_first_vote_of_an_id_counts(table: Table, objects: Objects) -> None:
-    votes = Votes(table, objects)
+def test_first_vote_of_an_id_counts(votes: Votes) -> None:
     later = VOTE.model_copy(update={"id": "6553f200aaaaaaaaaaaa", "time": NOW + 256})
     assert votes.cast(VOTE) == VOTE
     assert votes.cast(VOTE.model_copy(update={"time": NOW + 9})) == VOTE
     assert votes.cast(later) == later
     found = votes.newest(StreamMode(VOTE.camera_key, (1280, 720), 0.0), one_per_source=False)
-    assert [(cast.id, cast.source, cast.time) for cast in found] == [
-        (later.id, "somebody", NOW + 256),
-        (VOTE.id, "somebody", NOW),
-    ]
+    assert [(cast.source, cast.time) for cast in found] == [("somebody", NOW + 256), ("somebody", NOW)]
     assert votes.read(found) == [later, VOTE]
     assert list(votes.all()) == [VOTE, later]
 
 
-def test_daily_voter_displaces_no_other_vote(table: Table, objects: Objects) -> None:
-    votes = Votes(table, objects)
+def test_daily_voter_displaces_no_other_vote(votes: Votes) -> None:
     names = {f"6553f1{day:014x}": "daily" for day in range(120)}
     names |= {"6553f00000000000000a": "first", "6553f00000000000000b": "second"}
     for name, source in names.items():
@@ -210,12 +201,10 @@ def test_daily_voter_displaces_no_other_vote(table: Table, objects: Objects) -> 
     found = votes.newest(mode, one_per_source=True)
     assert [cast.source for cast in found] == ["daily", "second", "first"]
     assert found[0].id == max(names)
-    assert len(votes.newest(mode, one_per_source=False)) == 50, "where all are one, each session has its vote"
+    assert len(votes.newest(mode, one_per_source=False)) == 50
 
 
-def test_votes_follow_their_camera_to_another_key(table: Table, objects: Objects) -> None:
-    """The rules of the keys change; what was voted under the earlier key is found under today's."""
-    votes = Votes(table, objects)
+def test_votes_follow_their_camera_to_another_key(votes: Votes) -> None:
     label, platform = "HD Pro Webcam C920 (046d:082d)", "X11; Linux x86_64"
     earlier = {"camera_key": "c1-earlier-0123456789ab", "camera": label, "platform": platform}
     vote = VOTE.model_copy(update=earlier)

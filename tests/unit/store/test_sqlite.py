@@ -28,12 +28,3 @@ def test_threads_of_requests_share_connections(tmp_path: Path) -> None:
     assert 1 <= open_files(tmp_path / FILE_NAME) <= READERS
     database.close()
     assert open_files(tmp_path / FILE_NAME) == 0
-
-
-def test_read_within_a_transaction_sees_its_writes(tmp_path: Path) -> None:
-    database = Database(tmp_path)
-    with database.writing() as connection:
-        connection.execute("INSERT INTO items (pk, sk, item, checksum) VALUES ('P', 'S', '{}', 0)")
-        with database.reading() as reader:
-            assert reader.execute("SELECT count(*) FROM items").fetchone() == (1,)
-    database.close()

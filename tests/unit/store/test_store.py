@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
+from unittest.mock import Mock
 
 import boto3
 import pytest
@@ -11,10 +12,7 @@ from botocore.exceptions import ClientError
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import ConflictError, NotFoundError, UnavailableError
 from calibdb.rules import session_rules
-from calibdb.schema import (
-    SessionDocument,
-    SessionRequest,
-)
+from calibdb.schema import SessionDocument, SessionRequest
 from calibdb.store import Objects, Table, Tokens
 from calibdb.store.aws import S3Objects
 from calibdb.store.versions import Sessions
@@ -22,13 +20,17 @@ from tests.helpers.service.stores import with_methods
 
 NOW = 1_700_000_000
 SID = "6553f1000123456789abcdef"
+Change = Callable[[SessionDocument], tuple[SessionDocument, int]]
 REGION = "eu-central-1"
 REQUEST = SessionRequest(camera="Camera", platform="Linux", img_size=(1280, 720))
 
 
 @pytest.fixture
 def sessions(table: Table, objects: Objects) -> Sessions:
-    return Sessions(table, objects)
+    """Sessions, of which one was started."""
+    sessions = Sessions(table, objects)
+    sessions.start(SID, NOW, begin)
+    return sessions
 
 
 def begin(version: int) -> SessionDocument:
@@ -36,7 +38,6 @@ def begin(version: int) -> SessionDocument:
 
 
 def opened(document: SessionDocument) -> tuple[SessionDocument, int]:
-    """A change: one index further. Answers the index."""
     changed = document.model_copy(update={"next_index": document.next_index + 1})
     return changed, changed.next_index
 
@@ -45,9 +46,7 @@ def versions(objects: Objects) -> list[str]:
     return sorted(name.rpartition("/")[2] for name in objects.names(f"sessions/{SID}/"))
 
 
-def aimed(n: int) -> Callable[[SessionDocument], tuple[SessionDocument, int]]:
-    """A change: another target, and the one before not wanted."""
-
+def aimed(n: int) -> Change:
     def change(document: SessionDocument) -> tuple[SessionDocument, int]:
         return session_rules.with_target(session_rules.without_target(document), {"n": n}), n
 
@@ -55,7 +54,6 @@ def aimed(n: int) -> Callable[[SessionDocument], tuple[SessionDocument, int]]:
 
 
 def test_another_target_writes_no_object(sessions: Sessions, objects: Objects, table: Table) -> None:
-    sessions.start(SID, NOW, begin)
     for n in range(12):
         assert sessions.update(SID, NOW, aimed(n)) == n
     document = sessions.get(SID)
@@ -75,25 +73,18 @@ def test_another_target_writes_no_object(sessions: Sessions, objects: Objects, t
 
 
 def test_of_a_target_and_a_view_at_once_neither_is_lost(sessions: Sessions) -> None:
-    sessions.start(SID, NOW, begin)
-    raced = []
+    def race(change: Change, other: Change) -> None:
+        others = [other]
 
-    def slow(document: SessionDocument) -> tuple[SessionDocument, int]:
-        if not raced:
-            raced.append(1)
-            sessions.update(SID, NOW, opened)
-        return aimed(7)(document)
+        def slow(document: SessionDocument) -> tuple[SessionDocument, int]:
+            if others:
+                sessions.update(SID, NOW, others.pop())
+            return change(document)
 
-    sessions.update(SID, NOW, slow)
-    raced.clear()
+        sessions.update(SID, NOW, slow)
 
-    def slower(document: SessionDocument) -> tuple[SessionDocument, int]:
-        if not raced:
-            raced.append(1)
-            sessions.update(SID, NOW, aimed(8))
-        return opened(document)
-
-    assert sessions.update(SID, NOW, slower) == 2
+    race(aimed(7), opened)
+    race(opened, aimed(8))
     document = sessions.get(SID)
     assert (document.target, document.next_index) == ({"n": 8}, 2)
 
@@ -102,7 +93,6 @@ def test_session_that_is_deleted_during_a_read_is_missing(
     sessions: Sessions, objects: Objects, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Not denied: the roles may list `sessions/`, so S3 says 404 of the object that is gone."""
-    sessions.start(SID, NOW, begin)
     get = objects.get
 
     def late(name: str) -> bytes | None:
@@ -116,8 +106,6 @@ def test_session_that_is_deleted_during_a_read_is_missing(
 
 
 def test_orphaned_version_is_skipped(sessions: Sessions, objects: Objects) -> None:
-    """The process died between object and index: what it wrote counts for nothing and blocks nothing."""
-    sessions.start(SID, NOW, begin)
     orphan = begin(1).model_copy(update={"next_index": 77})
     assert objects.create(f"sessions/{SID}/2.json", orphan.model_dump_json().encode())
     assert sessions.get(SID).next_index == 0
@@ -127,8 +115,6 @@ def test_orphaned_version_is_skipped(sessions: Sessions, objects: Objects) -> No
 
 
 def test_contended_change_gives_up(sessions: Sessions) -> None:
-    sessions.start(SID, NOW, begin)
-
     def change(document: SessionDocument) -> tuple[SessionDocument, int]:
         sessions.update(SID, NOW, opened)
         return opened(document)
@@ -150,8 +136,6 @@ def test_write_with_a_lost_response_is_done(table: Table, objects: Objects) -> N
 
 
 def test_concurrent_change_does_not_revive_a_forgotten_session(sessions: Sessions) -> None:
-    sessions.start(SID, NOW, begin)
-
     def change(document: SessionDocument) -> tuple[SessionDocument, int]:
         sessions.forget(SID, NOW)
         return opened(document)
@@ -197,25 +181,19 @@ def test_purged_object_leaves_no_version(aws: None) -> None:  # noqa: ARG001
     assert objects.purge_all_versions(["a/b", "a/none"]) == 3  # two versions and the mark of the deletion
     left = client.list_object_versions(Bucket="bucket")
     assert [found["Key"] for found in left["Versions"]] == ["a/bc"]
-    assert "DeleteMarkers" not in left
 
 
-class Undecided:
-    """S3 while another writes the same name, so and so many times; what then is found."""
-
-    def __init__(self, times: int, code: str | None) -> None:
-        self._codes = [*["ConditionalRequestConflict"] * times, code]
-
-    def put_object(self, **_: object) -> None:
-        if code := self._codes.pop(0):
-            raise ClientError({"Error": {"Code": code}}, "PutObject")
+def create_amid(*codes: str) -> bool:
+    """Create an object while S3 refuses with these codes, one for each attempt."""
+    refusals = [ClientError({"Error": {"Code": code}}, "PutObject") for code in codes]
+    client = Mock(put_object=Mock(side_effect=[*refusals, None]))
+    return S3Objects(lambda: client, "bucket").create("name", b"")
 
 
-@pytest.mark.parametrize(("code", "written"), [(None, True), ("PreconditionFailed", False)])
-def test_conflicting_object_write_is_retried(code: str | None, written: bool) -> None:
-    """The other may still fail; then nobody would have written what both were told is there."""
-    client: Any = Undecided(3, code)
-    assert S3Objects(lambda: client, "bucket").create("name", b"") is written
-    busy: Any = Undecided(99, None)
+def test_conflicting_object_write_is_retried() -> None:
+    """The other write may still fail: then neither would have written what both were told is there."""
+    undecided = ["ConditionalRequestConflict"] * 3
+    assert create_amid(*undecided) is True
+    assert create_amid(*undecided, "PreconditionFailed") is False
     with pytest.raises(UnavailableError):
-        S3Objects(lambda: busy, "bucket").create("name", b"")
+        create_amid(*undecided * 9)

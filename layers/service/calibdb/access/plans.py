@@ -1,4 +1,4 @@
-"""Plans: hourly limits of a token. A plan is one line here and a word in the token."""
+"""Plans: hourly limits of a token."""
 
 from __future__ import annotations
 
@@ -9,29 +9,20 @@ from typing import Literal, get_args
 HOUR_S = 3600  # period of all plans
 
 NETWORK_SHARES = 3
-"""Users whose share the contributors of one IPv6 line have together."""
+"""Shares of a user that all contributors of one IPv6 line have together."""
 
 Kind = Literal["sessions", "views", "poses", "lookups"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 Counter = Kind | Literal["management", "proofs", "tokens"]
-"""Everything that is counted: calls under a plan, and what bounds the making and managing of tokens."""
 
-MAX_MANAGEMENT_CALLS = 120
-"""Calls under a management token in one hour."""
-MAX_PROOF_CALLS = 20
-"""Of them, those that fetch proofs."""
-TRIAL_PERIOD_S = 30 * 24 * HOUR_S
-"""Time within which a trial token must be used once."""
+MAX_MANAGEMENT_CALLS = 120  # under a management token in one hour
+MAX_PROOF_CALLS = 20  # of them, those that fetch proofs
+TRIAL_PERIOD_S = 30 * 24 * HOUR_S  # within which a trial token must be used once
 
 
 @dataclass(frozen=True)
 class Allowance:
-    """Calls in one hour by kind; None: unlimited.
-
-    `sessions`: captures opened. `views`: requests that are computed (views submitted, undone, checked;
-    calibrations converted). `poses`: the other requests of a session: the board's next pose, its pictures,
-    the session's start, state and end. `lookups`: everything that reads with the API token.
-    """
+    """Calls in one hour by kind (`schema.managed_token.PlanLimits` describes them); None: unlimited."""
 
     sessions: int | None
     views: int | None
@@ -45,14 +36,12 @@ class Plan:
 
     together: Allowance
     each: Allowance
-    counts_each_lookup: bool = False
-    """True if every lookup is stored immediately, so that its user sees it."""
+    counts_each_lookup: bool = False  # stored immediately, so that its user sees it
 
 
 # A capture is four to six views and a few refused ones. Calibrating all cameras in a house takes ten captures
-# per hour. For each view the page requests the board's pose twice: in numbers and as a picture. The token of
+# per hour. For each view the page requests the board's pose twice: in numbers and as an image. The token of
 # a page is public: a person who copies it gets the share of one user, or of three if their line has IPv6.
-# Many such people exhaust only that page's plan.
 _EACH = Allowance(sessions=20, views=400, lookups=600, poses=1_200)
 _PARTNER = Allowance(sessions=5_000, views=100_000, lookups=2_000_000, poses=300_000)
 _NONE = Allowance(None, None, None, None)
@@ -69,10 +58,7 @@ PLANS: dict[str, Plan] = {
 
 
 def multiplied(factors: Iterable[tuple[str, int]]) -> dict[str, Plan]:
-    """Multiply what all users of a token share, by plan; of a plan for one user also what each has.
-
-    Raises ValueError if there is no such plan.
-    """
+    """Multiply the shared limits of plans, of a plan for one user also those of each; raises ValueError."""
     result = dict(PLANS)
     for name, factor in factors:
         if name not in result:
@@ -89,13 +75,13 @@ def _times(allowance: Allowance, factor: int) -> Allowance:
 
 
 def plan(name: str, plans: Mapping[str, Plan] = PLANS) -> Plan:
-    """Return the plan; `free` if the plan does not exist any more."""
+    """Plan, or `free` if it no longer exists."""
     return plans.get(name, plans["free"])
 
 
 @dataclass(frozen=True)
 class RateLimit:
-    """One limit and what is left of it: `lookups` of the whole token, `lookups-each` of one user."""
+    """One limit and its rest: `lookups` of the whole token, `lookups-each` of one user."""
 
     policy: str
     limit: int
@@ -104,10 +90,10 @@ class RateLimit:
 
 
 def rate_limit_headers(limits: Sequence[RateLimit]) -> dict[str, str]:
-    """Return the two headers of an answer; none if nothing is limited.
+    """Two headers of a response; none if nothing is limited.
 
-    Source: IETF draft-ietf-httpapi-ratelimit-headers-10: lists of structured fields (RFC 9651), one item per
-    policy. `q`: quota, `w`: window, s; `r`: remaining quota, `t`: s until it is restored.
+    Source: IETF draft-ietf-httpapi-ratelimit-headers-10. `q`: quota, `w`: window, s; `r`: remaining quota,
+    `t`: s until it is restored.
     """
     if not limits:
         return {}

@@ -1,8 +1,9 @@
-"""Facts about a token and its use, as its owner is shown them."""
+"""Facts about a token and its use, for its owner."""
 
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Mapping
 
 from calibdb.access.plans import HOUR_S, KINDS, Plan
@@ -19,7 +20,7 @@ from calibdb.schema.managed_token import (
 )
 from calibdb.schema.origins import proof_content, proof_url
 
-HOURS, DAYS = 48, 30  # of use that are shown
+HOURS, DAYS = 48, 30  # of use
 _DAY_S = 24 * HOUR_S
 _FAILURE_DETAILS: dict[ProofFailure, str] = {
     "name": "The domain name has no address.",
@@ -38,7 +39,7 @@ _FAILURE_DETAILS: dict[ProofFailure, str] = {
 def facts(
     token: ApiToken, allowed: Plan, now: int, failures: Mapping[str, ProofFailure] | None = None
 ) -> TokenFacts:
-    """Describe a token; `failures`: why origins could not be verified just now."""
+    """Describe a token; `failures`: why origins could not be verified, by origin."""
     verified = (OriginState(origin=origin, state="verified") for origin in token.origins)
     pending = (_pending(token, origin, (failures or {}).get(origin)) for origin in token.pending)
     expiries = [until for _, until in former_secrets(token) if until > now]
@@ -55,7 +56,7 @@ def facts(
 
 
 def hourly_limits(allowed: Plan) -> HourlyLimits:
-    """Return the limits of a plan as in responses."""
+    """Limits of a plan as in responses."""
     return HourlyLimits.model_validate(allowed, from_attributes=True)
 
 
@@ -70,18 +71,16 @@ def _pending(token: ApiToken, origin: str, failure: ProofFailure | None) -> Orig
 
 
 def use_summary(counts: Mapping[str, Mapping[str, int]], now: int) -> TokenUse:
-    """Sum up counters by hour (`2026-11-22T16`, UTC): the last 48 hours, and the last 30 days."""
+    """Sum counters by hour (`2026-11-22T16`, UTC) over the last 48 hours and 30 days."""
     hours = [_text("%Y-%m-%dT%H", now - back * HOUR_S) for back in reversed(range(HOURS))]
     days = [_text("%Y-%m-%d", now - back * _DAY_S) for back in reversed(range(DAYS))]
-    by_day: dict[str, dict[str, int]] = {day: dict.fromkeys(KINDS, 0) for day in days}
+    by_day: dict[str, Counter[str]] = {day: Counter() for day in days}
     for hour, used in counts.items():
-        day = by_day.get(hour[:10])
-        if day is not None:
-            for kind in KINDS:
-                day[kind] += used.get(kind, 0)
+        if hour[:10] in by_day:
+            by_day[hour[:10]].update(used)
     return TokenUse(
         hours=tuple(HourOfUse(hour=hour, **_by_kind(counts.get(hour, {}))) for hour in hours),
-        days=tuple(DayOfUse(day=day, **by_day[day]) for day in days),
+        days=tuple(DayOfUse(day=day, **_by_kind(used)) for day, used in by_day.items()),
     )
 
 

@@ -1,8 +1,4 @@
-"""Credentials: API tokens that are stored as hashes, session ids that are signed and expire.
-
-An API token reads `cdb_<id>_<secret>`; the table knows the id and the SHA-256 of the secret. A session id is
-itself the credential of one guided capture: signed (HMAC-SHA-256), short-lived, verified without any read.
-"""
+"""Credentials: API tokens `cdb_<id>_<secret>`, of which only hashes are stored, and signed session ids."""
 
 from __future__ import annotations
 
@@ -20,10 +16,10 @@ from calibdb.errors import ForbiddenError
 from calibdb.schema.fields import IPV6_SOURCE
 from calibdb.schema.origins import is_loopback, portless
 
-SESSION_LIFETIME_S = 30 * 60  # seconds; a capture takes two minutes, a distracted one ten
+SESSION_LIFETIME_S = 30 * 60  # a capture takes two minutes, a distracted one ten
 _TOKEN = re.compile(r"(cdbm?)_([A-Za-z0-9-]{1,64})_([A-Za-z0-9_-]{1,128})")
 MAX_FORMER_SECRETS = 10
-"""Secrets before the present one that may still open: a rotation whose response was lost is repeated."""
+"""Earlier secrets that may still open: a rotation whose response was lost is repeated."""
 _MAX_SKEW_S = 300  # s by which the signer's clock may be ahead of the verifier's
 _MAX_SESSION_ID_LENGTH = 1024
 _SALT = "calibdb.session"
@@ -31,24 +27,23 @@ _SALT = "calibdb.session"
 
 @dataclass(frozen=True)
 class ApiToken:
-    """Facts about an API token, never its secret."""
+    """Facts about an API token, never its secret: `tokens/<id>.json`. Times are unix seconds."""
 
     id: str
     secret_sha256: str
     origins: tuple[str, ...] = ()  # empty: any origin
     plan: str = "free"
     created: int = 0
-    # The secret before it was exchanged, and the unix time until which it still opens.
-    former_sha256: str | None = None
-    former_until: int = 0
+    former_sha256: str | None = None  # of the previous secret
+    former_until: int = 0  # the previous secret opens until then
     earlier: tuple[tuple[str, int], ...] = ()  # secrets before that one, newest first, with the same times
-    # Of a token that its user created:
     pending: tuple[str, ...] = ()  # origins that are claimed and not proved
-    management_sha256: str | None = None
+    management_sha256: str | None = None  # None: an operator issued the token
     name: str = ""
-    expires: int | None = None  # unix seconds; unless it is used before
+    expires: int | None = None  # unless it is used before
     revoked: int | None = None
     version: int = field(default=0, compare=False)  # grows by one with each change
+    layout: Literal[1] = 1  # of the stored document
 
     @property
     def is_restricted(self) -> bool:
@@ -58,9 +53,8 @@ class ApiToken:
     def admits(self, origin: str | None) -> bool:
         """True if a page of `origin` may use the token.
 
-        Without an Origin header there is no page to protect: a program outside a browser can send whatever
-        header it likes, and a plain navigation (GET lookup) sends none. An origin that ends with `:*` is one
-        at any port, and so is one of the machine itself that is named without a port.
+        Without an Origin header there is no page to protect: programs send any header, and navigations none.
+        An origin that ends with `:*`, or of the machine itself without a port, stands for any port.
         """
         if origin is None or not self.is_restricted or origin in self.origins:
             return True
@@ -68,7 +62,7 @@ class ApiToken:
         return f"{host}:*" in self.origins or (is_loopback(origin) and host in self.origins)
 
     def is_expired(self, now: float) -> bool:
-        """True if the token was never used within its time."""
+        """True if the token was not used within its time."""
         return self.expires is not None and now >= self.expires
 
 
@@ -79,10 +73,7 @@ def parse(text: str, kind: Literal["cdb", "cdbm"] = "cdb") -> tuple[str, str] | 
 
 
 def secret_hash(secret: str) -> str:
-    """Return the SHA-256 of a token's secret, in hex.
-
-    A plain hash is enough: the secret is random with at least 128 bits, so dictionaries do not help.
-    """
+    """SHA-256 of a secret, in hex. It has 128 random bits, so dictionaries do not help."""
     return hashlib.sha256(secret.encode()).hexdigest()
 
 
@@ -90,32 +81,28 @@ def matches(token: ApiToken, secret: str, now: float = 0.0) -> bool:
     """True if `secret` is the token's at unix time `now`, in constant time."""
     sent = secret_hash(secret)
     digests = [token.secret_sha256, *(previous for previous, until in former_secrets(token) if now < until)]
-    return sum(hmac.compare_digest(one, sent) for one in digests) > 0  # all of them, in constant time
+    return sum(hmac.compare_digest(one, sent) for one in digests) > 0  # compares all of them
 
 
 def former_secrets(token: ApiToken) -> tuple[tuple[str, int], ...]:
-    """Return the hashes of earlier secrets, newest first, and the unix times until which they open."""
+    """Hashes of earlier secrets, newest first, and until when (unix time) they open."""
     if token.former_sha256 is None:
         return ()
     return ((token.former_sha256, token.former_until), *token.earlier)
 
 
 def with_secret(token: ApiToken, sha256: str, now: int, grace_s: int) -> ApiToken:
-    """Return the token with another secret; every earlier one opens for `grace_s` more at most.
-
-    A rotation whose answer got lost is simply repeated: the secret in use keeps its time.
-    """
-    if token.secret_sha256 == sha256:  # repeated, since the first answer of storage got lost
+    """Token with another secret; every earlier one opens for `grace_s` more at most."""
+    if token.secret_sha256 == sha256:  # repeated, since the first response of storage got lost
         return token
     earlier = [(one, min(until, now + grace_s)) for one, until in former_secrets(token)]
     previous = [(token.secret_sha256, now + grace_s), *earlier]
     valid = [(one, until) for one, until in previous if until > now]
-    secrets_left = (
-        valid[: MAX_FORMER_SECRETS - 1] + valid[MAX_FORMER_SECRETS - 1 :][-1:]
-    )  # and always the oldest
-    newest, until = secrets_left[0] if secrets_left else (None, 0)
+    if len(valid) > MAX_FORMER_SECRETS:  # the oldest stays: it may be the one in use
+        valid = [*valid[: MAX_FORMER_SECRETS - 1], valid[-1]]
+    newest, until = valid[0] if valid else (None, 0)
     return replace(
-        token, secret_sha256=sha256, former_sha256=newest, former_until=until, earlier=tuple(secrets_left[1:])
+        token, secret_sha256=sha256, former_sha256=newest, former_until=until, earlier=tuple(valid[1:])
     )
 
 
@@ -131,7 +118,7 @@ def manages(token: ApiToken | None, secret: str) -> bool:
 
 @dataclass(frozen=True)
 class Ticket:
-    """Claims of a session id: the session, the token that opened it, and the only origin that may use it."""
+    """Claims of a session id; only the `origin` may use it."""
 
     sid: str
     token: str
@@ -150,14 +137,10 @@ class _Signer(TimestampSigner):
 
 
 class SessionIds:
-    """Issuer and verifier of session ids.
+    """Issuer and verifier of session ids; `clock`: unix seconds.
 
-    Parameters
-    ----------
-    secrets
-        Newest first: the first signs, every one verifies, so that a key can be replaced while sessions run.
-    clock
-        Unix time, seconds.
+    `secrets`: newest first. The first signs, every one verifies, so that a key can be replaced while sessions
+    run.
     """
 
     def __init__(self, secrets: Sequence[str], clock: Callable[[], float]) -> None:
@@ -170,7 +153,7 @@ class SessionIds:
         )
 
     def issue(self, ticket: Ticket) -> tuple[str, int]:
-        """Return the session id of `ticket` and the unix time at which it expires."""
+        """Session id of `ticket` and the unix time at which it expires."""
         content = {"s": ticket.sid, "t": ticket.token}
         if ticket.origin is not None:
             content["o"] = ticket.origin
@@ -179,7 +162,7 @@ class SessionIds:
         return (signed if isinstance(signed, str) else signed.decode()), expires_at
 
     def sid_of(self, session_id: str) -> str | None:
-        """Return the session that a signed session id names, expired or not; None of a forged one."""
+        """Session of a session id, expired or not; None of a forged one."""
         try:
             content, _ = self._serializer.loads(session_id[:_MAX_SESSION_ID_LENGTH], return_timestamp=True)
         except BadData:
@@ -187,11 +170,11 @@ class SessionIds:
         return str(content["s"])
 
     def verify(self, session_id: str, origin: str | None) -> Ticket:
-        """Verify `session_id` and return its claims; ForbiddenError when it is forged, expired, foreign."""
-        if len(session_id) > _MAX_SESSION_ID_LENGTH:
-            raise ForbiddenError("The session id is not valid.")
+        """Claims of a session id; raises ForbiddenError if it is forged, expired or foreign."""
         try:
-            content, signed = self._serializer.loads(session_id, return_timestamp=True)
+            content, signed = self._serializer.loads(
+                session_id[:_MAX_SESSION_ID_LENGTH], return_timestamp=True
+            )
         except BadData as error:
             raise ForbiddenError("The session id is not valid.") from error
         if not -_MAX_SKEW_S <= int(self._clock()) - signed.timestamp() <= SESSION_LIFETIME_S:
@@ -203,31 +186,28 @@ class SessionIds:
 
 
 def contributor(secret: str, address: str, token_id: str) -> str:
-    """Return the keyed hash that stands for a contributor: HMAC-SHA-256 of address and token, in hex.
+    """Keyed hash of a contributor: address and token.
 
-    Only the first 64 bits of an IPv6 address count: a household chooses the rest (RFC 4291, 2.5.4), and could
-    otherwise pose as many contributors.
+    Only the first 64 bits of an IPv6 address count: a household chooses the rest (RFC 4291, 2.5.4).
     """
     return _keyed_hash(secret, f"{_site(address)}\n{token_id}")
 
 
 def source(secret: str, address: str) -> str:
-    """Return the keyed hash of where a contributor is, whatever the token: HMAC-SHA-256 in hex.
+    """Keyed hash of where a contributor is, by which they are counted: anyone can create tokens.
 
-    Contributors are counted by it, since anyone can create tokens. Only the first 48 bits of an IPv6 address
-    count, the most that one site is given (RFC 6177, 2), enough for 65,536 households.
-    An IPv4 address counts whole. The hash of an IPv6 site begins with `IPV6_SOURCE`: one line often has an
-    address of either family, and must not count twice (`calibdb.rules.votes.count_lines`).
+    Only the first 48 bits of an IPv6 address count, the most that one site is given (RFC 6177, 2). The hash
+    of an IPv6 site begins with `IPV6_SOURCE`: one line often has an address of either family, and must not
+    count twice (`calibdb.rules.votes.count_lines`).
     """
     site = _site(address, 48)
     return (IPV6_SOURCE if ":" in site else "") + _keyed_hash(secret, f"source\n{site}")
 
 
 def network(secret: str, address: str, token_id: str) -> str | None:
-    """Return the keyed hash that stands for an IPv6 line and a token; None of an IPv4 address.
+    """Keyed hash of an IPv6 line, the first 48 bits, and a token; None of an IPv4 address.
 
-    The line is the first 48 bits, as in `source`: a home is commonly given the first 56, which are 256
-    contributors. An IPv4 address is one contributor already.
+    A home commonly has 56 bits, which are 256 contributors.
     """
     if ":" not in (line := _site(address, 48)):
         return None
@@ -247,26 +227,25 @@ def _site(address: str, bits: int = 64) -> str:
         return str(parsed)
     if parsed.ipv4_mapped is not None:
         return str(parsed.ipv4_mapped)
-    return str(ipaddress.ip_network((int(parsed) >> 128 - bits << 128 - bits, bits)))
+    return str(ipaddress.ip_network((int(parsed), bits), strict=False))
 
 
 def with_origins(token: ApiToken, origins: tuple[str, ...]) -> ApiToken:
-    """Return the token with these origins; those of the machine itself and those proved before are proved."""
+    """Token with these origins; those of the machine itself need no proof."""
     verified = tuple(o for o in origins if is_loopback(o) or o in token.origins)
     pending = tuple(o for o in origins if o not in verified)
     return _with_plan(replace(token, origins=verified, pending=pending))
 
 
 def with_proved(token: ApiToken, proved: set[str]) -> ApiToken:
-    """Return the token with those of its pending origins verified that were proved."""
+    """Token with the pending origins that were proved as verified."""
     now_verified = tuple(origin for origin in token.pending if origin in proved)
     left = tuple(origin for origin in token.pending if origin not in proved)
     return _with_plan(replace(token, origins=(*token.origins, *now_verified), pending=left))
 
 
 def _with_plan(token: ApiToken) -> ApiToken:
-    """Return the token with the plan that its origins earn it; one that the operator gave it stays."""
-    if token.plan not in ("trial", "free"):
+    if token.plan not in ("trial", "free"):  # given by the operator
         return token
     proved = any(not is_loopback(origin) for origin in token.origins)
     return replace(token, plan="free", expires=None) if proved else replace(token, plan="trial")

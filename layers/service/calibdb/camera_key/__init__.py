@@ -8,8 +8,7 @@ A browser reports a label (`Logitech HD Pro Webcam C920 (046d:082d)`) and a plat
 * A generic name (`Integrated Camera`, `camera 0, facing back`) leads to no other camera. Without a device's
   model it is `ambiguous`: its calibrations may belong to different products.
 
-The key carries the version of these rules, so that keys of different versions never mix.
-`docs/camera-keys.md` measures the rules on labels that browsers really report.
+The key begins with the version of these rules. `docs/camera-keys.md` measures them on real labels.
 """
 
 from __future__ import annotations
@@ -43,37 +42,16 @@ _SLUG_LENGTH = 32
 
 @dataclass(frozen=True)
 class Identity:
-    """Identity of a camera, from label and platform.
+    """Identity of a camera, from label and platform."""
 
-    Attributes
-    ----------
-    key
-        Key of the camera: of USB id and name, or of only the name if there is no id.
-    name_key
-        Key of name and system: lookups use it if a browser gives no id.
-    name_keys
-        All keys by which lookups find it by name: on every computer, if the name is distinct.
-    name
-        Normalised label.
-    usb_id
-        `vid:pid`; None if the browser gave none, or one that no camera has.
-    virtual
-        True if it is a virtual camera: a program that forwards another camera's image.
-    ambiguous
-        True if the key fails to identify the product.
-    distinct
-        True if the name is sufficient to identify the product.
-
-    """
-
-    key: str
-    name_key: str
-    name_keys: frozenset[str]
-    name: str
-    usb_id: str | None
-    virtual: bool
-    ambiguous: bool
-    distinct: bool
+    key: str  # of USB id and name, or of name and system if there is no id
+    name_key: str  # of name and system
+    name_keys: frozenset[str]  # by which lookups find it: on every computer, if the name is distinct
+    name: str  # normalised label
+    usb_id: str | None  # `vid:pid`; None if the browser gave none, or one that no camera has
+    virtual: bool  # a program that forwards another camera's image
+    ambiguous: bool  # the key does not identify the product
+    distinct: bool  # the name identifies the product
 
 
 @functools.lru_cache(maxsize=256)
@@ -91,12 +69,11 @@ def identify(label: str, platform: str) -> Identity:
     key = _key(parsed.name, parsed.usb_id, "", parsed.virtual) if parsed.usb_id else name_key
     # A webcam moves from computer to computer; what a phone or a laptop has built in does not.
     travels = distinct and not system.is_file
+    everywhere = [_key(parsed.name, "", c, False) for c in COMPUTERS]
     return Identity(
         key=key,
         name_key=name_key,
-        name_keys=frozenset(_key(parsed.name, "", c, False) for c in COMPUTERS)
-        if travels
-        else frozenset({name_key}),
+        name_keys=frozenset(everywhere if travels else [name_key]),
         name=parsed.name,
         usb_id=parsed.usb_id,
         virtual=parsed.virtual,
@@ -106,16 +83,12 @@ def identify(label: str, platform: str) -> Identity:
 
 
 def camera_key(label: str, platform: str) -> str:
-    """Return the key of the camera that a browser reports, such as `c4-hd-pro-webcam-c920-0123456789ab`.
-
-    Version, a readable part, and 12 hex digits of the SHA-256 of everything that counts. Safe in URLs and
-    object names.
-    """
+    """Key of the camera that a browser reports, such as `c4-hd-pro-webcam-c920-0123456789ab`."""
     return identify(label, platform).key
 
 
 def current_key(key: str, label: str, platform: str) -> str:
-    """Return today's key of a camera that was stored under `key`, perhaps by earlier rules."""
+    """Return today's key of a camera that was stored under `key`."""
     return key if key.startswith(f"{VERSION}-") else camera_key(label, platform)
 
 

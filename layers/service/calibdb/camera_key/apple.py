@@ -1,8 +1,4 @@
-"""Apple's names of built-in cameras, which Safari gives in the user's language, in one language.
-
-A label is translated only if nothing of it is left over: every part is a known word for a side, a lens, the
-number of lenses or "camera". Otherwise it stays what it is.
-"""
+"""Apple's names of built-in cameras, which Safari gives in the user's language, in English."""
 
 from __future__ import annotations
 
@@ -79,7 +75,7 @@ CAMERA_WORDS = tuple(
 
 
 def in_english(text: str) -> str | None:
-    """Return the English name of a built-in camera from its name (case folded) in any; None if it is none."""
+    """Translate a name (case folded) of a built-in camera; None unless every part of it is a known word."""
     if not _NOTHING.fullmatch(_ANY.sub(" ", text)):
         return None
     translated = [_MEANING[match] for match in _ANY.findall(text)]

@@ -1,4 +1,4 @@
-"""Label as a browser gives it, and what of it names the camera; names that people give to modes."""
+"""Labels of cameras as browsers give them, and names that people give to modes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _REPEATED = re.compile(r"^(.+?): (.+)$")
 # Android's older interface to the same two cameras; beyond these the numbers may mean others.
 _ANDROID = re.compile(r"^camera2 (?=[01], facing )")
 
-# Apple's phones are called what their owners like, in any grammar: of such labels only known words are kept.
+# Owners name Apple's phones in any grammar: of such labels only known words are kept.
 _APPLE = re.compile(r"iphone|ipad|ipod|desk view|schreibtischansicht", re.IGNORECASE)
 _APPLE_DEVICE = re.compile(r"iphone|ipad|ipod", re.IGNORECASE)
 _MODEL_WORD = re.compile(r"[1-9][0-9]?e?|xs|xr|x|se|pro|max|plus|mini|air", re.IGNORECASE)
@@ -44,12 +44,9 @@ class Label:
 
 
 def public_label(label: str) -> str:
-    """Return `label` without the name of a person, as it may be stored and shown.
-
-    Of a program that poses as a camera its own name is left, of a phone that its owner named known words.
-    """
+    """Return `label` without the name of a person, as it may be stored and shown."""
     text = visible(label)
-    # Until nothing is left to cut, so that what is stored says the same as what was reported.
+    # Until nothing is left to cut, so that the result is its own public label.
     while (shorter := _public(text)) != text:
         text = shorter
     return text
@@ -60,7 +57,7 @@ def _public(text: str) -> str:
     usb_match = _ID.search(text)
     usb_id = f" {usb_match[0].strip()}" if usb_match else ""
     name = text[: usb_match.start()].strip() if usb_match else text
-    # First of all, for what is left of a number is a number: `iPhone +49 170 1234567` is not an iPhone 49.
+    # First: `iPhone +49 170 1234567` is not an iPhone 49.
     name = without_telephone(without_path(name))
     if (match := _REPEATED.match(name)) and match[1].startswith(match[2]):
         name = match[1]
@@ -74,7 +71,7 @@ def _public(text: str) -> str:
 
 
 def read(label: str, system: str) -> Label:
-    """Parse `label`, on a system of this family."""
+    """Parse `label` on a system of this family."""
     text = _plain(public_label(label))
     usb_id = None
     if match := _ID.search(text):
@@ -91,7 +88,7 @@ def read(label: str, system: str) -> Label:
 
 
 def _apple_words(name: str) -> list[str]:
-    """List the known words of an Apple device's name. A model's stand behind it: Max before is a person."""
+    """List the known words of an Apple device's name. A model's stand after it: Max before is a person."""
     device = _APPLE_DEVICE.search(name)
     words = []
     for match in _APPLE_WORDS.finditer(name):
@@ -102,13 +99,12 @@ def _apple_words(name: str) -> list[str]:
 
 
 def _plain(text: str) -> str:
-    """Return the label as it is compared: without trademark signs, in one case and one spelling."""
     text = " ".join(unicodedata.normalize("NFKC", _MARKS.sub(" ", text)).casefold().split())
     return " ".join(_MARKS.sub(" ", text).split())
 
 
 def _english_camera(text: str) -> str:
-    """Return the name of an iPhone or iPad with "camera" last, whatever the language put first."""
+    """Name of an iPhone or iPad with "camera" last."""
     device = _APPLE_WORDS.findall(text)
     words = [word for word in device if word not in CAMERA_WORDS]
     words = ["desk view" if word == "schreibtischansicht" else word for word in words]
@@ -122,10 +118,7 @@ _LONG_NUMBER = re.compile(r"\d{5}")
 
 
 def public_mode_name(text: str) -> str:
-    """Return the name of a camera's mode, such as `stabilisation on`, as it may be stored and shown.
-
-    Empty if it may not. Names of persons, addresses and telephone numbers are removed.
-    """
+    """Public name of a camera's mode, such as `stabilisation on`; empty if it is refused."""
     name = unicodedata.normalize("NFC", visible(text))
     while (shorter := without_owner(without_telephone(without_path(name)))) != name:
         name = shorter

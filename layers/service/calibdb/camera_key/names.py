@@ -1,4 +1,4 @@
-"""Names that say which product a camera is, and names that many products bear."""
+"""Names that identify a product, and generic names."""
 
 from __future__ import annotations
 
@@ -23,15 +23,14 @@ _MAKERS = """
 """
 _MAKER = frozenset(_MAKERS.split())
 _GENERIC = frozenset(_GENERIC_WORDS.split()) | _MAKER
-# Built-in cameras that carry one name over many years and modules: on the labels collected, `HP TrueVision HD
-# Camera` has two USB ids, `Lenovo EasyCamera` four.
+# Names of built-in cameras of many modules: `Lenovo EasyCamera` has four USB ids.
 _FAMILIES = re.compile(
     r"\b(?:facetime|easycamera|truevision|crystal eye|macbook(?: pro| air)?|imac|bisoncam|surface|"
     r"desk view|wide vision|hp (?:ir )?cam)\b"
 )
 # What an iPhone writes into its photographs: the model, which no browser reports.
 _OWN_NAME = re.compile(r"\biphone (?:[0-9]{1,2}|x|se)\b|\bipad (?:[a-z]+ )?[0-9]{1,2}\b")
-_MAX_WORD_LENGTH = 64  # they are written into the names of items, which have an end
+_MAX_WORD_LENGTH = 64  # they become parts of items' keys
 _NAME_WORD = re.compile(r"[^\W_]+(?:\.[0-9]+)?")
 # 2, 2.0, 720p, 4k, 5mp, usb2.0: counts, versions and sizes.
 _MEASURE = re.compile(r"(?:usb)?[0-9]+(?:\.[0-9]+)?(?:p|k|mp|m|fps|x[0-9]+)?|0x[0-9a-f]+")
@@ -39,12 +38,12 @@ _STRIPPED = re.compile(r"^(?:logitech|logi|microsoft)\b[ ,.:-]*")
 
 
 def words(name: str) -> list[str]:
-    """Return the words of a name (lower case): letters and digits of any script."""
+    """Words of a name (lower case): letters and digits of any script."""
     return [word[:_MAX_WORD_LENGTH] for word in _NAME_WORD.findall(name)]
 
 
 def is_generic(word: str) -> bool:
-    """True if `word` (lower case) is said of many cameras, or is a maker's name."""
+    """True if `word` (lower case) describes many cameras, or is a maker's name."""
     return word in _GENERIC or word in ("r", "c", "tm")
 
 
@@ -54,22 +53,21 @@ def is_maker(word: str) -> bool:
 
 
 def says_too_little(name: str) -> bool:
-    """True if many products bear this name (lower case)."""
+    """True if many products have this name (lower case)."""
     if _FAMILIES.search(name):
         return True
     return all(len(word) < 2 or word in _GENERIC or _MEASURE.fullmatch(word) for word in words(name))
 
 
 def names_its_model(name: str) -> bool:
-    """True if `name` (lower case), written by an Apple device itself, says which one it is."""
+    """True if `name` (lower case), written by an Apple device itself, identifies the model."""
     return _OWN_NAME.search(name) is not None
 
 
 def without_maker(name: str) -> str:
-    """Return `name` (lower case) without a maker that some systems put before it and others do not.
+    """Return `name` (lower case) without a maker that only some systems put before it.
 
-    Windows' drivers do so for Logitech's and Microsoft's. Only where the rest still says which product it
-    is: of `Logitech HD Webcam` nothing would remain but what every other maker calls theirs.
+    Only if the rest is not generic, as it is of `Logitech HD Webcam`.
     """
     rest = _STRIPPED.sub("", name)
     return name if says_too_little(rest) else rest

@@ -1,4 +1,4 @@
-"""Owners' names in labels: private, and no fact about the optics."""
+"""Owners' names and other personal data in labels."""
 
 from __future__ import annotations
 
@@ -13,14 +13,13 @@ _ADDRESS = re.compile(
     r"|(?<![\w:])(?:[0-9a-f]{0,4}[:]){2,}[0-9a-f:.]*(?![\w:])",
     re.IGNORECASE,
 )
-# Folders: of a path only the file's own name is left.
 _FOLDERS = re.compile(
     r"(?<![\w.])[a-z]:[\\/](?:[^\\/]*[\\/])*|\\\\(?:[^\\]*\\)+|(?<!\S)(?:file://)?[~.]{0,2}/(?:[^/\s]*/)+",
     re.IGNORECASE,
 )
 _URL = re.compile(r"\b[a-z][a-z0-9+.-]{1,15}://\S*|\bwww\.\S+", re.IGNORECASE)
-# As people write telephone numbers: with the country's, with the 0 of long distance, in America's groups.
-# Digits on end without any of these are as often what distinguishes two cameras, and stay.
+# With the country's number, with the 0 of long distance, or in America's groups. Other digits may distinguish
+# two cameras, and stay.
 _BETWEEN = r"[\s().,/\u2010-\u2015-]{0,3}"
 _TELEPHONE = re.compile(
     rf"(?<!\w)(?<!\w-)(?<!\d\.)(?:[+＋][\s(]?\d(?:{_BETWEEN}\d){{6,14}}|\(?[0０]\d(?:{_BETWEEN}\d){{6,13}}"
@@ -33,7 +32,7 @@ _HOST_NAME = re.compile(
 )
 _QUOTED = re.compile(r"[„“«][^„“”«»]*[“”»]|[„“”«»]")
 _PARENTHESES = re.compile(r"\(([^()]*)\)|\([^()]*$|[()]")
-# In parentheses stands what a product's model is (`(2)`, `(V-U0028)`), where it is built in, or a name.
+# Models in parentheses: `(2)`, `(V-U0028)`.
 _MODEL = re.compile(r"(?=.*[0-9])[A-Z]{0,5}[-.]?[A-Z]{0,3}[0-9][0-9A-Za-z.+-]{0,12}")
 _WORD = re.compile(r"[^\s/_-]+")
 _POSSESSIVE = re.compile(r"^.*['’‘ʼ´`]s?(?: +|$)", re.IGNORECASE)
@@ -51,18 +50,18 @@ _SHORT_TAIL = re.compile(
 
 
 def without_path(name: str) -> str:
-    """Return a camera's name without folders, which may bear a user's name, and without URLs."""
+    """Camera's name without folders, which may contain a user's name, and without URLs."""
     return " ".join(_URL.sub(" ", _FOLDERS.sub(" ", name)).split())
 
 
 def without_telephone(name: str) -> str:
-    """Return a camera's name without telephone numbers."""
+    """Camera's name without telephone numbers."""
     return " ".join(_TELEPHONE.sub(" ", name).split())
 
 
 def without_owner(name: str) -> str:
-    """Return a camera's name without names of persons and computers, addresses, and what says whose it is."""
-    # Until nothing is left to cut: what one rule cuts may have hidden from another.
+    """Camera's name without names of persons and computers, and addresses."""
+    # Until nothing is left to cut: one rule may expose what another cuts.
     while (shorter := _cut(name)) != name:
         name = shorter
     return name

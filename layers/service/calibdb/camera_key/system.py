@@ -1,4 +1,4 @@
-"""Operating system, and device model if stated, that a browser runs on."""
+"""Operating system, and device model, of a browser."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from calibdb.camera_key.characters import visible
 from calibdb.camera_key.owner import without_owner, without_telephone
 
-# What systems say of themselves; anything else is reduced to the family that it names, or left out.
+# Parts that are kept; others are reduced to the family that they name, or left out.
 _KNOWN = re.compile(
     r"x11|wayland|linux(?: (?:x86_64|i[3-6]86|amd64|aarch64|arm64|armv?[0-9a-z]{0,4}|riscv64|ppc64le))?"
     r"|u|k|wv|mobile|tablet|unknown|ubuntu|fedora|debian|rv:[0-9.]{1,12}"
@@ -22,31 +22,22 @@ _KNOWN = re.compile(
     r"|android(?: [0-9]{1,3}(?:\.[0-9]{1,3}){0,3})?|[a-z]{2}[-_][a-z]{2}|photographs|video|other",
     re.IGNORECASE,
 )
-# A device's model has a number or is a make's own name: words only may belong to any device.
-# Nor is it the address of a site.
+# A device's model has a number or a known make, and is not the address of a site.
 _DEVICE = re.compile(
     r"(?!.*[a-z]\.[a-z]{2})"
     r"(?=.*[0-9]|(?:google )?pixel\b|nexus\b|moto\b|redmi\b|poco\b|nokia\b)[^\W_][\w ()+./,&-]{0,47}?"
     r"(?: build/[\w.-]{1,40})?",
     re.IGNORECASE,
 )
-_SHOWN = {
-    "ios": "iOS",
-    "android": "Android",
-    "chromeos": "ChromeOS",
-    "windows": "Windows",
-    "macos": "macOS",
-    "linux": "Linux",
-}
 _USER_AGENT = re.compile(r"^Mozilla/[0-9.]+ \(([^)]*)\)")
+# By what is shown. The first match counts: Android also calls itself Linux, and iOS "like Mac OS X".
 _SYSTEMS = (
-    # The first match counts: Android also calls itself Linux, and iOS "like Mac OS X".
-    ("ios", re.compile(r"\b(?:(?:iphone|ipad|ipod)(?:[0-9]{1,2},[0-9]{1,2})?|ios)\b")),
-    ("android", re.compile(r"\bandroid\b")),
-    ("chromeos", re.compile(r"\b(?:cros|chrome ?os|chromium ?os)\b")),
-    ("windows", re.compile(r"\bwindows\b")),
-    ("macos", re.compile(r"\b(?:macintosh|mac ?os|macos)\b")),
-    ("linux", re.compile(r"\b(?:linux|x11|[a-z]*bsd)\b")),
+    ("iOS", re.compile(r"\b(?:(?:iphone|ipad|ipod)(?:[0-9]{1,2},[0-9]{1,2})?|ios)\b")),
+    ("Android", re.compile(r"\bandroid\b")),
+    ("ChromeOS", re.compile(r"\b(?:cros|chrome ?os|chromium ?os)\b")),
+    ("Windows", re.compile(r"\bwindows\b")),
+    ("macOS", re.compile(r"\b(?:macintosh|mac ?os|macos)\b")),
+    ("Linux", re.compile(r"\b(?:linux|x11|[a-z]*bsd)\b")),
 )
 # Parts of Android's user agents that are not a device: reduced ones call every device "K".
 _NO_DEVICE = re.compile(
@@ -63,46 +54,40 @@ FILES = ("photographs", "video")
 
 @dataclass(frozen=True)
 class System:
-    """A system by its family, and the device's model where the browser names it."""
+    """A system by its family, and the device's model if the browser names it."""
 
     name: str  # one of the families above, of FILES, or "other"
     model: str = ""
 
     @property
     def text(self) -> str:
-        """Distinguishing part; an update of the system does not change the camera."""
+        """Distinguishing part, without the version."""
         return f"{self.name}; {self.model}" if self.model else self.name
 
     @property
     def is_file(self) -> bool:
-        """True for photographs and videos, whose camera's name is from the file.
-
-        A camera cuts them differently, and its stream again.
-        """
+        """True for photographs and videos, which a camera crops differently from its stream."""
         return self.name in FILES
 
     @property
     def is_one_device(self) -> bool:
-        """True if all devices that say this have the same cameras. Apple's rarely say which they are."""
+        """True if all devices with this text have the same cameras."""
         return self.model != "" if self.name == "android" else _IDENTIFIER.fullmatch(self.model) is not None
 
 
 def public_platform(platform: str) -> str:
-    """Recognised part of `platform`, which is stored: system, version, the device's model.
-
-    Of a whole user agent only its parenthesised part. `other` where nothing is.
-    """
+    """Recognised parts of `platform` or a user agent: system, version, the device's model; else `other`."""
     text = visible(platform.replace('"', " "))
     match = _USER_AGENT.match(text)
     parts = [part.strip() for part in (match[1] if match else text).split(";")]
-    android = any(_family(part) == "android" for part in parts)
+    android = any(_family(part) == "Android" for part in parts)
     public_parts: list[str] = []
     for part in parts:
         family = _family(part)
         if _KNOWN.fullmatch(part):
             public_parts.append(part)
         elif family:
-            public_parts.append(_SHOWN[family])
+            public_parts.append(family)
         elif android and _DEVICE.fullmatch(part) and without_owner(without_telephone(part)) == part:
             public_parts.append(part)
             android = False  # it has one model
@@ -110,7 +95,7 @@ def public_platform(platform: str) -> str:
 
 
 def with_device(platform: str, device: str) -> str:
-    """Return the platform with a device's model identifier, which browsers of Apple's devices do not say."""
+    """Platform with a device's model identifier, which Apple's browsers do not report."""
     match = _USER_AGENT.match(platform)
     said = match[1] if match else platform
     parts = [part.strip().casefold() for part in said.split(";")]
@@ -118,9 +103,9 @@ def with_device(platform: str, device: str) -> str:
 
 
 def system_of(platform: str) -> System:
-    """Return the system that `platform` names."""
+    """System that `platform` names."""
     text = unicodedata.normalize("NFKC", public_platform(platform)).casefold()
-    family = _family(text)
+    family = (_family(text) or "").lower()
     if family:
         return System(family, _model(family, text))
     return System(text if text in FILES else "other")

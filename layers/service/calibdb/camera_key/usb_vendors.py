@@ -25,11 +25,11 @@ def _table() -> dict[str, str]:
 
 
 def vendor_of(usb_id: str | None) -> str | None:
-    """Return the vendor's name of a USB id such as `046d:082d`, None if the table has none."""
+    """Vendor's name of a USB id such as `046d:082d`, None if the table has none."""
     return _table().get(usb_id.partition(":")[0]) if usb_id else None
 
 
 def vendor_words(usb_id: str | None) -> list[str]:
-    """Return the words (lower case) of the vendor's name by which its cameras are searched."""
+    """Words (lower case) of the vendor's name by which its cameras are searched."""
     vendor = words((vendor_of(usb_id) or "").casefold())
     return [word for word in dict.fromkeys(vendor) if len(word) > 1 and word not in _UNSEARCHED][:_MAX_WORDS]

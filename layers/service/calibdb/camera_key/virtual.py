@@ -1,10 +1,10 @@
-"""Programs that pose as cameras: what they show was taken by another lens, if by any."""
+"""Programs that pose as cameras."""
 
 from __future__ import annotations
 
 import re
 
-# This project's own: its label names the lens that it computes, so it is as good as a real one.
+# The pages' simulated camera: its label names the lens, so it is as good as a real one.
 _OURS = "calibdb virtual camera"
 
 _NAMED = (
@@ -29,7 +29,6 @@ _PROGRAMS = {
     "v4l2loopback": r"\bv4l2[ -]?loopback\b|\bdummy video device\b",
     # Chromium's and Firefox's, under test.
     "fake device": r"\bfake_device_[0-9]+\b|\bfake (?:device|camera)\b",
-    # Whatever else says of itself what it is.
     "virtual camera": r"\bvirtual[ -]?(?:cam|camera|webcam)\b|\bvcam\b",
 }
 _PATTERNS = tuple((name, re.compile(pattern)) for name, pattern in _PROGRAMS.items())
@@ -41,13 +40,13 @@ def is_practice(name: str) -> bool:
 
 
 def spelling_of(posing: str, label: str) -> str:
-    """Return the program's name as `label` spells it, without anything else that stands there."""
+    """Program's name as `label` spells it."""
     match = re.search(_PROGRAMS[posing], label, re.IGNORECASE)
     return match[0].strip("()") if match else posing
 
 
 def program(text: str) -> str | None:
-    """Return the program behind a label (lower case), None if it is a camera."""
+    """Program behind a label (lower case), None if it is a camera."""
     if text.startswith(_OURS):
         return None
     return next((name for name, pattern in _PATTERNS if pattern.search(text)), None)

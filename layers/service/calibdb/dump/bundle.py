@@ -1,7 +1,6 @@
-"""The reliable calibrations of the cameras that most people have, as one file for web applications to carry.
+"""The reliable calibrations of popular cameras, as one file for lookups without a network.
 
-Its reader compares labels and nothing else. Which label means which camera is found here, by the rules of a
-lookup, for every label under which the camera was calibrated.
+Its reader only compares labels. The rules of a lookup decide here which camera each label means.
 """
 
 from __future__ import annotations
@@ -18,11 +17,11 @@ from calibdb.camera_key import public_label
 from calibdb.camera_key.system import system_of
 from calibdb.lookup.camera_match import LookupQuery, choose, resolve, unanswerable_reason
 from calibdb.lookup.transfer import build_answer
-from calibdb.schema import Calibration, ConsensusDocument, Uncertainty
+from calibdb.schema import ConsensusDocument
 from calibdb.schema.fields import ImgSize
 from calibdb.store import CameraRecords
 
-#: platforms to which cameras can be attached, one of each system
+#: one platform of each system to which cameras can be attached
 DESKTOP_PLATFORMS = {
     "linux": "X11; Linux x86_64",
     "windows": "Windows NT 10.0; Win64; x64",
@@ -47,7 +46,7 @@ _SIGNIFICANT_DIGITS = 9  # a thousandth of a pixel is the seventh
 
 @dataclass(frozen=True)
 class Bundle:
-    """Content of a bundle, and numbers and sizes of what is in it."""
+    """Content of a bundle, and its counts and sizes."""
 
     content: bytes
     cameras: dict[str, int]  # bytes of each, by its label
@@ -62,34 +61,17 @@ class Bundle:
 
 @dataclass(frozen=True)
 class Source:
-    """Database that a bundle is made of.
+    """Database that a bundle is made of."""
 
-    Attributes
-    ----------
-    read
-        Reader of the records under a camera key.
-    licence
-        Licence under which every calibration of a camera was given; None if one was given without.
-    private
-        True if it is the database of one person with few cameras.
-    created
-        Unix time, seconds.
-    track
-        Shows how far a loop is.
-    """
-
-    read: Callable[[str], CameraRecords]
-    licence: Callable[[str], str | None]
-    private: bool
-    created: int
-    track: Callable[..., Iterable[Any]] = lambda items, *_: items
+    read: Callable[[str], CameraRecords]  # under a camera key
+    licence: Callable[[str], str | None]  # of every calibration of a camera; None if one has none
+    private: bool  # the database of one person with few cameras
+    created: int  # unix seconds
+    track: Callable[..., Iterable[Any]] = lambda items, *_: items  # shows the progress of a loop
 
 
 def build_bundle(source: Source, names: Mapping[str, set[Name]], max_cameras: int) -> Bundle:
-    """Build a bundle of the cameras with the most contributors; the same for the same database.
-
-    `names`: labels and platforms of the cameras among which these are chosen.
-    """
+    """Build a bundle of the cameras with the most contributors; `names`: labels and platforms by key."""
     read = functools.cache(source.read)
     reliable = {
         key: [c for c in read(key).consensuses if c.reliable]
@@ -110,17 +92,9 @@ def build_bundle(source: Source, names: Mapping[str, set[Name]], max_cameras: in
             if label not in labels or place not in DESKTOP_PLATFORMS:
                 places[place][label] = chosen.index(key)
     cameras = [_camera(read(key).consensuses, source.licence(key)) for key in chosen]
-    document = {
-        "format": "calibdb-bundle",
-        "version": 1,
-        "created": source.created,
-        "columns": COLUMNS,
-        "cameras": cameras,
-        "labels": labels,
-        "places": places,
-    }
+    document = {"format": "calibdb-bundle", "version": 1, "created": source.created, "columns": COLUMNS}
     return Bundle(
-        content=_json(document),
+        content=_json({**document, "cameras": cameras, "labels": labels, "places": places}),
         cameras={f"{c['camera']} ({key})": len(_json(c)) for key, c in zip(chosen, cameras, strict=True)},
         calibrations=sum(len(c["rows"]) for c in cameras),
         labels=len(labels.keys() | {label for members in places.values() for label in members}),
@@ -128,7 +102,7 @@ def build_bundle(source: Source, names: Mapping[str, set[Name]], max_cameras: in
 
 
 def names_of(label: str, platform: str) -> set[Name]:
-    """Return a label as it is given away, with and without its USB id."""
+    """Public label with and without its USB id."""
     public = public_label(label)
     return {(public, platform), (public.rpartition(" (")[0] or public, platform)}
 
@@ -138,7 +112,7 @@ def _meanings(
     read: Callable[[str], CameraRecords],
     cameras: dict[str, tuple[set[Name], list[ConsensusDocument]]],
 ) -> dict[str, dict[str, str]]:
-    """Map label and platform to the camera that a lookup finds; none where it finds two."""
+    """Map label and platform to the camera that a lookup finds, if it finds one."""
     private = source.private
     meant: defaultdict[str, defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
 
@@ -175,52 +149,40 @@ def _rows(consensuses: Sequence[ConsensusDocument]) -> Iterator[list[Any]]:
             carried = _intrinsics(answer.adapted.camera_matrix) if answer.adapted else []
             if carried or answer.relation != exact.relation:
                 at[f"{size[0]}x{size[1]}"] = [answer.relation, *carried]
-        yield _row(c.calibration, exact.relation, at)
-
-
-def _row(c: Calibration, relation: str | None, at: dict[str, Any]) -> list[Any]:
-    values = {
-        **dict(c),
-        "intrinsics": _intrinsics(c.camera_matrix),
-        "distortion_coefficients": _round_significant(c.distortion_coefficients),
-        "uncertainty": _uncertainty(c.uncertainty),
-        "relation": relation,
-        "at": at,
-    }
-    return [values[column] for column in COLUMNS]
+        u = c.calibration.uncertainty
+        values = {
+            **dict(c.calibration),
+            "intrinsics": _intrinsics(c.calibration.camera_matrix),
+            "distortion_coefficients": _round_significant(c.calibration.distortion_coefficients),
+            "uncertainty": _round_significant((u.rms, u.max, u.inside, u.covered)),
+            "relation": exact.relation,
+            "at": at,
+        }
+        yield [values[column] for column in COLUMNS]
 
 
 def _camera(consensuses: Sequence[ConsensusDocument], licence: str | None) -> dict[str, Any]:
-    newest = max(
-        (c.calibration for c in consensuses if c.reliable and c.calibration), key=lambda c: c.calibration_time
-    )
-    licence_member = {"licence": licence} if licence else {}
-    return {
-        "camera": newest.camera,
-        "platform": newest.platform,
-        **licence_member,
-        "rows": list(_rows(consensuses)),
-    }
+    reliable = (c.calibration for c in consensuses if c.reliable and c.calibration)
+    newest = max(reliable, key=lambda c: c.calibration_time)
+    camera = {"camera": newest.camera, "platform": newest.platform}
+    if licence:
+        camera["licence"] = licence
+    return {**camera, "rows": list(_rows(consensuses))}
 
 
 def _json(value: object) -> bytes:
     return json.dumps(value, ensure_ascii=False, separators=(",", ":")).encode()
 
 
-def _intrinsics(matrix: Sequence[Sequence[float]]) -> list[float]:
+def _intrinsics(matrix: Sequence[Sequence[float]]) -> list[float | None]:
     (fx, _, cx), (_, fy, cy), _ = matrix
     return _round_significant((fx, fy, cx, cy))
 
 
-def _uncertainty(u: Uncertainty) -> list[float | None]:
-    inside = [None if v is None else _round_significant((v,))[0] for v in (u.inside, u.covered)]
-    return [*_round_significant((u.rms, u.max)), *inside]
-
-
-def _round_significant(values: Sequence[float]) -> list[float]:
-    return [float(f"{value:.{_SIGNIFICANT_DIGITS}g}") for value in values]
+def _round_significant(values: Sequence[float | None]) -> list[float | None]:
+    return [None if value is None else float(f"{value:.{_SIGNIFICANT_DIGITS}g}") for value in values]
 
 
 def rank(reliable: Sequence[ConsensusDocument]) -> tuple[int, int]:
-    """Rank a camera by its reliable consensuses: the most contributors first, which is the least."""
+    """Rank a camera by its reliable consensuses: the smallest has the most contributors."""
     return min((-c.calibration.contributors, -c.total) for c in reliable if c.calibration)

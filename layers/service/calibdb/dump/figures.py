@@ -1,4 +1,4 @@
-"""The database in figures, written with a dump."""
+"""Statistics of the database, written with a dump."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from calibdb.camera_key.usb_vendors import vendor_of
-from calibdb.dump.bundle import Source, build_bundle, names_of, rank
+from calibdb.dump.bundle import Name, Source, build_bundle, names_of, rank
 from calibdb.lookup.camera_search import display_name, is_listed
 from calibdb.schema.dump import BundleFile, DumpDraft, Snapshot, Statistics, WantedCamera
 from calibdb.store import Calibrations
@@ -29,19 +29,16 @@ _PAGE = 200  # cameras read together
 
 @dataclass(frozen=True)
 class Figures:
-    """Figures of the database, and the bundle.
-
-    `min_contributors`: that must agree on a public value.
-    """
+    """Figures of the database, and the bundle."""
 
     dumps: Dumps
     cameras: Cameras
     miss_counts: MissCounts
     calibrations: Calibrations
-    min_contributors: int
+    min_contributors: int  # that must agree on a public value
 
-    def write(self, draft: DumpDraft) -> Statistics:
-        """Write the figures of a dump that is whole, and return them."""
+    def write(self, draft: DumpDraft) -> None:
+        """Write the figures of a complete dump."""
         count, popular = self._count_known()
         tally = draft.tally
         snapshot = Snapshot(
@@ -61,10 +58,8 @@ class Figures:
             bundle=self._bundle(popular, draft.started),
         )
         self.dumps.write(STATISTICS, statistics.model_dump_json(indent=1).encode())
-        return statistics
 
     def _count_known(self) -> tuple[int, list[str]]:
-        """Count the cameras with a reliable calibration, and choose those with the most contributors."""
         count, after = 0, None
         popular: list[tuple[Any, str]] = []
         with ThreadPoolExecutor(READERS) as readers:
@@ -81,10 +76,10 @@ class Figures:
                     return count, [key for _, key in popular]
 
     def _bundle(self, keys: Sequence[str], now: int) -> BundleFile | None:
-        """Write the bundle of these cameras, under the names with which they were calibrated."""
-        names = {
-            key: {name for own in self.calibrations.names(key) for name in names_of(*own)} for key in keys
-        }
+        names: dict[str, set[Name]] = {key: set() for key in keys}
+        for key in keys:
+            for label, platform in self.calibrations.names(key):
+                names[key] |= names_of(label, platform)
         if not any(names.values()):
             return None
         source = Source(self.cameras.known, self.calibrations.licence, self.min_contributors == 1, now)
@@ -94,37 +89,34 @@ class Figures:
         return BundleFile(name=BUNDLE, cameras=len(made.cameras), size=len(made.content), sha256=digest)
 
     def _most_wanted(self, now: int) -> list[WantedCamera]:
-        """Name the cameras most asked for that are not known.
-
-        By a label only where two contributors calibrated it: a label is whatever its sender wrote.
-        """
+        """List the most requested unknown cameras; labels only if two contributors calibrated the camera."""
         result: list[WantedCamera] = []
         for camera, count in self.miss_counts.most(now):
             if len(result) == MAX_WANTED:
                 break
             usb_id = camera.removeprefix(USB) if camera.startswith(USB) else None
-            entry = self._unknown_product(usb_id) if usb_id else self._unknown_camera(camera)
+            entry = self._unknown_product(usb_id, count) if usb_id else self._unknown_camera(camera, count)
             if entry is not None:
-                result.append(entry.model_copy(update={"asked": count}))
+                result.append(entry)
         return result
 
-    def _unknown_camera(self, key: str) -> WantedCamera | None:
-        """Name a camera by what most contributors call it; None if it is known by now, or has no name."""
+    def _unknown_camera(self, key: str, asked: int) -> WantedCamera | None:
+        """Name a camera as most contributors do; None if it is known by now, or has no public name."""
         consensuses = self.cameras.known(key).consensuses
         if any(c.reliable for c in consensuses) or not is_listed(consensuses, max(2, self.min_contributors)):
             return None
         name = display_name("", consensuses)[0]
         total = max((c.total for c in consensuses), default=0)
-        return WantedCamera(key=key, camera=name, asked=0, calibrations=total)
+        return WantedCamera(key=key, camera=name, asked=asked, calibrations=total)
 
-    def _unknown_product(self, usb_id: str) -> WantedCamera | None:
-        """Name a USB id by its vendor; None if there is none, or calibrations of a camera with this id."""
+    def _unknown_product(self, usb_id: str, asked: int) -> WantedCamera | None:
+        """Name a USB id by its vendor; None if that is unknown, or a camera with this id is calibrated."""
         vendor = vendor_of(usb_id)
+        if vendor is None:
+            return None
         cameras, _ = self.cameras.search(usb_id.rpartition(":")[2], _PAGE, None)
         for key, _ in cameras:
             consensuses = self.cameras.known(key).consensuses
             if any(c.calibration and usb_id in c.calibration.camera for c in consensuses):
-                return None  # it is counted under its key, too
-        if vendor is None:
-            return None
-        return WantedCamera(key=None, camera=f"{vendor} ({usb_id})", asked=0, calibrations=0)
+                return None  # it is counted under its key
+        return WantedCamera(key=None, camera=f"{vendor} ({usb_id})", asked=asked, calibrations=0)

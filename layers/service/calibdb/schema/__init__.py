@@ -11,15 +11,9 @@ from calibdb.schema.calibration import (
 )
 from calibdb.schema.cameras import (
     CameraDetail,
-    CameraEntry,
     CameraList,
-    CameraMember,
-    CameraMode,
-    CameraSize,
-    CamerasRequest,
 )
 from calibdb.schema.checks import CheckAnswer, CheckRequest, CheckView, ComparisonAnswer, GivenCalibration
-from calibdb.schema.conversion import ConvertRequest
 from calibdb.schema.documents import (
     CalibrationDocument,
     ConsensusDocument,
@@ -29,13 +23,12 @@ from calibdb.schema.documents import (
     PriorDocument,
     SessionDocument,
     ShapeDocument,
-    TokenDocument,
     ViewDocument,
     VoteDocument,
     Votes,
 )
 from calibdb.schema.estimate import Estimate
-from calibdb.schema.export import FORMATS, ExportQuery
+from calibdb.schema.export import FORMATS, ConvertRequest, ExportQuery
 from calibdb.schema.fields import DISTORTION_MODELS
 from calibdb.schema.health import DeepHealth, HealthProblem
 from calibdb.schema.lookup import LookupRequest, Miss, NoCalibration, UnknownCamera

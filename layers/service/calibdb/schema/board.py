@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal, get_args
 
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator
-from pydantic_core import PydanticCustomError
+from pydantic_core import PydanticCustomError, PydanticKnownError
 
 from calibdb.schema.fields import MAX_CORNERS, Strict, Whole
 
@@ -30,17 +30,15 @@ _MARKERS = {  # of those whose name does not say it
 
 BoardKind = Literal["charuco", "chessboard", "aprilgrid"]
 MIN_SQUARES = {"charuco": 3, "chessboard": 3, "aprilgrid": 1}
-"""Squares, or tags, a side. Two rows of corners need three rows of squares; one row fixes no pose."""
+"""Squares, or tags, per side: one row of corners fixes no pose."""
 MAX_SQUARES = 50
 DEFAULT_TAG_SPACING = 0.3
 
 
 def _enough_squares(value: int, info: ValidationInfo) -> int:
-    least = MIN_SQUARES[info.data.get("kind", "charuco")]  # absent where it was refused itself
+    least = MIN_SQUARES[info.data.get("kind", "charuco")]  # absent if it was refused itself
     if value < least:
-        raise PydanticCustomError(
-            "greater_than_equal", "Input should be greater than or equal to {ge}", {"ge": least}
-        )
+        raise PydanticKnownError("greater_than_equal", {"ge": least})
     return value
 
 
@@ -48,8 +46,7 @@ SquareCount = Annotated[int, Field(strict=True, ge=1, le=MAX_SQUARES), Whole, Af
 
 
 def _is_usual(value: str | bool | float | None) -> bool:
-    """True if a member that older records and clients do not know has its default: it is left out."""
-    return value in ("charuco", False, DEFAULT_TAG_SPACING, None)
+    return value in ("charuco", False, DEFAULT_TAG_SPACING, None)  # older records and clients lack the member
 
 
 class Board(Strict):
@@ -111,7 +108,7 @@ class Board(Strict):
     @field_validator("dictionary")
     @classmethod
     def _holds_all_markers(cls, value: str, info: ValidationInfo) -> str:
-        kind, squares = info.data.get("kind"), info.data.get("squares")  # absent where they were refused
+        kind, squares = info.data.get("kind"), info.data.get("squares")  # absent if they were refused
         if kind == "aprilgrid" and not value.startswith("DICT_APRILTAG_"):
             raise PydanticCustomError("no_tag_family", "the dictionary of an AprilGrid is an AprilTag family")
         if squares is None or kind in (None, "chessboard"):
@@ -127,7 +124,7 @@ class Board(Strict):
 
     @property
     def corner_count(self) -> int:
-        """Number of corners that are measured."""
+        """Number of measured corners."""
         return _corner_count(self.kind, self.squares)
 
     @property

@@ -1,4 +1,4 @@
-"""Calibrations as they are answered and stored."""
+"""Calibrations as returned and stored."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ class Calibration(Intrinsics):
         calibration_time: int,
         **consensus: Any,
     ) -> Calibration:
-        """Return `fit` with the facts around it; `consensus`: those that are not of one calibration."""
+        """Return `fit` with the facts around it; `consensus`: those that differ from one calibration's."""
         facts = {"id": id, "camera": camera, "platform": platform, "zoom": zoom, "reliable": False}
         one = {"calibrations": 1, "contributors": 1, "exact_size": True, "calibration_time": calibration_time}
         return cls(**{**dict(fit), **facts, **one, **consensus})

@@ -1,4 +1,4 @@
-"""The database as it is browsed: what cameras there are, and what is known of one."""
+"""Search for cameras, and the details of one."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import Annotated
 from pydantic import BeforeValidator, ConfigDict, Field
 
 from calibdb.schema.calibration import Calibration
-from calibdb.schema.deferred import Deferred
 from calibdb.schema.fields import (
     CalibrationName,
     CameraLabel,
+    Deferred,
     DistortionModel,
     ImgSize,
     Open,

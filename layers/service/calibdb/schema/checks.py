@@ -1,4 +1,4 @@
-"""The check of a stored consensus on fresh views of one's own camera."""
+"""Checks of a consensus, or a given calibration, on fresh views."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stored documents. Each names the version of its layout, so that later code can read earlier data."""
+"""Stored documents. `layout` is the version of their format."""
 
 from __future__ import annotations
 
@@ -36,13 +36,11 @@ class ViewDocument(Open):
     set_aside: SetAside | None = None
     on_target: bool | None = Field(None, exclude_if=is_none)  # held at its target
     stated: float | None = Field(None, exclude_if=is_none)  # px, expected rms error after it
-    moment: str | None = Field(
-        None, exclude_if=is_none
-    )  # of a rig: the pose of the board that cameras shared
+    moment: str | None = Field(None, exclude_if=is_none)  # of a rig
 
 
 class EstimateDocument(Open):
-    """Estimate from the views so far."""
+    """Estimate from the views of a session."""
 
     fit: FitRecord | None = None
     uncertainty: Uncertainty | None = None
@@ -55,14 +53,14 @@ class EstimateDocument(Open):
 
 
 class Finish(Open):
-    """Outcome fixed when the session converged. Publishing it needs only the document."""
+    """Outcome fixed when the session converged: publishing it needs only the document."""
 
     calibration_id: str
     time: int  # unix seconds
     contributor: str
-    source: str | None = None  # where the contributor is, hashed; of ends before there was one, none
+    source: str | None = None  # hash of where the contributor is; older ends have none
     solver: str
-    report: Members | None = None  # how good the result is, in detail
+    report: Members | None = None
 
 
 class CameraDocument(Open, Licensed):
@@ -80,12 +78,12 @@ class CameraDocument(Open, Licensed):
 
     @property
     def current_key(self) -> str:
-        """Key of the camera by today's rules; the document may have been made under earlier ones."""
+        """Key of the camera by today's rules."""
         return current_key(self.camera_key, self.camera, self.platform)
 
 
 class GivenDocument(CameraDocument):
-    """Document that counts for a camera, once for each contributor."""
+    """Document that counts once per contributor."""
 
     id: str
     contributor: str
@@ -93,7 +91,7 @@ class GivenDocument(CameraDocument):
 
     @property
     def counted_as(self) -> str:
-        """Contributor that counts."""
+        """Identity by which contributors are counted."""
         return self.source or self.contributor
 
 
@@ -106,7 +104,7 @@ class CaptureDocument(CameraDocument):
     track: Track
     capture: CaptureKind = "live"
     rig: RigMembership | None = Field(None, exclude_if=is_none)
-    mode_name: str | None = Field(None, exclude_if=is_none)  # what its contributor calls the camera's mode
+    mode_name: str | None = Field(None, exclude_if=is_none)  # that the contributor gave to the camera's mode
 
 
 class SessionDocument(CaptureDocument):
@@ -115,15 +113,15 @@ class SessionDocument(CaptureDocument):
     session: str
     first_version: int = 1  # differs between a session and a restarted one with the same id
     started: int  # unix seconds
-    contributor: str | None = None  # hash of who started it, to delete it on request; None in old ones
+    contributor: str | None = None  # hash of who started it; None in old ones
     next_index: int = 0
     views: tuple[ViewDocument, ...] = ()
     target: Members | None = None
     skipped: tuple[Members, ...] = ()  # targets not wanted since the last view
     unreached: tuple[Members, ...] = ()  # targets given up before earlier views
     duplicates: int = 0  # refused since the last accepted view
-    doubted: tuple[ViewDocument, ...] = ()  # outliers, kept as witnesses: it may be the others that are wrong
-    prior: FitRecord | None = None  # what others measured of this camera: where the first estimate begins
+    doubted: tuple[ViewDocument, ...] = ()  # outliers, kept since the other views may be wrong
+    prior: FitRecord | None = None  # start of the first estimate: calibration of this camera by others
     estimate: EstimateDocument = EstimateDocument()
     finish: Finish | None = None
 
@@ -138,7 +136,7 @@ class CalibrationDocument(GivenDocument, CaptureDocument):
     solver: str
 
     def answer(self) -> Calibration:
-        """Return the calibration of the session's own model, as the API returns it."""
+        """Calibration of the session's own model, as the API returns it."""
         return Calibration.of(
             self.fits[self.distortion_model],
             id=self.id,
@@ -181,8 +179,8 @@ class VoteDocument(GivenDocument):
 class ConsensusDocument(Open):
     """Consensus of all calibrations of one camera at one size and zoom, for one model.
 
-    `basis` is a digest of all that it follows from: the calibrations that count, the votes, the thresholds,
-    the solver. If it is equal, nothing is new. `pooled` is the same without the votes.
+    `basis` is a digest of all inputs: the calibrations that count, the votes, the thresholds, the solver.
+    `pooled` is the same without the votes.
     """
 
     layout: Literal[1] = 1
@@ -191,14 +189,14 @@ class ConsensusDocument(Open):
     zoom: float
     distortion_model: DistortionModel
     total: int  # calibrations considered
-    latest: int  # unix seconds; of the newest of these
+    latest: int  # unix seconds, of the newest of these
     basis: str = ""
     pooled: str = ""
     found: Reason | None = None  # why its calibrations do not make it reliable
-    confirmable: bool = False  # as many more calibrations as are missing, agreeing, would make it reliable
+    confirmable: bool = False  # the missing number of agreeing calibrations would make it reliable
     votes: Votes = Votes()
     reason: Reason | None = None  # why it is not reliable
-    calibration: Calibration | None = None  # None: nothing believable came out
+    calibration: Calibration | None = None
 
     @property
     def reliable(self) -> bool:
@@ -207,20 +205,17 @@ class ConsensusDocument(Open):
 
 
 class GroupsDocument(Open):
-    """Details of each calibration behind a consensus; read by the camera pages, never by a lookup."""
+    """Details of the calibrations behind a consensus, for camera pages."""
 
     layout: Literal[1] = 1
     pooled: str  # of the consensus that it belongs to
-    groups: tuple[tuple[str, ...], ...] = ()  # ids of calibrations that agree among themselves, largest first
+    groups: tuple[tuple[str, ...], ...] = ()  # ids of calibrations that agree, largest group first
     errors: dict[str, float] = Field({})  # px; of each calibration's views under a fit without it
     covariance: tuple[tuple[float, ...], ...] | None = None  # of the consensus; None: made before it was kept
 
 
 class PriorDocument(Open):
-    """Calibration without keypoints, from another source: only a first guess for a capture.
-
-    `priors/<camera key>/<w>x<h>~<zoom>~<model>.json`. No lookup ever returns it.
-    """
+    """First guess for a capture, from another source: `priors/<camera key>/<w>x<h>~<zoom>~<model>.json`."""
 
     layout: Literal[1] = 1
     camera_key: str
@@ -229,24 +224,4 @@ class PriorDocument(Open):
     zoom: float
     fit: FitRecord
     source: str
-    measured: int  # how many calibrations of that source it stands for
-
-
-class TokenDocument(Open):
-    """API token: `tokens/<id>.json`. Its secrets are not in it. Times are unix seconds."""
-
-    layout: Literal[1] = 1
-    id: str
-    secret_sha256: str
-    origins: tuple[str, ...] = ()
-    plan: str = "free"
-    created: int = 0
-    former_sha256: str | None = None
-    former_until: int = 0
-    earlier: tuple[tuple[str, int], ...] = ()
-    pending: tuple[str, ...] = ()
-    management_sha256: str | None = None
-    name: str = ""
-    expires: int | None = None
-    version: int = 0
-    revoked: int | None = None
+    measured: int  # number of that source's calibrations that it stands for

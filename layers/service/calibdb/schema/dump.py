@@ -1,10 +1,10 @@
-"""Public dumps: the files that one consists of, and the database in figures."""
+"""Public dumps and statistics."""
 
 from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from calibdb.schema.fields import Open, UnixTime
 from calibdb.schema.licence import Licence
@@ -89,21 +89,20 @@ class Statistics(Open):
 
 
 class Tally(Open):
-    """Counts made while a dump is written, by short digests under the key of the dump."""
+    """Counts made while a dump is written, by short digests under the key of the dump; mutable."""
 
-    contributors: frozenset[str] = frozenset()
-    cameras: frozenset[str] = frozenset()
+    model_config = ConfigDict(frozen=False)
+
+    contributors: set[str] = Field(set())
+    cameras: set[str] = Field(set())
     calibrations: int = 0
     given: DumpCounts = DumpCounts()
-    givers: frozenset[str] = frozenset()
-    given_cameras: frozenset[str] = frozenset()
+    givers: set[str] = Field(set())
+    given_cameras: set[str] = Field(set())
 
 
 class DumpDraft(Open):
-    """A dump that is being written, as far as it is; it continues from here after a crash.
-
-    `key`: names contributors in this dump, and is thrown away with the draft.
-    """
+    """Dump that is being written; `key` names contributors in it, and is deleted with the draft."""
 
     layout: Literal[1] = 1
     name: str

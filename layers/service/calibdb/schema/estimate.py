@@ -1,4 +1,4 @@
-"""Estimate of a camera of which nothing reliable is known. It is never a calibration."""
+"""Estimate of a camera without a reliable calibration."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Query of an export: the format, and the changes of the image."""
+"""Query of an export, and conversion of a calibration file."""
 
 from __future__ import annotations
 
@@ -6,7 +6,17 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-from calibdb.schema.fields import MAX_IMAGE_SIDE_PX, Index, Open, Whole, camera_like
+from calibdb.schema.fields import (
+    MAX_IMAGE_SIDE_PX,
+    DistortionModel,
+    ImgSize,
+    Index,
+    Label,
+    Open,
+    Strict,
+    Whole,
+    camera_like,
+)
 
 # The names are the API's. `calibsolver.formats` has a class for each.
 FormatName = Literal[
@@ -28,6 +38,8 @@ FormatName = Literal[
     "artoolkit",
 ]
 FORMATS: tuple[str, ...] = get_args(FormatName)
+MAX_FILE_CHARACTERS = 100_000  # of a file with one camera: most have a few hundred
+MAX_FILE_CAMERAS = 64
 
 
 def _numbers(separator: str, count: int) -> BeforeValidator:
@@ -52,14 +64,14 @@ def _indices(value: Any) -> Any:
 
 
 MIN_SIDE_PX = 64
-"""Side of a part that is cut out, and of a picture after a resize: smaller ones determine no lens."""
+"""Side of an image after a crop or resize: smaller ones determine no lens."""
 Position = Annotated[int, Field(ge=0, le=MAX_IMAGE_SIDE_PX)]
 Side = Annotated[int, Field(strict=True, ge=MIN_SIDE_PX, le=MAX_IMAGE_SIDE_PX), Whole]
 Size = Annotated[tuple[Side, Side], AfterValidator(camera_like)]
 
 
 class ExportQuery(Open):
-    """The query of an export. The picture is cut, then resized, then turned, then mirrored."""
+    """Query of an export. The image is cut, then resized, then turned, then mirrored."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
@@ -88,5 +100,26 @@ class ExportQuery(Open):
 
     @property
     def plain(self) -> bool:
-        """True if the calibration itself is asked for, of the camera's own picture."""
+        """True if the format is our own and the image is not changed."""
         return self.format == "calibdb" and not (self.crop or self.resize or self.rotate or self.mirror)
+
+
+class ConvertRequest(Strict):
+    """A calibration file, and what it does not say. Nothing of it is stored."""
+
+    file: str = Field(
+        min_length=1,
+        max_length=MAX_FILE_CHARACTERS,
+        description="Content of the file: a camera matrix and distortion. Corners in it are kept in "
+        "`photonvision` only.",
+    )
+    encoding: Literal["text", "base64"] = Field("text", description="`base64` of a numpy archive (.npz).")
+    format: FormatName = Field("calibdb", description="Requested format.")
+    img_size: ImgSize | None = Field(None, description="Size of the images, if the file lacks it.")
+    distortion_model: DistortionModel | None = Field(
+        None, description="Model of four coefficients without a name: `rectilinear` or `fisheye`."
+    )
+    number: Annotated[int, Field(strict=True, ge=0, lt=MAX_FILE_CAMERAS), Whole] = Field(
+        0, description="Number of the camera in a file with several, from 0."
+    )
+    camera: Label | None = Field(None, description="Name of the camera in the new file.")

@@ -1,13 +1,15 @@
-"""The types of single fields, with their bounds, and bases of models."""
+"""Types of fields, with their bounds, and bases of models."""
 
 from __future__ import annotations
 
 import math
+import threading
 import unicodedata
-from typing import Annotated, Literal, Protocol, TypeVar, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
     AfterValidator,
+    BaseModel,
     BeforeValidator,
     ConfigDict,
     Field,
@@ -15,36 +17,52 @@ from pydantic import (
     StringConstraints,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
+from pydantic_core import PydanticCustomError, PydanticKnownError
 
 from calibdb.camera_key.characters import MAX_TEXT_LENGTH, visible
 from calibdb.camera_key.label import MAX_MODE_NAME, public_mode_name
 from calibdb.camera_key.system import with_device
-from calibdb.schema.deferred import Deferred
 
 MAX_CORNERS = 49 * 49  # of the largest board
 MIN_IMAGE_SIDE_PX, MAX_IMAGE_SIDE_PX = 16, 16384
 MAX_PIXELS = 2**26  # an overlay is drawn at the size of the image
 MAX_ASPECT = 8  # sides of an image: no camera's is a strip
 MAX_INDEX = 100_000
-MAX_LABEL = 256  # characters of a label that can be seen
+MAX_LABEL = 256  # visible characters
 IPV6_SOURCE = "v6-"  # beginning of a contributor's source that is an IPv6 site
 
 
+building = threading.RLock()
+"""Lock of the thread that builds a model, with those of its fields."""
+
+
+class Deferred(BaseModel):
+    """Model whose validator is built at its first use, by one thread at a time: pydantic has no lock."""
+
+    model_config = ConfigDict(defer_build=True)
+
+    @classmethod
+    def model_rebuild(cls, *, _parent_namespace_depth: int = 2, **options: Any) -> bool | None:
+        """Build validator and serializer as pydantic does."""
+        depth = _parent_namespace_depth + 1  # this method's own frame
+        with building:
+            return super().model_rebuild(_parent_namespace_depth=depth, **options)
+
+
 class Strict(Deferred):
-    """A request that refuses unknown members, so that misspelt options are reported."""
+    """Request that refuses unknown members, so that misspelt options are reported."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
 
 
 class Open(Deferred):
-    """An answer or a stored document: fields that a later version added are passed over."""
+    """Response or stored document: fields that a later version added are ignored."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
 
 def is_none(value: object) -> bool:
-    """True if a member that older records and clients do not know is absent: it is left out."""
+    """True if a member is None, which older records and clients do not know: it is left out."""
     return value is None
 
 
@@ -56,7 +74,7 @@ def _finite(value: JsonValue) -> JsonValue:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-# What another room says, kept as it is. JSON has no infinity: it is unknown, here as when it is written.
+# JSON has no infinity: it is unknown.
 Members = Annotated[dict[str, JsonValue], AfterValidator(_finite)]
 
 
@@ -64,30 +82,26 @@ def _canonical(zoom: float) -> float:
     return round(zoom, 6) + 0.0  # + 0.0 turns -0.0 into 0.0: equal zooms are written alike
 
 
-# A board before a running camera; or views that are all there already: of photographs, a video, a file.
 CaptureKind = Literal["live", "recorded"]
 
-# The names, and the order of the coefficients, are the API's. `calibsolver.models` has one file for each.
+# The names, and the order of the coefficients, are the API's.
 DistortionModel = Literal["rectilinear", "fisheye", "rational", "omnidirectional"]
 DISTORTION_MODELS: tuple[str, ...] = get_args(DistortionModel)
 Guidance = Literal["projection-uncertainty", "pose-selection"]
 
 
 def _in_one_line(text: object) -> object:
-    if isinstance(text, str) and len(text) > MAX_TEXT_LENGTH:  # before every character of it is looked at
-        raise PydanticCustomError(
-            "string_too_long", "String should have at most {most} characters", {"most": MAX_LABEL}
-        )
+    if isinstance(text, str) and len(text) > MAX_TEXT_LENGTH:  # before each character is examined
+        raise PydanticKnownError("string_too_long", {"max_length": MAX_LABEL})
     return _one_spelling(text) if isinstance(text, str) else text
 
 
 def _one_spelling(text: str) -> str:
-    """Return `text` in one line, each letter composed, so that equal labels are written alike."""
     return unicodedata.normalize("NFC", visible(text))
 
 
 def label_text(text: str) -> str:
-    """Return foreign text, such as a name in a file, as a label; empty if nothing of it can be seen."""
+    """Return foreign text, such as a name in a file, as a label; empty if none of it is visible."""
     return _one_spelling(text)[:MAX_LABEL].strip()
 
 
@@ -122,7 +136,7 @@ Side = Annotated[int, Field(strict=True, ge=MIN_IMAGE_SIDE_PX, le=MAX_IMAGE_SIDE
 
 
 def camera_like(size: tuple[int, int]) -> tuple[int, int]:
-    """Return the size of an image; raises PydanticCustomError for one that no camera takes."""
+    """Size of an image; raises PydanticCustomError if no camera has it."""
     if size[0] * size[1] > MAX_PIXELS:
         raise PydanticCustomError(
             "too_many_pixels", "the image has too many pixels; {most} are allowed", {"most": MAX_PIXELS}
@@ -176,7 +190,7 @@ def size_text(img_size: tuple[int, int]) -> str:
 
 
 def zoom_text(zoom: float) -> str:
-    """Return the shortest writing to six decimals: `0`, `1.5`."""
+    """Shortest writing to six decimals: `0`, `1.5`."""
     return f"{zoom:.6f}".rstrip("0").rstrip(".")
 
 
@@ -191,23 +205,8 @@ DEVICE_TEXT = (
 )
 
 
-class Named(Protocol):
-    """Request that names a platform, and perhaps a device."""
-
-    @property
-    def platform(self) -> str:
-        """Platform of the camera."""
-
-    @property
-    def device(self) -> str | None:
-        """Model identifier."""
-
-
-NamedRequest = TypeVar("NamedRequest", bound=Named)
-
-
-def join_device(request: NamedRequest) -> NamedRequest:
-    """Make the device that a request names a part of its platform; a validator of the whole model."""
+def join_device(request: Any) -> Any:
+    """Make the `device` of a request a part of its `platform`; a validator of the whole model."""
     if request.device is not None:
         joined = with_device(request.platform, request.device)
         if len(joined) <= MAX_LABEL:
@@ -216,7 +215,7 @@ def join_device(request: NamedRequest) -> NamedRequest:
 
 
 class StreamRequest(Strict):
-    """A request about one stream of a camera and the model of its lens."""
+    """Request about one stream of a camera and the model of its lens."""
 
     camera: Label = Field(description="`MediaStreamTrack.label`")
     platform: Label = Field(description="The parenthesised part of the user agent.")

@@ -1,4 +1,4 @@
-"""Health of the service: its parts, each checked, and its canary's last run."""
+"""Health of the service: its parts, and its canary's last run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Licence under which a contributor gives views away, and the text in which they agreed to it."""
+"""Licence under which a contributor gives views away."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
-from calibdb.schema.deferred import Deferred
+from calibdb.schema.fields import Deferred
 
 Licence = Literal["CC0-1.0"]  # SPDX identifier
 
@@ -27,7 +27,7 @@ LicenceVersion = Annotated[str, Field(max_length=10), AfterValidator(_date)]
 
 
 class Licensed(Deferred):
-    """Licence of a document with views. Views without one count, and are never published."""
+    """Licence of a document with views. Views without one count, but are never published."""
 
     licence: Licence | None = Field(
         None,
@@ -48,9 +48,6 @@ class Licensed(Deferred):
 
     @property
     def consent(self) -> dict[str, str]:
-        """Both fields, of a contributor who agreed; else none."""
-        return {
-            name: value
-            for name, value in (("licence", self.licence), ("licence_version", self.licence_version))
-            if value is not None
-        }
+        """Both fields, without those that are None."""
+        fields = {"licence": self.licence, "licence_version": self.licence_version}
+        return {name: value for name, value in fields.items() if value is not None}

@@ -1,4 +1,4 @@
-"""The lookup's request, and its answer where nothing reliable is known."""
+"""Request of a lookup, and its responses without a calibration."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from urllib.parse import urlencode
 from pydantic import AliasChoices, BeforeValidator, ConfigDict, Field, model_validator
 
 from calibdb.schema.board import Board, DescribedBoard
-from calibdb.schema.deferred import Deferred
 from calibdb.schema.estimate import Estimate
 from calibdb.schema.fields import (
     DEVICE_TEXT,
+    Deferred,
     Detail,
     DeviceModel,
     ImgSize,
@@ -32,7 +32,7 @@ GuidanceUrl = Annotated[str, Field(description="Page that calibrates the camera.
 MAX_LOOKUP_VIEWS = 5
 ResizeMode = Annotated[str, Field(max_length=64)]
 ESTIMATE_TEXT = "Likely camera, with its interval: never a calibration. See the document on estimates."
-CROPPED = "crop-and-scale"  # the one of them that cuts the picture
+CROPPED = "crop-and-scale"  # the ResizeMode that cuts the image
 
 
 _SIZE = re.compile(r"([0-9]{1,6})[x×,]([0-9]{1,6})")
@@ -40,10 +40,10 @@ _NUMBER = re.compile(r"[+-]?[0-9]{1,20}(\.[0-9]{0,20})?([eE][+-]?[0-9]{1,3})?")
 QUERY_FLAGS = {"true": True, "1": True, "false": False, "0": False}
 
 
-# A query holds text where a body holds numbers. What cannot be read is left for the type to refuse.
+# A query has text where a body has numbers. The type refuses what these cannot parse.
 def _size(value: object) -> object:
     if isinstance(value, list):
-        return tuple(value)  # JSON knows no other way to write it
+        return tuple(value)
     if not isinstance(value, str):
         return value
     match = _SIZE.fullmatch(value)
@@ -122,7 +122,7 @@ class LookupRequest(Deferred):
 
     @property
     def key_query(self) -> str:
-        """Query of the guidance page that calibrates this camera."""
+        """Query of the page that calibrates this camera."""
         return urlencode(
             {
                 "camera": self.camera,

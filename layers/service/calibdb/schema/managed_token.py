@@ -1,4 +1,4 @@
-"""Tokens that people make for themselves: requests and answers."""
+"""Tokens that people make for themselves: requests and responses."""
 
 from __future__ import annotations
 
@@ -196,13 +196,13 @@ class UsageAnswer(Open):
 
 
 class ProofRequest(Strict):
-    """Asks the function that fetches proofs."""
+    """Request to the function that fetches proofs."""
 
     token_id: str = Field(max_length=64)
     origin: Origin
 
 
 class ProofAnswer(Open):
-    """Result of a look for a proof; without a failure it was found."""
+    """Result of a search for a proof; found if there is no failure."""
 
     failure: ProofFailure | None = None

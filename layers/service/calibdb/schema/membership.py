@@ -1,4 +1,4 @@
-"""Membership of a session in a rig, and the moment that a view belongs to."""
+"""Membership of a session in a rig, and moments."""
 
 from __future__ import annotations
 

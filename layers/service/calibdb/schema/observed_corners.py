@@ -1,4 +1,4 @@
-"""Corners seen in one frame, as every request sends them."""
+"""Corners seen in one frame."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class ObservedCorners(Strict):
     @field_validator("points")
     @classmethod
     def _one_for_each_id(cls, value: tuple[Point, ...], info: ValidationInfo) -> tuple[Point, ...]:
-        ids = info.data.get("ids")  # absent where they were refused themselves
+        ids = info.data.get("ids")  # absent if they were refused
         if ids is not None and len(ids) != len(value):
             raise PydanticCustomError(
                 "count_differs", "{points} points for {ids} ids", {"points": len(value), "ids": len(ids)}

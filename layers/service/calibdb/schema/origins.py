@@ -19,15 +19,14 @@ _LOOPBACK = re.compile(
 )
 _DEFAULT_PORTS = {"http": 80, "https": 443}
 _MAX_PORT = 65_535
-# Names that no public resolver answers for, or that mean something else on every network (RFC 6761, 6762,
-# 7686, 8375; ICANN resolution 2024.07.29.06).
+# Names that are not public (RFC 6761, 6762, 7686, 8375; ICANN resolution 2024.07.29.06).
 _PRIVATE_SUFFIXES = (".local", ".internal", ".home.arpa", ".onion", ".arpa", ".localhost")
 
 ORIGIN_PATTERN = (
     r"^(http://(localhost|127\.0\.0\.1|\[::1\])(:[1-9][0-9]{3})?"
     r"|https://([a-z0-9]([a-z0-9-]{0,30}[a-z0-9])?\.){1,4}[a-z]([a-z0-9-]{0,30}[a-z0-9])?)$"
 )
-"""Origins as documents describe them: the plain ones. `requirement` decides."""
+"""Plain origins, for documents. `requirement` decides."""
 
 PROOF_PATH = "/.well-known/calibdb.txt"
 
@@ -49,10 +48,7 @@ def is_loopback(origin: str) -> bool:
 
 
 def proof_host(origin: str) -> str | None:
-    """Return the domain name of an origin that can be proved; None of every other.
-
-    HTTPS at its own port and a public domain name: no address in any notation, no port, no user, no path.
-    """
+    """Public domain name of an HTTPS origin without port, which can be proved; None of others."""
     match = _DOMAIN.fullmatch(origin[: MAX_ORIGIN_LENGTH + 1])
     if match is None or len(match[1]) > _MAX_NAME_LENGTH or f".{match[1]}".endswith(_PRIVATE_SUFFIXES):
         return None
@@ -60,7 +56,7 @@ def proof_host(origin: str) -> str | None:
 
 
 def requirement(origin: str) -> str | None:
-    """Return the text of what an origin must be and is not; None if a token may have it."""
+    """Requirement that an origin does not meet; None if a token may have it."""
     if is_loopback(origin) or proof_host(origin) is not None:
         return None
     if origin != origin.lower():
@@ -74,17 +70,17 @@ def requirement(origin: str) -> str | None:
 
 
 def portless(origin: str) -> str:
-    """Return an origin without its port; unchanged if the port is not one that a browser writes."""
+    """Origin without its port, if the port is as a browser writes it."""
     host, colon, port = origin.rpartition(":")
     is_port = colon and port.isascii() and port.isdigit() and len(port) <= len(str(_MAX_PORT))
     return host if is_port and 1 <= int(port) <= _MAX_PORT and port[0] != "0" else origin
 
 
 def proof_url(origin: str) -> str:
-    """Return the address at which the proof of `origin` is looked for."""
+    """Address of the proof of `origin`."""
     return origin + PROOF_PATH
 
 
 def proof_content(token_id: str) -> str:
-    """Return the line that the proof holds."""
+    """Line that the proof must contain."""
     return f"calibdb-site-verification={token_id}"

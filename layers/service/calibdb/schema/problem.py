@@ -1,4 +1,4 @@
-"""Errors as they are answered: RFC 9457 `application/problem+json`."""
+"""Problem details: RFC 9457, `application/problem+json`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The internal call of `refit`: which consensus to compute, and what came out."""
+"""The internal call of `refit`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class NewAlias(Open):
-    """Label and platform under which a lookup found a camera, and the hashed source of the lookup."""
+    """Label and platform under which a lookup found a camera, and its hashed source."""
 
     label: Label
     platform: Label
@@ -23,7 +23,7 @@ class NewAlias(Open):
 
 
 class ModeViews(Open):
-    """Views that may tell in which mode a camera is, and the record of their board."""
+    """Views that may show the mode of a camera, and the record of their board."""
 
     board: Members
     views: tuple[ViewDocument, ...]
@@ -32,25 +32,22 @@ class ModeViews(Open):
 class RefitRequest(Open):
     """One camera (its key) at one size and zoom, and the models to compute.
 
-    A model that the function does not know is passed over: while a new version is rolled out, an old one may
-    be asked by it. `queued`: no caller waits for the answer, so that a running computation can include it.
-    `alias`: nothing is computed; an alias of the camera is stored. `misses`: nothing is computed
-    either; cameras, and how often lookups found nothing reliable of them. `seen`: views to which one of the
-    groups of calibrations of the first model is fitted; nothing is stored.
+    Unknown models are ignored: during a rollout a newer version may ask. With `alias` or `misses` nothing is
+    computed: they are stored. With `seen` nothing is stored: the group of calibrations that fits is returned.
     """
 
     camera: str
     img_size: ImgSize
     zoom: Zoom = 0.0
     models: tuple[str, ...] = ()  # empty: all
-    queued: bool = False
+    queued: bool = False  # no caller waits, so that a running computation can include it
     alias: NewAlias | None = None
-    misses: dict[str, int] = Field({}, max_length=200)
+    misses: dict[str, int] = Field({}, max_length=200)  # lookups without a reliable result, by camera
     seen: ModeViews | None = None
 
     @classmethod
     def of_views(cls, camera: str, request: LookupRequest) -> RefitRequest:
-        """Return the request for the group of a camera's calibrations that fits the views of a lookup."""
+        """Request for the group of calibrations that fits the views of a lookup."""
         views = (ViewDocument(index=n, ids=v.ids, points=v.points) for n, v in enumerate(request.views))
         return cls(
             camera=camera,
@@ -62,7 +59,7 @@ class RefitRequest(Open):
 
 
 class FittingGroup(Open):
-    """Most certain calibration of the one group that fits views, the number of groups, and its name."""
+    """Most certain calibration of the group that fits views, the number of groups, and its name."""
 
     calibration: Calibration
     groups: int
@@ -70,7 +67,7 @@ class FittingGroup(Open):
 
 
 class RefitAnswer(Open):
-    """Answer by model: the consensus now stored, or null if there is no calibration at all."""
+    """Stored consensus by model; None if there is no calibration at all."""
 
     models: dict[DistortionModel, ConsensusDocument | None]
     fitting: FittingGroup | None = None
@@ -83,7 +80,7 @@ class ListedObject(Open):
 
 
 class BackfillBatch(Open):
-    """Input that a distributed map of Step Functions hands to each of its children."""
+    """Input of a child of a distributed map of Step Functions."""
 
     items: tuple[ListedObject, ...] = Field(alias="Items")
 

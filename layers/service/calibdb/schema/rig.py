@@ -1,4 +1,4 @@
-"""Rigs: what is asked about cameras that do not move against each other, and what is answered."""
+"""Rigs of cameras that do not move against each other: requests and responses."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ class MemberDocument(Open):
 
 
 class MomentDocument(Open):
-    """A moment that was opened; an undone one is never opened again."""
+    """Opened moment; an undone one is never opened again."""
 
     id: str
     opened: int  # unix seconds
@@ -31,11 +31,11 @@ class MomentDocument(Open):
 
 
 class SkipsDocument(Open):
-    """Targets that were not wanted, and the views (their digest) after which they were shown."""
+    """Skipped targets, and the digest of the views after which they were shown."""
 
     basis: str
     poses: tuple[Motion, ...] = ()
-    missed: int = 0  # of those that have no pose, since the rig is not known yet
+    missed: int = 0  # number of those without a pose, since the rig was not known yet
 
 
 class CodeDocument(Open):
@@ -46,7 +46,7 @@ class CodeDocument(Open):
 
 
 class EndingDocument(Open):
-    """End of one camera's session, fixed when the rig ends: publishing it needs only this."""
+    """End of one camera's session, fixed when the rig ends."""
 
     session: str
     estimate: EstimateDocument
@@ -55,7 +55,7 @@ class EndingDocument(Open):
 
 
 class RigCalibrationDocument(Open):
-    """All of a finished rig: `rig_calibrations/<id>.json`. Never overwritten."""
+    """Finished rig: `rig_calibrations/<id>.json`. Never overwritten."""
 
     layout: Literal[1] = 1
     id: str
@@ -73,7 +73,7 @@ class RigFinish(Open):
 
 
 class RigDocument(Open):
-    """All of a running rig but its views, which its sessions have: `rigs/<id>/<version>.json`."""
+    """Running rig without its views, which its sessions have: `rigs/<id>/<version>.json`."""
 
     layout: Literal[1] = 1
     rig: str
@@ -94,7 +94,7 @@ class RigDocument(Open):
 
 
 class TurnedView(Open):
-    """View whose corners were numbered from another side of the board."""
+    """View with corners numbered from another side of the board."""
 
     moment: str
     position: int

@@ -1,4 +1,4 @@
-"""The guided capture: what a session is asked and what it answers."""
+"""The guided capture: requests and responses."""
 
 from __future__ import annotations
 

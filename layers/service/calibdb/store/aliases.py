@@ -12,7 +12,7 @@ import time
 import unicodedata
 from dataclasses import dataclass
 
-from calibdb.store.ports import IF_NOT_EXISTS, Item, Table
+from calibdb.store.ports import IF_NOT_EXISTS, Item, ItemStore
 
 MAX_OF_CAMERA = 200
 MAX_OF_SOURCE = 20  # per day
@@ -23,7 +23,7 @@ _SK = "META"
 
 
 def alias_digest(label: str, platform: str) -> str:
-    """Compute the name of an alias, 32 hex digits: half of a SHA-256 (docs/api.md, "Known cameras")."""
+    """Compute the name of an alias (docs/api.md, "Known cameras")."""
     text = f"v1\n{unicodedata.normalize('NFC', label).strip()}\n{platform}"
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
@@ -46,18 +46,13 @@ class Alias:
         return self.expires >= now + ALIAS_EXPIRY_S - ALIAS_RENEWAL_S
 
 
-class Aliases:
+class Aliases(ItemStore):
     """Store of aliases."""
 
-    def __init__(self, table: Table) -> None:
-        self._table = table
-
     def get(self, digest: str) -> Alias | None:
-        """Return the alias of this name, None if there is none."""
+        """Alias of this name."""
         item = self._table.get(_pk(digest), _SK, consistent=False)
-        return (
-            None if item is None else Alias(str(item["label"]), str(item["platform"]), int(str(item["ttl"])))
-        )
+        return None if item is None else Alias(item["label"], item["platform"], item["ttl"])
 
     def record(self, alias: Alias, camera_key: str, source: str, now: int) -> bool:
         """Store an alias for `ALIAS_EXPIRY_S` from now; False, and nothing stored, if there are too many."""
@@ -69,37 +64,20 @@ class Aliases:
             "platform": alias.platform,
             "ttl": now + ALIAS_EXPIRY_S,
         }
-        if self.get(alias.digest) is None:
-            day = time.strftime("%Y-%m-%d", time.gmtime(now))
-            per_source = self._table.add(
-                _counter(source),
-                f"DAY#{day}",
-                "aliases",
-                1,
-                limit=MAX_OF_SOURCE,
-                ttl=now + 2 * _DAY_S,
-            )
-            if per_source is None:
-                return False
-            per_camera = self._table.add(
-                _counter(camera_key),
-                "TOTAL",
-                "aliases",
-                1,
-                limit=MAX_OF_CAMERA,
-                ttl=now + ALIAS_EXPIRY_S,
-            )
-            if per_camera is None:
-                return False
-            self._table.put(item, IF_NOT_EXISTS)
+        if self.get(alias.digest) is not None:
+            self._table.put(item)
             return True
-        self._table.put(item)
+        day = time.strftime("%Y-%m-%d", time.gmtime(now))
+        if not self._count(source, f"DAY#{day}", MAX_OF_SOURCE, now + 2 * _DAY_S):
+            return False
+        if not self._count(camera_key, "TOTAL", MAX_OF_CAMERA, now + ALIAS_EXPIRY_S):
+            return False
+        self._table.put(item, IF_NOT_EXISTS)
         return True
+
+    def _count(self, owner: str, sk: str, limit: int, ttl: int) -> bool:
+        return self._table.add(f"ALIASES#{owner}", sk, "aliases", 1, limit=limit, ttl=ttl) is not None
 
 
 def _pk(digest: str) -> str:
     return f"ALIAS#{digest}"
-
-
-def _counter(owner: str) -> str:
-    return f"ALIASES#{owner}"

@@ -1,7 +1,6 @@
 """The ports on AWS: DynamoDB, S3 and Lambda. No other module imports botocore.
 
-Clients are created on first use and kept: a connection costs more than most requests. They are botocore's.
-boto3 would add S3's transfer manager, a fifth of what a lookup imports, and nothing here uses it.
+Clients are botocore's: boto3 would add S3's transfer manager, a fifth of what a lookup imports.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from decimal import Decimal
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import botocore.session
 from botocore.config import Config
@@ -22,7 +21,7 @@ from calibdb.store.ports import Condition, Item, JobName, Jobs, Objects, Table, 
 
 if TYPE_CHECKING:
     from mypy_boto3_dynamodb import DynamoDBClient
-    from mypy_boto3_dynamodb.type_defs import AttributeValueTypeDef, QueryOutputTypeDef
+    from mypy_boto3_dynamodb.type_defs import AttributeValueTypeDef
     from mypy_boto3_lambda import LambdaClient
     from mypy_boto3_s3 import S3Client
     from mypy_boto3_s3.type_defs import ObjectIdentifierTypeDef
@@ -44,39 +43,31 @@ _SECRETS = Config(connect_timeout=1, read_timeout=2, retries={"mode": "standard"
 _INVOKE = Config(connect_timeout=1, read_timeout=25, retries={"mode": "standard", "total_max_attempts": 1})
 
 
-class ParameterReader(Protocol):
-    """Part of SSM's client that reads parameters."""
-
-    def get_parameters(self, *, Names: Sequence[str], WithDecryption: bool) -> Mapping[str, Any]:  # noqa: N803
-        """Return the parameters of these names, ten at most."""
-        ...
-
-
 _making = threading.Lock()  # a session is not safe to make clients with in several threads
 
 
 @functools.cache
 def dynamodb(region: str) -> DynamoDBClient:
-    """Return the client of the index."""
+    """Client of the index."""
     return cast("DynamoDBClient", _make("dynamodb", region, _STORAGE))
 
 
 @functools.cache
 def s3(region: str) -> S3Client:
-    """Return the client of the bucket."""
+    """Client of the bucket."""
     return cast("S3Client", _make("s3", region, _STORAGE))
 
 
 @functools.cache
 def lambda_(region: str) -> LambdaClient:
-    """Return the client that asks other functions."""
+    """Client that asks other functions."""
     return cast("LambdaClient", _make("lambda", region, _INVOKE))
 
 
 @functools.cache
-def ssm(region: str) -> ParameterReader:
-    """Return the client of the parameter store."""
-    return cast("ParameterReader", _make("ssm", region, _SECRETS))
+def ssm(region: str) -> Any:
+    """Client of the parameter store."""
+    return _make("ssm", region, _SECRETS)
 
 
 @functools.cache
@@ -84,7 +75,7 @@ def _session() -> botocore.session.Session:
     return botocore.session.get_session()
 
 
-def _make(service: str, region: str, config: Config) -> object:
+def _make(service: str, region: str, config: Config) -> Any:
     with _making:
         return _session().create_client(service, region_name=region, config=config)
 
@@ -96,7 +87,7 @@ def code(error: ClientError) -> str:
 
 @contextmanager
 def available() -> Iterator[None]:
-    """Turn what storage could not do, after its retries, into UnavailableError: the caller may try again."""
+    """Turn what storage could not do, after its retries, into UnavailableError."""
     try:
         yield
     except (ClientError, BotoCoreError) as error:
@@ -119,16 +110,17 @@ class DynamoTable(Table):
         return _decode(response["Item"]) if "Item" in response else None
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
-        write = self._client().put_item
-        return (
-            _attempt(write, TableName=self._name, Item=_encode_item(item), **_options(condition)) is not None
-        )
+        request = self._put_request(item) | _options(condition)
+        return _attempt(self._client().put_item, **request) is not None
 
     def put_transaction(self, items: Sequence[Item], condition: Condition) -> bool:
-        puts: list[dict[str, Any]] = [{"TableName": self._name, "Item": _encode_item(item)} for item in items]
+        puts = [self._put_request(item) for item in items]
         puts[0] |= _options(condition)
         write = self._client().transact_write_items
         return _attempt(write, TransactItems=[{"Put": put} for put in puts]) is not None
+
+    def _put_request(self, item: Item) -> dict[str, Any]:
+        return {"TableName": self._name, "Item": {name: _encode(value) for name, value in item.items()}}
 
     def add(
         self, pk: str, sk: str, name: str, amount: int, *, limit: int | None = None, ttl: int | None = None
@@ -178,46 +170,38 @@ class DynamoTable(Table):
         newest_first: bool = False,
         limit: int | None = None,
         consistent: bool = False,
+        after: str | None = None,
     ) -> list[Item]:
-        """Return items as the port says; one Query for every megabyte of them."""
         items: list[Item] = []
-        options: dict[str, Any] = {"ScanIndexForward": not newest_first, "ConsistentRead": consistent}
+        request: dict[str, Any] = {
+            "TableName": self._name,
+            "KeyConditionExpression": "pk = :pk AND begins_with(sk, :prefix)",
+            "ExpressionAttributeValues": {":pk": {"S": pk}, ":prefix": {"S": prefix}},
+            "ScanIndexForward": not newest_first,
+            "ConsistentRead": consistent,
+        }
+        if after is not None:
+            request["ExclusiveStartKey"] = _key(pk, after)
         while limit is None or len(items) < limit:
             if limit is not None:
-                options["Limit"] = limit - len(items)
-            page = self._query(pk, prefix, **options)
+                request["Limit"] = limit - len(items)
+            with available():
+                page = self._client().query(**request)
             items += map(_decode, page["Items"])
             if "LastEvaluatedKey" not in page:
                 break
-            options["ExclusiveStartKey"] = page["LastEvaluatedKey"]
+            request["ExclusiveStartKey"] = page["LastEvaluatedKey"]
         return items
 
-    def page(self, pk: str, prefix: str, limit: int, after: str | None) -> tuple[list[Item], bool]:
-        start = {} if after is None else {"ExclusiveStartKey": _key(pk, after)}
-        response = self._query(pk, prefix, Limit=limit, **start)
-        return [_decode(item) for item in response["Items"]], "LastEvaluatedKey" in response
-
     def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
-        """Yield keys as the port says; reads the whole table."""
+        pages = self._client().get_paginator("scan")
         with available():
-            pages = self._client().get_paginator("scan")
             for page in pages.paginate(
-                TableName=self._name,
-                ProjectionExpression="pk, sk",
-                ConsistentRead=True,
+                TableName=self._name, ProjectionExpression="pk, sk", ConsistentRead=True
             ):
                 for item in page["Items"]:
                     if item["pk"]["S"].startswith(pk_prefix):
                         yield item["pk"]["S"], item["sk"]["S"]
-
-    def _query(self, pk: str, prefix: str, **options: Any) -> QueryOutputTypeDef:
-        with available():
-            return self._client().query(
-                TableName=self._name,
-                KeyConditionExpression="pk = :pk AND begins_with(sk, :prefix)",
-                ExpressionAttributeValues={":pk": {"S": pk}, ":prefix": {"S": prefix}},
-                **options,
-            )
 
 
 def _attempt(write: Callable[..., Any], **request: Any) -> Any:
@@ -228,9 +212,8 @@ def _attempt(write: Callable[..., Any], **request: Any) -> Any:
         except ClientError as error:
             reasons = {str(r.get("Code")) for r in error.response.get("CancellationReasons", [])}
             overtaken = reasons <= {"None", "ConditionalCheckFailed", "TransactionConflict"}
-            if code(error) == "ConditionalCheckFailedException":
-                return None
-            if code(error) == "TransactionCanceledException" and overtaken:
+            refused = code(error) == "ConditionalCheckFailedException"
+            if refused or (code(error) == "TransactionCanceledException" and overtaken):
                 return None
             raise
 
@@ -240,7 +223,6 @@ def _key(pk: str, sk: str) -> dict[str, AttributeValueTypeDef]:
 
 
 def _options(condition: Condition | None) -> dict[str, Any]:
-    """Return the parameters of a conditional write."""
     if condition is None:
         return {}
     names: dict[str, str] = {}
@@ -263,10 +245,6 @@ def _options(condition: Condition | None) -> dict[str, Any]:
         "ExpressionAttributeNames": names,
     }
     return options | ({"ExpressionAttributeValues": values} if values else {})
-
-
-def _encode_item(item: Item) -> dict[str, AttributeValueTypeDef]:
-    return {name: _encode(value) for name, value in item.items()}
 
 
 def _encode(value: Value) -> AttributeValueTypeDef:
@@ -354,10 +332,6 @@ class S3Objects(Objects):
         return None
 
     def purge_all_versions(self, names: Iterable[str]) -> int:
-        """Remove the objects with every version that the bucket keeps of them; return how many those were.
-
-        For operators: what a person wants forgotten must not survive as a version.
-        """
         removed = 0
         for name in names:
             versions = list(self._versions(name))
@@ -392,10 +366,7 @@ class S3Objects(Objects):
 
 
 class LambdaJobs(Jobs):
-    """`Jobs` as other functions: queued jobs are asynchronous invocations.
-
-    `functions`: their names; None for one that this function may not invoke.
-    """
+    """`Jobs` as other functions; `functions`: their names, None for one that this function may not invoke."""
 
     def __init__(self, client: Callable[[], LambdaClient], functions: Mapping[JobName, str | None]) -> None:
         self._client = client

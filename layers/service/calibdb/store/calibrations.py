@@ -2,8 +2,8 @@
 
 Only a licence is ever added to an object, and an operator may remove the name of its mode.
 
-One that was withdrawn keeps its object; a tombstone next to it, `<id>.withdrawn.json`, says so, and its item
-is marked. It counts for nothing any more, and publishing it again does not bring it back.
+One that was withdrawn keeps its object, next to a tombstone `<id>.withdrawn.json`, and its item is marked. It
+counts for nothing any more, and publishing it again does not bring it back.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -27,19 +26,17 @@ from calibdb.store.keys import (
     WITHDRAWN,
     StreamMode,
     calibration_object,
-    calibrations_prefix,
     camera_pk,
-    parse_calibration_sk,
     with_tombstones,
 )
 from calibdb.store.names import Names, with_current_key
-from calibdb.store.ports import READERS, Item, Objects, Table, absent
+from calibdb.store.ports import DocumentStore, Item, Objects, Table, compared, encoded, read_together
 
 MAX_PER_SOURCE = 3  # calibrations of one source that enter a consensus
 Withdrawal = Literal["wrong", "abuse", "privacy", "other"]
 WITHDRAWALS: tuple[Withdrawal, ...] = get_args(Withdrawal)
 _MAX_CALIBRATIONS = 2_000  # of a mode that are looked through for those that count
-_NOT_WITHDRAWN = absent("withdrawn")
+_NOT_WITHDRAWN = compared("withdrawn", "absent")
 
 
 @dataclass(frozen=True)
@@ -58,16 +55,15 @@ class CountedCalibration:
         return self.camera, self.platform
 
 
-class Calibrations:
+class Calibrations(DocumentStore):
     """Calibrations under their ids."""
 
     def __init__(self, table: Table, objects: Objects) -> None:
-        self._table = table
-        self._objects = objects
+        super().__init__(table, objects)
         self._catalogue = Names(table)
 
     def get(self, calibration_id: str) -> CalibrationDocument | None:
-        """Return the calibration, None if there is none that this version can read."""
+        """Calibration, None if there is none that this version can read."""
         name = calibration_object(calibration_id)
         content = self._objects.get(name) if name else None
         return _document(content) if content is not None else None
@@ -84,8 +80,8 @@ class Calibrations:
         return next((kind for kind in WITHDRAWALS if said.startswith(kind)), "other")
 
     def publish(self, document: CalibrationDocument) -> None:
-        """Store the calibration and let the index find it; done twice, it is done once."""
-        if not self._objects.create(_name(document.id), document.model_dump_json().encode()):
+        """Store the calibration and let the index find it; idempotent."""
+        if not self._objects.create(_name(document.id), encoded(document)):
             document = self.get(document.id) or document  # with what was changed since
         if self._table.put(_item(document), _NOT_WITHDRAWN):
             self._catalogue.publish(document)
@@ -95,7 +91,7 @@ class Calibrations:
         self._change(calibration_id, lambda document: {} if document.licence else given.consent)
 
     def remove_mode_name(self, calibration_id: str) -> bool:
-        """Remove the name that a contributor gave to the mode; False if there is none. For operators."""
+        """Remove the name that a contributor gave to the mode; False if there is none."""
         return self._change(
             calibration_id, lambda document: {"mode_name": None} if document.mode_name else {}
         )
@@ -110,13 +106,13 @@ class Calibrations:
             if not (update := change(document)):
                 return False
             changed = document.model_copy(update=update)
-            if self._objects.replace(name, changed.model_dump_json().encode(), version[1]):
+            if self._objects.replace(name, encoded(changed), version[1]):
                 self._table.put(_item(changed), _NOT_WITHDRAWN)
                 return True
         return False
 
     def index(self, document: CalibrationDocument, *, withdrawn: bool = False) -> None:
-        """Write the index item; it follows from the bucket, so that writing it again changes nothing."""
+        """Write the index item, which follows from the bucket."""
         if withdrawn:
             self._table.put({**_item(document), "withdrawn": 1})
         else:
@@ -132,65 +128,67 @@ class Calibrations:
         return created
 
     def unindex(self, document: CalibrationDocument) -> None:
-        """Remove the index item of a calibration that is to be removed. For operators."""
+        """Remove the index item of a calibration that is to be removed."""
         item = _item(document)
-        self._table.delete(str(item["pk"]), str(item["sk"]))
+        self._table.delete(item["pk"], item["sk"])
 
     def newest(self, mode: StreamMode, limit: int, period: int = 0) -> list[CountedCalibration]:
-        """Return at most `limit` calibrations of a camera at one size and zoom, last ended first.
+        """Return at most `limit` calibrations that count of a camera at one size and zoom, last ended first.
 
-        Where there are more, those of the last days.
-
-        Only those that count: not withdrawn, and of the stream as the camera gives it. With a `period`,
-        seconds, contributors are distinguished: then only evidence (`quality_gates.is_evidence`), one of each
-        source in a period, and of each source the newest `MAX_PER_SOURCE`. 0: all of them.
+        Those that are not withdrawn, of the stream as the camera gives it. With a `period`, seconds,
+        contributors are distinguished: then only evidence (`quality_gates.is_evidence`), one of each source
+        in a period, and of each source the newest `MAX_PER_SOURCE`.
         """
         counted: list[CountedCalibration] = []
-        # Mostly all of them count; where they do not, one is not kept out by many that are passed over.
+        # Mostly all of them count. If not, many that do not count must not hide one that does.
         for items_limit in (limit + limit // 4, _MAX_CALIBRATIONS):
             # Ids sort by the day on which the session was started.
-            prefix = calibrations_prefix(mode.img_size, mode.zoom)
-            items = self._table.query(mode.pk, prefix, newest_first=True, limit=items_limit, consistent=True)
-            items.sort(key=lambda item: (int(str(item["time"])), str(item["sk"])), reverse=True)
+            items = self._table.query(
+                mode.pk, mode.calibrations, newest_first=True, limit=items_limit, consistent=True
+            )
+            items.sort(key=lambda item: (item["time"], item["sk"]), reverse=True)
             counted = _select_counted(items, period)[:limit]
             if len(counted) == limit or len(items) < items_limit:
                 break
         return counted
 
     def modes(self, camera_key: str) -> list[StreamMode]:
-        """Return the sizes and zooms at which the camera was calibrated."""
+        """Sizes and zooms at which the camera was calibrated."""
         modes = {mode for mode, _ in self._places(camera_key)}
         return sorted(modes, key=lambda mode: (mode.img_size, mode.zoom))
 
     def names(self, camera_key: str) -> set[tuple[str, str]]:
-        """Return the labels and platforms of the camera's calibrations that were not withdrawn."""
-        items = self._not_withdrawn(camera_key)
-        return {(str(item["camera"]), str(item["platform"])) for item in items}
+        """Labels and platforms of the camera's calibrations that were not withdrawn."""
+        return {(item["camera"], item["platform"]) for item in self._not_withdrawn(camera_key)}
 
     def licence(self, camera_key: str) -> str | None:
-        """Return the licence under which every calibration of the camera was given; None of one without."""
-        licences = {str(item.get("licence", "")) for item in self._not_withdrawn(camera_key)}
-        return (licences.pop() or None) if len(licences) == 1 else None
+        """Licence under which every calibration of the camera was given; None of one without."""
+        licences = {item.get("licence") for item in self._not_withdrawn(camera_key)}
+        return licences.pop() if len(licences) == 1 else None
 
     def _not_withdrawn(self, camera_key: str, *, consistent: bool = False) -> list[Item]:
         items = self._table.query(camera_pk(camera_key), "CALIBRATION#", consistent=consistent)
         return [item for item in items if "withdrawn" not in item]
 
     def _places(self, camera_key: str) -> list[tuple[StreamMode, str]]:
-        """Return mode and id of every calibration of the camera that was not withdrawn."""
-        items = self._not_withdrawn(camera_key, consistent=True)
-        parsed = (parse_calibration_sk(str(item["sk"])) for item in items)
-        return [(StreamMode(camera_key, place[0], place[1]), place[2]) for place in parsed if place]
+        places = []
+        for item in self._not_withdrawn(camera_key, consistent=True):
+            _, size, zoom, calibration_id = item["sk"].split("#")
+            width, height = map(int, size.split("x"))
+            places.append((StreamMode(camera_key, (width, height), float(zoom)), calibration_id))
+        return places
 
     def read(self, ids: Sequence[str]) -> list[CalibrationDocument]:
-        """Return the calibrations with these ids in their order, without those of a later version.
+        """Calibrations with these ids in their order, without those of a later version.
 
         Raises DeniedReadError if one that the index names is not there.
         """
-        if len(ids) < 2:
-            return [document for name in ids if (document := self._read_indexed(name)) is not None]
-        with ThreadPoolExecutor(min(READERS, len(ids))) as readers:
-            return [document for document in readers.map(self._read_indexed, ids) if document is not None]
+        documents = []
+        for content in read_together(self._objects, [_name(name) for name in ids]):
+            if content is None:  # an object is written before its item
+                raise DeniedReadError("A calibration that the index names could not be read.")
+            documents.append(_document(content))
+        return [document for document in documents if document is not None]
 
     def all(self) -> Iterator[CalibrationDocument]:
         """Yield every calibration in the bucket, withdrawn or not."""
@@ -205,30 +203,23 @@ class Calibrations:
             if document is not None:
                 yield document, withdrawn
 
-    def _read_indexed(self, calibration_id: str) -> CalibrationDocument | None:
-        content = self._objects.get(_name(calibration_id))
-        if content is None:  # an object is written before its item
-            raise DeniedReadError("A calibration that the index names could not be read.")
-        return _document(content)
-
 
 def _select_counted(items: Sequence[Item], period: int) -> list[CountedCalibration]:
-    counted, heard = [], set()
+    counted, periods = [], set()
     entered: Counter[str] = Counter()
     for item in items:
         if "withdrawn" in item or item["native"] == 0:
             continue
-        source = str(item["source"])
+        source = item["source"]
         if period:
-            who = source, int(str(item["time"])) // period
-            if item["precise"] == 0 or who in heard or entered[source] == MAX_PER_SOURCE:
+            place = source, item["time"] // period
+            if item["precise"] == 0 or place in periods or entered[source] == MAX_PER_SOURCE:
                 continue
-            heard.add(who)
+            periods.add(place)
             entered[source] += 1
-        calibration_id = str(item["sk"]).rpartition("#")[2]
-        views = frozenset(str(item["views"]).split())
-        names = str(item["camera"]), str(item["platform"])
-        counted.append(CountedCalibration(calibration_id, source, *names, views))
+        calibration_id = item["sk"].rpartition("#")[2]
+        views = frozenset(item["views"].split())
+        counted.append(CountedCalibration(calibration_id, source, item["camera"], item["platform"], views))
     return counted
 
 
@@ -257,9 +248,10 @@ def _item(document: CalibrationDocument) -> Item:
     item: Item = {"licence": document.licence} if document.licence else {}
     if document.mode_name:
         item["mode_name"] = document.mode_name
+    mode = StreamMode(document.camera_key, document.img_size, document.zoom)
     return item | {
-        "pk": camera_pk(document.camera_key),
-        "sk": calibrations_prefix(document.img_size, document.zoom) + document.id,
+        "pk": mode.pk,
+        "sk": mode.calibrations + document.id,
         "camera": document.camera,
         "contributor": document.contributor,
         "fit": shown,

@@ -1,20 +1,17 @@
 """Dumps: public objects under `dumps/` in the bucket of the site, and the draft of the one being written.
 
-The draft is in the private bucket of keypoints: it holds the key by which contributors are
-named. A condition on its version keeps two writers apart.
+The draft is in the private bucket, since it has the key by which contributors are named.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from calibdb.schema.dump import Dump, DumpDraft, Statistics
-from calibdb.store.ports import Objects
+from calibdb.store.ports import Objects, encoded, read
 
 FOLDER = "dumps/"
 LATEST, STATISTICS = f"{FOLDER}latest.json", f"{FOLDER}statistics.json"
 JSON, GZIP = "application/json", "application/gzip"
-NO_STATISTICS = Statistics(created=0, history=(), wanted=()).model_dump_json().encode()
+NO_STATISTICS = encoded(Statistics(created=0, history=(), wanted=()))
 """Content of `STATISTICS` before the first dump."""
 # A part never changes; it is removed when a contributor is forgotten.
 CACHE_CONTROL = {JSON: "public, max-age=60, s-maxage=300", GZIP: "public, max-age=3600"}
@@ -22,58 +19,48 @@ _DRAFT = f"{FOLDER}draft.json"
 
 
 class Dumps:
-    """Store of the public dumps of one deployment, from the objects of keypoints to those of the site."""
+    """Store of the public dumps of one deployment: copies of private objects in the bucket of the site."""
 
-    def __init__(self, keypoints: Objects, site: Objects) -> None:
-        self._keypoints = keypoints
+    def __init__(self, documents: Objects, site: Objects) -> None:
+        self.documents = documents
         self._public = site
 
     def latest(self) -> Dump | None:
-        """Return the newest dump, None if none was written yet."""
-        content = self._public.get(LATEST)
-        return None if content is None else Dump.model_validate_json(content)
+        """Newest dump, None if none was written yet."""
+        return read(self._public, LATEST, Dump)
 
     def statistics(self) -> Statistics | None:
-        """Return the figures of the newest dump, None if there are none yet."""
-        content = self._public.get(STATISTICS)
-        return None if content is None else Statistics.model_validate_json(content)
+        """Figures of the newest dump, None if there are none yet."""
+        return read(self._public, STATISTICS, Statistics)
 
     def write(self, name: str, content: bytes, media_type: str = JSON) -> None:
-        """Write a public object, over the one of its name if there is one."""
+        """Write a public object, replacing the one of its name."""
         self._public.put(name, content, media_type, CACHE_CONTROL[media_type])
 
     def names(self) -> list[str]:
-        """List the names of all public objects. For operators."""
+        """List the names of all public objects."""
         return list(self._public.names(FOLDER))
 
     def purge(self, names: list[str]) -> int:
-        """Remove public objects with every version. For operators."""
+        """Remove public objects with every version."""
         return self._public.purge_all_versions(names)
 
     def draft(self) -> tuple[DumpDraft, str] | None:
-        """Return the draft and the tag of its version, None if no dump is being written."""
-        version = self._keypoints.get_version(_DRAFT)
+        """Draft and the tag of its version, None if no dump is being written."""
+        version = self.documents.get_version(_DRAFT)
         return None if version is None else (DumpDraft.model_validate_json(version[0]), version[1])
 
     def begin(self, draft: DumpDraft) -> bool:
         """Store the draft of a new dump; False if another is being written."""
-        return self._keypoints.create(_DRAFT, draft.model_dump_json().encode())
+        return self.documents.create(_DRAFT, encoded(draft))
 
     def advance(self, draft: DumpDraft, tag: str) -> str | None:
         """Store the draft over its version `tag`; return its new tag, None if another writer was faster."""
-        if not self._keypoints.replace(_DRAFT, draft.model_dump_json().encode(), tag):
+        if not self.documents.replace(_DRAFT, encoded(draft), tag):
             return None
-        version = self._keypoints.get_version(_DRAFT)
+        version = self.documents.get_version(_DRAFT)
         return None if version is None else version[1]
 
     def end(self) -> None:
-        """Throw the draft away, and with it the key."""
-        self._keypoints.delete([_DRAFT])
-
-    def sources(self, prefix: str, after: str) -> Iterator[str]:
-        """Yield the names of stored documents under `prefix`, those after `after`, in order."""
-        return self._keypoints.names(prefix, after)
-
-    def read(self, name: str) -> bytes | None:
-        """Return a stored document, None if it is gone."""
-        return self._keypoints.get(name)
+        """Delete the draft, and with it the key."""
+        self.documents.delete([_DRAFT])

@@ -1,7 +1,4 @@
-"""Endings: what follows from the document of a session, or of a rig, once it says that it has ended.
-
-Each step is idempotent: a repeated request completes what a crash left undone.
-"""
+"""Endings of sessions and rigs. Each step is idempotent: a repetition completes what a crash left undone."""
 
 from __future__ import annotations
 
@@ -14,7 +11,7 @@ from calibdb.store.store import Store
 
 
 def publish(store: Store, document: SessionDocument) -> None:
-    """Make the calibration of a session findable, and have every model's consensus computed."""
+    """Publish the calibration of a session, and queue the computation of every model's consensus."""
     calibration = session_result.to_calibration(document)
     store.calibrations.publish(calibration)
     store.refit.later(
@@ -28,7 +25,7 @@ def publish(store: Store, document: SessionDocument) -> None:
 
 
 def license_session(store: Store, sid: str, request: LicenceRequest, now: int) -> SessionDocument:
-    """Add the contributor's licence to a session and to what it published; return the session."""
+    """Add the contributor's licence to a session and its calibration; return the session."""
     document = store.sessions.revise(
         sid, now, lambda known: None if known.licence else known.model_copy(update=request.consent)
     )
@@ -45,7 +42,7 @@ def publish_rig(store: Store, document: RigDocument, now: int) -> None:
 
 
 def end_sessions(store: Store, document: RigDocument, now: int) -> list[SessionDocument]:
-    """Store the result of a finished rig and end the sessions of its cameras; return those there are."""
+    """Store the result of a finished rig and end the sessions of its cameras; return those that exist."""
     if document.finish is None:
         raise ValueError("the rig is not finished")
     store.rigs.publish(document.finish.calibration)
@@ -54,8 +51,7 @@ def end_sessions(store: Store, document: RigDocument, now: int) -> list[SessionD
 
 
 def _end(store: Store, ending: EndingDocument, now: int) -> SessionDocument | None:
-    """End a session of a rig; None if it was forgotten meanwhile."""
     try:
         return store.sessions.revise(ending.session, now, lambda known: rig_rules.end_session(known, ending))
-    except NotFoundError:
+    except NotFoundError:  # forgotten meanwhile
         return None

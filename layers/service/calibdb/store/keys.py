@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -12,13 +11,12 @@ from calibdb.schema.fields import size_text, zoom_text
 WITHDRAWN = ".withdrawn.json"  # what the name of a tombstone ends with
 
 _CONSENSUS_ID = re.compile(r"(c[0-9]{1,3}-[a-z0-9-]{1,40}-[0-9a-f]{12})~([0-9]+)x([0-9]+)~([0-9.]+)~([a-z]+)")
-_CALIBRATION_SK = re.compile(r"CALIBRATION#([0-9]+)x([0-9]+)#([0-9.]+)#([0-9a-z-]+)")
 _CALIBRATION_ID = re.compile(r"(c[0-9]{1,3}-[a-z0-9-]{1,40}-[0-9a-f]{12})-[0-9a-f]{20}")
 
 
 @dataclass(frozen=True)
 class StreamMode:
-    """A camera (its key) at one image size and zoom: what a consensus is of."""
+    """A camera at one image size and zoom: what a consensus is of."""
 
     camera_key: str
     img_size: tuple[int, int]
@@ -34,40 +32,24 @@ class StreamMode:
         """`1280x720#0`, as it is written in every `sk`."""
         return f"{size_text(self.img_size)}#{zoom_text(self.zoom)}"
 
+    @property
+    def calibrations(self) -> str:
+        """Prefix of the `sk` of its calibrations."""
+        return f"CALIBRATION#{self.text}#"
+
 
 def camera_pk(camera_key: str) -> str:
-    """Return the partition of a camera."""
+    """Partition of a camera."""
     return f"CAMERA#{camera_key}"
 
 
-def calibrations_prefix(img_size: tuple[int, int], zoom: float) -> str:
-    """Prefix of the `sk` of every calibration at this size and zoom."""
-    return f"CALIBRATION#{size_text(img_size)}#{zoom_text(zoom)}#"
-
-
-def consensus_sk(img_size: tuple[int, int], zoom: float, model: str) -> str:
-    """Return the `sk` of a consensus."""
-    return f"CONSENSUS#{size_text(img_size)}#{zoom_text(zoom)}#{model}"
-
-
-def groups_sk(img_size: tuple[int, int], zoom: float, model: str) -> str:
-    """Return the `sk` of what is known of the calibrations behind a consensus."""
-    return f"GROUPS#{size_text(img_size)}#{zoom_text(zoom)}#{model}"
-
-
-def parse_calibration_sk(sk: str) -> tuple[tuple[int, int], float, str] | None:
-    """Return size, zoom and id of the calibration under this `sk`, None if it is another `sk`."""
-    match = _CALIBRATION_SK.fullmatch(sk)
-    return ((int(match[1]), int(match[2])), float(match[3]), match[4]) if match else None
-
-
 def consensus_id(camera_key: str, img_size: tuple[int, int], zoom: float, model: str) -> str:
-    """Return the id under which a consensus can be asked for."""
+    """Public id of a consensus."""
     return f"{camera_key}~{size_text(img_size)}~{zoom_text(zoom)}~{model}"
 
 
 def parse_consensus_id(text: str) -> tuple[str, str] | None:
-    """Return partition and `sk` of the consensus with this id, None if it is another id."""
+    """Return partition and `sk` of a consensus, None if it is another id."""
     match = _CONSENSUS_ID.fullmatch(text)
     if match is None:
         return None
@@ -75,20 +57,20 @@ def parse_consensus_id(text: str) -> tuple[str, str] | None:
 
 
 def calibration_object(calibration_id: str) -> str | None:
-    """Return the object's name of the calibration with this id, None if it is another id."""
+    """Object's name of a calibration, None if it is another id."""
     match = _CALIBRATION_ID.fullmatch(calibration_id)
     return f"calibrations/{match[1]}/{calibration_id}.json" if match else None
 
 
 def parse_calibration_object(name: str) -> tuple[str, str] | None:
-    """Return camera key and id of the calibration in the object of this name, None if it holds none."""
+    """Return camera key and id of a calibration, None if the name is not of one."""
     folder, _, file = name.removeprefix("calibrations/").partition("/")
     calibration_id = file.removesuffix(".json")
     return (folder, calibration_id) if calibration_object(calibration_id) == name else None
 
 
 def tombstone_object(calibration_id: str) -> str | None:
-    """Return the name of the object that says that the calibration was withdrawn; None as above."""
+    """Object's name of the tombstone of a withdrawn calibration, None if it is another id."""
     name = calibration_object(calibration_id)
     return name and name.removesuffix(".json") + WITHDRAWN
 
@@ -98,18 +80,19 @@ def with_tombstones(names: Iterable[str]) -> Iterator[tuple[str, str, bool]]:
 
     A tombstone sorts directly after what it is of.
     """
-    following = itertools.chain(names, [""])
-    name = next(following)
-    while name:
-        other = next(following)
-        if name.endswith(WITHDRAWN):  # of a document that is gone, or was before this part
-            name = other
-            continue
-        withdrawn = other == name.removesuffix(".json") + WITHDRAWN
-        yield (other if withdrawn else name), name, withdrawn
-        name = next(following) if withdrawn else other
+    document = ""
+    for name in names:
+        if not name.endswith(WITHDRAWN):
+            if document:
+                yield document, document, False
+            document = name
+        elif name == document.removesuffix(".json") + WITHDRAWN:
+            yield name, document, True
+            document = ""
+    if document:
+        yield document, document, False
 
 
 def vote_object(camera_key: str, vote_id: str) -> str:
-    """Return the object's name of a vote."""
+    """Object's name of a vote."""
     return f"votes/{camera_key}/{vote_id}.json"

@@ -1,48 +1,44 @@
 """Single-flight leases: one computation of a mode's consensus at a time serves all who ask for it.
 
-`REFIT#<camera key>#<w>x<h>#<zoom>`: the holder, the time at which the lease expires, and whether another
-asked since the holder began. A lease only saves work. Correctness comes from the conditional write of the
-consensus: two computations at once, or one without a lease, do no harm.
+`REFIT#<camera key>#<w>x<h>#<zoom>`: the holder, when the lease expires, and whether another asked since the
+holder began. A lease only saves work: correctness comes from the conditional write of the consensus.
 """
 
 from __future__ import annotations
 
 from calibdb.store.keys import StreamMode
-from calibdb.store.ports import IF_NOT_EXISTS, Item, Table, below, equals
+from calibdb.store.ports import IF_NOT_EXISTS, Item, ItemStore, compared, equals
 
 _SK = "META"
 _MAX_ATTEMPTS = 8  # to learn who holds it, while others let go of it and take it
 _EXPIRED_S = 3600  # seconds after which what a crash left behind is removed
 
 
-class Leases:
+class Leases(ItemStore):
     """One computation at a time for each mode."""
-
-    def __init__(self, table: Table) -> None:
-        self._table = table
 
     def take(self, mode: StreamMode, me: str, now: int, until: int, name: str = _SK) -> bool:
         """Begin to compute; False if another does, which is then asked to repeat it.
 
         `me`: the same for every attempt of one request, so that a second one after a crash continues.
-        `until`: unix seconds at which the computation has surely ended, one way or the other. `name`: of one
-        of several computations of the mode.
+        `until`: unix seconds at which the computation has surely ended. `name`: of one of several
+        computations of the mode.
         """
-        free = IF_NOT_EXISTS | equals(holder=me) | below("until", now)
+        free = IF_NOT_EXISTS | equals(holder=me) | compared("until", "<", now)
         for _ in range(_MAX_ATTEMPTS):
             if self._table.put(_item(mode, me, until, asked=0, name=name), free):
                 return True
             item = self._table.get(_pk(mode), name)
             if item is None:
                 continue
-            holder = str(item["holder"])
-            requested = _item(mode, holder, int(str(item["until"])), asked=1, name=name)
+            holder = item["holder"]
+            requested = _item(mode, holder, item["until"], asked=1, name=name)
             if self._table.put(requested, equals(holder=holder)):
                 return False
         return True  # so much coming and going that one more does not matter
 
     def again(self, mode: StreamMode, me: str, until: int) -> None:
-        """Begin once more: what was asked for until now will be seen."""
+        """Begin again: what was asked for until now will be seen."""
         self._table.put(_item(mode, me, until, asked=0), equals(holder=me))
 
     def release(self, mode: StreamMode, me: str) -> bool:

@@ -1,4 +1,4 @@
-"""Tokens that people make for themselves: created within a daily limit, and their origins proved."""
+"""Tokens that people make for themselves."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from calibdb.store.store import Store
 SECRET_BYTES = 24
 _ID_BYTES = 8
 _DAY_S = 24 * HOUR_S
-_VERIFIERS = 10  # origins of a token that are looked at side by side
+_VERIFIERS = 10  # origins of a token that are verified at the same time
 
 
 @dataclass(frozen=True)
 class CreatedToken:
-    """A new token and its two secrets."""
+    """A new token and its two secrets, which are shown once."""
 
     token: ApiToken
     secret: str
     management: str
 
     def answer(self, facts: TokenFacts) -> TokenCreated:
-        """Return the facts of the token with its secrets, as they are shown once."""
+        """Facts of the token with its secrets."""
         token_id = self.token.id
         secrets = f"cdb_{token_id}_{self.secret}", f"cdbm_{token_id}_{self.management}"
         return TokenCreated(**dict(facts), token=secrets[0], management_token=secrets[1])
@@ -37,10 +37,7 @@ class CreatedToken:
 def create(
     store: Store, request: TokenRequest, sender: str, now: int, limit: int, random_hex: Callable[[int], str]
 ) -> CreatedToken:
-    """Create a token.
-
-    `limit`: tokens of one sender per day. Raises ForbiddenError if it is 0, else TooManyError.
-    """
+    """Create a token, `limit` per sender and day; raises ForbiddenError if that is 0, else TooManyError."""
     if limit == 0:
         raise ForbiddenError(
             "The operator of this service issues its API tokens; ask them for one.", kind="tokens-closed"
@@ -77,9 +74,9 @@ def look_for_proofs(store: Store, token: ApiToken, now: int) -> tuple[ApiToken, 
         return store.proofs.fetch(token.id, origin, now)
 
     with ThreadPoolExecutor(_VERIFIERS) as verifiers:
-        answers = dict(zip(token.pending, verifiers.map(look_for, token.pending), strict=True))
-    failures = {origin: one.failure for origin, one in answers.items() if one.failure is not None}
-    proved = set(answers) - set(failures)
+        answers = zip(token.pending, verifiers.map(look_for, token.pending), strict=True)
+        failures = {origin: one.failure for origin, one in answers if one.failure is not None}
+    proved = set(token.pending) - set(failures)
     if not proved:
         return token, failures
     return _update(store, token, lambda known: with_proved(known, proved)), failures
@@ -102,7 +99,7 @@ def rotate(store: Store, token: ApiToken, secret: str, now: int, grace_s: int) -
 
 
 def require_living(token: ApiToken, now: int) -> ApiToken:
-    """Return the token; raises ForbiddenError if it is revoked or has expired."""
+    """Token; raises ForbiddenError if it is revoked or has expired."""
     if token.revoked is not None:
         raise _revoked()
     if token.is_expired(now):

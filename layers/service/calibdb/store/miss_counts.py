@@ -1,7 +1,6 @@
-"""Cameras that were asked for and are not known: `ASKED#<week>/CAMERA#<camera>`, how often, for three months.
+"""Counts of lookups of cameras that are not known: `ASKED#<week>/CAMERA#<camera>`, for three months.
 
-A camera is its key, where enough contributors calibrated it, or `usb#<vid:pid>`. No label is written down
-here, and nothing of who asked.
+A camera is its key, if enough contributors calibrated it, or `usb#<vid:pid>`. No label or source is stored.
 """
 
 from __future__ import annotations
@@ -9,7 +8,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 
-from calibdb.store.ports import Table
+from calibdb.store.ports import ItemStore
 
 USB = "usb#"
 WEEKS = 13  # that are counted: 90 days, about
@@ -18,11 +17,8 @@ _WEEK_S = 7 * 86_400
 _CAMERA = "CAMERA#"
 
 
-class MissCounts:
+class MissCounts(ItemStore):
     """Counters of lookups that found nothing reliable."""
-
-    def __init__(self, table: Table) -> None:
-        self._table = table
 
     def add(self, counts: Mapping[str, int], now: int) -> None:
         """Add to the counters of this week."""
@@ -32,11 +28,11 @@ class MissCounts:
             self._table.add(_pk(week), _CAMERA + camera, "asked", count, ttl=ttl)
 
     def most(self, now: int) -> list[tuple[str, int]]:
-        """Return cameras and how often they were asked for, the most first."""
+        """Return cameras and their counts, largest first."""
         total: Counter[str] = Counter()
         for week in range(now // _WEEK_S - WEEKS + 1, now // _WEEK_S + 1):
             for item in self._table.query(_pk(week), _CAMERA, limit=MAX_CAMERAS_A_WEEK):
-                total[str(item["sk"]).removeprefix(_CAMERA)] += int(str(item["asked"]))
+                total[item["sk"].removeprefix(_CAMERA)] += item["asked"]
         return sorted(total.items(), key=lambda found: (-found[1], found[0]))
 
 

@@ -1,11 +1,9 @@
 """The names under which cameras are found: other keys of the same camera, and the words that people search.
 
-All of them follow from the calibrations, so that the index can be rebuilt from the bucket.
-
 * `CAMERA#<other key>/CONSENSUS-OF#<key>`: a camera requested under the other key is known under this one. The
-  other key is that of the bare name, which is all that some browsers report, or one of earlier rules. Its
-  sort key begins with `CONSENSUS`, so that the one Query of a lookup returns it. If the camera counts as one
-  of several of this name (`calibdb.lookup.well_known_ids`): `well_known`, its contributors, and `reliable`.
+  other key is that of the bare name, which is all that some browsers report, or one of earlier rules. The one
+  Query of a lookup returns it. If the camera counts as one of several of this name
+  (`calibdb.lookup.well_known_ids`): `well_known`, its contributors, and `reliable`.
 * `CAMERAS#<first letter>/<word>#<key>` and `CAMERAS#/<key>`: the search, by word, and without one.
 """
 
@@ -23,7 +21,7 @@ from calibdb.store.keys import camera_pk
 from calibdb.store.ports import IF_NOT_EXISTS, Item, Table
 
 SAME_AS = "CONSENSUS-OF#"
-ALL = "CAMERAS#"  # partition of all cameras; followed by a letter, of the words that begin with it
+ALL = "CAMERAS#"  # partition of all cameras; with a letter, of the words that begin with it
 _MAX_NAME_WORDS = 16
 _OWN_ID = re.compile(r"-[0-9a-f]{20}$")  # what a calibration's id adds to the key it was made under
 
@@ -43,7 +41,7 @@ class Names:
         self._written: set[_NamedCamera] = set()
 
     def publish(self, document: CalibrationDocument) -> None:
-        """Index the names of a camera, so that searches find it."""
+        """Index the names of a camera."""
         named = _name_of(document)
         # This item is written last: where it exists, all others that follow from the key exist.
         is_listed = self._table.get(ALL, named.key) is not None
@@ -68,13 +66,13 @@ class Names:
         if left and named.identity.usb_id:
             others |= named.identity.name_keys
         for item in gone:
-            if str(item["pk"]) not in map(camera_pk, others):
-                self._table.delete(str(item["pk"]), str(item["sk"]))
+            if item["pk"] not in map(camera_pk, others):
+                self._table.delete(item["pk"], item["sk"])
         self._written.discard(named)
 
     def _alias(self, named: _NamedCamera) -> None:
         for item in _aliases(named):
-            self._table.put(item, IF_NOT_EXISTS)  # what it is worth is written there later
+            self._table.put(item, IF_NOT_EXISTS)  # its support is written there later
 
     def _search(self, named: _NamedCamera) -> None:
         for item in _search_items(named):
@@ -82,7 +80,7 @@ class Names:
 
 
 def with_current_key(document: CalibrationDocument) -> CalibrationDocument:
-    """Return the calibration under today's key of its camera, and with what today is kept of its label."""
+    """Calibration with key and public label by today's rules."""
     key = document.current_key
     if key == document.camera_key:
         return document

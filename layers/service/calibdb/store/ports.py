@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Literal, Protocol, TypeVar
+from typing import Any, Literal, Protocol, TypeVar
 
 from pydantic import BaseModel
 
 Document = TypeVar("Document", bound=BaseModel)
 Value = str | int | list[str]
-Item = dict[str, Value]
+Item = dict[str, Any]
+"""Attributes by name, each a `Value`."""
+Relation = Literal["absent", "present", "=", "<", "<="]
 JobName = Literal["refit", "verify", "dump"]
 
 READERS = 8  # threads that read objects at a time
@@ -24,7 +27,7 @@ class Comparison:
     """
 
     name: str
-    relation: Literal["absent", "present", "=", "<", "<="]
+    relation: Relation
     value: Value = ""
 
     def holds(self, item: Item | None) -> bool:
@@ -33,7 +36,7 @@ class Comparison:
         if self.relation in ("absent", "present"):
             return (stored is None) == (self.relation == "absent")
         if self.relation == "=":
-            return stored == self.value
+            return bool(stored == self.value)
         if not isinstance(stored, int) or not isinstance(self.value, int):
             return False
         return stored < self.value if self.relation == "<" else stored <= self.value
@@ -53,35 +56,25 @@ class Condition:
         return any(all(each.holds(item) for each in together) for together in self.alternatives)
 
 
-def absent(name: str) -> Condition:
-    """Return the condition that the item, or its attribute `name`, does not exist."""
-    return Condition(((Comparison(name, "absent"),),))
+def compared(name: str, relation: Relation, value: Value = "") -> Condition:
+    """Condition on one attribute."""
+    return Condition(((Comparison(name, relation, value),),))
 
 
 def equals(**values: Value) -> Condition:
-    """Return the condition that these attributes have these values."""
+    """Condition that these attributes have these values."""
     return Condition((tuple(Comparison(name, "=", value) for name, value in values.items()),))
 
 
-def below(name: str, value: int) -> Condition:
-    """Return the condition that the attribute is less than `value`."""
-    return Condition(((Comparison(name, "<", value),),))
-
-
-def at_most(name: str, value: int) -> Condition:
-    """Return the condition that the attribute is at most `value`."""
-    return Condition(((Comparison(name, "<=", value),),))
-
-
-IF_NOT_EXISTS = absent("pk")
-IF_EXISTS = Condition(((Comparison("pk", "present"),),))
+IF_NOT_EXISTS = compared("pk", "absent")
+IF_EXISTS = compared("pk", "present")
 
 
 class Table(Protocol):
     """Reads and conditional writes of single items under `pk` and `sk`. Numbers are integers."""
 
     def get(self, pk: str, sk: str, *, consistent: bool = True) -> Item | None:
-        """Return the item, None if there is none."""
+        """Item."""
         ...
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
@@ -120,32 +113,26 @@ class Table(Protocol):
         newest_first: bool = False,
         limit: int | None = None,
         consistent: bool = False,
+        after: str | None = None,
     ) -> list[Item]:
-        """Return the items of `pk` whose `sk` begins with `prefix`, by `sk` ascending or descending."""
-        ...
-
-    def page(self, pk: str, prefix: str, limit: int, after: str | None) -> tuple[list[Item], bool]:
-        """Return at most `limit` items after the `sk` `after`, as `query` does, and whether more follow."""
+        """Items of `pk` whose `sk` begins with `prefix`, by `sk`; `after`: those that follow this `sk`."""
         ...
 
     def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
-        """Yield the keys of all items whose `pk` begins with `pk_prefix`. For operators."""
+        """Yield the keys of all items whose `pk` begins with `pk_prefix`: a scan, for operators."""
         ...
 
 
 class Objects(Protocol):
-    """Immutable objects under names."""
+    """Objects under names. Reads raise DeniedReadError."""
 
     def get(self, name: str) -> bytes | None:
-        """Return the object's content, None if there is none; raises DeniedReadError."""
+        """Object's content."""
         version = self.get_version(name)
         return None if version is None else version[0]
 
     def get_version(self, name: str) -> tuple[bytes, str] | None:
-        """Return the object's content and the tag of this version, None if there is none.
-
-        Raises DeniedReadError.
-        """
+        """Object's content and the tag of this version."""
         ...
 
     def replace(self, name: str, content: bytes, tag: str) -> bool:
@@ -161,7 +148,7 @@ class Objects(Protocol):
         ...
 
     def purge_all_versions(self, names: Iterable[str]) -> int:
-        """Remove the objects with every stored version; return the number of versions. For operators."""
+        """Remove the objects with every stored version; return the number of versions."""
         ...
 
     def delete(self, names: Sequence[str]) -> None:
@@ -173,12 +160,44 @@ class Objects(Protocol):
         ...
 
 
+class ItemStore:
+    """Store of items."""
+
+    def __init__(self, table: Table) -> None:
+        self._table = table
+
+
+class DocumentStore(ItemStore):
+    """Store of documents: objects, and the items that find them."""
+
+    def __init__(self, table: Table, objects: Objects) -> None:
+        super().__init__(table)
+        self._objects = objects
+
+
+def encoded(document: BaseModel) -> bytes:
+    """Document as the content of its object."""
+    return document.model_dump_json().encode()
+
+
+def read(objects: Objects, name: str, model: type[Document]) -> Document | None:
+    """Read one document."""
+    content = objects.get(name)
+    return None if content is None else model.model_validate_json(content)
+
+
+def read_together(objects: Objects, names: Sequence[str]) -> list[bytes | None]:
+    """Read objects at the same time; return their contents in order."""
+    with ThreadPoolExecutor(READERS) as readers:
+        return list(readers.map(objects.get, names))
+
+
 def read_all(objects: Objects, prefix: str, model: type[Document]) -> Iterator[Document]:
     """Yield the documents below a prefix. For operators, and to rebuild the index."""
     for name in objects.names(prefix):
-        content = objects.get(name)
-        if content is not None:
-            yield model.model_validate_json(content)
+        document = read(objects, name, model)
+        if document is not None:
+            yield document
 
 
 class Jobs(Protocol):

@@ -7,44 +7,34 @@ from collections.abc import Iterator
 from calibdb.schema import FitRecord, PriorDocument
 from calibdb.schema.fields import size_text, zoom_text
 from calibdb.store.keys import camera_pk
-from calibdb.store.ports import Objects, Table, read_all
+from calibdb.store.ports import DocumentStore, encoded, read_all
 
 _PRIORS_PREFIX = "priors/"
 
 
-class Priors:
+class Priors(DocumentStore):
     """First guesses, by camera, size, zoom and model."""
 
-    def __init__(self, table: Table, objects: Objects) -> None:
-        self._table = table
-        self._objects = objects
-
     def find(self, camera_key: str, img_size: tuple[int, int], zoom: float, model: str) -> FitRecord | None:
-        """Return the guess, None if there is none: one read."""
+        """Guess, None if there is none: one read."""
         item = self._table.get(camera_pk(camera_key), _sk(img_size, zoom, model), consistent=False)
-        return FitRecord.model_validate_json(str(item["fit"])) if item else None
+        return FitRecord.model_validate_json(item["fit"]) if item else None
 
     def keep(self, document: PriorDocument) -> None:
-        """Store the guess in the place of the one that was there."""
+        """Store the guess, over the previous one."""
         fit = document.fit
         place = f"{size_text(fit.img_size)}~{zoom_text(document.zoom)}~{fit.distortion_model}"
-        name = f"{_PRIORS_PREFIX}{document.camera_key}/{place}.json"
-        self._objects.put(name, document.model_dump_json().encode())
+        self._objects.put(f"{_PRIORS_PREFIX}{document.camera_key}/{place}.json", encoded(document))
         self.index(document)
 
     def index(self, document: PriorDocument) -> None:
-        """Write the index item; it follows from the document."""
+        """Write the index item, which follows from the document."""
         fit = document.fit
-        self._table.put(
-            {
-                "pk": camera_pk(document.camera_key),
-                "sk": _sk(fit.img_size, document.zoom, fit.distortion_model),
-                "fit": fit.model_dump_json(),
-            }
-        )
+        pk, sk = camera_pk(document.camera_key), _sk(fit.img_size, document.zoom, fit.distortion_model)
+        self._table.put({"pk": pk, "sk": sk, "fit": fit.model_dump_json()})
 
     def all(self) -> Iterator[PriorDocument]:
-        """Yield every guess in the bucket. For operators."""
+        """Yield every guess in the bucket."""
         return read_all(self._objects, _PRIORS_PREFIX, PriorDocument)
 
 

@@ -1,21 +1,21 @@
-"""Proofs of origins that were found: `PROOF#<token id>/<origin>`, the unix time. And asking for them."""
+"""Proofs of origins that were found: `PROOF#<token id>/<origin>`, the unix time."""
 
 from __future__ import annotations
 
 from calibdb.errors import UnavailableError
 from calibdb.schema.managed_token import ProofAnswer, ProofRequest
-from calibdb.store.ports import Jobs, Table
+from calibdb.store.ports import Jobs, Table, encoded
 
-_EXPIRY_S = 3600  # s; the caller reads it at once
+_EXPIRY_S = 3600
 
 
 def store_proof(table: Table, token_id: str, origin: str, now: int) -> None:
-    """Note that the proof was found."""
+    """Store that the proof was found."""
     table.put({"pk": _pk(token_id), "sk": origin, "found": now, "ttl": now + _EXPIRY_S})
 
 
 class Proofs:
-    """Proofs, fetched by the job `verify`, which notes what it found."""
+    """Proofs, fetched by the job `verify`."""
 
     def __init__(self, table: Table, jobs: Jobs) -> None:
         self._table = table
@@ -24,7 +24,7 @@ class Proofs:
     def fetch(self, token_id: str, origin: str, now: int) -> ProofAnswer:
         """Have the proof fetched; raises UnavailableError if the service itself fails."""
         request = ProofRequest(token_id=token_id, origin=origin)
-        content = self._jobs.now("verify", request.model_dump_json().encode())
+        content = self._jobs.now("verify", encoded(request))
         if content is None:
             raise UnavailableError("The service could not look for the proof; try again.")
         answer = ProofAnswer.model_validate_json(content)
@@ -33,9 +33,8 @@ class Proofs:
         return answer
 
     def _is_found(self, token_id: str, origin: str, now: int) -> bool:
-        """True if a proof was stored lately: the clocks of two functions may differ by some seconds."""
         item = self._table.get(_pk(token_id), origin)
-        return item is not None and int(str(item["found"])) >= now - _EXPIRY_S
+        return item is not None and item["found"] >= now - _EXPIRY_S  # clocks may differ by some seconds
 
 
 def _pk(token_id: str) -> str:

@@ -1,7 +1,9 @@
 """Rigs: running ones under optimistic concurrency (`Versions`), what was computed of them, and finished ones.
 
 `rigs/<id>/<version>.json` is a running rig, `rigs/<id>/state/<digest>.json` fit and target that follow from
-the views of that digest, `rig_calibrations/<id>.json` a finished rig, for good.
+the views of that digest, `rig_calibrations/<id>.json` a finished rig. `RIGCODE#<keyed hash of the join code>`
+names the rig until the code expires. `GUESS#<source>/WINDOW#<number>` counts guesses: each before it is
+checked, so that many at once cannot exceed the limit.
 """
 
 from __future__ import annotations
@@ -10,10 +12,14 @@ import re
 from collections.abc import Iterator, Mapping
 
 from calibdb.schema import RigCalibrationDocument, RigDocument, RigEstimateDocument
-from calibdb.store.ports import Value, read_all
+from calibdb.store.ports import ItemStore, Value, encoded, read, read_all
 from calibdb.store.versions import Versions
 
 RIG_CALIBRATIONS_PREFIX = "rig_calibrations/"
+GUESS_WINDOW_S = 900
+MAX_GUESSES = 10  # wrong codes of one source in a window
+_SK = "META"
+_COUNTER = "guesses"
 _RIG_ID = re.compile(r"[0-9a-f]{32}")
 
 
@@ -38,25 +44,25 @@ class Rigs(Versions[RigDocument]):
         return there
 
     def estimate(self, rig_id: str, digest: str) -> RigEstimateDocument | None:
-        """Return the fit and target computed from the views of this digest, None if there is none yet."""
-        content = self._objects.get(f"{_states(rig_id)}{digest}.json")
-        return None if content is None else RigEstimateDocument.model_validate_json(content)
+        """Fit and target computed from the views of this digest, None if there is none yet."""
+        return read(self._objects, f"{_states(rig_id)}{digest}.json", RigEstimateDocument)
 
     def keep_estimate(self, rig_id: str, digest: str, estimate: RigEstimateDocument) -> None:
-        """Keep a fit and target; of two who computed it at once, the first counts."""
-        self._objects.create(f"{_states(rig_id)}{digest}.json", estimate.model_dump_json().encode())
+        """Keep a fit and target; of two computed at once, the first counts."""
+        self._objects.create(f"{_states(rig_id)}{digest}.json", encoded(estimate))
 
     def publish(self, document: RigCalibrationDocument) -> None:
-        """Store a finished rig; done twice, it is done once."""
-        self._objects.create(rig_calibration_object(document.id), document.model_dump_json().encode())
+        """Store a finished rig; idempotent."""
+        self._objects.create(rig_calibration_object(document.id), encoded(document))
 
     def calibration(self, rig_id: str) -> RigCalibrationDocument | None:
-        """Return a finished rig, None if there is none of this id."""
-        content = self._objects.get(rig_calibration_object(rig_id)) if is_rig_id(rig_id) else None
-        return None if content is None else RigCalibrationDocument.model_validate_json(content)
+        """Finished rig, None if there is none of this id."""
+        if not is_rig_id(rig_id):
+            return None
+        return read(self._objects, rig_calibration_object(rig_id), RigCalibrationDocument)
 
     def calibrations(self) -> Iterator[RigCalibrationDocument]:
-        """Yield every finished rig. For operators."""
+        """Yield every finished rig."""
         return read_all(self._objects, RIG_CALIBRATIONS_PREFIX, RigCalibrationDocument)
 
 
@@ -66,9 +72,47 @@ def is_rig_id(text: str) -> bool:
 
 
 def rig_calibration_object(rig_id: str) -> str:
-    """Return the object's name of a finished rig."""
+    """Object's name of a finished rig."""
     return f"{RIG_CALIBRATIONS_PREFIX}{rig_id}.json"
 
 
 def _states(rig_id: str) -> str:
     return f"{Rigs.prefix}{rig_id}/state/"
+
+
+class RigCodes(ItemStore):
+    """Join codes by their keyed hashes."""
+
+    def put(self, digest: str, rig_id: str, until: int) -> None:
+        """Let a code lead to a rig until a unix time."""
+        self._table.put(
+            {"pk": _pk(digest), "sk": _SK, "rig": rig_id, "until": until, "ttl": until + GUESS_WINDOW_S}
+        )
+
+    def find(self, digest: str, now: int) -> str | None:
+        """Rig of a code, None if there is none or the code has expired."""
+        item = self._table.get(_pk(digest), _SK)
+        return str(item["rig"]) if item and item["until"] > now else None
+
+    def remove(self, digest: str) -> None:
+        """Let a code lead nowhere."""
+        self._table.delete(_pk(digest), _SK)
+
+    def count_guess(self, source: str, now: int) -> bool:
+        """Count a code that may be a guess; False, and nothing counted, if there were too many."""
+        number = now // GUESS_WINDOW_S
+        ttl = (number + 2) * GUESS_WINDOW_S
+        counted = self._table.add(*_guesses(source, number), _COUNTER, 1, limit=MAX_GUESSES, ttl=ttl)
+        return counted is not None
+
+    def uncount_guess(self, source: str, now: int) -> None:
+        """Take back a guess that was right."""
+        self._table.add(*_guesses(source, now // GUESS_WINDOW_S), _COUNTER, -1)
+
+
+def _pk(digest: str) -> str:
+    return f"RIGCODE#{digest}"
+
+
+def _guesses(source: str, number: int) -> tuple[str, str]:
+    return f"GUESS#{source}", f"WINDOW#{number}"

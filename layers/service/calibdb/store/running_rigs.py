@@ -1,4 +1,4 @@
-"""Running rigs: made, joined, and forgotten with the sessions of their cameras."""
+"""Running rigs and the sessions of their cameras."""
 
 from __future__ import annotations
 
@@ -15,8 +15,7 @@ from calibdb.schema import (
 )
 from calibdb.schema.membership import RigJoin
 from calibdb.schema.rig_documents import CodeDocument
-from calibdb.store.rig_codes import GUESS_WINDOW_S, MAX_GUESSES
-from calibdb.store.rigs import is_rig_id
+from calibdb.store.rigs import GUESS_WINDOW_S, MAX_GUESSES, is_rig_id
 from calibdb.store.store import Store
 
 
@@ -26,14 +25,14 @@ def abandoned_positions(store: Store, document: RigDocument, before: int) -> lis
     for position, member in enumerate(document.members):
         if position and member is not None:
             head = store.sessions.head(member.session)
-            if (head is None and member.joined < before) or (head is not None and head.forgotten):
+            if head.forgotten if head else member.joined < before:
                 positions.append(position)
     return positions
 
 
 @dataclass(frozen=True)
 class Lead:
-    """Caller that makes a rig: name of their session, and keyed hashes of contributor and source."""
+    """Caller that makes a rig; contributor and source as keyed hashes."""
 
     session: str
     contributor: str
@@ -41,7 +40,7 @@ class Lead:
 
 
 def create(store: Store, lead: Lead, request: RigRequest, code: str, secret: str, now: int) -> RigOpened:
-    """Make the rig of a session, or find it, and let cameras join by a code.
+    """Create the rig of a session, unless it exists, and let cameras join by a code.
 
     Raises ConflictError or InvalidError if the session cannot lead a rig.
     """
@@ -64,7 +63,7 @@ def create(store: Store, lead: Lead, request: RigRequest, code: str, secret: str
 
 
 def named(store: Store, wanted: RigJoin, source: str, secret: str, now: int) -> str:
-    """Return the id of the rig that a code or an id names; wrong codes are counted by source.
+    """Id of the rig that a code or an id names; wrong codes are counted by source.
 
     Raises InvalidError or TooManyError.
     """
@@ -85,7 +84,7 @@ def named(store: Store, wanted: RigJoin, source: str, secret: str, now: int) -> 
 
 
 def open_moment(store: Store, rig_id: str, leader: str, moment: str, now: int) -> None:
-    """Open a moment: from now on cameras may send views of it. Raises ForbiddenError, ConflictError."""
+    """Open a moment; raises ForbiddenError, ConflictError."""
 
     def change(document: RigDocument) -> RigDocument | None:
         rig_rules.require_leader(document, leader)
@@ -95,17 +94,17 @@ def open_moment(store: Store, rig_id: str, leader: str, moment: str, now: int) -
 
 
 def forget(store: Store, rig_id: str, leader: str, now: int) -> None:
-    """Forget a running rig, and the sessions of its cameras; raises NotFoundError, ForbiddenError."""
+    """Forget a running rig and the sessions of its cameras; raises NotFoundError, ForbiddenError."""
     document = store.rigs.find(rig_id)
     if document is not None:
         rig_rules.require_leader(document, leader)
         rig_rules.require_open(document)
         for code in document.codes:
             store.rig_codes.remove(code.digest)
-        for member in document.members:
-            session = store.sessions.find(member.session) if member else None
+        for member in filter(None, document.members):
+            session = store.sessions.find(member.session)
             # A session that left may be a camera of another rig by now.
-            if member is not None and session is not None and session.rig and session.rig.id == rig_id:
+            if session is not None and session.rig and session.rig.id == rig_id:
                 store.sessions.forget(member.session, now)
     if not store.rigs.forget(rig_id, now):
         raise NotFoundError("There is no rig with this id.", kind="no-rig")

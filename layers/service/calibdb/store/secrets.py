@@ -8,12 +8,9 @@ import math
 import random
 import time
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
+from typing import Any
 
 from calibdb.errors import UnavailableError
-
-if TYPE_CHECKING:
-    from calibdb.store.aws import ParameterReader
 
 SECRETS_TTL_S = 300.0  # after which a rotation is known everywhere
 NAMES = ("SESSION_SECRETS", "CONTRIBUTOR_SECRET", "EDGE_SECRETS")
@@ -28,15 +25,14 @@ _log = logging.getLogger(__name__)
 
 
 class Secrets:
-    """The parameters of a deployment by their names, read again every five minutes.
+    """The parameters of a deployment by their names.
 
-    If SSM does not answer, the previous values are used; raises UnavailableError if nothing
-    was.
+    If SSM does not answer, the previous values are used; raises UnavailableError if there are none.
     """
 
     def __init__(
         self,
-        client: Callable[[], ParameterReader],
+        client: Callable[[], Any],
         path: str,
         clock: Callable[[], float],
         sleep: Callable[[float], None] = time.sleep,
@@ -65,10 +61,10 @@ class Secrets:
         return self._known
 
     def _read(self) -> Mapping[str, str]:
-        """Reload; do not wait if values were loaded before."""
         from calibdb.store.aws import available
 
         names = [f"{self._path}/{name}" for name in NAMES]
+        # Known values are used rather than waited for.
         for attempt in range(1 if self._known else MAX_ATTEMPTS):
             if attempt:
                 self._sleep(self._uniform(0, min(_MAX_PAUSE_S, _FIRST_PAUSE_S * 2**attempt)))
@@ -82,10 +78,7 @@ class Secrets:
 
 
 def with_secrets(environment: Mapping[str, str]) -> tuple[Mapping[str, str], float]:
-    """Return the environment with the secrets under its SECRETS_PATH; without one, as it is.
-
-    Also the time at which the secrets must be read again, by `time.monotonic`.
-    """
+    """Environment with the secrets under its SECRETS_PATH, and until when (`time.monotonic`)."""
     path = environment.get("SECRETS_PATH")
     if not path:
         return environment, math.inf
@@ -94,7 +87,7 @@ def with_secrets(environment: Mapping[str, str]) -> tuple[Mapping[str, str], flo
 
 
 def read_parameter(name: str, region: str) -> str:
-    """Read one secure parameter; raises UnavailableError, also where it is not there."""
+    """Read one secure parameter; raises UnavailableError, also if it is missing."""
     from calibdb.store.aws import available, ssm
 
     with available():

@@ -1,8 +1,7 @@
 """The ports in one SQLite file, `calibdb.sqlite`; objects above 1 MB are files next to it.
 
-The file is in WAL mode with `synchronous=FULL`: a write returns after its transaction is on disk. Several
-processes may use the file at the same time, each thread with a connection of its own. Each row has a
-checksum, since SQLite would not notice a damaged page. Without a folder everything is in memory.
+A write returns after its transaction is on disk. Several processes may use the file at the same time. Each
+row has a checksum, since SQLite would not notice a damaged page.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from calibdb.errors import UnavailableError
 from calibdb.store.ports import Condition, Item, JobName, Jobs, Objects, Table
@@ -28,7 +28,10 @@ SCHEMA_VERSION = 1
 MAX_INLINE_BYTES = 1_000_000  # of an object's content that is in the database itself
 _BUSY_TIMEOUT_S = 10.0
 _MAX_PAUSE_S = 60.0  # before a job runs again
-_RANGE = "SELECT item FROM items WHERE pk = ? AND sk >= ? AND sk < ? AND (ttl IS NULL OR ttl > ?) ORDER BY sk"
+_RANGE = (
+    "SELECT item FROM items WHERE pk = ? AND sk >= ? AND sk < ? AND sk > ? AND (ttl IS NULL OR ttl > ?) "
+    "ORDER BY sk"
+)
 _PAGE_SIZE = 500  # rows that a listing reads at a time
 _SCHEMA = """
 CREATE TABLE items (pk TEXT, sk TEXT, item TEXT NOT NULL, ttl INTEGER, checksum INTEGER NOT NULL,
@@ -48,7 +51,7 @@ class SchemaError(Exception):
 
 @contextmanager
 def available() -> Iterator[None]:
-    """Turn a failure of SQLite or of the file system into UnavailableError: the caller may retry."""
+    """Turn a failure of SQLite or of the file system into UnavailableError."""
     try:
         yield
     except (sqlite3.Error, OSError) as error:
@@ -58,29 +61,27 @@ def available() -> Iterator[None]:
 class Database:
     """The SQLite file in `folder`; None: in memory. `clock`: unix seconds.
 
-    Raises
-    ------
-    SchemaError
-        If this version cannot read the file.
-    sqlite3.Error, OSError
-        If the file cannot be opened.
+    Raises SchemaError, or sqlite3.Error or OSError if the file cannot be opened. Methods: UnavailableError.
     """
 
     def __init__(self, folder: Path | None, clock: Callable[[], float] = time.time) -> None:
         self.folder = folder
         self.clock = clock
+        self._path = ":memory:" if folder is None else folder / FILE_NAME
         self._local = threading.local()
         self._opened: list[sqlite3.Connection] = []
-        self._idle: list[sqlite3.Connection] = []
         self._writing = threading.RLock()
-        self._memory = self._connect() if folder is None else None
+        connection = self._connect()
+        self._idle = [connection]
+        self._memory = connection if folder is None else None
         if folder is not None:
             (folder / FOLDER_NAME).mkdir(exist_ok=True)
-        with self.writing() as connection:
+        connection.execute("BEGIN IMMEDIATE")
+        with connection:
             version = connection.execute("PRAGMA user_version").fetchone()[0]
             if version > SCHEMA_VERSION:
                 raise SchemaError(
-                    f"{self.path} was written by a newer version of calibDB (schema {version}, this version "
+                    f"{self._path} was written by a newer version of calibDB (schema {version}, this version "
                     f"reads up to {SCHEMA_VERSION}): install that version"
                 )
             if version == 0:
@@ -88,58 +89,50 @@ class Database:
                     connection.execute(statement)
                 connection.execute(f"PRAGMA user_version={SCHEMA_VERSION}")
 
-    @property
-    def path(self) -> Path | None:
-        """Path of the file; None in memory."""
-        return None if self.folder is None else self.folder / FILE_NAME
-
     @contextmanager
     def reading(self) -> Iterator[sqlite3.Connection]:
-        """Yield a connection for reads: the one that this thread already uses, or an idle one.
-
-        Threads that live for one request share connections. The file is open once per concurrent reader.
-        """
-        if self._memory is not None:
-            with self._writing:
-                yield self._memory
-            return
+        """Yield a connection for reads: the one that this thread already uses, or an idle one."""
         connection: sqlite3.Connection | None = getattr(self._local, "connection", None)
-        if connection is not None:
-            yield connection
-            return
-        try:
-            connection = self._idle.pop()
-        except IndexError:
-            connection = self._connect()
-        self._local.connection = connection
-        try:
-            yield connection
-        finally:
-            self._local.connection = None
-            self._idle.append(connection)
+        with available():
+            if self._memory is not None:
+                with self._writing:
+                    yield self._memory
+                return
+            if connection is not None:
+                yield connection
+                return
+            try:
+                connection = self._idle.pop()
+            except IndexError:
+                connection = self._connect()
+            self._local.connection = connection
+            try:
+                yield connection
+            finally:
+                self._local.connection = None
+                self._idle.append(connection)
 
     @contextmanager
     def writing(self) -> Iterator[sqlite3.Connection]:
         """Yield a connection in a transaction, committed at the end of the block."""
         with self._writing, self.reading() as connection:
             connection.execute("BEGIN IMMEDIATE")
-            try:
+            with connection:
                 yield connection
-            except BaseException:
-                if connection.in_transaction:
-                    connection.execute("ROLLBACK")
-                raise
-            try:
-                connection.execute("COMMIT")
-            except BaseException:
-                if connection.in_transaction:
-                    connection.execute("ROLLBACK")
-                raise
+
+    def rows(self, query: str, *values: object) -> list[Any]:
+        """Rows of a query."""
+        with self.reading() as connection:
+            return connection.execute(query, values).fetchall()
+
+    def change(self, statement: str, *values: object) -> list[Any]:
+        """Run a statement in a transaction of its own; return the rows that it returns."""
+        with self.writing() as connection:
+            return connection.execute(statement, values).fetchall()
 
     def checkpoint(self) -> None:
         """Copy the log into the file, as far as readers allow."""
-        with self.reading() as connection:
-            connection.execute("PRAGMA wal_checkpoint(PASSIVE)")
+        self.rows("PRAGMA wal_checkpoint(PASSIVE)")
 
     def sweep(self, lifetimes: Mapping[tuple[str, str], float]) -> int:
         """Delete what has expired; return the number of rows.
@@ -150,13 +143,11 @@ class Database:
         with self.writing() as connection:
             removed = connection.execute("DELETE FROM items WHERE ttl <= ?", (now,)).rowcount
         for (bucket, prefix), lifetime in lifetimes.items():
-            with self.reading() as connection:
-                names = connection.execute(
-                    "SELECT name FROM objects WHERE bucket = ? AND name >= ? AND name < ? AND written < ?",
-                    (bucket, prefix, _after(prefix), now - lifetime),
-                ).fetchall()
-            SqliteObjects(self, bucket).delete([name for (name,) in names])
-            removed += len(names)
+            expired = self.rows(
+                "SELECT name FROM objects WHERE bucket = ? AND name >= ? AND name < ? AND written < ?",
+                *(bucket, prefix, _after(prefix), now - lifetime),
+            )
+            removed += SqliteObjects(self, bucket).purge_all_versions(name for (name,) in expired)
         return removed
 
     def close(self) -> None:
@@ -167,10 +158,7 @@ class Database:
 
     def _connect(self) -> sqlite3.Connection:
         connection = sqlite3.connect(
-            ":memory:" if self.folder is None else self.folder / FILE_NAME,
-            timeout=_BUSY_TIMEOUT_S,
-            isolation_level=None,
-            check_same_thread=False,
+            self._path, timeout=_BUSY_TIMEOUT_S, isolation_level=None, check_same_thread=False
         )
         self._opened.append(connection)
         connection.execute("PRAGMA journal_mode=WAL")
@@ -186,44 +174,46 @@ class SqliteTable(Table):
         self._database = database
 
     def get(self, pk: str, sk: str, *, consistent: bool = True) -> Item | None:  # noqa: ARG002
-        with available(), self._database.reading() as connection:
-            return self._get(connection, pk, sk)
+        rows = self._database.rows(
+            "SELECT item FROM items WHERE pk = ? AND sk = ? AND (ttl IS NULL OR ttl > ?)",
+            *(pk, sk, self._database.clock()),
+        )
+        return json.loads(rows[0][0]) if rows else None
 
     def put(self, item: Item, condition: Condition | None = None) -> bool:
-        with available(), self._database.writing() as connection:
-            return self._put(connection, [item], condition)
+        return self.put_transaction([item], condition)
 
-    def put_transaction(self, items: Sequence[Item], condition: Condition) -> bool:
-        with available(), self._database.writing() as connection:
-            return self._put(connection, items, condition)
+    def put_transaction(self, items: Sequence[Item], condition: Condition | None) -> bool:
+        with self._database.writing() as connection:
+            if not self._allows(items[0]["pk"], items[0]["sk"], condition):
+                return False
+            for item in items:
+                _write_item(connection, item)
+            return True
 
     def add(
         self, pk: str, sk: str, name: str, amount: int, *, limit: int | None = None, ttl: int | None = None
     ) -> int | None:
-        with available(), self._database.writing() as connection:
-            item = self._get(connection, pk, sk) or {"pk": pk, "sk": sk}
-            total = int(str(item.get(name, 0))) + amount
+        with self._database.writing() as connection:
+            item = self.get(pk, sk) or {"pk": pk, "sk": sk}
+            total: int = item.get(name, 0) + amount
             if limit is not None and total > limit:
                 return None
             item[name] = total
             if ttl is not None:
                 item["ttl"] = ttl
-            self._put(connection, [item], None)
+            _write_item(connection, item)
             return total
 
     def remove(self, pk: str, sk: str, name: str) -> None:
-        with available():
+        with self._database.writing() as connection:
             item = self.get(pk, sk)
-            if item is None or name not in item:
-                return
-            with self._database.writing() as connection:
-                item = self._get(connection, pk, sk)
-                if item is not None and item.pop(name, None) is not None:
-                    self._put(connection, [item], None)
+            if item is not None and item.pop(name, None) is not None:
+                _write_item(connection, item)
 
     def delete(self, pk: str, sk: str, condition: Condition | None = None) -> bool:
-        with available(), self._database.writing() as connection:
-            if condition is not None and not condition.holds(self._get(connection, pk, sk)):
+        with self._database.writing() as connection:
+            if not self._allows(pk, sk, condition):
                 return False
             connection.execute("DELETE FROM items WHERE pk = ? AND sk = ?", (pk, sk))
             return True
@@ -236,59 +226,35 @@ class SqliteTable(Table):
         newest_first: bool = False,
         limit: int | None = None,
         consistent: bool = False,  # noqa: ARG002
+        after: str | None = None,
     ) -> list[Item]:
-        with available(), self._database.reading() as connection:
-            rows = connection.execute(
-                _RANGE + (" DESC LIMIT ?" if newest_first else " LIMIT ?"),
-                (pk, prefix, _after(prefix), self._database.clock(), -1 if limit is None else limit),
-            ).fetchall()
+        bounds = pk, prefix, _after(prefix), after or "", self._database.clock()
+        order = " DESC LIMIT ?" if newest_first else " LIMIT ?"
+        rows = self._database.rows(_RANGE + order, *bounds, -1 if limit is None else limit)
         return [json.loads(text) for (text,) in rows]
-
-    def page(self, pk: str, prefix: str, limit: int, after: str | None) -> tuple[list[Item], bool]:
-        with available(), self._database.reading() as connection:
-            rows = connection.execute(
-                "SELECT item FROM items WHERE pk = ? AND sk >= ? AND sk < ? AND sk > ? "
-                "AND (ttl IS NULL OR ttl > ?) ORDER BY sk LIMIT ?",
-                (pk, prefix, _after(prefix), after or "", self._database.clock(), limit + 1),
-            ).fetchall()
-        return [json.loads(text) for (text,) in rows[:limit]], len(rows) > limit
 
     def keys(self, pk_prefix: str) -> Iterator[tuple[str, str]]:
         pk, sk = pk_prefix, ""
         while True:
-            with available(), self._database.reading() as connection:
-                rows = connection.execute(
-                    "SELECT pk, sk FROM items WHERE (pk, sk) > (?, ?) AND pk < ? "
-                    "AND (ttl IS NULL OR ttl > ?) ORDER BY pk, sk LIMIT ?",
-                    (pk, sk, _after(pk_prefix), self._database.clock(), _PAGE_SIZE),
-                ).fetchall()
+            rows = self._database.rows(
+                "SELECT pk, sk FROM items WHERE (pk, sk) > (?, ?) AND pk < ? "
+                "AND (ttl IS NULL OR ttl > ?) ORDER BY pk, sk LIMIT ?",
+                *(pk, sk, _after(pk_prefix), self._database.clock(), _PAGE_SIZE),
+            )
             yield from rows
             if len(rows) < _PAGE_SIZE:
                 return
             pk, sk = rows[-1]
 
-    def _get(self, connection: sqlite3.Connection, pk: str, sk: str) -> Item | None:
-        row = connection.execute(
-            "SELECT item FROM items WHERE pk = ? AND sk = ? AND (ttl IS NULL OR ttl > ?)",
-            (pk, sk, self._database.clock()),
-        ).fetchone()
-        return None if row is None else json.loads(row[0])
+    def _allows(self, pk: str, sk: str, condition: Condition | None) -> bool:
+        return condition is None or condition.holds(self.get(pk, sk))
 
-    def _put(
-        self, connection: sqlite3.Connection, items: Sequence[Item], condition: Condition | None
-    ) -> bool:
-        if condition is not None:
-            stored = self._get(connection, str(items[0]["pk"]), str(items[0]["sk"]))
-            if not condition.holds(stored):
-                return False
-        rows = []
-        for item in items:
-            text = json.dumps(item, ensure_ascii=False, separators=(",", ":"))
-            key = str(item["pk"]), str(item["sk"])
-            ttl = item.get("ttl")
-            rows.append((*key, text, ttl, item_checksum(*key, text, ttl if isinstance(ttl, int) else None)))
-        connection.executemany("INSERT OR REPLACE INTO items VALUES (?, ?, ?, ?, ?)", rows)
-        return True
+
+def _write_item(connection: sqlite3.Connection, item: Item) -> None:
+    text = json.dumps(item, ensure_ascii=False, separators=(",", ":"))
+    pk, sk, ttl = item["pk"], item["sk"], item.get("ttl")
+    checksum = item_checksum(pk, sk, text, ttl)
+    connection.execute("INSERT OR REPLACE INTO items VALUES (?, ?, ?, ?, ?)", (pk, sk, text, ttl, checksum))
 
 
 class SqliteObjects(Objects):
@@ -299,17 +265,14 @@ class SqliteObjects(Objects):
         self._bucket = bucket
 
     def get_version(self, name: str) -> tuple[bytes, str] | None:
-        with available():
-            while True:
-                with self._database.reading() as connection:
-                    row = connection.execute(
-                        "SELECT content, tag FROM objects WHERE bucket = ? AND name = ?", (self._bucket, name)
-                    ).fetchone()
-                if row is None:
-                    return None
-                content, tag = row
-                if content is not None:
-                    return content, tag
+        while True:
+            row = self._row("content, tag", name)
+            if row is None:
+                return None
+            content, tag = row
+            if content is not None:
+                return content, tag
+            with available():
                 try:
                     return self._file(tag).read_bytes(), tag
                 except FileNotFoundError:  # replaced or deleted between the two reads
@@ -336,25 +299,19 @@ class SqliteObjects(Objects):
 
     def names(self, prefix: str, after: str = "") -> Iterator[str]:
         while True:
-            with available(), self._database.reading() as connection:
-                rows = connection.execute(
-                    "SELECT name FROM objects WHERE bucket = ? AND name >= ? AND name < ? AND name > ? "
-                    "ORDER BY name LIMIT ?",
-                    (self._bucket, prefix, _after(prefix), after, _PAGE_SIZE),
-                ).fetchall()
-            for (name,) in rows:
-                yield name
+            rows = self._database.rows(
+                "SELECT name FROM objects WHERE bucket = ? AND name >= ? AND name < ? AND name > ? "
+                "ORDER BY name LIMIT ?",
+                *(self._bucket, prefix, _after(prefix), after, _PAGE_SIZE),
+            )
+            for (after,) in rows:
+                yield after
             if len(rows) < _PAGE_SIZE:
                 return
-            after = rows[-1][0]
 
     def headers(self, name: str) -> tuple[str, str | None]:
         """Return media type and `Cache-Control` of an object that exists."""
-        with available(), self._database.reading() as connection:
-            media_type, cache_control = connection.execute(
-                "SELECT media_type, cache_control FROM objects WHERE bucket = ? AND name = ?",
-                (self._bucket, name),
-            ).fetchone()
+        media_type, cache_control = self._row("media_type, cache_control", name)
         return media_type, cache_control
 
     def _write(
@@ -367,64 +324,55 @@ class SqliteObjects(Objects):
     ) -> bool:
         tag = hashlib.sha256(content).hexdigest()
         inline = self._database.folder is None or len(content) <= MAX_INLINE_BYTES
-        with available():
-            with self._database.writing() as connection:
-                before = self._tag(name)
-                if not allowed(before):
-                    return False
-                if not inline:  # within the transaction: no other writer removes the file
-                    _write_file(self._file(tag), content)
-                connection.execute(
-                    "INSERT OR REPLACE INTO objects VALUES (?, ?, ?, ?, ?, ?, ?)",
-                    (
-                        self._bucket,
-                        name,
-                        tag,
-                        int(self._database.clock()),
-                        media_type,
-                        cache_control,
-                        content if inline else None,
-                    ),
-                )
-            self._remove_files({before} - {tag, None})
+        written = int(self._database.clock())
+        with self._database.writing() as connection:
+            before = self._tag(name)
+            if not allowed(before):
+                return False
+            if not inline:  # within the transaction: no other writer removes the file
+                _write_file(self._file(tag), content)
+            row = name, tag, written, media_type, cache_control, content if inline else None
+            connection.execute(
+                "INSERT OR REPLACE INTO objects VALUES (?, ?, ?, ?, ?, ?, ?)", (self._bucket, *row)
+            )
+        if before not in (tag, None):
+            self._remove_files([before])
         return True
 
     def purge_all_versions(self, names: Iterable[str]) -> int:
         """Delete the objects; return their number. There are no earlier versions."""
-        tags = set()
-        count = 0
-        with available(), self._database.writing() as connection:
+        tags = []
+        with self._database.writing() as connection:
             for name in names:
-                tags.add(self._tag(name))
-                count += connection.execute(
-                    "DELETE FROM objects WHERE bucket = ? AND name = ?", (self._bucket, name)
-                ).rowcount
-        with available():
-            self._remove_files(tags - {None})
-        return count
+                if tag := self._tag(name):
+                    tags.append(tag)
+                    connection.execute(
+                        "DELETE FROM objects WHERE bucket = ? AND name = ?", (self._bucket, name)
+                    )
+        self._remove_files(tags)
+        return len(tags)
+
+    def _row(self, columns: str, name: str) -> Any:
+        query = f"SELECT {columns} FROM objects WHERE bucket = ? AND name = ?"  # noqa: S608
+        rows = self._database.rows(query, self._bucket, name)
+        return rows[0] if rows else None
 
     def _tag(self, name: str) -> str | None:
-        with self._database.reading() as connection:
-            row = connection.execute(
-                "SELECT tag FROM objects WHERE bucket = ? AND name = ?", (self._bucket, name)
-            ).fetchone()
-        return None if row is None else row[0]
+        row = self._row("tag", name)
+        return row[0] if row else None
 
     def _file(self, tag: str) -> Path:
         assert self._database.folder is not None  # noqa: S101 - in memory everything is inline
         return self._database.folder / FOLDER_NAME / tag
 
-    def _remove_files(self, tags: Iterable[str | None]) -> None:
-        """Remove the files of these tags that no object has any more."""
+    def _remove_files(self, tags: Iterable[str]) -> None:
         if self._database.folder is None:
             return
-        for tag in filter(None, tags):
-            file = self._file(tag)
+        for file in map(self._file, tags):
             if not file.exists():
                 continue
-            with self._database.writing() as connection:  # no other writer may begin to use it
-                used = connection.execute("SELECT 1 FROM objects WHERE tag = ?", (tag,)).fetchone()
-                if used is None:
+            with self._database.writing():  # no other writer may begin to use it
+                if not self._database.rows("SELECT 1 FROM objects WHERE tag = ?", file.name):
                     file.unlink(missing_ok=True)
 
 
@@ -439,15 +387,7 @@ class Job:
 
 
 class SqliteJobs(Jobs):
-    """`Jobs` in SQLite. Jobs that fail every time stay, with their error.
-
-    Parameters
-    ----------
-    database
-        Database with the queue.
-    run
-        Runs a job and returns its result.
-    """
+    """`Jobs` in SQLite. Jobs that fail every time stay, with their error."""
 
     def __init__(self, database: Database, run: Callable[[JobName, bytes], bytes | None]) -> None:
         self._database = database
@@ -456,11 +396,9 @@ class SqliteJobs(Jobs):
         """Set when a job was queued in this process."""
 
     def later(self, job: JobName, payload: bytes) -> None:
-        with available(), self._database.writing() as connection:
-            connection.execute(
-                "INSERT INTO jobs (name, payload, due) VALUES (?, ?, ?)",
-                (job, payload, self._database.clock()),
-            )
+        self._database.change(
+            "INSERT INTO jobs (name, payload, due) VALUES (?, ?, ?)", job, payload, self._database.clock()
+        )
         self.queued.set()
 
     def now(self, job: JobName, payload: bytes) -> bytes | None:
@@ -471,59 +409,47 @@ class SqliteJobs(Jobs):
         now = self._database.clock()
         # A job that is due much later was queued before the clock was set back.
         due, times = "error IS NULL AND (due <= ? OR due > ?)", (now, now + _MAX_PAUSE_S)
-        with self._database.reading() as connection:
-            if connection.execute(f"SELECT 1 FROM jobs WHERE {due}", times).fetchone() is None:  # noqa: S608
-                return None
-        with self._database.writing() as connection:
-            row = connection.execute(
-                "UPDATE jobs SET leased = ?, attempts = attempts + 1 WHERE id = "  # noqa: S608
-                f"(SELECT MIN(id) FROM jobs WHERE {due}) "
-                "AND NOT EXISTS (SELECT 1 FROM jobs WHERE leased > ? AND leased <= ?) "
-                "RETURNING id, name, payload, attempts",
-                (now + lease_s, *times, now, now + lease_s),
-            ).fetchone()
-        return None if row is None else Job(*row)
+        if not self._database.rows(f"SELECT 1 FROM jobs WHERE {due}", *times):  # noqa: S608
+            return None
+        rows = self._database.change(
+            "UPDATE jobs SET leased = ?, attempts = attempts + 1 WHERE id = "  # noqa: S608
+            f"(SELECT MIN(id) FROM jobs WHERE {due}) "
+            "AND NOT EXISTS (SELECT 1 FROM jobs WHERE leased > ? AND leased <= ?) "
+            "RETURNING id, name, payload, attempts",
+            *(now + lease_s, *times, now, now + lease_s),
+        )
+        return Job(*rows[0]) if rows else None
 
     def finish(self, job: Job) -> None:
         """Delete a job that succeeded."""
-        with self._database.writing() as connection:
-            connection.execute("DELETE FROM jobs WHERE id = ?", (job.id,))
+        self._database.change("DELETE FROM jobs WHERE id = ?", job.id)
 
     def retry(self, job: Job, pause_s: float) -> None:
         """Release a job that failed, to run again after `pause_s`."""
-        with self._database.writing() as connection:
-            connection.execute(
-                "UPDATE jobs SET leased = 0, due = ? WHERE id = ?", (self._database.clock() + pause_s, job.id)
-            )
+        due = self._database.clock() + pause_s
+        self._database.change("UPDATE jobs SET leased = 0, due = ? WHERE id = ?", due, job.id)
 
     def fail(self, job: Job, error: str) -> None:
         """Keep a job that failed every time."""
-        with self._database.writing() as connection:
-            connection.execute("UPDATE jobs SET leased = 0, error = ? WHERE id = ?", (error, job.id))
+        self._database.change("UPDATE jobs SET leased = 0, error = ? WHERE id = ?", error, job.id)
 
     def release_all(self) -> None:
         """Release every lease: the process that had them is gone."""
-        with self._database.writing() as connection:
-            connection.execute("UPDATE jobs SET leased = 0 WHERE leased > 0")
+        self._database.change("UPDATE jobs SET leased = 0 WHERE leased > 0")
 
     def unfinished(self) -> int:
         """Count the jobs that are queued, running, or waiting for a retry."""
-        with self._database.reading() as connection:
-            return int(connection.execute("SELECT COUNT(*) FROM jobs WHERE error IS NULL").fetchone()[0])
+        return len(self._database.rows("SELECT 1 FROM jobs WHERE error IS NULL"))
 
     def failures(self) -> list[tuple[str, bytes, str]]:
         """Return name, payload and error of the jobs that failed every time."""
-        with self._database.reading() as connection:
-            return connection.execute(
-                "SELECT name, payload, error FROM jobs WHERE error IS NOT NULL ORDER BY id"
-            ).fetchall()
+        return self._database.rows(
+            "SELECT name, payload, error FROM jobs WHERE error IS NOT NULL ORDER BY id"
+        )
 
 
 def backup(source: Path, target: Path) -> None:
-    """Copy the data folder `source`, which may be in use, to the new folder `target`.
-
-    SQLite copies the database as it was at one moment. Files of objects never change.
-    """
+    """Copy the data folder `source`, which may be in use, to the new folder `target`."""
     target.mkdir(parents=True)
     (target / FOLDER_NAME).mkdir()
     with (
@@ -548,7 +474,6 @@ def item_checksum(pk: str, sk: str, item: str, ttl: int | None) -> int:
 
 
 def _after(prefix: str) -> str:
-    """Return a text that sorts after all texts with this prefix."""
     return prefix + "\U0010ffff"
 
 

@@ -24,7 +24,7 @@ def opened(storage: Storage) -> Iterator[None]:
 
 
 def storage_of(settings: Settings) -> Storage:
-    """Return the storage that `settings` name."""
+    """Storage of a function with these settings."""
     return storage_named(
         settings.region,
         settings.table_name,
@@ -44,7 +44,7 @@ def storage_named(
     refit_function: str | None = None,
     verify_function: str | None = None,
 ) -> Storage:
-    """Return the storage of these names, for a function that has no other settings."""
+    """Storage of these names."""
     if _opened is not None:
         return _opened
     from calibdb.store import aws  # not needed, and not installed, elsewhere

@@ -15,8 +15,7 @@ from calibdb.store.priors import Priors
 from calibdb.store.proofs import Proofs
 from calibdb.store.quotas import Quotas
 from calibdb.store.refit import Refit
-from calibdb.store.rig_codes import RigCodes
-from calibdb.store.rigs import Rigs
+from calibdb.store.rigs import RigCodes, Rigs
 from calibdb.store.storage import storage_of
 from calibdb.store.tokens import Tokens
 from calibdb.store.versions import Sessions
@@ -45,12 +44,12 @@ class Store:
 
     @classmethod
     def of(cls, settings: Settings) -> Store:
-        """Return the stores of the storage that `settings` names. Clients are made when first used."""
+        """Stores of a function with these settings."""
         return cls.over(storage_of(settings))
 
     @classmethod
     def over(cls, storage: Storage) -> Store:
-        """Return the stores of a storage."""
+        """Stores of a storage."""
         table, objects = storage.table, storage.objects
         return cls(
             tokens=Tokens(table, objects),

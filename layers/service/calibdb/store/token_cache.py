@@ -1,14 +1,14 @@
 """TTL cache of API tokens, which also counts their lookups without a write for each.
 
 A lookup that hits is one Query. So its token is cached for half a minute, and lookups are counted in memory
-and flushed when the token is read again: once for some hundred lookups, or after some minutes. A
-function does not run after its answer, and one that is ended loses what it had not written: the count is a
-little low, in favour of the users.
+and flushed when the token is read again: once for some hundred lookups, or after some minutes. A function
+that is ended loses what it had not written.
 """
 
 from __future__ import annotations
 
 import threading
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -16,7 +16,6 @@ from calibdb.access.plans import (
     HOUR_S,
     NETWORK_SHARES,
     PLANS,
-    Kind,
     Plan,
     RateLimit,
     plan,
@@ -41,23 +40,20 @@ _MAX_SOURCES = 4096  # of one token and hour
 class _Entry:
     token: ApiToken
     read_again: float  # unix seconds
-    flushed: float  # unix seconds at which lookups were last written down
+    flushed: float  # unix seconds
     refused_until: float = 0.0  # unix seconds; until then a wrong secret does not read the token again
-    pending: dict[int, int] = field(default_factory=dict)  # lookups since then, by hour
-    next_flush: float = 0.0  # unix seconds; after a failure, of the next attempt to write them down
+    pending: Counter[int] = field(default_factory=Counter)  # lookups since `flushed`, by hour
+    next_flush: float = 0.0  # unix seconds, after a failure
     hour: int = 0
-    used: int = 0  # lookups of this hour by all instances, as last written down
-    used_up: bool = False  # in this hour
-    sources: dict[int, int] = field(default_factory=dict)  # lookups of this hour by source
+    used: int = 0  # lookups of this hour by all instances, as last flushed
+    sources: Counter[int] = field(default_factory=Counter)  # lookups of this hour
     reading: threading.Lock = field(default_factory=threading.Lock)
 
     def is_full(self, now: float, plans: Mapping[str, Plan]) -> bool:
-        """True if there is enough to write down."""
         lookups = sum(self.pending.values())
         return lookups >= _lookups_per_flush(plan(self.token.plan, plans)) and now >= self.next_flush
 
     def is_due(self, now: float, plans: Mapping[str, Plan]) -> bool:
-        """True if lookups are to be written down now: enough of them, old ones, or of an earlier hour."""
         if not self.pending or now < self.next_flush:
             return False
         is_old = now - self.flushed >= FLUSH_INTERVAL_S or min(self.pending) < int(now // HOUR_S)
@@ -65,20 +61,9 @@ class _Entry:
 
 
 class TokenCache:
-    """Tokens that one instance of a function read lately. Safe from many threads at once.
+    """Tokens that one instance of a function read lately. Thread-safe.
 
-    Parameters
-    ----------
-    tokens, quotas
-        Stores of tokens and of their use.
-    clock
-        Unix time, seconds.
-    ttl_s
-        Seconds for which a token is remembered.
-    plans
-        By the names that tokens bear.
-    in_background
-        Lookups and first uses are written down by `write_pending`, which a server calls every second.
+    `in_background`: lookups and first uses are stored by `write_pending`, which a server calls every second.
     """
 
     def __init__(
@@ -102,29 +87,28 @@ class TokenCache:
         self._lock = threading.Lock()
 
     def get(self, token_id: str, accepts: Callable[[ApiToken], bool] = lambda _: True) -> ApiToken | None:
-        """Return the token as it was at most half a minute ago, None if there is none (any more).
+        """Token as it was at most half a minute ago.
 
         A remembered token that `accepts` refuses, since its secret is another one, is read again: it may have
         been rotated. While that does not help, it is read once in `REFUSAL_TTL_S`.
         """
-        with self._lock:
-            entry = self._known.get(token_id)
-            if entry is not None and self._is_current(entry, accepts):
-                return entry.token
+        entry = self._known.get(token_id)
         if entry is None:
             return self._read(token_id, accepts)
+        if token := self._current(token_id, accepts):
+            return token
         with entry.reading:  # of many waiting threads only the first reads
-            with self._lock:
-                entry = self._known.get(token_id)
-                if entry is not None and self._is_current(entry, accepts):
-                    return entry.token
-            return self._read(token_id, accepts)
+            return self._current(token_id, accepts) or self._read(token_id, accepts)
 
-    def _is_current(self, entry: _Entry, accepts: Callable[[ApiToken], bool]) -> bool:
+    def _current(self, token_id: str, accepts: Callable[[ApiToken], bool]) -> ApiToken | None:
         now = self._clock()
-        if now >= entry.read_again or (not self._in_background and entry.is_full(now, self._plans)):
-            return False
-        return now < entry.refused_until or accepts(entry.token)
+        with self._lock:
+            entry = self._known.get(token_id)
+            if entry is None or now >= entry.read_again:
+                return None
+            if not self._in_background and entry.is_full(now, self._plans):
+                return None
+            return entry.token if now < entry.refused_until or accepts(entry.token) else None
 
     def _read(self, token_id: str, accepts: Callable[[ApiToken], bool]) -> ApiToken | None:
         now, token = self._clock(), self._tokens.get(token_id)
@@ -137,8 +121,6 @@ class TokenCache:
                 if len(self._known) >= _MAX_TOKENS:
                     self._known.clear()
                 entry = self._known[token_id] = _Entry(token, now, flushed=now)
-            if entry.token.plan != token.plan:
-                entry.used_up = False
             entry.token, entry.read_again = token, now + self._ttl_s
             entry.refused_until = 0.0 if accepts(token) else now + REFUSAL_TTL_S
         if not self._in_background:
@@ -146,29 +128,26 @@ class TokenCache:
         return token
 
     def keep(self, token: ApiToken) -> None:
-        """Have a token not expire that is used for the first time."""
+        """Note the first use of a token, so that it does not expire."""
+        if token.expires is None:
+            return
         with self._lock:
             entry = self._known.get(token.id)
-        if token.expires is None or (entry is not None and entry.token.expires is None):
-            return
-        if self._in_background:
-            with self._lock:
+            if entry is not None and entry.token.expires is None:
+                return
+            if self._in_background:
                 self._used_first.add(token.id)
-        else:
+        if not self._in_background:
             try:
                 self._tokens.keep(token.id)
             except UnavailableError:  # no reason to refuse; the next use notes it
                 return
-        with self._lock:
-            entry = self._known.get(token.id)
-            if entry is not None:
+        if entry is not None:
+            with self._lock:
                 entry.token = replace(entry.token, expires=None)
 
     def count_lookup(self, token: ApiToken, source: str, network: str | None = None) -> tuple[RateLimit, ...]:
-        """Count a lookup from `source` on the line `network`, and return what is left.
-
-        Raises TooManyError if the hour's are used up.
-        """
+        """Count a lookup from `source` on the line `network`; raises TooManyError if they are used up."""
         allowed = plan(token.plan, self._plans)
         together, each = allowed.together.lookups, allowed.each.lookups
         if together is None:
@@ -179,33 +158,28 @@ class TokenCache:
             if entry is None:  # it was one of too many
                 return ()
             if entry.hour != int(now // HOUR_S):
-                entry.hour, entry.used, entry.used_up = int(now // HOUR_S), 0, False
+                entry.hour, entry.used = int(now // HOUR_S), 0
                 entry.sources.clear()
             # Hashes differ from process to process: no address is kept.
             shares = {hash(source): 1} | ({} if network is None else {hash((network,)): NETWORK_SHARES})
-            own = entry.sources.get(hash(source), 0)
-            hour = entry.hour
-            left_together = 0 if entry.used_up else together - entry.used - entry.pending.get(hour, 0)
-            is_used_up = entry.used_up or (self._in_background and left_together <= 0)
+            own = entry.sources[hash(source)]
+            left_together = together - entry.used - entry.pending[entry.hour]
+            is_used_up = (left_together if self._in_background else together - entry.used) <= 0
             if is_used_up or (
-                each is not None
-                and any(entry.sources.get(who, 0) >= share * each for who, share in shares.items())
+                each is not None and any(entry.sources[who] >= share * each for who, share in shares.items())
             ):
-                limits = _limits("lookups", now, (each, 0), (together, left_together))
+                limits = _limits(now, (each, 0), (together, left_together))
                 raise TooManyError(retry_after(now), headers=rate_limit_headers(limits))
             if len(entry.sources) + len(shares) > _MAX_SOURCES:
                 entry.sources.clear()
-            for who in shares:
-                entry.sources[who] = entry.sources.get(who, 0) + 1
-            entry.pending[hour] = entry.pending.get(hour, 0) + 1
+            entry.sources.update(shares.keys())
+            entry.pending[entry.hour] += 1
         if allowed.counts_each_lookup and not self._in_background:
             self._flush(entry, now)
-        return _limits(
-            "lookups", now, (each, 0 if each is None else each - own - 1), (together, left_together - 1)
-        )
+        return _limits(now, (each, 0 if each is None else each - own - 1), (together, left_together - 1))
 
     def write_pending(self) -> None:
-        """Write down all lookups and first uses that were counted since the last time."""
+        """Store all lookups and first uses that were counted since the last time."""
         with self._lock:
             entries = list(self._known.values())
             used_first = list(self._used_first)
@@ -221,8 +195,8 @@ class TokenCache:
             is_due = entry.pending and now >= entry.next_flush
             if not (is_due if self._in_background else entry.is_due(now, self._plans)):
                 return
-            pending, entry.pending, entry.flushed = entry.pending, {}, now
-        limit, hour = plan(entry.token.plan, self._plans).together.lookups, int(now // HOUR_S)
+            pending, entry.pending, entry.flushed = entry.pending, Counter(), now
+        hour = int(now // HOUR_S)
         while pending:
             past, lookups = pending.popitem()
             try:
@@ -230,26 +204,22 @@ class TokenCache:
             except UnavailableError:  # no reason to refuse a lookup
                 pending[past] = lookups
                 with self._lock:
-                    for each, count in pending.items():
-                        entry.pending[each] = entry.pending.get(each, 0) + count
+                    entry.pending.update(pending)
                     entry.next_flush = now + self._ttl_s
                 return
             if past == hour:
                 with self._lock:
                     entry.hour, entry.used = hour, used
-                    entry.used_up = limit is not None and used >= limit
 
 
 def retry_after(now: float) -> int:
-    """Return the seconds until the next hour begins, when everything may be used again."""
+    """Seconds until the next hour begins."""
     return HOUR_S - int(now) % HOUR_S
 
 
-def _limits(
-    kind: Kind, now: float, each: tuple[int | None, int], together: tuple[int | None, int]
-) -> tuple[RateLimit, ...]:
-    """Return the limits of one user and of all: pairs of a quota, None without a bound, and what is left."""
-    named = ((f"{kind}-each", *each), (kind, *together))
+def _limits(now: float, each: tuple[int | None, int], together: tuple[int, int]) -> tuple[RateLimit, ...]:
+    """Limits of one user and of all: pairs of a quota, None without a bound, and what is left."""
+    named = (("lookups-each", *each), ("lookups", *together))
     return tuple(
         RateLimit(name, limit, left, retry_after(now)) for name, limit, left in named if limit is not None
     )

@@ -1,19 +1,21 @@
 """API tokens: objects `tokens/<id>.json`, the truth, and index items, read by functions.
 
 Every change reads the object and replaces that very version of it, then writes the index item, which grows
-by the same version. A writer that was overtaken, or killed in between, leaves an older index item; the next
+by the same version. A writer that was overtaken, or killed in between, leaves an older index item. The next
 change or read by its manager writes it again.
 """
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
+from pydantic import TypeAdapter
+
 from calibdb.access.tokens import ApiToken
 from calibdb.errors import UnavailableError
-from calibdb.schema import TokenDocument
-from calibdb.store.ports import IF_NOT_EXISTS, Item, Objects, Table, at_most
+from calibdb.store.ports import IF_NOT_EXISTS, DocumentStore, Item, compared
 
 PREFIX = "tokens/"
 _TOMBSTONE_S = 86_400  # s for which a revoked token's item keeps writers away that were overtaken
@@ -21,16 +23,12 @@ _ORPHANED_S = 7 * 86_400  # s after its end from which an unused trial token is 
 _MAX_ATTEMPTS = 8  # to replace an object that others replace, too
 
 
-class Tokens:
+class Tokens(DocumentStore):
     """Store of issued API tokens."""
 
-    def __init__(self, table: Table, objects: Objects) -> None:
-        self._table = table
-        self._objects = objects
-
     def get(self, token_id: str) -> ApiToken | None:
-        """Return the token, None if there is none (any more)."""
-        item = self._table.get(_pk(token_id), "META")
+        """Token."""
+        item = self._item(token_id)
         return _token(token_id, item) if item and "revoked" not in item else None
 
     def keep(self, token_id: str) -> None:
@@ -45,7 +43,7 @@ class Tokens:
         return True
 
     def read(self, token_id: str) -> ApiToken | None:
-        """Return the token as the bucket has it, also if revoked, and update the index.
+        """Read the token from the bucket, also if revoked, and update the index.
 
         Its `expires` follows the index, where the first use is noted.
         """
@@ -53,42 +51,41 @@ class Tokens:
         if content is None:
             return None
         token = _from_document(content)
-        item = self._table.get(_pk(token_id), "META")
+        item = self._item(token_id)
         if item is not None and "ttl" not in item and "revoked" not in item:
             token = replace(token, expires=None)
-        if item is None or int(str(item["version"])) < token.version:
+        if item is None or item["version"] < token.version:
             self.index(token)
         return token
 
     def update(self, token_id: str, change: Callable[[ApiToken], ApiToken]) -> ApiToken | None:
-        """Replace the token by what `change` makes of it; None, and nothing changed, where it was revoked.
+        """Replace the token by what `change` makes of it; None, and nothing changed, if it was revoked.
 
-        `change` is called again where another change got ahead. Raises UnavailableError if that continues.
+        `change` is called again if another change was faster. Raises UnavailableError if that continues.
         """
         for _ in range(_MAX_ATTEMPTS):
             version = self._objects.get_version(_name(token_id))
             if version is None:
                 return None
             content, tag = version
-            token = _from_document(content)
-            if token.revoked is not None:
-                self.index(token)
+            stored = _from_document(content)
+            if stored.revoked is not None:
+                self.index(stored)
                 return None
-            item = self._table.get(_pk(token_id), "META")
-            if item is not None and "ttl" not in item:
-                token = replace(token, expires=None)
-            changed = change(token)
-            if changed == _from_document(content):
-                self.index(replace(changed, version=token.version))
+            item = self._item(token_id)
+            used = item is not None and "ttl" not in item
+            changed = change(replace(stored, expires=None) if used else stored)
+            if changed == stored:
+                self.index(replace(changed, version=stored.version))
                 return changed
-            changed = replace(changed, version=token.version + 1)
+            changed = replace(changed, version=stored.version + 1)
             if self._objects.replace(_name(token_id), _content(changed), tag):
                 self.index(changed)
                 return changed
         raise UnavailableError("Other requests keep changing this token; send this one again.")
 
     def change(self, token: ApiToken) -> None:
-        """Store the token in the place of the one with its id, new where there is none. For operators."""
+        """Store the token in the place of the one with its id, if there is one."""
         if self.update(token.id, lambda _: token) is None:
             self._objects.put(_name(token.id), _content(token))
             self.index(token)
@@ -102,22 +99,20 @@ class Tokens:
             self._table.delete(_pk(token.id), "META")
 
     def index(self, token: ApiToken) -> None:
-        """Write the index item, unless it is of a later version; it follows from the token."""
-        self._table.put(_item(token), IF_NOT_EXISTS | at_most("version", token.version))
+        """Write the index item, unless it is of a later version."""
+        self._table.put(_to_item(token), IF_NOT_EXISTS | compared("version", "<=", token.version))
 
     def all(self) -> Iterator[ApiToken]:
-        """Yield every token in the bucket that was not revoked. For operators."""
-        for token in self._documents():
-            if token.revoked is None:
-                yield token
+        """Yield every token in the bucket that was not revoked."""
+        return (token for token in self._documents() if token.revoked is None)
 
     def ids(self) -> Iterator[str]:
-        """Yield the ids of all tokens ever issued, including revoked ones. For operators."""
+        """Yield the ids of all tokens ever issued, including revoked ones."""
         for name in self._objects.names(PREFIX):
             yield name.removeprefix(PREFIX).removesuffix(".json")
 
     def reindex(self, now: int = 0, trial_period_s: int = 0) -> int:
-        """Let the index know every token that there is, none that was revoked; return how many there are.
+        """Index every token in the bucket, remove revoked ones; return the number of valid ones.
 
         A rebuilt index does not know which tokens were used. So a token that the index lacks, and
         that might have expired, has its time once more.
@@ -131,10 +126,10 @@ class Tokens:
                     self._table.delete(_pk(token.id), "META")
                 continue
             count += 1
-            item = self._table.get(_pk(token.id), "META")
+            item = self._item(token.id)
             if token.expires is not None:
                 expires = max(token.expires, now + trial_period_s)
-                token = replace(token, expires=_ttl(item) if item else expires)
+                token = replace(token, expires=item.get("ttl") if item else expires)
             self.index(token)
         return count
 
@@ -145,24 +140,27 @@ class Tokens:
         expire: it is incomplete, and may lack trial tokens that were used.
         """
         orphans = []
-        for token in self._documents():
-            item = self._table.get(_pk(token.id), "META") if token.revoked is None else None
-            if token.revoked is None and token.expires is None and item is None:
+        for token in self.all():
+            item = self._item(token.id)
+            if token.expires is None and item is None:
                 raise UnavailableError(f"The index lacks the token {token.id}: run `reindex` first.")
             unused = item is None or "ttl" in item
-            if token.revoked is None and token.expires is not None and unused:
-                end = max(token.expires, (_ttl(item) if item else None) or 0)
+            if token.expires is not None and unused:
+                end = max(token.expires, item["ttl"] if item else 0)
                 if end + _ORPHANED_S < now:
                     orphans.append(token.id)
         return orphans
 
     def remove(self, token_ids: Iterable[str]) -> int:
-        """Remove tokens for good, every version of them; return how many. For operators."""
-        names = [_name(token_id) for token_id in token_ids]
-        for name in names:
-            self._table.delete(_pk(name.removeprefix(PREFIX).removesuffix(".json")), "META")
-        self._objects.purge_all_versions(names)
-        return len(names)
+        """Remove tokens for good, every version of them; return how many."""
+        ids = list(token_ids)
+        for token_id in ids:
+            self._table.delete(_pk(token_id), "META")
+        self._objects.purge_all_versions([_name(token_id) for token_id in ids])
+        return len(ids)
+
+    def _item(self, token_id: str) -> Item | None:
+        return self._table.get(_pk(token_id), "META")
 
     def _documents(self) -> Iterator[ApiToken]:
         for name in self._objects.names(PREFIX):
@@ -179,21 +177,20 @@ def _name(token_id: str) -> str:
     return f"{PREFIX}{token_id}.json"
 
 
+@functools.cache
+def _adapter() -> TypeAdapter[ApiToken]:
+    return TypeAdapter(ApiToken)
+
+
 def _content(token: ApiToken) -> bytes:
-    return TokenDocument(**vars(token)).model_dump_json().encode()
+    return _adapter().dump_json(token)
 
 
 def _from_document(content: bytes) -> ApiToken:
-    document = TokenDocument.model_validate_json(content)
-    return ApiToken(**{name: getattr(document, name) for name in ApiToken.__dataclass_fields__})
+    return _adapter().validate_json(content)
 
 
-def _ttl(item: Item) -> int | None:
-    ttl = item.get("ttl")
-    return None if ttl is None else int(str(ttl))
-
-
-def _item(token: ApiToken) -> Item:
+def _to_item(token: ApiToken) -> Item:
     item: Item = {"pk": _pk(token.id), "sk": "META", "version": token.version}
     if token.revoked is not None:
         return item | {"revoked": token.revoked, "ttl": token.revoked + _TOMBSTONE_S}
@@ -215,22 +212,17 @@ def _item(token: ApiToken) -> Item:
 
 
 def _token(token_id: str, item: Item) -> ApiToken:
-    previous = item.get("former_sha256")
+    earlier = [text.split() for text in item.get("earlier", [])]
     return ApiToken(
         id=token_id,
-        secret_sha256=str(item["secret_sha256"]),
-        origins=_texts(item, "origins"),
-        plan=str(item["plan"]),
-        created=int(str(item["created"])),
-        former_sha256=None if previous is None else str(previous),
-        former_until=int(str(item.get("former_until", 0))),
-        earlier=tuple((one, int(until)) for one, until in map(str.split, _texts(item, "earlier"))),
-        pending=_texts(item, "pending"),
-        expires=_ttl(item),
-        version=int(str(item["version"])),
+        secret_sha256=item["secret_sha256"],
+        origins=tuple(item["origins"]),
+        plan=item["plan"],
+        created=item["created"],
+        former_sha256=item.get("former_sha256"),
+        former_until=item.get("former_until", 0),
+        earlier=tuple((sha256, int(until)) for sha256, until in earlier),
+        pending=tuple(item.get("pending", [])),
+        expires=item.get("ttl"),
+        version=item["version"],
     )
-
-
-def _texts(item: Item, name: str) -> tuple[str, ...]:
-    value = item.get(name, [])
-    return tuple(value) if isinstance(value, list) else ()

@@ -3,23 +3,22 @@
 A change of a few small members (`Versions.small`) writes no object: the item has them, next to the version
 whose object has the others.
 
-Changes follow optimistic concurrency. A change writes its object first and then moves the index to it, on the
-condition that the index still names the version that the change was made from. A crash leaves an orphaned
-object, never a pointer to nothing. Of two changes at once, one is stored and the other is repeated.
+A change writes its object first and then moves the index to it, on the condition that the index still names
+the version that the change was made from. A crash leaves an orphaned object, never a pointer to nothing.
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from pydantic import BaseModel
 
 from calibdb.errors import ConflictError, NotFoundError, UnavailableError
 from calibdb.schema import SessionDocument
-from calibdb.store.ports import IF_NOT_EXISTS, Condition, Item, Objects, Table, Value, equals
+from calibdb.store.ports import IF_NOT_EXISTS, DocumentStore, Item, Value, encoded, equals
 
 LIFETIME_S = 24 * 3600  # seconds after its last change; the bucket's rule removes the objects a day later
 _MAX_UPDATE_ATTEMPTS = 5  # of a change that others keep overtaking
@@ -32,90 +31,75 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class Head:
-    """Index entry: the latest version, whether the document was forgotten, and what else the item holds.
-
-    `content`: the version whose object has the document, but for the members in `small`.
-    """
+    """Index entry of a document."""
 
     version: int
-    forgotten: bool
-    facts: Mapping[str, Value]
-
-    @property
-    def content(self) -> int:
-        """Version of the object."""
-        return int(str(self.facts.get("content", self.version)))
-
-    @property
-    def small(self) -> str:
-        """Members that changed since, as JSON; empty if none did."""
-        return str(self.facts.get("small", ""))
+    content: int  # version whose object has the document, except for the members in `small`
+    forgotten: bool = False
+    small: str = ""  # members that changed since, as JSON
+    facts: Item = field(default_factory=dict)  # all attributes of the item
 
 
-class Versions(Generic[Document]):
-    """Documents of one kind under their names.
-
-    Attributes
-    ----------
-    model
-        Model of the documents.
-    prefix, partition
-        Prefixes of the names of objects, and of the partitions of items.
-    noun
-        The word for one, in messages.
-    missing, missing_kind
-        The problem where there is none.
-    small
-        Members that change without the others, and then are stored in the item.
-    """
+class Versions(DocumentStore, Generic[Document]):
+    """Documents of one kind under their names."""
 
     model: type[Document]
-    prefix: str
-    partition: str
-    noun: str
-    missing: str
+    prefix: str  # of the names of objects
+    partition: str  # prefix of the partitions of items
+    noun: str  # in messages
+    missing: str  # detail of the problem if there is none
     missing_kind: str
-    small: tuple[str, ...] = ()
-
-    def __init__(self, table: Table, objects: Objects) -> None:
-        self._table = table
-        self._objects = objects
+    small: tuple[str, ...] = ()  # members that change without the others, and then are stored in the item
 
     def facts(self, document: Document) -> Mapping[str, Value]:  # noqa: ARG002
         """Attributes of the item besides the version, which follow from the document."""
         return {}
 
     def find(self, name: str) -> Document | None:
-        """Return the document as it stands, None if there was none or it was forgotten."""
+        """Document as it stands, None if there was none or it was forgotten."""
         version = self.find_version(name)
         return version[0] if version else None
 
     def get(self, name: str) -> Document:
-        """Return the document as it stands; raises NotFoundError."""
+        """Document as it stands; raises NotFoundError."""
         return self.get_version(name)[0]
 
+    def find_version(self, name: str) -> tuple[Document, int] | None:
+        """Document as it stands and its version; None as `find`."""
+        for _ in range(_MAX_UPDATE_ATTEMPTS):
+            head = self.head(name)
+            if head is None or head.forgotten:
+                return None
+            content = self._objects.get(self._object(name, head.content))
+            if content is not None:
+                return self._parse(content, head.small), head.version
+            # The index never points to nothing: it was forgotten between the two reads.
+        raise UnavailableError(f"The {self.noun} could not be read.")
+
     def get_version(self, name: str) -> tuple[Document, int]:
-        """Return the document as it stands and its version; raises NotFoundError."""
+        """Document as it stands and its version; raises NotFoundError."""
         version = self.find_version(name)
         if version is None:
-            raise self._not_found()
+            raise NotFoundError(self.missing, kind=self.missing_kind)
         return version
 
     def head(self, name: str) -> Head | None:
-        """Return the index entry, None if the document never was."""
+        """Index entry, None if the document never was."""
         item = self._table.get(self._pk(name), _SK)
         if item is None:
             return None
-        return Head(int(str(item["version"])), "forgotten" in item, item)
+        version: int = item["version"]
+        content = item.get("content", version)
+        return Head(version, content, "forgotten" in item, item.get("small", ""), item)
 
     def start(self, name: str, now: int, make: Callable[[int], Document]) -> tuple[Document, bool]:
         """Return the running document and False; or store `make(first version)`, and return it and True."""
         for _ in range(_MAX_UPDATE_ATTEMPTS):
             head = self.head(name)
             if head is not None and not head.forgotten:
-                version = self.find_version(name)
-                if version is not None:
-                    return version[0], False
+                running = self.find(name)
+                if running is not None:
+                    return running, False
                 continue  # forgotten in between
             # A session restarted under its name continues the count, so that code working on the deleted
             # one finds the index moved.
@@ -128,20 +112,19 @@ class Versions(Generic[Document]):
     def update(
         self, name: str, now: int, change: Callable[[Document], tuple[Document | None, Result]]
     ) -> Result:
-        """Apply `change` to the document and return its answer; raises NotFoundError.
+        """Apply `change` to the document and return its result; raises NotFoundError.
 
-        `change` returns the new document, or None to leave it as it is, and an answer. It may be called
-        again, with what another request made of the document meanwhile; what it raises leaves everything as
-        it is.
+        `change` returns the new document, or None to leave it as it is, and a result. If another request was
+        faster, it is called again. What it raises leaves everything as it is.
         """
         for _ in range(_MAX_UPDATE_ATTEMPTS):
             document, version = self.get_version(name)
-            changed, answer = change(document)
+            changed, result = change(document)
             if changed is None:
-                return answer
+                return result
             write = self._write_small if self._is_small(document, changed) else self._write
             if write(name, version, changed, now):
-                return answer
+                return result
         raise self._too_much_contention()
 
     def revise(self, name: str, now: int, change: Callable[[Document], Document | None]) -> Document:
@@ -160,57 +143,33 @@ class Versions(Generic[Document]):
             if head is None or head.forgotten:
                 return head is not None
             tombstone = {**self._item(name, head.version + 1, now), "forgotten": 1}
-            if self._table.put(tombstone, _if_version(head.version)):
+            if self._table.put(tombstone, equals(version=head.version)):
                 self._objects.delete([self._object(name, v) for v in range(1, head.version + 1)])
                 return True
         raise self._too_much_contention()
 
     def all(self) -> Iterator[Document]:
-        """Yield every document that is not forgotten, as it stands. For operators.
-
-        If the index does not name one, its highest version counts: a failed writer removes its own.
-        """
+        """Yield every document that is not forgotten, in its highest version if it is not indexed."""
         for name, version in self._versions().items():
-            head = self.head(name)
-            if head is None:
-                head = Head(version, forgotten=False, facts={})
+            head = self.head(name) or Head(version, version)
             content = None if head.forgotten else self._objects.get(self._object(name, head.content))
             if content is not None:
                 yield self._parse(content, head.small)
 
     def index(self, now: int) -> int:
-        """Let the index name every document in the bucket that it does not know; return how many those were.
-
-        For operators, who lost the index.
-        """
+        """Index every document in the bucket that the index lacks; return their number."""
         added = 0
         for name, version in self._versions().items():
-            if self.head(name) is not None:
-                continue
-            content = self._objects.get(self._object(name, version))
+            content = None if self.head(name) else self._objects.get(self._object(name, version))
             if content is not None:
                 facts = self.facts(self._parse(content))
                 added += self._table.put({**self._item(name, version, now), **facts}, IF_NOT_EXISTS)
         return added
 
-    def purge(self, name: str) -> int:
-        """Remove all that is stored of the document, for good; return how many objects those were."""
-        names = list(self._objects.names(f"{self.prefix}{name}/"))
-        removed = self._objects.purge_all_versions(names)
+    def purge(self, name: str) -> None:
+        """Remove all that is stored of the document, for good."""
+        self._objects.purge_all_versions(list(self._objects.names(f"{self.prefix}{name}/")))
         self._table.delete(self._pk(name), _SK)
-        return removed
-
-    def find_version(self, name: str) -> tuple[Document, int] | None:
-        """Return the document as it stands and its version; None as `find`."""
-        for _ in range(_MAX_UPDATE_ATTEMPTS):
-            head = self.head(name)
-            if head is None or head.forgotten:
-                return None
-            content = self._objects.get(self._object(name, head.content))
-            if content is not None:
-                return self._parse(content, head.small), head.version
-            # The index never points to nothing: it was forgotten between the two reads.
-        raise UnavailableError(f"The {self.noun} could not be read.")
 
     def _versions(self) -> dict[str, int]:
         highest: dict[str, int] = {}
@@ -222,16 +181,15 @@ class Versions(Generic[Document]):
         return highest
 
     def _write(self, name: str, base: int, document: Document, now: int) -> bool:
-        content = document.model_dump_json().encode()
         # A taken name is the orphan of a crash, or of a writer that is about to overtake this one. Both are
         # skipped: versions may have gaps, and the index decides.
         for version in range(base + 1, base + 1 + _MAX_ORPHANS):
-            if self._objects.create(self._object(name, version), content):
+            if self._objects.create(self._object(name, version), encoded(document)):
                 break
         else:
             raise UnavailableError(f"The {self.noun} could not be written.")
         item = {**self._item(name, version, now), **self.facts(document)}
-        if self._table.put(item, _if_version(base) if base else IF_NOT_EXISTS):
+        if self._table.put(item, equals(version=base) if base else IF_NOT_EXISTS):
             return True
         # A write that was retried because its response got lost is done: no other has this object.
         head = self.head(name)
@@ -250,13 +208,8 @@ class Versions(Generic[Document]):
         if head is None or head.version != base:
             return False
         small = document.model_dump_json(include=set(self.small))
-        item = {
-            **self._item(name, base + 1, now),
-            **self.facts(document),
-            "content": head.content,
-            "small": small,
-        }
-        if self._table.put(item, _if_version(base)):
+        item = {**self._item(name, base + 1, now), **self.facts(document)}
+        if self._table.put(item | {"content": head.content, "small": small}, equals(version=base)):
             return True
         head = self.head(name)  # of a write that was retried because its response got lost
         return head is not None and (head.version, head.small) == (base + 1, small)
@@ -275,9 +228,6 @@ class Versions(Generic[Document]):
     def _item(self, name: str, version: int, now: int) -> Item:
         return {"pk": self._pk(name), "sk": _SK, "version": version, "ttl": now + LIFETIME_S}
 
-    def _not_found(self) -> NotFoundError:
-        return NotFoundError(self.missing, kind=self.missing_kind)
-
     def _too_much_contention(self) -> ConflictError:
         return ConflictError(
             f"Other requests keep changing this {self.noun}; send this one again.", kind="overtaken"
@@ -285,11 +235,7 @@ class Versions(Generic[Document]):
 
 
 class Sessions(Versions[SessionDocument]):
-    """Sessions under their names.
-
-    Their views are up to a megabyte, so that another target, or the number of duplicates, is stored in the
-    index item.
-    """
+    """Sessions under their names. Their views are up to a megabyte, so that `small` members matter."""
 
     model = SessionDocument
     prefix = "sessions/"
@@ -298,7 +244,3 @@ class Sessions(Versions[SessionDocument]):
     missing = "No session was started under this session id."
     missing_kind = "no-session"
     small = ("target", "skipped", "duplicates")
-
-
-def _if_version(version: int) -> Condition:
-    return equals(version=version)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from calibdb.errors import DeniedReadError
 from calibdb.schema import VoteDocument
 from calibdb.store.keys import StreamMode, vote_object
-from calibdb.store.ports import READERS, Item, Objects, Table, read_all
+from calibdb.store.ports import DocumentStore, Item, encoded, read, read_all, read_together
 
 MAX_VOTES = 50  # the newest; more could only repeat them
 _MAX_VOTES_READ = 1_000  # of a mode that are looked through for them
@@ -25,29 +24,34 @@ class IndexedVote:
     object: str  # its name in the bucket, which keeps the key that the camera had then
 
 
-class Votes:
+class Votes(DocumentStore):
     """Store of votes on a camera's consensus at one size and zoom."""
-
-    def __init__(self, table: Table, objects: Objects) -> None:
-        self._table = table
-        self._objects = objects
 
     def cast(self, document: VoteDocument) -> VoteDocument:
         """Store the vote, and return it as it is stored: the first one cast under its id."""
         name = vote_object(document.camera_key, document.id)
         stored = document
-        if not self._objects.create(name, document.model_dump_json().encode()):
-            first = self._objects.get(name)
-            stored = VoteDocument.model_validate_json(first) if first is not None else document
+        if not self._objects.create(name, encoded(document)):
+            stored = read(self._objects, name, VoteDocument) or document
         self.index(stored)
         return stored
 
     def index(self, document: VoteDocument) -> None:
-        """Write the index item; it follows from the document, so that writing it again changes nothing."""
-        self._table.put(_item(document))
+        """Write the index item, which follows from the document."""
+        mode = StreamMode(document.current_key, document.img_size, document.zoom)
+        self._table.put(
+            {
+                "pk": mode.pk,
+                "sk": f"VOTE#{mode.text}#{document.id}",
+                "contributor": document.contributor,
+                "source": document.counted_as,
+                "time": document.time,
+                "object": vote_object(document.camera_key, document.id),
+            }
+        )
 
     def newest(self, mode: StreamMode, *, one_per_source: bool) -> list[IndexedVote]:
-        """Return the votes on a mode, newest first.
+        """Votes on a mode, newest first.
 
         `one_per_source`: only the newest of each source, so that daily voters do not displace others.
         """
@@ -62,14 +66,12 @@ class Votes:
 
     def read(self, cast: Sequence[IndexedVote]) -> list[VoteDocument]:
         """Return these votes in their order; raises DeniedReadError if one is not there."""
-        if not cast:
-            return []
-        with ThreadPoolExecutor(min(READERS, len(cast))) as readers:
-            contents = list(readers.map(self._objects.get, [vote.object for vote in cast]))
-        stored = [content for content in contents if content is not None]
-        if len(stored) < len(cast):  # an object is written before its item
-            raise DeniedReadError("A vote that the index names could not be read.")
-        return [VoteDocument.model_validate_json(content) for content in stored]
+        documents = []
+        for content in read_together(self._objects, [vote.object for vote in cast]):
+            if content is None:  # an object is written before its item
+                raise DeniedReadError("A vote that the index names could not be read.")
+            documents.append(VoteDocument.model_validate_json(content))
+        return documents
 
     def all(self) -> Iterator[VoteDocument]:
         """Yield every vote in the bucket: what the index is rebuilt from."""
@@ -77,21 +79,4 @@ class Votes:
 
 
 def _to_indexed_vote(item: Item) -> IndexedVote:
-    return IndexedVote(
-        id=str(item["sk"]).rpartition("#")[2],
-        source=str(item["source"]),
-        time=int(str(item["time"])),
-        object=str(item["object"]),
-    )
-
-
-def _item(document: VoteDocument) -> Item:
-    mode = StreamMode(document.current_key, document.img_size, document.zoom)
-    return {
-        "pk": mode.pk,
-        "sk": f"VOTE#{mode.text}#{document.id}",
-        "contributor": document.contributor,
-        "source": document.counted_as,
-        "time": document.time,
-        "object": vote_object(document.camera_key, document.id),
-    }
+    return IndexedVote(item["sk"].rpartition("#")[2], item["source"], item["time"], item["object"])

@@ -13,9 +13,7 @@ def test_factor_multiplies_what_users_share_and_not_what_each_has() -> None:
     assert plans["page"].each == PLANS["page"].each
     for kind in KINDS:
         assert getattr(plans["page"].together, kind) == 50 * getattr(PLANS["page"].together, kind)
-    assert {name: plan for name, plan in plans.items() if name != "page"} == {
-        name: plan for name, plan in PLANS.items() if name != "page"
-    }
+    assert plans | {"page": PLANS["page"]} == PLANS
 
 
 def test_plan_of_one_user_grows_with_its_token_s() -> None:
@@ -28,9 +26,7 @@ def test_plan_of_one_user_grows_with_its_token_s() -> None:
 def test_environment_names_factors() -> None:
     settings = Settings.from_environment({**ENVIRONMENT, "PLAN_FACTORS": "page=50,free=2"})
     assert settings.plan_factors == (("page", 50), ("free", 2))
-    service = Service.make(settings)
-    token_plan = service._plans["page"].together.sessions
-    assert token_plan == 50_000
+    assert Service.make(settings)._plans["page"].together.sessions == 50_000
 
 
 @pytest.mark.parametrize("text", ["page", "page=0", "page=x", "=2"])

@@ -9,9 +9,8 @@ from pydantic import BaseModel
 from pydantic._internal import _model_construction
 
 from calibdb import schema
-from calibdb.schema import deferred
-from calibdb.schema.deferred import Deferred
-from calibdb.schema.fields import Strict
+from calibdb.schema import fields
+from calibdb.schema.fields import Deferred, Strict
 
 MODELS = [each for each in vars(schema).values() if isinstance(each, type) and issubclass(each, BaseModel)]
 
@@ -42,14 +41,14 @@ def test_first_use_in_two_threads_builds_the_model_once(monkeypatch: pytest.Monk
         nonlocal builds
         builds += 1
         if builds == 1:
-            for _ in range(2):  # both threads have come as far as this
+            for _ in range(2):
                 assert lock.asked.acquire(timeout=60)
         else:
             lock.asked.release()
         return build(*args, **kwargs)
 
     monkeypatch.setattr(_model_construction, "complete_model_class", build_late)
-    monkeypatch.setattr(deferred, "building", lock)
+    monkeypatch.setattr(fields, "building", lock)
     assert not Fresh.__pydantic_complete__
     with ThreadPoolExecutor(2) as pool:
         found = pool.map(lambda number: Fresh.model_validate({"number": number}).model_dump(), (1, 2))

@@ -2,7 +2,6 @@
 
 import importlib
 import json
-import math
 import os
 import pkgutil
 import re
@@ -42,7 +41,7 @@ _LARGE = 1e9
 
 
 def with_parts_thorough() -> list[Any]:
-    """Every model; those that stand in another, and are read with it, marked thorough."""
+    """Every model; parts of another, which are read with it, marked thorough."""
     defined = models_json_schema([(model, "validation") for model in MODELS])[1]["$defs"]
     parts = set(re.findall(r'"#/\$defs/(\w+)"', json.dumps(defined)))
     return [
@@ -59,9 +58,8 @@ def described(node: dict[str, Any], known: dict[str, Any], depth: int = 0) -> st
     """Values of a JSON Schema as pydantic writes it; now and then one that is not."""
     if "$ref" in node:
         return described(known[node["$ref"].rpartition("/")[2]], known, depth)
-    for choice in ("anyOf", "oneOf"):
-        if choice in node:
-            return st.one_of([described(option, known, depth) for option in node[choice]])
+    if "anyOf" in node:
+        return st.one_of([described(option, known, depth) for option in node["anyOf"]])
     if "enum" in node:
         return st.sampled_from(node["enum"])
     if "const" in node:
@@ -120,25 +118,14 @@ def elements(node: dict[str, Any], known: dict[str, Any], depth: int) -> st.Sear
 
 
 def holds(model: type[BaseModel], content: str | bytes) -> bool:
-    """Read `content`; where it is accepted, what is written of it is the same again, and JSON."""
+    """Read `content`; if it is accepted, check that it is written and read again unchanged."""
     try:
         found = model.model_validate_json(content)
     except ValidationError:
         return False
     written = found.model_dump_json(by_alias=True)
-    assert finite(json.loads(written)), written
+    json.dumps(json.loads(written), allow_nan=False)
     assert model.model_validate_json(written) == found
-    return True
-
-
-def finite(value: Any) -> bool:
-    match value:
-        case dict():
-            return all(map(finite, value.values()))
-        case list():
-            return all(map(finite, value))
-        case float():
-            return math.isfinite(value)
     return True
 
 
