@@ -43,15 +43,17 @@ class Output:
         """Set what the JSON document holds."""
         self._value = value
 
-    def table(self, columns: Sequence[str], rows: Iterable[Sequence[object]], lines: Iterable[str]) -> None:
-        """Write a table on a terminal, `lines` into a pipe or a file.
+    def table(
+        self, columns: Sequence[str], rows: Sequence[Sequence[object]], lines: Iterable[str] | None = None
+    ) -> None:
+        """Write a table on a terminal, `lines` into a pipe or a file: by default the rows' cells.
 
         Programs rely on the lines; a column whose name begins with `#` is aligned to the right.
         """
         if self._as_json:
             return
         if not sys.stdout.isatty():
-            for line in lines:
+            for line in ("  ".join(map(str, row)) for row in rows) if lines is None else lines:
                 print(line)
             return
         table = Table()

@@ -146,8 +146,7 @@ def remove(made: Mapping[str, str], region: str, refit: str, identity: str) -> N
     """
     table = storage_named(region, made["TableName"]).table
     # A replica must not keep it either.
-    keypoints = made["KeypointBucketName"]
-    objects = ReplicatedObjects(functools.partial(aws.s3, region), keypoints, aws.s3)
+    objects = ReplicatedObjects(made["KeypointBucketName"], region)
     calibrations = Calibrations(table, objects)
     document = calibrations.get(identity)
     if document is None:

@@ -13,7 +13,7 @@ from pyarrow import parquet
 from calibdb.dump.public_copy import Alias, aliases, public_copy, unnamed_copy
 from calibdb.schema import CalibrationDocument
 from infra.ops import OpsError
-from infra.ops.context import CALIBRATIONS_PREFIX, OpsContext, count_objects
+from infra.ops.context import OpsContext
 from infra.ops.restore import CALIBRATIONS, RIGS, VOTES
 
 Select = Callable[[Any], Any]  # of a stored document, its copy in the dump; None: it stays out
@@ -72,12 +72,10 @@ _CORNERS = pa.schema(
 
 
 def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[int, int]:
-    """Write all that may be given away to a new folder; return how many calibrations and votes.
+    """Write all that may be given away to a new folder; return the numbers of calibrations and votes.
 
-    Withdrawn calibrations are left out, and what was given without a licence. Contributors are named by a
-    hash whose key is thrown away. `private`: with contributions without a licence, for the operator only.
-
-    Raises OpsError if the folder is there already.
+    Withdrawn calibrations are left out, and, unless `private`, what was given without a licence. Contributors
+    are named by a hash whose key is thrown away.
     """
     if folder.exists():
         raise OpsError(f"{folder} is there already; a dump needs a folder of its own")
@@ -109,8 +107,7 @@ def dump(context: OpsContext, folder: Path, *, private: bool = False) -> tuple[i
 
 
 def _select_documents(context: OpsContext, select: Select) -> Iterator[CalibrationDocument]:
-    total = functools.partial(count_objects, context, CALIBRATIONS_PREFIX)
-    for document, withdrawn in context.track(context.store.calibrations.everything(), "calibrations", total):
+    for document, withdrawn in context.every_calibration():
         copy = None if withdrawn else select(document)
         if copy is not None:
             yield copy

@@ -6,17 +6,14 @@ A command imports its module when it runs: some load slowly (the solver, pyarrow
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from infra.console import Output
 from infra.ops import OpsError
-from infra.ops.session import DryRun, Json, Size, data_folder, failure_exit, open_run, parse_size
+from infra.ops.session import DryRun, Json, Size, data_folder, open_output, open_run, parse_size
 
 
 def _complete_model(start: str) -> list[str]:
@@ -26,6 +23,7 @@ def _complete_model(start: str) -> list[str]:
 
 
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER")]
+File = Annotated[Path, typer.Argument(metavar="FILE")]
 
 
 def dump(
@@ -59,12 +57,9 @@ def publish_dump(as_json: Json = False) -> None:
         run.output.value(dump.model_dump(mode="json"))
 
 
-def backup(
-    file: Annotated[Path, typer.Argument(metavar="FILE")],
-    as_json: Json = False,
-) -> None:
+def backup(file: File, as_json: Json = False) -> None:
     """Back up a data folder, whose server may run, to a new file. It contains secrets: keep it private."""
-    with _without_storage(as_json=as_json) as output:
+    with open_output(as_json=as_json) as output:
         from infra.ops.backup import write_backup
 
         size = write_backup(data_folder(), file)
@@ -72,12 +67,9 @@ def backup(
         output.value({"file": str(file), "size": size})
 
 
-def restore(
-    file: Annotated[Path, typer.Argument(metavar="FILE")],
-    as_json: Json = False,
-) -> None:
+def restore(file: File, as_json: Json = False) -> None:
     """Restore a backup to a data folder whose server is stopped; its content is kept in a folder there."""
-    with _without_storage(as_json=as_json) as output:
+    with open_output(as_json=as_json) as output:
         from infra.ops.backup import restore_backup
 
         previous = restore_backup(data_folder(), file)
@@ -85,19 +77,6 @@ def restore(
             f"{file} restored to {data_folder()}" + (f"; it was {previous} before" if previous else "")
         )
         output.value({"folder": str(data_folder()), "before": previous and str(previous)})
-
-
-@contextmanager
-def _without_storage(*, as_json: bool) -> Iterator[Output]:
-    """Run a command on files only; an OpsError ends it with its text and the exit status 1."""
-    from calibdb.errors import CalibdbError
-
-    output = Output(as_json=as_json)
-    try:
-        yield output
-        output.finish()
-    except (CalibdbError, OpsError, OSError) as error:
-        raise failure_exit(str(error)) from error
 
 
 def load(folder: Folder, dry_run: DryRun = False, as_json: Json = False) -> None:
@@ -112,7 +91,7 @@ def load(folder: Folder, dry_run: DryRun = False, as_json: Json = False) -> None
 
 
 def bundle(
-    file: Annotated[Path, typer.Argument(metavar="FILE")],
+    file: File,
     most: Annotated[int, typer.Option(min=1, metavar="CAMERAS", help="Number of cameras.")] = 500,
     as_json: Json = False,
 ) -> None:
@@ -124,7 +103,7 @@ def bundle(
         run.output.value(asdict(done))
         run.output.table(
             ("#bytes", "camera"),
-            ((size, camera) for camera, size in done.cameras.items()),
+            [(size, camera) for camera, size in done.cameras.items()],
             (f"{size:6} bytes  {camera}" for camera, size in done.cameras.items()),
         )
         run.output.line(

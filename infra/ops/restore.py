@@ -18,13 +18,11 @@ Document = TypeVar("Document", bound=BaseModel)
 
 
 def load(context: OpsContext, folder: Path, *, dry_run: bool = False) -> tuple[int, int]:
-    """Store what `dump` wrote and have every consensus computed; return how many calibrations and votes.
+    """Store what `dump` wrote, have every consensus computed; return the numbers of calibrations and votes.
 
-    What is there already under its id stays as it is, so that a load that was cut short is simply repeated.
-    Into a stack that is not empty: contributors of a dump are other ones than those known here. With
-    `dry_run`, the files are only read.
-
-    Raises OpsError, and has stored nothing, if a line is neither a calibration nor a vote.
+    Known ids stay as they are, so a load that was cut short is repeated. Contributors of a dump are other
+    ones than those known here. With `dry_run`, the files are only read. Raises OpsError, and has stored
+    nothing, if a line is neither a calibration nor a vote.
     """
     if not (folder / CALIBRATIONS).is_file():
         raise OpsError(f"{folder} lacks {CALIBRATIONS}: it is not the folder of a dump")

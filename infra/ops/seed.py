@@ -54,23 +54,8 @@ def seed(
     """Store a guess for every camera, size, zoom and model in a CSV file.
 
     Columns: `w h fx fy cx cy`, the coefficients by their names, optionally `zoom` and `distortion_model`,
-    and whatever the labels are made of. Of several rows of one camera the one with the median focal length
-    counts; where they are of several lenses, none does.
-
-    Parameters
-    ----------
-    context
-        The deployment.
-    path
-        The file.
-    camera, platform
-        Label and platform of a browser, made of columns: `{brand} {model}`.
-    model
-        Model of rows without one.
-    source
-        Kept with every guess.
-    dry_run
-        Store nothing; count what would be stored.
+    and those of which `camera` and `platform` are made, such as `{brand} {model}`. Of several rows of one
+    camera the one with the median focal length counts; if they are of several lenses, none does.
     """
     groups: dict[tuple[str, tuple[int, int], float, str], list[_Row]] = defaultdict(list)
     skipped: Counter[str] = Counter()
@@ -99,13 +84,13 @@ def seed(
             context.store.priors.keep(prior)
         priors += 1
         cameras.add(key)
-    return SeedResult(priors, len(cameras), rows, skipped)
+    return SeedResult(priors, len(cameras), rows, dict(skipped))
 
 
 def guess(
     camera: str, platform: str, zoom: float, fit: FitRecord, source: str, measured: int = 1
 ) -> PriorDocument:
-    """Return the first guess for a camera, as a browser reports it."""
+    """Make the first guess for a camera, as a browser reports it."""
     return PriorDocument(
         camera_key=identify(camera, platform).key,
         camera=public_label(camera),
