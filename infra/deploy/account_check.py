@@ -1,7 +1,4 @@
-"""Check of an account: whether it can host the stack, before anything is created.
-
-Every problem is one sentence that says what to do. Nothing here writes.
-"""
+"""Check of an account: whether it can host the stack, before anything is created. It writes nothing."""
 
 from __future__ import annotations
 
@@ -67,7 +64,7 @@ class Account:
 
     @classmethod
     def of(cls, region: str) -> Account:
-        """Return the clients of the operator's own account."""
+        """Make the clients of the operator's own account."""
         return cls(
             cloudformation=boto3.client("cloudformation", region),
             lambda_=boto3.client("lambda", region),
@@ -97,7 +94,7 @@ def problems(target: Target, account: Account) -> Iterator[str]:
 
 
 def explain(reasons: Iterable[str]) -> list[str]:
-    """Add to the reasons that CloudFormation gave what to do about them; unknown ones stand as they are."""
+    """Add to the reasons that CloudFormation gave what to do about them."""
     said = []
     for reason in reasons:
         remedy = next((remedy for pattern, remedy in _CAUSES if pattern.search(reason)), None)
@@ -134,9 +131,9 @@ def _concurrency(lambda_: Any, values: Mapping[str, str], kept: Mapping[str, str
 
 
 def _verification(cloudfront: Any) -> Iterator[str]:
-    """Find out whether CloudFront serves the account: by asking for a distribution that cannot be made.
+    """Find out whether CloudFront serves the account, by asking for a distribution that cannot be made.
 
-    Its origin access control does not exist, so the request fails whatever the account is.
+    Its origin access control does not exist, so the request always fails.
     """
     try:
         cloudfront.create_distribution(DistributionConfig=IMPOSSIBLE)

@@ -33,17 +33,7 @@ from infra.web_build.site import Options
 
 
 def deploy(target: Target, template: Template | None = None, leave_out: Collection[str] = ()) -> None:
-    """Do every step; raises DeployError at the first that fails.
-
-    Parameters
-    ----------
-    target
-        Stack and region of the deployment.
-    template
-        Another complete one than `template.yaml`.
-    leave_out
-        Kinds of steps that are not done.
-    """
+    """Do every step but those of the kinds to `leave_out`; raises DeployError at the first that fails."""
     source = template or complete_template()
     target = find_out(target)
     chosen = [step for step in steps(target) if step.kind not in leave_out]
@@ -52,7 +42,7 @@ def deploy(target: Target, template: Template | None = None, leave_out: Collecti
 
 
 def find_out(target: Target) -> Target:
-    """Complete a target by what its account says: whether the stack is there, and where its site is."""
+    """Complete a target by its account: whether the stack exists, and where its site is."""
     stack = _describe(target)
     if stack is None or stack.status in aws.UNCREATED:
         return target
@@ -145,7 +135,7 @@ def _smoke(target: Target, source: Template) -> Iterator[str]:
 
 
 def _fill_in(parameters: Mapping[str, str], target: Target) -> dict[str, str]:
-    """Parameters with the stack's outputs and the version of the edge's secret in place of their names."""
+    """Fill in the stack's outputs and the version of the edge's secret."""
     values: dict[str, str] = {}
     text = "".join(parameters.values())
     if "{SiteUrl}" in text:
@@ -161,7 +151,6 @@ def _fill_in(parameters: Mapping[str, str], target: Target) -> dict[str, str]:
 
 
 def _different(parameters: Mapping[str, str], target: Target) -> list[str]:
-    """Names of parameters whose values differ in the stack."""
     if not parameters:
         return []
     stack = _describe(target)

@@ -28,14 +28,8 @@ _FOREIGN = ("x86_64", "win32", "darwin")
 class BuiltLayer:
     """One layer as it lies in its folder.
 
-    Attributes
-    ----------
-    megabytes
-        Unzipped, 10^6 bytes.
-    compiled
-        Share of the modules that are byte-compiled for Python 3.13.
-    foreign
-        Libraries of other machines than Lambda's.
+    `megabytes`: unzipped, 10^6 bytes. `compiled`: share of the modules that are byte-compiled for Python
+    3.13. `foreign`: libraries of other machines than Lambda's.
     """
 
     megabytes: float
@@ -44,7 +38,7 @@ class BuiltLayer:
 
     @classmethod
     def of(cls, folder: Path) -> BuiltLayer:
-        """Look through a layer's folder."""
+        """Inspect a layer's folder."""
         files = [path for path in folder.rglob("*") if path.is_file()]
         sources = [path for path in files if path.suffix == ".py"]
         compiled = {path.name.removesuffix(".cpython-313.pyc") for path in files if path.suffix == ".pyc"}
@@ -77,7 +71,7 @@ def problems(service: BuiltLayer, solver: BuiltLayer, functions: float) -> Itera
 
 
 def build() -> None:
-    """Build both layers by the rules of their own Makefiles; raises CalledProcessError."""
+    """Build both layers with their own Makefiles; raises CalledProcessError."""
     shutil.rmtree(BUILT, ignore_errors=True)
     node = shutil.which("node") or "node"
     # `make` sets PYTHONPATH to the layers' sources, which the build must not see.
@@ -94,7 +88,7 @@ def build() -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Build, if asked to, and print the sizes; return 1 where something is wrong."""
+    """Build if asked to, and print the sizes; return 1 if something is wrong."""
     parser = argparse.ArgumentParser(prog="python -m infra.deploy.layers")
     parser.add_argument("--build", action="store_true", help="build both layers first")
     if parser.parse_args(arguments).build:

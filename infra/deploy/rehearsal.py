@@ -1,8 +1,8 @@
 """Rehearsal of the deployment against ministack: `python -m infra.deploy.rehearsal`.
 
-Everything is done by what does it on AWS: SAM's command line packs and uploads functions and layers, a stack
-is made of the template and changed, the site is uploaded, the pages get their token, the keys are rotated.
-What ministack does not know, or what only AWS can answer, is left out and said.
+SAM's command line packs and uploads functions and layers, a stack is made of the template and changed, the
+site is uploaded, the pages get their token, the keys are rotated. What ministack does not support, or only
+AWS can answer, is left out and printed.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _CHANGED = ROOT / ".build" / "layers" / "service" / "python" / "calibdb" / "rehe
 
 
 def main() -> int:
-    """Deploy, change a layer, deploy nothing new, rotate; return 1 where what is there then is wrong."""
+    """Deploy, change a layer, deploy nothing new, rotate; return 1 if the result is wrong."""
     with ministack.serving() as url:
         os.environ |= {
             "AWS_ENDPOINT_URL": url,
@@ -75,7 +75,7 @@ def main() -> int:
 
 
 def _live() -> dict[str, tuple[str, str]]:
-    """Read version and release that each alias points to, by the function's name."""
+    """Read version and release of each alias, by the function's name."""
     cloudformation, lambda_ = boto3.client("cloudformation"), boto3.client("lambda")
     versions = {}
     for name, release in aws.releases(cloudformation, lambda_, REHEARSAL.stack).items():
@@ -104,7 +104,7 @@ def _find_unpublished(
 
 
 def remove_unsupported(template: Template) -> Template:
-    """Remove from a template what ministack does not support: resources, and deployments by CodeDeploy."""
+    """Remove what ministack does not support: resources, and deployments by CodeDeploy."""
     resources = template["Resources"]
     for name in UNSUPPORTED:
         del resources[name]

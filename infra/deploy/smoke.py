@@ -1,6 +1,6 @@
-"""Smoke test of a deployment: what its pages, and pages of other origins, need of it.
+"""Smoke test of a deployment, for its pages and pages of other origins.
 
-Nothing is left behind but one capture, which `infra.deploy.smoke_capture` removes.
+It leaves nothing but one capture, which `infra.deploy.smoke_capture` removes.
 """
 
 from __future__ import annotations
@@ -28,15 +28,7 @@ _PREFLIGHT = {
 
 @dataclass(frozen=True)
 class Site:
-    """Addresses of a deployment.
-
-    Attributes
-    ----------
-    url
-        Address of the site, without a slash at the end.
-    distribution
-        Domain name of its CloudFront distribution; None if there is none.
-    """
+    """Addresses of a deployment: the site, without slash, and the domain name of its distribution."""
 
     url: str
     distribution: str | None = None
@@ -47,7 +39,7 @@ Ask = Callable[[str, str, Mapping[str, str], bytes | None], httpx.Response]
 
 
 def make_requester(url: str, via: str | None = None) -> Ask:
-    """Build a function that sends requests to `url`, which ends without slash; `via` as in `target`."""
+    """Make a function that sends requests to `url`, which ends without slash; `via` as in `target`."""
     context = ssl.create_default_context()
 
     def ask(method: str, path: str, headers: Mapping[str, str], body: bytes | None) -> httpx.Response:
@@ -63,7 +55,7 @@ def make_requester(url: str, via: str | None = None) -> Ask:
 def target(url: str, via: str | None) -> tuple[str, dict[str, str], dict[str, str]]:
     """Return the address to connect to for a site, and headers and extensions of httpx's requests.
 
-    It is the name `via` where the site's own does not resolve yet; certificate and Host are the site's own.
+    It is the name `via` if the site's own does not resolve yet; certificate and Host are the site's own.
     """
     parts = urlsplit(url)
     host = parts.hostname or ""

@@ -49,10 +49,7 @@ class CaptureRecord:
 
 
 def call(ask: smoke.Ask, method: str, path: str, credential: str, body: object = None) -> Any:
-    """Ask as a page does: a deployment that has no time just now is asked again.
-
-    Raises CallError if the response is not one of success.
-    """
+    """Send a request, again while the deployment has no time. Raises CallError if it is refused."""
     content = None if body is None else json.dumps(body).encode()
     for attempt in range(_MAX_BUSY_ATTEMPTS):
         if attempt:
@@ -131,18 +128,10 @@ def problems(site: smoke.Site, token: str, remove: Callable[[str], None]) -> Ite
 
 
 def remove(made: Mapping[str, str], region: str, refit: str, identity: str) -> None:
-    """Remove a calibration, and have what it was pooled into computed without it.
+    """Remove a calibration, and have its consensus computed again by the function `refit`.
 
-    Its versions expire with the bucket's rule: a deployment has no right to remove versions.
-
-    Parameters
-    ----------
-    made
-        Outputs of the stack.
-    refit
-        Name of the function that computes consensuses.
-    identity
-        Id of the calibration.
+    `made`: outputs of the stack. Versions expire with the bucket's rule: a deployment may not remove
+    versions.
     """
     table = storage_named(region, made["TableName"]).table
     # A replica must not keep it either.

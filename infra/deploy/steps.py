@@ -21,18 +21,10 @@ Kind = Literal[
 
 @dataclass(frozen=True)
 class Target:
-    """Target of a deployment: stack, region, parameters.
+    """Target of a deployment.
 
-    Attributes
-    ----------
-    stack, region
-        Name and place of the CloudFormation stack.
-    parameters
-        Parameters of the template that replace defaults.
-    site
-        Address of the site without slash; None where CloudFront makes one up, at the first deployment.
-    exists
-        True if the stack exists already.
+    `parameters` replace the template's defaults. `site`: address without slash, None if CloudFront assigns
+    it, at the first deployment. `exists`: True if the stack exists already.
     """
 
     stack: str
@@ -55,7 +47,7 @@ class Target:
 
 @dataclass(frozen=True)
 class Step:
-    """One thing to do: a command with the template's parameters, or a call to AWS's interface."""
+    """A command with the template's parameters, or calls to AWS."""
 
     kind: Kind
     text: str

@@ -9,21 +9,18 @@ import yaml
 
 
 def parse(path: Path) -> dict[str, Any]:
-    """Return a template as it is written, short forms such as `!Ref` in their long form."""
+    """Parse a template file."""
     return parse_text(path.read_text(encoding="utf-8"))
 
 
 def parse_text(template: str) -> dict[str, Any]:
-    """Return a template's text as it is written, short forms such as `!Ref` in their long form."""
+    """Parse a template."""
     document: dict[str, Any] = yaml.load(template, Loader=_Loader)  # noqa: S506
     return document
 
 
 class _Loader(yaml.CSafeLoader):
-    """YAML with CloudFormation's short forms: `!Ref X`, `!GetAtt X.Arn`, `!Sub …` become their long forms.
-
-    libyaml's, as the template is read at each start of a stack.
-    """
+    """libyaml's loader, as the template is read at each start of a stack."""
 
 
 def _short_form(loader: _Loader, suffix: str, node: yaml.Node) -> dict[str, Any]:
