@@ -23,13 +23,7 @@ class TemplateError(ValueError):
 
 
 def text(value: Any) -> str:
-    """Convert a scalar to the string that CloudFormation makes of it.
-
-    Raises
-    ------
-    TemplateError
-        If the value is a list or a map, of which CloudFormation makes no string either.
-    """
+    """Convert a scalar to the string that CloudFormation makes of it; raises TemplateError for others."""
     if not isinstance(value, bool | int | float | str):
         raise TemplateError(f"{value!r} stands where a string is wanted")
     return str(value).lower() if isinstance(value, bool) else str(value)
@@ -52,13 +46,7 @@ class Resolver:
     )
 
     def __call__(self, value: Any) -> Any:
-        """Return the value, resolved throughout.
-
-        Raises
-        ------
-        TemplateError
-            If something in it is not known.
-        """
+        """Return the value, resolved throughout; raises TemplateError if something in it is not known."""
         if isinstance(value, list):
             return [self(element) for element in value]
         if not isinstance(value, Mapping):

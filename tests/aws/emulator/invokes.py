@@ -27,15 +27,7 @@ _log = logging.getLogger("tests.aws.emulator.invokes")
 
 
 class Invokes:
-    """Delivers invocations to functions.
-
-    Parameters
-    ----------
-    functions
-        By name.
-    pauses
-        Seconds before the first retry and before the later ones. Lambda waits one and two minutes.
-    """
+    """Delivers invocations to functions; `pauses`: s before the first retry and before the later ones."""
 
     def __init__(self, functions: Mapping[str, Function], pauses: Sequence[float]):
         self._functions = functions
@@ -74,10 +66,7 @@ class Invokes:
     def wait_until_idle(self, seconds: float) -> None:
         """Wait until no asynchronous invocation is queued, running, or waiting for a retry.
 
-        Raises
-        ------
-        TimeoutError
-            If invocations are still unfinished after `seconds`.
+        Raises TimeoutError.
         """
         with self._idle:
             if not self._idle.wait_for(lambda: self._unfinished == 0, seconds):
@@ -114,7 +103,7 @@ class Invokes:
             except FunctionError as error:  # the function has logged it
                 payload = error.payload
         _log.error("%s: a call failed %d times and is given up", function.spec.name, attempts)
-        if function.spec.failures:
+        if function.spec.has_failures:
             self._failures.append(_failure(function.spec, request_id, event, payload))
 
 
